@@ -1,10 +1,12 @@
-"""How often the truth lies within the uncertainty that `gcomp calibrate` states: 200 known machines of each kind.
+"""How often the truth lies within the uncertainty that `gcomp calibrate` states: 200 known machines
+of each kind.
 
     python benchmarks/calibration.py [--machines 200] [--runs 5] [--noise 0.3]
     python benchmarks/calibration.py --conditions        20 machines under nine conditions each
 
-Every machine is made up anew, its recordings are simulated by the rigid-body equation (tests/calibrate/simulation.py),
-calibrated, and every value of every table is compared with the truth. A well stated uncertainty has 95 % within 2 u.
+Every machine is made up anew, its recordings are simulated by the rigid-body equation
+(tests/calibrate/simulation.py), calibrated, and every value of every table is compared with the
+truth. A well stated uncertainty has 95 % within 2 u.
 """
 
 from __future__ import annotations
@@ -77,10 +79,19 @@ def main() -> None:
     for title, (make, chain, rest) in MACHINES.items():
         for runs in options.runs:
             inside, count, spread, u = coverage(
-                make, chain, rest, Options(parse(chain)), calibrate, options.machines, options.seed, runs=runs, noise=options.noise
-            )  # fmt: skip
+                make,
+                chain,
+                rest,
+                Options(parse(chain)),
+                calibrate,
+                options.machines,
+                options.seed,
+                runs=runs,
+                noise=options.noise,
+            )
             print(
-                f"| {title} | {runs} | {count} | {100 * inside / count:.2f} % | {spread:.3f} | {u:.3f} |",
+                f"| {title} | {runs} | {count} | {100 * inside / count:.2f} % | {spread:.3f} |"
+                f" {u:.3f} |",
                 flush=True,
             )
 

@@ -1,10 +1,11 @@
-"""Run one command and print what it used: exit status, CPU seconds (user + system), wall seconds, peak memory in MB.
+"""Run one command and print what it used: exit status, CPU seconds (user + system), wall seconds,
+peak memory in MB.
 
     python -I -S benchmarks/child.py COMMAND ...
 
-A process of its own, as small as Python gets: on Linux a child's peak counts the memory of the process it was forked
-from, so a larger parent would hide a small child (the floor is about 9 MB). The command's output is thrown away and its
-standard error is passed on.
+A process of its own, as small as Python gets: on Linux a child's peak counts the memory of the
+process it was forked from, so a larger parent would hide a small child (the floor is about 9 MB).
+The command's output is thrown away and its standard error is passed on.
 """
 
 import os

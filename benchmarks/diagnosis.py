@@ -1,9 +1,11 @@
-"""How well `gcomp diagnose` names what was concealed: cases of proof.generator, judged as a sealed trial judges (proof.score).
+"""How well `gcomp diagnose` names what was concealed: cases of proof.generator, judged as a sealed
+trial judges (proof.score).
 
     python -m benchmarks.diagnosis --seed 7 --kind single --count 100 [--jobs 2] [--list]
 
-For tuning: any seed, as often as wanted. What counts is `python -m proof.trial`. The table says, by size of the effect: named
-right (effect and axis, among the accepted names), truth within the answer or its equivalent names, missed, wrong names.
+For tuning: any seed, as often as wanted. What counts is `python -m proof.trial`. The table says, by
+size of the effect: named right (effect and axis, among the accepted names), truth within the answer
+or its equivalent names, missed, wrong names.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ BANDS = ((8, 1e9), (4, 8), (2, 4), (0, 2))
 
 
 def answer(folder: Path) -> tuple[str, dict | None, list[tuple[str, int]], float, str]:
-    """Name of the case, what the tool answers, names with their scores, seconds, and the traceback if it failed."""
+    """Name of the case, what the tool answers, names with their scores, seconds, and the traceback
+    if it failed."""
     from postproc import recordings
     from postproc.diagnose import report
     from postproc.diagnose.analysis import diagnose
@@ -75,14 +78,21 @@ def show(outcomes: list[Outcome], scores: dict[str, list], listed: bool) -> None
     for (low, high), c in by_band.items():
         if c["n"]:
             parts = {
-                "right": c["right"], "in set": c["right"] + c["in set"], "missed": c["missed"], "wrong": c["wrong"],
-            }  # fmt: skip
+                "right": c["right"],
+                "in set": c["right"] + c["in set"],
+                "missed": c["missed"],
+                "wrong": c["wrong"],
+            }
             told = "  ".join(f"{name} {v / c['n']:.2f}" for name, v in parts.items())
             print(f"{low:>3} to {min(high, 99):g} um: n {c['n']:>3}  {told}")
     n = len(outcomes)
-    print(f"cases {n}, with any name {sum(bool(o.names) for o in outcomes) / n:.3f}, unknown {sum(o.unknown for o in outcomes) / n:.3f}, "
-          f"accepted names {sum(len(o.names) for o in outcomes)}, of these false {sum(len(o.wrong) for o in outcomes)}, "
-          f"seconds a case {sum(o.seconds for o in outcomes) / n:.1f}")  # fmt: skip
+    print(
+        f"cases {n}, with any name {sum(bool(o.names) for o in outcomes) / n:.3f}, unknown"
+        f" {sum(o.unknown for o in outcomes) / n:.3f}, accepted names"
+        f" {sum(len(o.names) for o in outcomes)}, of these false"
+        f" {sum(len(o.wrong) for o in outcomes)}, seconds a case"
+        f" {sum(o.seconds for o in outcomes) / n:.1f}"
+    )
     for name, c in sorted(effects.items()):
         print(f"  {name:<22}" + "  ".join(f"{k} {v}" for k, v in sorted(c.items())))
 

@@ -1,4 +1,5 @@
-"""The four NC programs that the benchmarks run on, made from a seed: the same seed and length give the same bytes.
+"""The four NC programs that the benchmarks run on, made from a seed: the same seed and length give
+the same bytes.
 
     python benchmarks/files.py DIR [--lines N] [--only a,c]
 
@@ -26,7 +27,7 @@ import numpy as np
 SEED = 20_260
 LINES = 1_000_000
 
-# ---- a, a2: a raster over a freeform surface -------------------------------------------------------------------------
+# ---- a, a2: a raster over a freeform surface -----------------------------------------------------
 
 ROW_X = (5.0, 395.0)
 ROW_Y = (5.0, 295.0)
@@ -36,12 +37,14 @@ ROWS_PER_PASS = 20  # rows between two retracts
 
 
 def surface(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Height of the part, between -91 and -9 mm; its slope along X stays below 0.66, so that steps stay below 1 mm."""
+    """Height of the part, between -91 and -9 mm; its slope along X stays below 0.66, so that steps
+    stay below 1 mm."""
     return -50.0 + 25.0 * np.sin(x / 60.0) + 12.0 * np.cos(y / 33.0) + 4.0 * np.sin((x + y) / 17.0)
 
 
 def raster(rng: np.random.Generator) -> Iterator[np.ndarray]:
-    """The rows of the raster, each (n, 3) in mm, there and back along X; at the far edge the raster turns round."""
+    """The rows of the raster, each (n, 3) in mm, there and back along X; at the far edge the raster
+    turns round."""
     for row in count():
         steps = rng.uniform(0.3, 0.75, size=int((ROW_X[1] - ROW_X[0]) / 0.3) + 1)
         x = ROW_X[0] + np.cumsum(steps)
@@ -95,19 +98,39 @@ def write_a2(lines: int) -> Iterator[str]:
     yield from ("M5", "M30", "%")
 
 
-# ---- b: turning ------------------------------------------------------------------------------------------------------
+# ---- b: turning ----------------------------------------------------------------------------------
 
 # (Z, diameter) of a shaft with tapers, shoulders and a groove, mm.
-SHAFT = np.array([
-    (2, 290), (60, 290), (60, 250), (130, 238), (131, 236), (200, 236), (200, 180), (230, 180), (231, 168), (236, 168),
-    (237, 180), (330, 150), (330, 96), (420, 96), (423, 90), (490, 90), (492, 60), (508, 20),
-], dtype=float)  # fmt: skip
+SHAFT = np.array(
+    [
+        (2, 290),
+        (60, 290),
+        (60, 250),
+        (130, 238),
+        (131, 236),
+        (200, 236),
+        (200, 180),
+        (230, 180),
+        (231, 168),
+        (236, 168),
+        (237, 180),
+        (330, 150),
+        (330, 96),
+        (420, 96),
+        (423, 90),
+        (490, 90),
+        (492, 60),
+        (508, 20),
+    ],
+    dtype=float,
+)
 STOCK = 25.0  # on diameter, taken off in PASSES passes
 PASSES = 40
 
 
 def turning_lines(rng: np.random.Generator) -> Iterator[str]:
-    """Body of b.nc: along the shaft there and back at a falling stock, steps of 0.2 to 1 mm, a dwell after each."""
+    """Body of b.nc: along the shaft there and back at a falling stock, steps of 0.2 to 1 mm, a
+    dwell after each."""
     legs = np.hypot(np.diff(SHAFT[:, 0]), np.diff(SHAFT[:, 1]) / 2.0)
     length = np.concatenate([[0.0], np.cumsum(legs)])
     for turn in count():
@@ -131,7 +154,7 @@ def write_b(lines: int) -> Iterator[str]:
     yield from ("M30", "%")
 
 
-# ---- c: arcs ---------------------------------------------------------------------------------------------------------
+# ---- c: arcs -------------------------------------------------------------------------------------
 
 ARC_AREA = (2.0, 2.0, 398.0, 298.0)  # every whole circle stays inside
 
@@ -142,9 +165,11 @@ def fits(x: float, y: float, radius: float) -> bool:
 
 
 def arc_lines(rng: random.Random) -> Iterator[str]:
-    """Body of c.nc: each arc leaves along the tangent of the last one, unless it would leave the area.
+    """Body of c.nc: each arc leaves along the tangent of the last one, unless it would leave the
+    area.
 
-    The radius is taken from the printed I and J, so only the rounding of the end point, 0.07 um, is left of mismatch.
+    The radius is taken from the printed I and J, so only the rounding of the end point, 0.07 um, is
+    left of mismatch.
     """
     x, y, heading = 200.0, 150.0, 0.0
     while True:
@@ -172,7 +197,7 @@ def write_c(lines: int) -> Iterator[str]:
     yield from ("M30", "%")
 
 
-# ---- writing ---------------------------------------------------------------------------------------------------------
+# ---- writing -------------------------------------------------------------------------------------
 
 PROGRAMS: dict[str, Callable[[int], Iterator[str]]] = {
     "a": write_a,

@@ -1,11 +1,13 @@
-"""How long a line takes that comes alone: the filter by itself, and with the wire lines that `gcomp stream -` makes of it.
+"""How long a line takes that comes alone: the filter by itself, and with the wire lines that `gcomp
+stream -` makes of it.
 
     python benchmarks/latency.py [--lines 1000] [--passes 5] [--json FILE]
 
-The programs are those of files.py: turning on the map of studer-s36, surfacing and arcs on the mill of machine.py, whose 18
-components and three squareness errors make 21. Every line is fed by itself, as it comes through a pipe; what is told is the time
-per line fed and per line that came out, of each line the least of --passes passes, so that other processes on the computer
-count less. Nothing here passes or fails: the table is the result.
+The programs are those of files.py: turning on the map of studer-s36, surfacing and arcs on the mill
+of machine.py, whose 18 components and three squareness errors make 21. Every line is fed by itself,
+as it comes through a pipe; what is told is the time per line fed and per line that came out, of
+each line the least of --passes passes, so that other processes on the computer count less. Nothing
+here passes or fails: the table is the result.
 """
 
 from __future__ import annotations
@@ -63,7 +65,8 @@ def main() -> None:
     )
     options = parser.parse_args()
     print(
-        "| program | machine | way | lines | ms a line: median | 99 % | ms a line out: median | 99 % | longest |"
+        "| program | machine | way | lines | ms a line: median | 99 % | ms a line out: median | 99"
+        " % | longest |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
     figures = []
@@ -89,10 +92,16 @@ def main() -> None:
                 each, out = rows[:, 0] * 1e3, rows[rows[:, 1] > 0]
                 per = np.repeat(out[:, 0] / out[:, 1], out[:, 1].astype(int)) * 1e3
                 row = {
-                    "program": title, "machine": which, "way": way, "lines": len(rows),
-                    "median": float(np.median(each)), "p99": float(np.percentile(each, 99)),
-                    "median_out": float(np.median(per)), "p99_out": float(np.percentile(per, 99)), "longest": float(each.max()),
-                }  # fmt: skip
+                    "program": title,
+                    "machine": which,
+                    "way": way,
+                    "lines": len(rows),
+                    "median": float(np.median(each)),
+                    "p99": float(np.percentile(each, 99)),
+                    "median_out": float(np.median(per)),
+                    "p99_out": float(np.percentile(per, 99)),
+                    "longest": float(each.max()),
+                }
                 figures.append(row)
                 texts = [f"{v:.3f}" if isinstance(v, float) else str(v) for v in row.values()]
                 print("| " + " | ".join(texts) + " |", flush=True)

@@ -5,12 +5,15 @@ image at 115,200 baud.
 
 Every sender sends the same job, an arc in pieces of 0.1 mm, at feeds up to one that the wire can
 not carry, to the image in ../shared/receivers, in real time. "ideal" is a loop of twenty lines that
-counts characters and does nothing else; "send-response" one that waits for every answer; "printcore" is
-printrun's (PyPI, in the environment that benchmarks/streaming.py --fetch makes), without what GRBL
-refuses of it: line numbers, checksums, M105, M110. bytes a second: from the first byte of the job to the last answer; motion: from the first to the last step
-pulse; of the feed: the time that the job takes at its feed, without acceleration, by that.
---latency: ms by which answers come late, as those of a USB bridge do (16 of an FTDI's). Where the
-simulator could not keep up with the clock the run is made again."""
+counts characters and does nothing else; "ideal, asking" the same, with the ten reports a second
+that gcomp asks for, which cost such a GRBL time; "send-response" one that waits for every answer;
+"printcore" is printrun's (PyPI, in the environment that benchmarks/streaming.py --fetch makes),
+without what GRBL refuses of it: line numbers, checksums, M105, M110. bytes a second: from the first
+byte of the job to the last answer; motion: from the first to the last step pulse; of the feed: the
+time that the job takes at its feed, without acceleration, by that. --latency: ms by which answers
+come late, as those of a USB bridge do (16 of an FTDI's). Where the simulator could not keep up with
+the clock the run is made again. The senders take turns --repeat times; the best and the median of
+each are said."""
 
 from __future__ import annotations
 
@@ -18,6 +21,7 @@ import argparse
 import math
 import os
 import select
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -41,7 +45,9 @@ WINDOW = 128
 BAUD = 115200
 SILENCE = 10.0  # s
 AGAIN = 5
-SENDERS = ("ideal", "gcomp", "gcomp --simple", "send-response", "printcore")
+ASKS = 0.1  # s between two questions of "ideal, asking", as gcomp asks to watch the path
+ASKING = "ideal, asking"
+SENDERS = ("ideal", ASKING, "gcomp", "gcomp --simple", "send-response", "printcore")
 
 
 def program(feed: int, seconds: float) -> list[str]:
@@ -54,13 +60,13 @@ def program(feed: int, seconds: float) -> list[str]:
     return rows
 
 
-def bare(port: str, rows: list[str], window: int) -> tuple[float, float]:
-    """Count characters up to `window` bytes (0: wait for every answer); when the first byte left,
-    when the last answer came."""
+def bare(port: str, rows: list[str], window: int, every: float = 0.0) -> tuple[float, float]:
+    """Count characters up to `window` bytes (0: wait for every answer), and ask for a report every
+    so many s (0: never); when the first byte left, when the last answer came."""
     fd = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
     tty.setraw(fd)
     heard, waiting, used, i = b"", [], 0, 0
-    begun = time.monotonic()
+    begun = asked = time.monotonic()
     while i < len(rows) or waiting:
         while i < len(rows):
             size = len(rows[i]) + 1
@@ -69,7 +75,12 @@ def bare(port: str, rows: list[str], window: int) -> tuple[float, float]:
             os.write(fd, rows[i].encode() + b"\n")
             waiting.append(size)
             used, i = used + size, i + 1
-        if not select.select([fd], [], [], SILENCE)[0]:
+        if every and time.monotonic() - asked >= every:
+            asked = time.monotonic()
+            os.write(fd, b"?")
+        if not select.select([fd], [], [], every or SILENCE)[0]:
+            if every:
+                continue
             raise RuntimeError(f"no answer to {len(waiting)} lines behind line {i}")
         heard += os.read(fd, 4096)
         *whole, heard = heard.split(b"\n")
@@ -115,9 +126,10 @@ def run(sender: str, rows: list[str], latency: float) -> tuple[float, float, flo
         (folder / "job.nc").write_text("\n".join(rows) + "\n")
         options = ["-baud", str(BAUD), *(("-latency", str(latency)) if latency else ())]
         with RealGrbl(folder, *options) as real:
-            if sender in ("ideal", "send-response"):
+            if sender in ("ideal", ASKING, "send-response"):
                 real.talk("$I")
-                begun, ended = bare(real.path, rows, WINDOW if sender == "ideal" else 0)
+                window = 0 if sender == "send-response" else WINDOW
+                begun, ended = bare(real.path, rows, window, ASKS if sender == ASKING else 0.0)
             elif sender == "printcore":
                 begun, ended = printcore(folder, real.path)
             else:
@@ -149,6 +161,10 @@ def main() -> None:
     )
     parser.add_argument("--feeds", type=int, nargs="+", default=[1000, 2000, 5000], help="mm/min")
     parser.add_argument("--latency", type=float, nargs="+", default=[0.0, 16.0], help="ms")
+    parser.add_argument("--repeat", type=int, default=3, help="runs of each sender")
+    parser.add_argument(
+        "--senders", nargs="+", choices=SENDERS, help="these alone, ideal with them"
+    )
     parser.add_argument(
         "--fetch", action="store_true", help="install printcore into the cache first"
     )
@@ -156,24 +172,37 @@ def main() -> None:
     if options.fetch:
         fetch()
     senders = SENDERS if (CACHE / "complete").exists() else SENDERS[:-1]
+    if options.senders:
+        senders = tuple(s for s in senders if s == "ideal" or s in options.senders)
     print(
-        "| latency ms | F | lines a second wanted | sender | bytes a second | of ideal | motion s | of the feed |"
+        "| latency ms | F | lines a second wanted | sender | bytes a second, best, median |"
+        " of ideal | motion s | of the feed |"
     )
     print("|---:|---:|---:|---|---:|---:|---:|---:|")
     for latency in options.latency:
         for feed in options.feeds:
             rows = program(feed, options.seconds)
-            programmed = (len(rows) - 2) * STEP / feed * 60
-            best = math.nan
-            for sender in senders:
-                rate, motion = kept_up(sender, rows, latency)
-                best = rate if sender == "ideal" else best
-                share, said = f"{100 * rate / best:.1f} %", f"{rate:.0f}"
-                print(
-                    f"| {latency:g} | {feed} | {feed / 60 / STEP:.0f} | {sender} | {said} | {share} | {motion:.2f} | "
-                    f"{100 * programmed / motion:.0f} % |",
-                    flush=True,
-                )
+            seconds = (len(rows) - 2) * STEP / feed * 60
+            runs: dict[str, list[tuple[float, float]]] = {sender: [] for sender in senders}
+            for _ in range(options.repeat):
+                for sender in senders:
+                    runs[sender].append(kept_up(sender, rows, latency))
+            told(f"{latency:g} | {feed} | {feed / 60 / STEP:.0f}", runs, seconds)
+
+
+def told(which: str, runs: dict[str, list[tuple[float, float]]], seconds: float) -> None:
+    """A row for each sender: bytes a second, that of the ideal one's, motion, s, and what it takes
+    at its feed by that."""
+    ideal = [rate for rate, _ in runs["ideal"]]
+    for sender, pairs in runs.items():
+        rates, motion = [rate for rate, _ in pairs], min(motion for _, motion in pairs)
+        best = 100 * max(rates) / max(ideal)
+        median = 100 * statistics.median(rates) / statistics.median(ideal)
+        print(
+            f"| {which} | {sender} | {max(rates):.0f}, {statistics.median(rates):.0f} |"
+            f" {best:.1f} %, {median:.1f} % | {motion:.2f} | {100 * seconds / motion:.0f} % |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

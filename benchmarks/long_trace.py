@@ -2,8 +2,8 @@
 
     python -m benchmarks.long_trace [--samples 1000000]
 
-A lathe's two slides go there and back for a thousand seconds, logged at 1 kHz by an instrument at the tool; X is 2 ms late, Z 1 ms and
-8 um behind at every turn.
+A lathe's two slides go there and back for a thousand seconds, logged at 1 kHz by an instrument at
+the tool; X is 2 ms late, Z 1 ms and 8 um behind at every turn.
 """
 
 from __future__ import annotations
@@ -36,12 +36,17 @@ def write(file: Path, samples: int) -> None:
     vx, vz = np.gradient(x, t), np.gradient(z, t)
     side = np.where(np.stack([vx, vz]) >= 0, 1.0, -1.0)
     off = np.concatenate(
-        [machine.deviation(np.stack([x, z])[:, a : a + BLOCK], side[:, a : a + BLOCK]) for a in range(0, samples, BLOCK)], axis=1
-    )  # fmt: skip
+        [
+            machine.deviation(np.stack([x, z])[:, a : a + BLOCK], side[:, a : a + BLOCK])
+            for a in range(0, samples, BLOCK)
+        ],
+        axis=1,
+    )
     off += np.stack([-0.002 * vx, -0.001 * vz - 0.004 * side[1]]) + rng.normal(0, 4e-4, off.shape)
     with file.open("w") as out:
         out.write(
-            '# format = "gcomp-recording/1"\n# kind = "trace"\n# machine = "studer-s36"\n# sees = "tool"\n'
+            '# format = "gcomp-recording/1"\n# kind = "trace"\n# machine = "studer-s36"\n# sees ='
+            ' "tool"\n'
         )
         out.write("run,t_s,X_cmd_mm,Z_cmd_mm,X_act_mm,Z_act_mm\n")
         rows = np.stack([1 + t // 200, t, x, z, x + off[0], z + off[1]], axis=1)
@@ -66,7 +71,8 @@ def main() -> None:
         wall, own = time.perf_counter() - wall, time.process_time() - own
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         print(
-            f"\n{samples:,} samples: {wall:.1f} s, of these {own:.1f} s of the processor; peak {peak / 1024:.0f} MB (before: {before / 1024:.0f})"
+            f"\n{samples:,} samples: {wall:.1f} s, of these {own:.1f} s of the processor; peak"
+            f" {peak / 1024:.0f} MB (before: {before / 1024:.0f})"
         )
 
 

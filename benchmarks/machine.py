@@ -2,8 +2,9 @@
 
     python benchmarks/machine.py DIR [--two-way]
 
-All 18 components of the slides and the three squareness errors, smooth and of a realistic size (10-30 um, 10-30 urad).
-With `--two-way` the positioning components have a column for each direction, a few um apart.
+All 18 components of the slides and the three squareness errors, smooth and of a realistic size
+(10-30 um, 10-30 urad). With `--two-way` the positioning components have a column for each
+direction, a few um apart.
 """
 
 from __future__ import annotations
@@ -49,7 +50,8 @@ measured_at = {{ {others} }}
 
 
 def smooth(rng: np.random.Generator, share: np.ndarray, size: float) -> np.ndarray:
-    """A slope and three waves over `share` of the travel (0..1), zero at its start, `size` at its largest."""
+    """A slope and three waves over `share` of the travel (0..1), zero at its start, `size` at its
+    largest."""
     values = rng.normal() * share
     for waves in (0.5, 1.0, 2.0):
         values = values + rng.normal() / (1.0 + waves) * np.sin(
@@ -60,7 +62,8 @@ def smooth(rng: np.random.Generator, share: np.ndarray, size: float) -> np.ndarr
 
 
 def table(axis: str, two_way: bool) -> str:
-    """The CSV table of an axis. Both variants of the machine have the same values but for the two directions."""
+    """The CSV table of an axis. Both variants of the machine have the same values but for the two
+    directions."""
     low, high = RANGES[axis]
     nodes = np.append(np.arange(low, high - 1.0, STEP), high)
     share = (nodes - low) / (high - low)

@@ -1,9 +1,10 @@
-"""Read a program with LinuxCNC's `gcode.parse` and a canon that does nothing: its interpreter at its fastest.
+"""Read a program with LinuxCNC's `gcode.parse` and a canon that does nothing: its interpreter at
+its fastest.
 
     python benchmarks/peer_gcode_parse.py FILE [--count]
 
-Needs the module `gcode` on PYTHONPATH and its libraries on LD_LIBRARY_PATH. With `--count` the canon counts the motions
-instead, and they are printed.
+Needs the module `gcode` on PYTHONPATH and its libraries on LD_LIBRARY_PATH. With `--count` the
+canon counts the motions instead, and they are printed.
 """
 
 import os
@@ -14,7 +15,8 @@ import gcode
 
 
 class Canon:
-    """Answers what the interpreter asks; every other call (motion, dwell, spindle, plane ...) is ignored."""
+    """Answers what the interpreter asks; every other call (motion, dwell, spindle, plane ...) is
+    ignored."""
 
     def __init__(self, folder):
         self.parameter_file = os.path.join(folder, "parameters")
@@ -41,8 +43,9 @@ class Canon:
     def ignore(self, *args):
         pass
 
+    # the frequent
     next_line = straight_traverse = straight_feed = arc_feed = dwell = set_feed_rate = comment = (
-        ignore  # the frequent
+        ignore
     )
 
     def __getattr__(self, name):

@@ -1,4 +1,5 @@
-"""Send a program with grbl-streamer: python peer_grbl_streamer.py PORT FILE. Prints done when its job is completed, error at an error."""
+"""Send a program with grbl-streamer: python peer_grbl_streamer.py PORT FILE. Prints done when its
+job is completed, error at an error."""
 
 import logging
 import os

@@ -1,4 +1,5 @@
-"""Send a program with printrun's printcore: python peer_printcore.py PORT FILE. Prints done when it says so."""
+"""Send a program with printrun's printcore: python peer_printcore.py PORT FILE. Prints done when it
+says so."""
 
 import sys
 import time

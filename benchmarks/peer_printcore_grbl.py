@@ -1,6 +1,8 @@
-"""Send a program to a GRBL with printrun's printcore: python peer_printcore_grbl.py PORT FILE. Prints when it began and ended, s.
+"""Send a program to a GRBL with printrun's printcore: python peer_printcore_grbl.py PORT FILE.
+Prints when it began and ended, s.
 
-What GRBL refuses is left out of what printcore sends: line numbers, checksums, M105 and M110; the rest of it is as it comes."""
+What GRBL refuses is left out of what printcore sends: line numbers, checksums, M105 and M110; the
+rest of it is as it comes."""
 
 import sys
 import time

@@ -1,9 +1,12 @@
-"""gcomp beside the interpreters that others have written: speed, start-up and memory, on the same files in one run.
+"""gcomp beside the interpreters that others have written: speed, start-up and memory, on the same
+files in one run.
 
-    python benchmarks/speed.py [--lines N] [--only a,c] [--repeat 2] [--memory] [--fetch] [--json FILE]
+    python benchmarks/speed.py [--lines N] [--only a,c] [--repeat 2] [--memory] [--fetch] [--json
+    FILE]
 
-Every measurement is a process of its own; what counts is its CPU time (user + system), which moves by a few per cent
-between runs where wall time moves by half. Nothing here passes or fails: the tables are the result.
+Every measurement is a process of its own; what counts is its CPU time (user + system), which moves
+by a few per cent between runs where wall time moves by half. Nothing here passes or fails: the
+tables are the result.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -27,12 +31,9 @@ HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 CACHE = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp"
 LINUXCNC = CACHE / "linuxcnc"
-PYGCODE_VERSION = "0.2.1"
-PYGCODE = CACHE / f"pygcode-{PYGCODE_VERSION}"
-PYGCODE_TOOL = f"pygcode {PYGCODE_VERSION}"
-PYGCODE_LINES = (
-    10_000  # it would take minutes on a whole file; its rate does not depend on the length
-)
+# Peers of PyPI: the tool, and on how many lines of a file it runs; they would take minutes or
+# gigabytes on a whole one, and their rates do not depend on the length.
+PYPI = {"pygcode 0.2.1": 10_000, "nc-gcode-interpreter 0.1.9": 200_000, "gcodeparser 0.3.0": 50_000}
 TWO_WAY = "gcomp, two-way tables"
 STARTS = 10
 TIME_LIMIT = 900.0  # s, for one process
@@ -96,7 +97,7 @@ class Row:
         return self.lines / self.usage.cpu_s if self.usage and self.usage.cpu_s else 0.0
 
 
-# ---- measuring -------------------------------------------------------------------------------------------------------
+# ---- measuring -----------------------------------------------------------------------------------
 
 
 def run(command: Command) -> Usage:
@@ -118,9 +119,8 @@ def run(command: Command) -> Usage:
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
         raise Absent(f"stopped after {TIME_LIMIT:g} s") from None
-    said = [
-        line for line in complaint.splitlines() if line and not line[0].isspace()
-    ]  # indented: details
+    # indented: details
+    said = [line for line in complaint.splitlines() if line and not line[0].isspace()]
     last = said[-1].strip() if said else "no message"
     if process.returncode:
         raise Absent(last)
@@ -131,7 +131,8 @@ def run(command: Command) -> Usage:
 
 
 def measure(rows: list[Row], commands: dict[str, Command], repeat: int) -> None:
-    """Fill in the rows, a round of all tools at a time, so that a slow minute of the computer meets them all."""
+    """Fill in the rows, a round of all tools at a time, so that a slow minute of the computer meets
+    them all."""
     for _ in range(repeat):
         for row in rows:
             if row.problem or row.tool not in commands:
@@ -142,7 +143,7 @@ def measure(rows: list[Row], commands: dict[str, Command], repeat: int) -> None:
                 row.usage, row.problem = None, str(absent)
 
 
-# ---- the tools -------------------------------------------------------------------------------------------------------
+# ---- the tools -----------------------------------------------------------------------------------
 
 
 class Bench:
@@ -161,8 +162,8 @@ class Bench:
             TWO_WAY: self.gcomp_two_way,
             "LinuxCNC gcode.parse": self.gcode_parse,
             "LinuxCNC rs274 -g": self.rs274,
-            PYGCODE_TOOL: self.pygcode,
         }
+        self.tools |= {tool: partial(self.of_pypi, tool) for tool in PYPI}
 
     def write(self, name: str, lines: int) -> Path:
         """The program `name` of that length; it is kept, as its bytes depend on nothing else."""
@@ -220,15 +221,20 @@ class Bench:
         ]
         return {"LD_LIBRARY_PATH": os.pathsep.join(map(str, libraries)), "HOME": str(self.home)}
 
-    def pygcode(self, program: Path) -> Command:
+    def of_pypi(self, tool: str, program: Path) -> Command:
+        name, version = tool.split()
         environment = {}
-        if PYGCODE.is_dir():
-            environment["PYTHONPATH"] = str(PYGCODE)
-        elif installed("pygcode") != PYGCODE_VERSION:
-            raise Absent(
-                f"not installed; --fetch gets it, or pip install pygcode=={PYGCODE_VERSION}"
-            )
-        return Command([sys.executable, str(HERE / "peer_pygcode.py"), str(program)], environment)
+        if place_of(tool).is_dir():
+            environment["PYTHONPATH"] = str(place_of(tool))
+        elif installed(name) != version:
+            raise Absent(f"not installed; --fetch gets it, or pip install {name}=={version}")
+        peer = HERE / f"peer_{name.replace('-', '_')}.py"
+        return Command([sys.executable, str(peer), str(program)], environment)
+
+
+def place_of(tool: str) -> Path:
+    """Where --fetch puts a peer of PyPI."""
+    return CACHE / tool.replace(" ", "-")
 
 
 def python(*arguments: object) -> None:
@@ -248,15 +254,25 @@ def fetch() -> None:
     wanted = []
     if not (LINUXCNC / "usr/bin/rs274").exists():
         wanted.append(["sh", str(ROOT / "tests/linuxcnc/fetch.sh"), str(LINUXCNC)])
-    if not PYGCODE.is_dir() and installed("pygcode") != PYGCODE_VERSION:
-        pip = [sys.executable, "-m", "pip", "install", "--quiet", "--target", str(PYGCODE)]
-        wanted.append([*pip, f"pygcode=={PYGCODE_VERSION}"])
+    for tool in PYPI:
+        name, version = tool.split()
+        if not place_of(tool).is_dir() and installed(name) != version:
+            pip = [
+                sys.executable,
+                "-m",
+                "pip",
+                "install",
+                "--quiet",
+                "--target",
+                str(place_of(tool)),
+            ]
+            wanted.append([*pip, f"{name}=={version}"])
     for command in wanted:
         if subprocess.run(command, stdout=sys.stderr).returncode:
             print("failed:", " ".join(command), file=sys.stderr)
 
 
-# ---- what is measured ------------------------------------------------------------------------------------------------
+# ---- what is measured ----------------------------------------------------------------------------
 
 
 def count_lines(path: Path) -> int:
@@ -266,7 +282,7 @@ def count_lines(path: Path) -> int:
 
 def head(path: Path, lines: int) -> Path:
     """The first lines of a program, in a file of the same stem."""
-    short = path.parent / "head" / path.name
+    short = path.parent / f"head-{lines}" / path.name
     short.parent.mkdir(exist_ok=True)
     with path.open("rb") as source, short.open("wb") as target:
         target.writelines(islice(source, lines))
@@ -279,7 +295,7 @@ def measure_speed(bench: Bench, names: list[str], lines: int, repeat: int) -> li
         program = bench.write(name, lines)
         here, commands = [], {}
         for tool, command in bench.tools.items():
-            part = head(program, PYGCODE_LINES) if tool == PYGCODE_TOOL else program
+            part = head(program, PYPI[tool]) if tool in PYPI else program
             row = Row(name, tool, count_lines(part))
             here.append(row)
             try:
@@ -321,7 +337,7 @@ def measure_memory(bench: Bench, lines: int) -> list[Row]:
         program = bench.write("a", times * lines)
         note(f"memory, {times} x file a")
         for tool, command in bench.tools.items():
-            if tool in (TWO_WAY, PYGCODE_TOOL):
+            if tool == TWO_WAY or tool in PYPI:
                 continue
             row = Row(f"a x {times}", tool, count_lines(program))
             rows.append(row)
@@ -351,7 +367,7 @@ def computer() -> dict[str, object]:
     }
 
 
-# ---- tables ----------------------------------------------------------------------------------------------------------
+# ---- tables --------------------------------------------------------------------------------------
 
 
 def note(text: str) -> None:
@@ -386,7 +402,7 @@ def speed_table(rows: list[Row]) -> str:
             lines.append([row.file, f"{row.tool}: {row.problem.replace('|', '/')}", *["-"] * 6])
             continue
         used = row.usage
-        figures = f"{row.lines:,} {used.cpu_s:.2f} {row.rate:,.0f} {used.wall_s:.2f} {used.peak_mb:.0f}".split()
+        figures = f"{row.lines:,} {used.cpu_s:.2f} {row.rate:,.0f} {used.wall_s:.2f} {used.peak_mb:.0f}".split()  # noqa: E501
         lines.append([row.file, row.tool, *figures, ratio(row, rows)])
     return table(heads, lines)
 

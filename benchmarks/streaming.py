@@ -1,12 +1,15 @@
-"""gcomp, printcore and grbl-streamer against the same models of controllers, with the same seeded faults: what does each lose?
+"""gcomp, printcore and grbl-streamer against the same models of controllers, with the same seeded
+faults: what does each lose?
 
     python benchmarks/streaming.py --fetch --jobs 20
-    python benchmarks/streaming.py --memory 10000 1000000       # instead: peak memory of gcomp, and lines a second
+    python benchmarks/streaming.py --memory 10000 1000000       # instead: peak memory of gcomp, and
+                                                                lines a second
 
-The models are those of the tests (tests/streaming): Marlin with its checks and its buffer of 128 bytes, GRBL with a buffer that
-drops. Each job is a process of its own on a pseudo-terminal. A sender that says nothing for --limit seconds is stopped: it hangs.
-"executed otherwise" counts jobs of which the controller executed another program than the one sent; "and said done" those of
-them that ended as a success: a spoiled part that nobody knows of.
+The models are those of the tests (tests/streaming): Marlin with its checks and its buffer of 128
+bytes, GRBL with a buffer that drops. Each job is a process of its own on a pseudo-terminal. A
+sender that says nothing for --limit seconds is stopped: it hangs. "executed otherwise" counts jobs
+of which the controller executed another program than the one sent; "and said done" those of them
+that ended as a success: a spoiled part that nobody knows of.
 """
 
 from __future__ import annotations
@@ -81,8 +84,25 @@ def fetch() -> None:
 
 def command(sender: str, control: str, port: str, path: Path) -> list[str]:
     if sender == "gcomp":
-        return [sys.executable, "-m", "postproc", "stream", str(path), "--machine", "perfect", "--dialect", control, "--protocol", control,
-                "--port", port, "--no-journal", "--quiet", "--check-first", "never"]  # fmt: skip
+        return [
+            sys.executable,
+            "-m",
+            "postproc",
+            "stream",
+            str(path),
+            "--machine",
+            "perfect",
+            "--dialect",
+            control,
+            "--protocol",
+            control,
+            "--port",
+            port,
+            "--no-journal",
+            "--quiet",
+            "--check-first",
+            "never",
+        ]
     return [
         str(CACHE / "bin" / "python"),
         str(ROOT / "benchmarks" / f"peer_{sender.replace('-', '_')}.py"),
@@ -94,7 +114,8 @@ def command(sender: str, control: str, port: str, path: Path) -> list[str]:
 def job(
     sender: str, control: str, kind: str, seed: int, limit: float, folder: Path
 ) -> tuple[bool, bool, bool, float]:
-    """Whether the program was executed as it is, whether success was said, whether it hung, and its seconds."""
+    """Whether the program was executed as it is, whether success was said, whether it hung, and its
+    seconds."""
     r = random.Random(f"{control} {kind} {seed}")
     text = (
         zigzag(LINES, seed=seed, feed=FEED // 10 if "slow" in kind else FEED)[0]
@@ -131,8 +152,9 @@ def job(
 
 
 def places(rows: list[str]) -> list[tuple[tuple[str, float], ...]]:
-    """The axis words of every block that has any, to the um that a machine resolves: senders ask questions of their own, write G1 as
-    G01 and repeat feeds, and a nought that is lost does no harm."""
+    """The axis words of every block that has any, to the um that a machine resolves: senders ask
+    questions of their own, write G1 as G01 and repeat feeds, and a nought that is lost does no
+    harm."""
     blocks = [
         row.replace(" ", "") for row in rows if row.startswith("G") and not row.startswith("G92")
     ]
@@ -157,7 +179,8 @@ def after(host: PtyHost, lines: int) -> None:
 
 
 def memory(counts: list[int]) -> None:
-    """Peak memory of a process that corrects and sends, its journal kept, to a receiver that takes everything at once."""
+    """Peak memory of a process that corrects and sends, its journal kept, to a receiver that takes
+    everything at once."""
     print("| lines | peak MB | lines a second, reading the program twice |")
     print("|---:|---:|---:|")
     for n in counts:
@@ -196,7 +219,8 @@ def main() -> None:
     senders = {"marlin": ["gcomp", "printcore"], "grbl": ["gcomp", "grbl-streamer"]}
     print(f"{LINES} lines a job, {options.jobs} jobs a row, {options.limit:g} s to finish\n")
     print(
-        "| model | fault | sender | executed as sent, and said done | stopped and said so | executed otherwise | and said done | hangs | median s |"
+        "| model | fault | sender | executed as sent, and said done | stopped and said so |"
+        " executed otherwise | and said done | hangs | median s |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as place:
@@ -221,7 +245,8 @@ def main() -> None:
                         row.seconds.append(seconds)
                     median = sorted(row.seconds)[len(row.seconds) // 2]
                     print(
-                        f"| {control} | {kind} | {sender} | {row.right} | {row.said} | {row.wrong} | {row.lies} | {row.hangs} | {median:.1f} |",
+                        f"| {control} | {kind} | {sender} | {row.right} | {row.said} | {row.wrong}"
+                        f" | {row.lies} | {row.hangs} | {median:.1f} |",
                         flush=True,
                     )
 

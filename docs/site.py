@@ -1,5 +1,6 @@
-"""What the documentation site needs beside docs/: the README as its first page, the machines' README and the changelog, and links
-between them as they are there. mkdocs calls on_files and on_page_markdown; `mkdocs build --strict` builds the site."""
+"""What the documentation site needs beside docs/: the README as its first page, the machines'
+README and the changelog, and links between them as they are there. mkdocs calls on_files and
+on_page_markdown; `mkdocs build --strict` builds the site."""
 
 from __future__ import annotations
 
@@ -21,11 +22,10 @@ PICTURE = re.compile(r"!\[([^\]]*)\]\(docs/([^)]+)\)")
 def on_files(files, config):
     for name, source in PAGES.items():
         files.append(File.generated(config, name, content=(ROOT / source).read_text("utf-8")))
-    known = {uri for uri in ("/".join(Path(n).parts) for n in (nav_names(config["nav"])))}
+    known = {uri for uri in ("/".join(Path(n).parts) for n in nav_names(config["nav"]))}
     for path in sorted((ROOT / "docs").glob("*.md")):
-        if (
-            path.name not in known
-        ):  # a page that is written later is found by the search, and is no fault of the nav
+        # a page that is written later is found by the search, and is no fault of the nav
+        if path.name not in known:
             config["nav"].append({path.stem.replace("_", " ").capitalize(): path.name})
     return files
 

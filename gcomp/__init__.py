@@ -8,9 +8,10 @@ X39.9827 Z79.9996
 >>> done.verified.passed
 True
 
-Names that stand in `__all__` are the public interface and follow semantic versioning: within one major version they keep
-their meaning, and fields are added, never taken away. Everything in the package `postproc` may change in any version.
-All of it is described, with examples that the tests run, in docs/PYTHON.md.
+Names that stand in `__all__` are the public interface and follow semantic versioning: within one
+major version they keep their meaning, and fields are added, never taken away. Everything in the
+package `postproc` may change in any version. All of it is described, with examples that the tests
+run, in docs/PYTHON.md.
 """
 
 from postproc import __version__

@@ -1,4 +1,5 @@
-"""The command line: opens, closes, and says what went wrong. Each subcommand is a file in postproc/commands."""
+"""The command line: opens, closes, and says what went wrong. Each subcommand is a file in
+postproc/commands."""
 
 from __future__ import annotations
 
@@ -8,11 +9,12 @@ import errno
 import importlib
 import os
 import pkgutil
+import re
 import signal
 import sys
 from typing import NoReturn, TextIO
 
-from postproc import __version__, colour
+from postproc import __version__, colour, standing
 from postproc.errors import GcompError, UsageError
 
 # numpy's own threads serve nothing here, and cost start-up time.
@@ -20,9 +22,24 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
 HELPERS = (
-    "as_json", "attempts", "expansion", "machine_facts", "machine_new", "reading", "residual", "session", "values",
+    "as_json",
+    "attempts",
+    "calibrate_options",
+    "expansion",
+    "export_files",
+    "export_options",
+    "machine_facts",
+    "machine_new",
+    "port_options",
+    "reading",
+    "reading_options",
+    "recording_files",
+    "residual",
+    "session",
+    "simulate_options",
+    "values",
     "warming",
-)  # fmt: skip
+)
 ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 
@@ -38,7 +55,8 @@ class _Parser(argparse.ArgumentParser):
         if unknown and not unknown.startswith("-") and " " not in self.prog:
             message = f"one program at a time, and {unknown} is another"
             meant = "gcomp batch PROGRAM... -o DIR takes many; "
-        self.exit(REFUSED, f"gcomp: {message}\n    {meant}{command} --help lists the options\n")
+        colour.fault(f"{message}\n    {meant}{command} --help lists the options")
+        self.exit(REFUSED)
 
     def _near(self, unknown: str) -> str:
         """The option that is written almost as the first unknown one; "" where none is."""
@@ -67,7 +85,8 @@ def commands() -> list[str]:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted, 141 closed pipe."""
+    """Run gcomp; returns the exit status: 0, 1 the surroundings failed, 2 refused, 130 interrupted,
+    141 closed pipe."""
     plain = sys.stderr
     if colour.wanted(plain):
         sys.stderr = colour.Painted(plain)
@@ -83,9 +102,8 @@ def _answered(argv: list[str] | None) -> int:
     """The exit status, every error told."""
     argv = sys.argv[1:] if argv is None else argv
     _keep_memory()
-    if (
-        sys.stderr is None
-    ):  # closed by the caller, or none on a Windows desktop: nothing to say, and nowhere else to say it
+    # closed by the caller, or none on a Windows desktop: nothing to say, and nowhere else to say it
+    if sys.stderr is None:
         sys.stderr = open(os.devnull, "w")  # noqa: SIM115
     try:
         with contextlib.suppress(ValueError, AttributeError):
@@ -118,8 +136,8 @@ def _answered(argv: list[str] | None) -> int:
 
 
 def _let_go(stream: TextIO | None) -> None:
-    """Write what a standard stream still holds, or drop it where nobody reads it any more, as after a terminal has gone: it
-    would fail once more when the interpreter ends, with the status 120."""
+    """Write what a standard stream still holds, or drop it where nobody reads it any more, as after
+    a terminal has gone: it would fail once more when the interpreter ends, with the status 120."""
     try:
         if stream is not None:
             stream.flush()
@@ -139,7 +157,8 @@ def _forget(stream: TextIO | None) -> None:
 
 
 def _keep_memory() -> None:
-    """Let the C library keep freed memory: giving 2 MB arrays back after every step costs a tenth of the time."""
+    """Let the C library keep freed memory: giving 2 MB arrays back after every step costs a tenth
+    of the time."""
     with contextlib.suppress(OSError, AttributeError, ImportError):
         import ctypes
 
@@ -163,9 +182,11 @@ def _run(argv: list[str]) -> int:
     module = importlib.import_module(f"postproc.commands.{name}")
     example = getattr(module, "EXAMPLE", "")
     parser = _Parser(
-        prog="gcomp" if name == DEFAULT else f"gcomp {name}", description=module.HELP,
-        epilog=f"example: {example}" if example else None, formatter_class=colour.formatter(sys.stdout),
-    )  # fmt: skip
+        prog="gcomp" if name == DEFAULT else f"gcomp {name}",
+        description=module.HELP,
+        epilog=f"example: {example}" if example else None,
+        formatter_class=colour.formatter(sys.stdout),
+    )
     module.arguments(parser)
     handed_on = None
     if hasattr(module, "HANDS_ON") and "--" in argv:  # what follows is for another command
@@ -177,23 +198,28 @@ def _run(argv: list[str]) -> int:
         return int(end.code or 0)
     if hasattr(module, "HANDS_ON"):
         options.handed_on = handed_on or []
+    standing.options(options)
     return module.run(options)
 
 
 def _no_slip(word: str) -> None:
-    """Raises UsageError for a first word that is no file and almost a command."""
-    near = [] if word.startswith("-") or os.path.exists(word) else alike(word, commands())
-    if near:
+    """Raises UsageError for a first word that is no file and almost a command, or like one."""
+    if word.startswith("-") or os.path.exists(word):
+        return
+    near = alike(word, commands())
+    if near or re.fullmatch("[a-z]+", word):
         raise UsageError(
-            f"there is no program and no command {word}", f"did you mean gcomp {near[0]}?"
+            f"there is no program and no command {word}",
+            f"did you mean gcomp {near[0]}?" if near else "gcomp --help lists the commands",
         )
 
 
 def _overview(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(
-        prog="gcomp", description="makes an inaccurate CNC machine cut accurately, by rewriting its programs",
+        prog="gcomp",
+        description="makes an inaccurate CNC machine cut accurately, by rewriting its programs",
         formatter_class=colour.formatter(sys.stdout if argv else sys.stderr),
-    )  # fmt: skip
+    )
     parser.add_argument("--version", action="store_true", help="say which gcomp this is")
     sub = parser.add_subparsers(metavar="COMMAND")
     for name in commands():
@@ -211,5 +237,5 @@ def _interrupt(number, frame) -> None:
 
 def _complain(message: str, status: int) -> int:
     with contextlib.suppress(OSError, ValueError):
-        print(f"gcomp: {message}", file=sys.stderr)
+        colour.fault(message)
     return status

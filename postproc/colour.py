@@ -1,16 +1,18 @@
-"""Colour on a terminal: messages by what they are, and the help. None elsewhere, nor where NO_COLOR is set (no-color.org)."""
+"""Colour on a terminal: messages by what they are, and the help. None elsewhere, nor where NO_COLOR
+is set (no-color.org)."""
 
 from __future__ import annotations
 
 import argparse
 import os
 import re
+import sys
 from typing import Any, TextIO
 
 RED, YELLOW, GREEN, CYAN, PLAIN = "\x1b[1;31m", "\x1b[33m", "\x1b[32m", "\x1b[36m", "\x1b[0m"
-# The first that fits a line decides; what fits none is the message of an error.
+# The first that fits a line decides; what fits none stays as it is.
 KINDS = (
-    (re.compile(r"gcomp: (?:warning|in doubt|NOT WITHIN|verified: NOT)"), YELLOW),
+    (re.compile(r"gcomp: warning"), YELLOW),
     (re.compile(r"gcomp: (?:verified|written|opened|\d+ motions)"), GREEN),
     (re.compile(r"gcomp: (?:notice|not in the map|\d+ of \d+)"), CYAN),
 )
@@ -36,12 +38,22 @@ class Painted:
         self._stream.write("".join(_line(line) for line in text.splitlines(keepends=True)))
         return len(text)
 
+    def fault(self, text: str) -> None:
+        """The message of an error."""
+        self._stream.write(f"{RED}gcomp:{PLAIN} {text}\n")
+
 
 def _line(line: str) -> str:
-    if not line.startswith("gcomp: "):
-        return line
-    colour = next((colour for kind, colour in KINDS if kind.match(line)), RED)
-    return f"{colour}gcomp:{PLAIN}{line[6:]}"
+    colour = next((colour for kind, colour in KINDS if kind.match(line)), "")
+    return f"{colour}gcomp:{PLAIN}{line[6:]}" if colour else line
+
+
+def fault(text: str) -> None:
+    """The message of an error to standard error: gcomp, and its text."""
+    if isinstance(sys.stderr, Painted):
+        sys.stderr.fault(text)
+    elif sys.stderr is not None:
+        sys.stderr.write(f"gcomp: {text}\n")
 
 
 def formatter(stream: TextIO | None) -> type[argparse.HelpFormatter]:

@@ -1,4 +1,5 @@
-"""Every error and notice that a user can meet: where it is, what with its number, and the way out."""
+"""Every error and notice that a user can meet: where it is, what with its number, and the way
+out."""
 
 from __future__ import annotations
 
@@ -7,7 +8,8 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Place:
-    """A place in a file. Lines and columns count from 1; `stop` is the column after the last one."""
+    """A place in a file. Lines and columns count from 1; `stop` is the column after the last
+    one."""
 
     file: str
     line: int
@@ -39,7 +41,8 @@ def _one_line(text: str) -> str:
 
 
 class GcompError(Exception):
-    """What stops gcomp. `message` is a fact with its number, `advice` the way out, `place` where it is, if anywhere."""
+    """What stops gcomp. `message` is a fact with its number, `advice` the way out, `place` where it
+    is, if anywhere."""
 
     def __init__(self, message: str, advice: str = "", place: Place | None = None):
         super().__init__(message)
@@ -54,7 +57,8 @@ class GcompError(Exception):
 
 
 class ProgramError(GcompError):
-    """The NC program can not be followed or compensated. `delivered`: the corrected text of all blocks before."""
+    """The NC program can not be followed or compensated. `delivered`: the corrected text of all
+    blocks before."""
 
     delivered: bytes = b""
 
@@ -68,9 +72,11 @@ class UsageError(GcompError):
 
 
 class BlockFault(Exception):
-    """A block that can not go on; raised by layers that know blocks by number, not by file and line.
+    """A block that can not go on; raised by layers that know blocks by number, not by file and
+    line.
 
-    `block` counts within the batch; `start` and `stop` are offsets into the batch's text (0, 0: the whole block).
+    `block` counts within the batch; `start` and `stop` are offsets into the batch's text (0, 0: the
+    whole block).
     """
 
     def __init__(self, block: int, message: str, advice: str = "", start: int = 0, stop: int = 0):
@@ -100,10 +106,7 @@ class Notice:
     message: str
     line: int = 0
     size: float = 0.0  # of several of one code the largest is told
-    refusal: tuple[str, str] = (
-        "",
-        "",
-    )  # message and way out, if it turns out that nothing else could be done
-    counts: tuple[
-        int, ...
-    ] = ()  # of several of one code the sums are told, in the message's {0}, {1}...
+    # message and way out, if it turns out that nothing else could be done
+    refusal: tuple[str, str] = ("", "")
+    # of several of one code the sums are told, in the message's {0}, {1}...
+    counts: tuple[int, ...] = ()

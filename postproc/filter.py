@@ -1,18 +1,18 @@
 """The heart: program text in, corrected program text out. Files, pipes and wires all use it.
 
-Text, motions and physics meet here and nowhere else. The filter opens nothing and keeps, between two calls, only what a
-control keeps between two blocks: so any cut of the input gives the same bytes.
+Text, motions and physics meet here and nowhere else. The filter opens nothing and keeps, between
+two calls, only what a control keeps between two blocks: so any cut of the input gives the same
+bytes.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from postproc import __version__
+from postproc import __version__, intake, marks
 from postproc.compensate import Compensator, Options
 from postproc.errors import BlockFault, MotionFault, Notice, Place, ProgramError
 from postproc.machine.model import Machine
@@ -30,28 +30,24 @@ from postproc.units import UM
 if TYPE_CHECKING:
     from postproc.heat.follow import Heat, Warmth
 
-Watcher = Callable[
-    [Words, Motions, Pieces, bytes, int], None
-]  # a batch, its output, the lines before it
-LONGEST_LINE = (
-    1_000_000  # bytes without a line end: no program, or one for which memory would not stay flat
-)
+# a batch, its output, the lines before it
+Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]
+# bytes without a line end: no program, or one for which memory would not stay flat
 MOST_ARCS = 2000
 DEFAULTS = Options()
 TOO_LONG = (
-    f"a line of more than {LONGEST_LINE:,} characters",
+    f"a line of more than {intake.LINE:,} characters",
     "this is no NC program, or its line ends were lost",
 )
 OWN_OUTPUT = (
     "this program is gcomp's own output: it is corrected already",
     "give the nominal program; correcting twice doubles the correction",
 )
-MARK = re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE)
 
 
 def _portions(text: bytes) -> Iterator[bytes]:
-    """Whole lines, all at once or, where there are many arcs, fewer: an arc takes many samples, and memory shall
-    stay flat."""
+    """Whole lines, all at once or, where there are many arcs, fewer: an arc takes many samples, and
+    memory shall stay flat."""
     arcs = max(text.count(letter) for letter in (b"I", b"J", b"K", b"R", b"i", b"j", b"k", b"r"))
     size = len(text) if arcs <= MOST_ARCS else max(1, len(text) * MOST_ARCS // arcs)
     start = 0
@@ -62,14 +58,15 @@ def _portions(text: bytes) -> Iterator[bytes]:
 
 
 def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
-    """Where the first line begins that is too long or gcomp's own mark, with what to say, or None."""
+    """Where the first line begins that is too long or gcomp's own mark, with what to say, or
+    None."""
     found = []
-    mark = MARK.search(text)
+    mark = marks.PROGRAM[0].search(text)
     if mark:
         found.append((text.rfind(b"\n", 0, mark.start()) + 1, *OWN_OUTPUT))
     start = 0
-    while len(text) - start > LONGEST_LINE:
-        stop = text.rfind(b"\n", start, start + LONGEST_LINE + 1) + 1
+    while len(text) - start > intake.LINE:
+        stop = text.rfind(b"\n", start, start + intake.LINE + 1) + 1
         if not stop:
             found.append((start, *TOO_LONG))
             break
@@ -111,25 +108,32 @@ def setup_of(
 ) -> Setup:
     """What the text layer must know of a machine, and of how its control is set."""
     return Setup(
-        axes=machine.letters, diameter=frozenset(machine.diameter),
+        axes=machine.letters,
+        diameter=frozenset(machine.diameter),
         least_increment={x: axis.least_increment for x, axis in machine.axes.items()},
-        offsets={**machine.offsets, **(offsets or {})}, start=start or {}, block_delete=block_delete, arc_centre=arc_centre,
-        integers=integers, kinematics=Poses(machine) if machine.chain.rotary else None,
+        offsets={**machine.offsets, **(offsets or {})},
+        start=start or {},
+        block_delete=block_delete,
+        arc_centre=arc_centre,
+        integers=integers,
+        kinematics=Poses(machine) if machine.chain.rotary else None,
         home=dict(machine.home),
-    )  # fmt: skip
+    )
 
 
 def marker_of(machine: Machine, tolerance: float) -> str:
     """The comment that tells a corrected program from a nominal one."""
-    return f"(GCOMP {__version__} {machine.name.upper()} MAP {machine.digest.upper()} TOL {tolerance / UM:g} UM)"
+    name = intake.label(machine.name).upper()
+    return f"(GCOMP {__version__} {name} MAP {machine.digest.upper()} TOL {tolerance / UM:g} UM)"
 
 
 @dataclass
 class Filter:
-    """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see every batch; heat: which
-    temperature each block meets, of a machine that grows.
+    """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see
+    every batch; heat: which temperature each block meets, of a machine that grows.
 
-    On a fault everything before the faulty block has been handled: the ProgramError carries it as `delivered`.
+    On a fault everything before the faulty block has been handled: the ProgramError carries it as
+    `delivered`.
     """
 
     machine: Machine
@@ -149,9 +153,12 @@ class Filter:
         )
         written_out = self.dialect.holes_written_out
         options = replace(
-            self.options, arc_mismatch=mismatch, passes_unknown=self.dialect.homes, holes_written_out=written_out,
+            self.options,
+            arc_mismatch=mismatch,
+            passes_unknown=self.dialect.homes,
+            holes_written_out=written_out,
             heat_step=tuple(self.heat.step.tolist()) if self.heat else (),
-        )  # fmt: skip
+        )
         self.compensator = Compensator(self.machine, options)
         marker = marker_of(self.machine, self.compensator.tolerance)
         if (
@@ -170,14 +177,14 @@ class Filter:
         self._told: dict[str, float] = {}
         self._counted: dict[str, Notice] = {}
 
-    # -- the two verbs -------------------------------------------------------------------------------------------------
+    # -- the two verbs -----------------------------------------------------------------------------
 
     def feed(self, data: bytes) -> bytes:
         """Corrected text of all whole lines so far. Raises ProgramError."""
         end = data.rfind(b"\n") + 1
         if not end:
             self._rest += data
-            if len(self._rest) > LONGEST_LINE and not self.modal.ended:
+            if len(self._rest) > intake.LINE and not self.modal.ended:
                 raise self._error(self._rest, *TOO_LONG)
             return b""
         text, self._rest = self._rest + data[:end], data[end:]
@@ -188,15 +195,14 @@ class Filter:
         text, self._rest = self._rest, b""
         out = self._lines(text) if text else b""
         unknown = self._counted.get("unknown")
-        if (
-            unknown is not None and unknown.refusal[0] and not self.summary.changed
-        ):  # no feed ever had a place
+        # no feed ever had a place
+        if unknown is not None and unknown.refusal[0] and not self.summary.changed:
             error = ProgramError(*unknown.refusal, Place(self.name, unknown.line))
             error.delivered = out
             raise error
         return out
 
-    # -- one batch -----------------------------------------------------------------------------------------------------
+    # -- one batch ---------------------------------------------------------------------------------
 
     @staticmethod
     def _handled(steps: Iterable[Callable[[], bytes]]) -> bytes:
@@ -228,7 +234,8 @@ class Filter:
         return self._handled([partial(self._tape, text[:stop]), partial(self._lines, text[stop:])])
 
     def _tape(self, line: bytes) -> bytes:
-        """The first "%" opens the program, one after blocks ends it: the control reads no further."""
+        """The first "%" opens the program, one after blocks ends it: the control reads no
+        further."""
         if line.strip()[:1] != b"%":
             raise self._error(
                 line,
@@ -242,7 +249,8 @@ class Filter:
         return line
 
     def _batch(self, words: Words) -> bytes:
-        """Whole lines without "%". What no control must see is refused when all before it is handled."""
+        """Whole lines without "%". What no control must see is refused when all before it is
+        handled."""
         text = words.text
         bad = _unwanted(text, self.dialect.grammar.checksums)
         if bad is None:
@@ -265,16 +273,8 @@ class Filter:
             raise words.fault
         warmth = None
         if self.heat and self.warmth:
-            motions, warmth = self.heat.run(words, motions, self.warmth)
-            notices = [
-                *notices,
-                Notice(
-                    "heat",
-                    self.heat.told(warmth),
-                    -self.summary.lines - 1,
-                    size=1.0 + warmth.ticking.now,
-                ),
-            ]
+            motions, warmth, said = self.heat.run(words, motions, self.warmth)
+            notices = [*notices, *(self._of_heat(notice, words) for notice in said)]
         try:
             pieces, carry, more = self.compensator.run(motions, self.carry)
         except MotionFault as fault:
@@ -313,8 +313,17 @@ class Filter:
         self.summary.largest = carry.largest
         return result
 
+    def _of_heat(self, notice: Notice, words: Words) -> Notice:
+        """A notice of what heat does, at the line of its block, or of no line."""
+        of_all = notice.code in ("heat", "heat stops", "heat surface")
+        return replace(
+            notice,
+            line=-self.summary.lines - 1 if of_all else int(words.line[notice.line]),
+        )
+
     def _numbered(self, text: bytes) -> bytes:
-        """The text with line numbers and checksums as they must be after what was put in; where nothing ever is, as it is."""
+        """The text with line numbers and checksums as they must be after what was put in; where
+        nothing ever is, as it is."""
         if not self.dialect.grammar.checksums or self.machine.is_zero:
             return text
         text, self._numbering = checksums.renumber(text, self._numbering)
@@ -342,6 +351,8 @@ class Filter:
         advice = fault.advice
         if advice in (faults.ADVICE_EXPRESSION, faults.ADVICE_POLAR) and not self.dialect.language:
             advice = faults.ADVICE_NO_LANGUAGE
+        if advice == faults.ADVICE_CORNER and self.dialect.language != "fanuc":
+            advice = faults.ADVICE_NO_CORNER
         error = self._error(words.text[line_start:], fault.message, advice, *columns)
         error.delivered = before
         return error
@@ -360,8 +371,8 @@ class Filter:
             before = self._counted.get(notice.code)
             if before is not None:
                 sums = tuple(map(sum, zip(before.counts, notice.counts, strict=True)))
-                refusal = before.refusal if before.refusal[0] else notice.refusal
-                notice = replace(notice, counts=sums, line=before.line, refusal=refusal)
+                first = before if before.refusal[0] or not notice.refusal[0] else notice
+                notice = replace(first, counts=sums)
             self._counted[notice.code] = notice
             self.notices[:] = [n for n in self.notices if n.code != notice.code]
             self.notices.append(replace(notice, message=notice.message.format(*notice.counts)))

@@ -1,12 +1,14 @@
-"""What a batch of blocks makes the machine do, as columns; the one thing that text and physics both know.
+"""What a batch of blocks makes the machine do, as columns; the one thing that text and physics both
+know.
 
-A axes in the machine's order, N motions in program order. Positions are int64 ticks (postproc.units) of slide position
-in machine coordinates, radius, whatever the program wrote.
+A axes in the machine's order, N motions in program order. Positions are int64 ticks
+(postproc.units) of slide position in machine coordinates, radius, whatever the program wrote.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 
@@ -21,11 +23,12 @@ class Arcs:
     """The n arcs among the motions; plane axes are rows of the machine's axes.
 
     motion (n,): which motion. first, second (n,): axes of the plane (G17 X Y, G18 Z X, G19 Y Z).
-    centre (2, n): mm, machine coordinates. angle (n,): rad, of the start seen from the centre. sweep (n,): rad, whole
-    way, + is counter-clockwise from `first` to `second`. radius, radius_end (n,): mm. grid (2, n): ticks of one least
-    increment of the two centre words. words (3, n): word index of the two centre words and of R, -1 where not written.
-    absolute (2, n): whether the centre words are absolute; origin (2, n): ticks, their zero if so. by_radius (n,): ticks,
-    the R word with its sign, 0 where a centre is written.
+    centre (2, n): mm, machine coordinates. angle (n,): rad, of the start seen from the centre.
+    sweep (n,): rad, whole way, + is counter-clockwise from `first` to `second`. radius, radius_end
+    (n,): mm. grid (2, n): ticks of one least increment of the two centre words. words (3, n): word
+    index of the two centre words and of R, -1 where not written.
+    absolute (2, n): whether the centre words are absolute; origin (2, n): ticks, their zero if so.
+    by_radius (n,): ticks, the R word with its sign, 0 where a centre is written.
     """
 
     motion: np.ndarray
@@ -49,8 +52,9 @@ class Arcs:
 def centre_by_radius(
     start: np.ndarray, end: np.ndarray, radius: np.ndarray, counter: np.ndarray
 ) -> np.ndarray:
-    """(2, n): the centre of arcs with an R word, from start and end (2, n) and R with its sign: left of the chord for
-    a short counter-clockwise arc, else right of it; in its middle where R is too short."""
+    """(2, n): the centre of arcs with an R word, from start and end (2, n) and R with its sign:
+    left of the chord for a short counter-clockwise arc, else right of it; in its middle where R is
+    too short."""
     chord = end - start
     length = np.hypot(*chord)
     height = np.sqrt(np.maximum(radius**2 - (length / 2) ** 2, 0.0))
@@ -61,13 +65,15 @@ def centre_by_radius(
 
 @dataclass(frozen=True)
 class Holes:
-    """The n holes of canned cycles among the motions: a HOLE goes to its place, down to the bottom and back up.
+    """The n holes of canned cycles among the motions: a HOLE goes to its place, down to the bottom
+    and back up.
 
-    motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks, machine coordinates, of
-    the bottom and of R. zero (n,): ticks, where the bottom's word counts from. word (n,): index of that word, -1 where
-    it is not written; initial (n,): whether the axis returns to where it was before the cycle, else to R. tap (n,): whether
-    its feed is tied to the spindle, so that it can not be written out; place (n,): whether the cycle
-    goes to its place, else the axes stand there already.
+    motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks,
+    machine coordinates, of the bottom and of R. zero (n,): ticks, where the bottom's word counts
+    from. word (n,): index of that word, -1 where it is not written; initial (n,): whether the axis
+    returns to where it was before the cycle, else to R. tap (n,): whether its feed is tied to the
+    spindle, so that it can not be written out; place (n,): whether the cycle goes to its place,
+    else the axes stand there already.
     """
 
     motion: np.ndarray
@@ -86,11 +92,12 @@ class Holes:
 
 @dataclass(frozen=True)
 class Presets:
-    """The n words by which a block gives the place where the machine stands a new coordinate (G92 X).
+    """The n words by which a block gives the place where the machine stands a new coordinate (G92
+    X).
 
-    motion (n,): how many motions come before it; axis (n,): row; word (n,): index of the word; scale (n,): ticks of one
-    whole unit of it; places (n,): decimals of a least increment; sent (n,): whether G28 has taken the axis elsewhere
-    since the motion before.
+    motion (n,): how many motions come before it; axis (n,): row; word (n,): index of the word;
+    scale (n,): ticks of one whole unit of it; places (n,): decimals of a least increment; sent
+    (n,): whether G28 has taken the axis elsewhere since the motion before.
     """
 
     motion: np.ndarray
@@ -104,12 +111,37 @@ class Presets:
         return len(self.motion)
 
 
+@dataclass(frozen=True)
+class Spells:
+    """Parts in time of motions that last so long that heat moves the machine meanwhile.
+
+    motion (n,): which motion, in order; until (n,): t of the motion at which it ends, the last at
+    1; heat (D, n): whole steps of the drivers in it.
+    """
+
+    motion: np.ndarray
+    until: np.ndarray
+    heat: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.motion)
+
+
+@cache
+def no_spells() -> Spells:
+    """None."""
+    i = np.zeros(0, np.int64)
+    return Spells(i, np.zeros(0), np.zeros((0, 0), np.int64))
+
+
+@cache
 def no_holes() -> Holes:
     """None."""
     i = np.zeros(0, np.int64)
     return Holes(i, i, i, i, i, i, i.astype(bool), i.astype(bool), i.astype(bool))
 
 
+@cache
 def no_presets() -> Presets:
     """None."""
     i = np.zeros(0, np.int64)
@@ -120,23 +152,28 @@ def no_presets() -> Presets:
 class Motions:
     """Columns of motions.
 
-    block (N,); code (N,): RAPID, FEED, CLOCKWISE, COUNTER; HOLE; THREAD for a feed that is tied to the spindle; FOREIGN
-    for what can not be followed.
+    block (N,); code (N,): RAPID, FEED, CLOCKWISE, COUNTER; HOLE; THREAD for a feed that is tied to
+    the spindle; FOREIGN for what can not be followed.
     start, target (A, N): ticks; start_known, target_known (A, N). word (A, N): index of the
     axis' word, or -1; incremental (A, N): whether the axis' word is (or would be) a distance.
-    grid (A, N): ticks of one least increment of that word; scale (A, N): ticks of one whole unit of it; origin (A, N):
-    ticks, where its zero lies when it is absolute; places (A, N): decimals of a least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1; inverse (N,): G93; feed (N,): the F number that
-    holds. code_word (N,): index of its motion G word, or -1; renamed (N,): whether a motion code was named in a block
-    since the motion before. cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
-    (its start-up or end: not to be cut either); plane (2, N): rows of that plane's axes, -1 where there is none; radius (N,):
-    mm, of the tool, + where its centre lies left of the path, nan where it is not stated; nose (2, N): mm along the plane's
-    axes from that centre to the point that the control drives (lathe tools with an orientation). relative (N,): whether G91 is in force. sent (A, N): whether something else (G28) has taken the axis elsewhere since the
-    motion before. length (A, N): ticks of the tool's length in force. stop (N,): ten times
-    the code that makes it end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
+    grid (A, N): ticks of one least increment of that word; scale (A, N): ticks of one whole unit of
+    it; origin (A, N): ticks, where its zero lies when it is absolute; places (A, N): decimals of a
+    least increment. alone (N,): left as written (G53). feed_word (N,): index of the F word, or -1;
+    inverse (N,): G93; feed (N,): the F number that holds. code_word (N,): index of its motion G
+    word, or -1; renamed (N,): whether a motion code was named in a block since the motion before.
+    cutter (N,): FREE, OFFSET (inside cutter radius compensation: nothing may be put in), or ENTRY
+    (its start-up or end: not to be cut either); plane (2, N): rows of that plane's axes, -1 where
+    there is none; radius (N,): mm, of the tool, + where its centre lies left of the path, nan where
+    it is not stated; nose (2, N): mm along the plane's axes from that centre to the point that the
+    control drives (lathe tools with an orientation). relative (N,): whether G91 is in force. sent
+    (A, N): whether something else (G28) has taken the axis elsewhere since the motion before.
+    length (A, N): ticks of the tool's length in force. stop (N,): ten times the code that makes it
+    end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
     (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
-    correction can not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X Y Z of start and target
-    are places of the tool tip in that frame. heat (D, N): whole steps of what drives the machine's growth (machine/growth.py) in
-    the middle of each motion; no rows where nobody follows it.
+    correction can not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X
+    Y Z of start and target are places of the tool tip in that frame. heat (D, N): whole steps of
+    what drives the machine's growth (machine/growth.py) in the middle of each motion; no rows where
+    nobody follows it; spells: of motions that are to be cut in time.
     """
 
     block: np.ndarray
@@ -175,12 +212,14 @@ class Motions:
     space: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     spaces: list[Space | None] = field(default_factory=lambda: [None])
     heat: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+    spells: Spells = field(default_factory=no_spells)
 
     def __len__(self) -> int:
         return len(self.block)
 
     def part(self, first: int, stop: int) -> Motions:
-        """Motions first to stop - 1 alone; blocks and words keep their numbers. Presets are left out."""
+        """Motions first to stop - 1 alone; blocks and words keep their numbers. Presets and
+        spells are left out."""
         columns = {name: getattr(self, name)[..., first:stop] for name in _COLUMNS}
         tables = {}
         for name in ("arcs", "holes"):
@@ -234,7 +273,7 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
                 into.setdefault(name, []).append(column)
     joined = {name: np.concatenate(c, axis=-1) for name, c in columns.items()}
     return Motions(
-        **joined, reasons=reasons, spaces=spaces,
+        **joined, reasons=reasons, spaces=spaces, spells=no_spells(),
         arcs=Arcs(**{name: np.concatenate(c, axis=-1) for name, c in arcs.items()}),
         holes=Holes(**{name: np.concatenate(c) for name, c in holes.items()}),
         presets=Presets(**{name: np.concatenate(c) for name, c in presets.items()}),
@@ -244,5 +283,5 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
 _COLUMNS = tuple(
     name
     for name in Motions.__dataclass_fields__
-    if name not in ("arcs", "holes", "presets", "reasons", "spaces")
+    if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells")
 )

@@ -13,13 +13,15 @@ from postproc.motions import FEED
 class Pieces:
     """P pieces in program order; A axes.
 
-    motion (P,): whose piece it is; code (P,): RAPID, FEED, CLOCKWISE, COUNTER; start, end (A, P): ticks commanded;
-    share (P,): part of the motion's length, 0 for a take-up; arc (P,): row of the motions' arcs, or -1;
-    centre (2, P): ticks from the piece's start to its centre, along the plane axes; radius (P,): ticks, the R word of an
-    arc that is written with R, 0 elsewhere; nominal (A, P): ticks, where its end
-    lies on the nominal path. take_up (P,): turns the slides round, does not advance on the path. corrected (P,): whether its
-    motion was corrected at all; one that was not is left as written. bottom (P,): ticks commanded at the bottom of a HOLE, 0
-    elsewhere.
+    motion (P,): whose piece it is; code (P,): RAPID, FEED, CLOCKWISE, COUNTER; start, end (A, P):
+    ticks commanded;
+    share (P,): part of the motion's length, 0 for a take-up; arc (P,): row of the motions' arcs, or
+    -1;
+    centre (2, P): ticks from the piece's start to its centre, along the plane axes; radius (P,):
+    ticks, the R word of an arc that is written with R, 0 elsewhere; nominal (A, P): ticks, where
+    its end lies on the nominal path. take_up (P,): turns the slides round, does not advance on the
+    path. corrected (P,): whether its motion was corrected at all; one that was not is left as
+    written. bottom (P,): ticks commanded at the bottom of a HOLE, 0 elsewhere.
     """
 
     motion: np.ndarray
@@ -40,8 +42,8 @@ class Pieces:
 
 
 def without_rests(pieces: Pieces) -> Pieces:
-    """The same without straight pieces of no length, unless a motion has nothing else: turning a slide round can bring it
-    to the very place where a short motion ends."""
+    """The same without straight pieces of no length, unless a motion has nothing else: turning a
+    slide round can bring it to the very place where a short motion ends."""
     rest = (pieces.start == pieces.end).all(axis=0) & (pieces.code <= FEED)
     if not rest.any():
         return pieces
@@ -57,9 +59,8 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
     if len(parts) == 1:
         stroke, place = parts[0][0].T
         step = stroke[1:] - stroke[:-1]
-        if (
-            (step > 0) | ((step == 0) & (place[1:] > place[:-1]))
-        ).all():  # straight strokes come in order already
+        # straight strokes come in order already
+        if ((step > 0) | ((step == 0) & (place[1:] > place[:-1]))).all():
             return parts[0][1]
     key = np.concatenate([k for k, _ in parts])
     order = np.lexsort((key[:, 1], key[:, 0]))

@@ -1,4 +1,5 @@
-"""Files and pipes: the only place that opens anything. Nothing is overwritten before its successor is whole."""
+"""Files and pipes: the only place that opens anything. Nothing is overwritten before its successor
+is whole."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from postproc import intake, standing
 from postproc.errors import UsageError
 
 CHUNK = 1 << 18
@@ -34,7 +36,8 @@ def chunks(source: BinaryIO | Kept, live: bool) -> Iterator[bytes]:
 
 @contextlib.contextmanager
 def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
-    """The program to read: the stream, its name in messages, and its size (0: not known). None and "-": standard input."""
+    """The program to read: the stream, its name in messages, and its size (0: not known). None and
+    "-": standard input."""
     if path in (None, "-"):
         if sys.stdin is None or sys.stdin.isatty():
             raise UsageError(
@@ -55,7 +58,8 @@ def opened(path: str | None) -> Iterator[tuple[BinaryIO, str, int]]:
 
 
 class Kept:
-    """A program that can be read again: a file from its beginning, a pipe from what was kept of it beside."""
+    """A program that can be read again: a file from its beginning, a pipe from what was kept of it
+    beside."""
 
     def __init__(self, source: BinaryIO, most: int):
         """most: bytes that are kept of a pipe; of a longer one nothing is."""
@@ -93,7 +97,8 @@ class Kept:
 
 
 class Copy:
-    """A program as it was when a job began: whatever becomes of the file, every reading gives the same bytes. digest: SHA-256."""
+    """A program as it was when a job began: whatever becomes of the file, every reading gives the
+    same bytes. digest: SHA-256."""
 
     def __init__(self, path: str):
         """Raises UsageError where it can not be read or kept, or changes while it is read."""
@@ -148,21 +153,14 @@ def head(source: BinaryIO) -> bytes:
 
 
 def read_whole(path: Path, largest: int) -> bytes:
-    """All of a file. Raises UsageError where it can not be read or is larger than `largest` bytes."""
-    try:
-        with open(path, "rb") as source:
-            data = source.read(largest + 1)
-    except IsADirectoryError:
-        raise UsageError(f"{path} is a folder, not a file") from None
-    except OSError as error:
-        raise UsageError(f"{path} can not be read: {error.strerror}") from None
-    if len(data) > largest:
-        raise UsageError(f"{path} has more than {largest:,} bytes", "is it the right file?")
-    return data
+    """All of a file. Raises UsageError where it can not be read or is larger than `largest`
+    bytes."""
+    return intake.whole(path, largest)
 
 
 def spool() -> BinaryIO:
-    """A place for output that may yet be refused; in memory while it is small, nameless on disk beyond."""
+    """A place for output that may yet be refused; in memory while it is small, nameless on disk
+    beyond."""
     return tempfile.SpooledTemporaryFile(max_size=IN_MEMORY)  # type: ignore[return-value]
 
 
@@ -173,16 +171,36 @@ def copy_out(source: BinaryIO, write: Callable[[bytes], object]) -> None:
         write(data)
 
 
-def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
-    """Put the spool in place of `path` in one step; with `backup` its old content stays beside it. Returns the backup.
-
-    The new file is whole and on the disk before the old name points to it; mode and links are kept.
-    """
+def place_of(path: Path) -> Path:
+    """The file that `path` means, behind its links. Raises UsageError where it can be none."""
     path = Path(os.path.realpath(path))
     if path.is_dir():
         raise UsageError(f"{path} is a folder: name a file in it")
     if not path.parent.is_dir():
         raise UsageError(f"{path} can not be written: there is no folder {path.parent}")
+    return path
+
+
+def writable(path: Path) -> None:
+    """Raises UsageError where no file can be put in place of `path`, before hours of work end
+    there."""
+    path = place_of(path)
+    if path.exists() and not path.is_file():
+        return  # a device is written as it is
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise UsageError(f"{path} can not be written: {error.strerror}") from None
+
+
+def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
+    """Put the spool in place of `path` in one step; with `backup` its old content stays beside it.
+    Returns the backup.
+
+    The new file is whole and on the disk before the old name points to it; mode and links are kept.
+    """
+    path = place_of(path)
     if path.exists() and not path.is_file():
         with open(path, "wb") as special:  # a device or a pipe has no successor
             copy_out(source, special.write)
@@ -246,24 +264,28 @@ def copy_folder(
     change: Callable[[str], str],
     more: dict[str, bytes] | None = None,
 ) -> None:
-    """A copy of a machine's folder with its machine.toml changed and more files in it; whole or not at all. Raises UsageError where there is one
-    already."""
-    import shutil
+    """A copy of a machine's folder with its machine.toml changed and more files in it; whole or not
+    at all. Raises UsageError where there is one already."""
     import tempfile
 
-    if target.exists() and not force:
-        raise UsageError(f"{target} exists", "--force overwrites it")
+    standing.kept(target, force)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as scratch:
         copy = Path(scratch) / target.name
         copy.mkdir()
         for file in source.iterdir():
             if file.is_file():
-                (copy / file.name).write_bytes(file.read_bytes())
+                shutil.copyfile(file, copy / file.name)
         for name, data in (more or {}).items():
             (copy / name).write_bytes(data)
         toml = copy / "machine.toml"
-        toml.write_text(change(toml.read_text("utf-8")), "utf-8")
+        toml.write_bytes(change(toml.read_bytes().decode("utf-8")).encode("utf-8"))
         if target.exists():
-            shutil.rmtree(target)
+            os.rename(target, beside(target))
         os.replace(copy, target)
+
+
+def beside(path: Path) -> Path:
+    """A name for what stood at `path` that is free: mine.bak, mine.bak2, ..."""
+    names = (path.with_name(f"{path.name}.bak{n if n > 1 else ''}") for n in range(1, 1000))
+    return next(name for name in names if not os.path.lexists(name))

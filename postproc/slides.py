@@ -1,11 +1,13 @@
-"""Where the slides of a machine with lost motion stand while a program runs: the judge of what compensation makes of it.
+"""Where the slides of a machine with lost motion stand while a program runs: the judge of what
+compensation makes of it.
 
-The nut of a slide moves with play B about the commanded position c: the slide stays where it is as long as it lies within
-c - B/2 .. c + B/2, and is taken along at the ends (the play operator). Every commanded motion counts, take-ups and
-corrections included, in the order of execution. The share (c - slide) / (B/2), from -1 to +1, says how much of a table's
-difference between its directions acts. The side is the direction of the last commanded motion; a slide that goes back by no
-more than the hysteresis keeps it. Where an axis has no play of its own the share is the side. Follows the written program, leg
-by leg, and shares no code with what decided the take-ups.
+The nut of a slide moves with play B about the commanded position c: the slide stays where it is as
+long as it lies within c - B/2 .. c + B/2, and is taken along at the ends (the play operator). Every
+commanded motion counts, take-ups and corrections included, in the order of execution. The share (c
+- slide) / (B/2), from -1 to +1, says how much of a table's difference between its directions acts.
+The side is the direction of the last commanded motion; a slide that goes back by no more than the
+hysteresis keeps it. Where an axis has no play of its own the share is the side. Follows the
+written program, leg by leg, and shares no code with what decided the take-ups.
 """
 
 from __future__ import annotations
@@ -26,8 +28,8 @@ LEAST = 1e-7  # mm: a smaller play is none
 
 @dataclass(frozen=True)
 class Legs:
-    """L stretches of motions along which no axis turns back: motion (L,), until t (L,) of it; begin, end (A, L) mm,
-    nan where nobody knows."""
+    """L stretches of motions along which no axis turns back: motion (L,), until t (L,) of it;
+    begin, end (A, L) mm, nan where nobody knows."""
 
     motion: np.ndarray
     until: np.ndarray
@@ -37,8 +39,8 @@ class Legs:
 
 @dataclass(frozen=True)
 class Led:
-    """One batch as the slides lived it. Before each leg, (A, L): side, the farthest command `far` mm in that direction,
-    and slide mm, where it stood."""
+    """One batch as the slides lived it. Before each leg, (A, L): side, the farthest command `far`
+    mm in that direction, and slide mm, where it stood."""
 
     slides: Slides
     legs: Legs
@@ -64,8 +66,9 @@ class Led:
         sense: np.ndarray,
         rapid: np.ndarray,
     ):
-        """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the direction of the nominal
-        motion there, which says the side of an axis that it moves where no take-up leads the command far enough to tell;
+        """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the
+        direction of the nominal motion there, which says the side of an axis that it moves where no
+        take-up leads the command far enough to tell;
         rapid (K,): there an axis that rests keeps the side that it had, for nothing is cut."""
         leg, half = self.leg(motion, t), self.half(command)
         side, share = np.zeros(command.shape), np.zeros(command.shape)
@@ -87,8 +90,8 @@ class Led:
 
 
 class Slides:
-    """The slides of one machine running one program. Keeps, between batches, where they stand. hysteresis: mm; `band`
-    (A,): the same, and one increment, by which words are rounded."""
+    """The slides of one machine running one program. Keeps, between batches, where they stand.
+    hysteresis: mm; `band` (A,): the same, and one increment, by which words are rounded."""
 
     def __init__(self, machine: Machine, hysteresis: float):
         self.machine, self.rows = machine, np.flatnonzero(machine.two_way)
@@ -105,8 +108,9 @@ class Slides:
         return (play + np.array(self.more)[:, None]) / 2
 
     def has_play(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """(P,) bool: pieces, from begin to end (A, P) ticks, that move no two-way axis without play of its own: where forward
-        lies beyond reverse nothing says on which side a take-up leaves it before the motion goes on."""
+        """(P,) bool: pieces, from begin to end (A, P) ticks, that move no two-way axis without play
+        of its own: where forward lies beyond reverse nothing says on which side a take-up leaves it
+        before the motion goes on."""
         moved = (begin != end)[self.rows]
         tells = 2 * self.half(end / TICKS_PER_MM) > self.hysteresis
         result: np.ndarray = (~moved | tells).all(axis=0)
@@ -126,7 +130,8 @@ class Slides:
 
 
 class _Slide:
-    """One slide: where it stands, mm, its side, and how far its command has gone in that direction."""
+    """One slide: where it stands, mm, its side, and how far its command has gone in that
+    direction."""
 
     def __init__(self, band: float):
         self.band = band
@@ -152,7 +157,8 @@ class _Slide:
 
 
 def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
-    """The same legs where X Y Z are places of the tool tip: between the slide positions that hold it."""
+    """The same legs where X Y Z are places of the tool tip: between the slide positions that hold
+    it."""
     if not m.space.any():
         return legs
     begin, end = legs.begin.copy(), legs.end.copy()
@@ -163,9 +169,8 @@ def _of_slides(machine: Machine, m: Motions, legs: Legs) -> Legs:
         for places in (begin, end):
             known = of[np.isfinite(places[:, of]).all(axis=0)]
             slides = poses.out_of(machine, space, length, places[:, known])
-            places[:, known] = np.round(
-                slides, 9
-            )  # a slide that stays has not moved by the last digit of a sum
+            # a slide that stays has not moved by the last digit of a sum
+            places[:, known] = np.round(slides, 9)
     return Legs(legs.motion, legs.until, begin, end)
 
 

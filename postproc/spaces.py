@@ -1,8 +1,10 @@
-"""In which coordinates the X Y Z of motions are told: slide positions, or places of the tool tip in the part.
+"""In which coordinates the X Y Z of motions are told: slide positions, or places of the tool tip in
+the part.
 
-Under tool centre point control (G43.4, TRAORI, M128) words are places of the tip in a frame that goes with the part, and
-the control moves the slides so that rotary words leave the tip where it is. Text and physics share only what is here; where
-the slides then stand is the machine's affair (`Kinematics`).
+Under tool centre point control (G43.4, TRAORI, M128) words are places of the tip in a frame that
+goes with the part, and the control moves the slides so that rotary words leave the tip where it is.
+Text and physics share only what is here; where the slides then stand is the machine's affair
+(`Kinematics`).
 """
 
 from __future__ import annotations
@@ -17,8 +19,10 @@ LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Space:
-    """A frame of the tip's places: the programmed place u (word and work offset, mm) is the place turn @ u + origin of the
-    part as it lies with all rotary axes at zero. turn: nine numbers of a rotation, row by row; origin: mm; held: whether the control holds the tip while rotary axes turn."""
+    """A frame of the tip's places: the programmed place u (word and work offset, mm) is the place
+    turn @ u + origin of the part as it lies with all rotary axes at zero. turn: nine numbers of a
+    rotation, row by row; origin: mm; held: whether the control holds the tip while rotary axes
+    turn."""
 
     turn: tuple[float, ...] = LEVEL
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -43,12 +47,11 @@ class Space:
 
 
 class Kinematics(Protocol):
-    """What the text layer asks of a machine with rotary axes. Positions (A,) mm and degrees in the order of its axes,
-    lengths (A,) mm; a space of None: slide positions."""
+    """What the text layer asks of a machine with rotary axes. Positions (A,) mm and degrees in the
+    order of its axes, lengths (A,) mm; a space of None: slide positions."""
 
-    lacking: (
-        tuple[str, str] | None
-    )  # message and advice: what must be stated before the tip can be followed
+    # message and advice: what must be stated before the tip can be followed
+    lacking: tuple[str, str] | None
     carrying: tuple[str, ...]  # rotary axes that carry the part
     rotary: tuple[str, ...]
     needs: tuple[int, ...]  # rows on whose positions the tip's place depends
@@ -70,9 +73,9 @@ class Kinematics(Protocol):
         """(3,): the tool's direction in the part, away from it."""
 
     def aligned(self, normal: np.ndarray, position: np.ndarray) -> list[np.ndarray]:
-        """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part; that with the shortest
-        way from `position` first."""
+        """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part;
+        that with the shortest way from `position` first."""
 
     def space_at(self, position: np.ndarray) -> Space:
-        """The frame whose axes are the machine's while the rotary axes stand at `position`, and that turns with the
-        part from there."""
+        """The frame whose axes are the machine's while the rotary axes stand at `position`, and
+        that turns with the part from there."""

@@ -1,8 +1,10 @@
-"""What a page about a program draws: places along its path, with the deviation before and after correction.
+"""What a page about a program draws: places along its path, with the deviation before and after
+correction.
 
-A trace sits in the verifier and keeps some of the places that are measured there. However long the program is, it keeps at
-most `most` of each series: of two neighbours the one that is farther off stays, so what is largest is never lost. Lengths
-of path in each size of deviation and the worst lines are counted from all places.
+A trace sits in the verifier and keeps some of the places that are measured there. However long the
+program is, it keeps at most `most` of each series: of two neighbours the one that is farther off
+stays, so what is largest is never lost. Lengths of path in each size of deviation and the worst
+lines are counted from all places.
 """
 
 from __future__ import annotations
@@ -18,9 +20,8 @@ from postproc.nc.lexer import Words
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
-MOST = (
-    4000  # places of a series: more can not be told apart on a screen, and a page stays below 3 MB
-)
+# places of a series: more can not be told apart on a screen, and a page stays below 3 MB
+MOST = 4000
 TURNS = 600  # take-ups
 WORST = 10  # lines
 KEPT = 5 * WORST  # of which so many are remembered
@@ -32,9 +33,11 @@ CLASSES = 10.0 ** np.arange(-6.0, 1.05, 0.1)
 
 @dataclass(frozen=True)
 class Places:
-    """N places in the order of the path. s (N,): mm of nominal path before it; point, off, command (A, N): mm, the nominal
-    place, actual - nominal, command - nominal; distance (N,): mm from the nominal path; u (N,): mm, of the map (95 %);
-    line, plain (N,): line of the author's program, and of the one that was corrected; feed (N,): whether the way to it cuts."""
+    """N places in the order of the path. s (N,): mm of nominal path before it; point, off, command
+    (A, N): mm, the nominal place, actual - nominal, command - nominal; distance (N,): mm from the
+    nominal path; u (N,): mm, of the map (95 %);
+    line, plain (N,): line of the author's program, and of the one that was corrected; feed (N,):
+    whether the way to it cuts."""
 
     s: np.ndarray
     point: np.ndarray
@@ -86,8 +89,8 @@ class Places:
 
 @dataclass
 class Series:
-    """Places of one run, thinned while they come, alike from beginning to end. step: how many places each one that is left
-    stands for."""
+    """Places of one run, thinned while they come, alike from beginning to end. step: how many
+    places each one that is left stands for."""
 
     axes: int
     most: int
@@ -154,9 +157,10 @@ class _Batch:
 
 
 class Trace:
-    """before, after: Series of the program as it was and as corrected; length: mm of nominal path; turns: (s, line) where a
-    slide's lost motion is taken up, of many some; cuts, take_ups: blocks put in; histogram: name to mm of path in each class; text: plain
-    line to itself and what became of it."""
+    """before, after: Series of the program as it was and as corrected; length: mm of nominal path;
+    turns: (s, line) where a slide's lost motion is taken up, of many some; cuts, take_ups: blocks
+    put in; histogram: name to mm of path in each class; text: plain line to itself and what became
+    of it."""
 
     def __init__(self, machine: Machine, most: int = MOST):
         self.machine = machine
@@ -184,11 +188,16 @@ class Trace:
         self.length += float(length.sum())
 
     def see(
-        self, name: str, motion: np.ndarray, t: np.ndarray, feed: np.ndarray, places: tuple[np.ndarray, ...],
+        self,
+        name: str,
+        motion: np.ndarray,
+        t: np.ndarray,
+        feed: np.ndarray,
+        places: tuple[np.ndarray, ...],
         u: Callable[[np.ndarray], np.ndarray],
-    ) -> None:  # fmt: skip
-        """Places at t (K,) of nominal motions (K,). places: nominal (A, K), command (A, K), actual (A, K) mm and distance
-        (K,) mm. u(which): that of the map at some of them."""
+    ) -> None:
+        """Places at t (K,) of nominal motions (K,). places: nominal (A, K), command (A, K), actual
+        (A, K) mm and distance (K,) mm. u(which): that of the map at some of them."""
         batch = self._batch
         assert batch is not None
         nominal, command, actual, distance = places
@@ -198,10 +207,17 @@ class Trace:
         which = series.chosen(np.lexsort((np.round(t, 9), motion)), distance)
         own = motion[which]
         part = Places(
-            batch.begin[own] + batch.length[own] * t[which], nominal[:, which], (actual - nominal)[:, which],
-            (command - nominal)[:, which], distance[which], u(which), batch.line[own], batch.plain[own], feed[which],
+            batch.begin[own] + batch.length[own] * t[which],
+            nominal[:, which],
+            (actual - nominal)[:, which],
+            (command - nominal)[:, which],
+            distance[which],
+            u(which),
+            batch.line[own],
+            batch.plain[own],
+            feed[which],
             np.stack([self.motions + own, np.round(t[which], 9)]),
-        )  # fmt: skip
+        )
         series.add(part)
 
     def _count(self, name: str, batch: _Batch, motion, distance, feed) -> None:
@@ -218,7 +234,8 @@ class Trace:
             into[line] = max(into.get(line, 0.0), float(size))
 
     def end(self, words: Words, pieces: Pieces, output: bytes, lines: np.ndarray) -> None:
-        """The batch was measured. output: its text; lines (P,): from 0, of the output, where each piece stands."""
+        """The batch was measured. output: its text; lines (P,): from 0, of the output, where each
+        piece stands."""
         batch = self._batch
         assert batch is not None
         self.motions += len(batch.line)

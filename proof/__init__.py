@@ -1,4 +1,5 @@
-"""Proof that a concealed effect is found: cases made without the tool's own equations, and how its answers are judged."""
+"""Proof that a concealed effect is found: cases made without the tool's own equations, and how its
+answers are judged."""
 
 import os
 

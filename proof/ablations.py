@@ -1,7 +1,8 @@
-"""What each part of the diagnosis is worth: `python -m proof.ablations [--kinds held] [--seed S] [--share 0.5]`.
+"""What each part of the diagnosis is worth: `python -m proof.ablations [--kinds held] [--seed S]
+[--share 0.5]`.
 
-The same cases of `proof/strangers` are answered by the whole tool and by the tool without one of its parts, which is taken out while
-it runs. For development: the kinds `fresh` are not for it.
+The same cases of `proof/strangers` are answered by the whole tool and by the tool without one of
+its parts, which is taken out while it runs. For development: the kinds `fresh` are not for it.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from unittest.mock import patch
 import numpy as np
 
 from postproc.diagnose import (
-    likeness,
+    map_agreement,
     noise,
     nuisances,
     search,
@@ -69,7 +70,9 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
     "without departures that several readings share": lambda: [
         (shared_jump, "find", lambda *_: [])
     ],
-    "without the comparison with the map's details": lambda: [(likeness, "doubts", lambda *_: {})],
+    "without the comparison with the map's details": lambda: [
+        (map_agreement, "doubts", lambda *_: {})
+    ],
 }
 
 
@@ -95,7 +98,8 @@ def main(argv: list[str] | None = None) -> int:
     options = parser.parse_args(argv)
     work = [(tier, k) for tier, n in TIERS.items() for k in range(max(1, round(n * options.share)))]
     print(
-        "| | nulls named | first name right | right, if named | P | R | alien unknown | names an alien | s |"
+        "| | nulls named | first name right | right, if named | P | R | alien unknown | names an"
+        " alien | s |"
     )
     print("|---|---|---|---|---|---|---|---|---|")
     for part in [p for p in PARTS if not options.only or options.only in p]:

@@ -1,15 +1,18 @@
-"""What others would do with the same recordings: always backlash; a polynomial by direction; a Gaussian process; STLSQ.
+"""What others would do with the same recordings: always backlash; a polynomial by direction; a
+Gaussian process; STLSQ.
 
-All get what gcomp has: its reader, the map taken off, its white noise, and the same nuisances with their usual sizes (zeros of
-set-ups and of runs, centres of ballbars, the map's own error), so that only the way of explaining differs. Autoregression and
-wander they do not get: gcomp learns the size of these beside every set of effects, and with a stated size the baselines
-foretold held-out runs worse in five of six cases. All are trained on what gcomp is trained on and judged on what it holds out:
-the last run of every recording that has three at least.
+All get what gcomp has: its reader, the map taken off, its white noise, and the same nuisances with
+their usual sizes (zeros of set-ups and of runs, centres of ballbars, the map's own error), so that
+only the way of explaining differs. Autoregression and wander they do not get: gcomp learns the size
+of these beside every set of effects, and with a stated size the baselines foretold held-out runs
+worse in five of six cases. All are trained on what gcomp is trained on and judged on what it holds
+out: the last run of every recording that has three at least.
 
-STLSQ is the sequential thresholded least squares of Brunton, Proctor and Kutz, PNAS 113 (2016) 3932, as PySINDy has it by
-default (ridge 0.05, at most 20 rounds), written here anew, on gcomp's own library. It gets two hints: of every effect and axis
-only the shape that suits best by itself (a whole grid of alike columns would share one coefficient among them until each is
-below the threshold), and a threshold of 2 um of a column's peak, because no smaller effect is ever hidden.
+STLSQ is the sequential thresholded least squares of Brunton, Proctor and Kutz, PNAS 113 (2016)
+3932, as PySINDy has it by default (ridge 0.05, at most 20 rounds), written here anew, on gcomp's
+own library. It gets two hints: of every effect and axis only the shape that suits best by itself (a
+whole grid of alike columns would share one coefficient among them until each is below the
+threshold), and a threshold of 2 um of a column's peak, because no smaller effect is ever hidden.
 """
 
 from __future__ import annotations
@@ -30,7 +33,8 @@ XYZ = "XYZ"
 
 @dataclass
 class Problem:
-    """The readings (N,) mm as all methods get them. u, prior: nuisances; train: which rows may be learnt from."""
+    """The readings (N,) mm as all methods get them. u, prior: nuisances; train: which rows may be
+    learnt from."""
 
     rows: object
     y: np.ndarray
@@ -77,7 +81,8 @@ def _sigma(rows) -> np.ndarray:
 
 
 def _nuisances(rows, machine) -> tuple[np.ndarray, np.ndarray]:
-    """(N, Q) columns and (Q,) their usual standard deviations: those of each instrument but its wander, and the map's own error."""
+    """(N, Q) columns and (Q,) their usual standard deviations: those of each instrument but its
+    wander, and the map's own error."""
     from postproc.diagnose import noise, nuisances
 
     columns, prior = [], []
@@ -141,8 +146,8 @@ def always_backlash(p: Problem) -> Guess:
 
 
 def polynomial(p: Problem) -> Guess:
-    """Of order 5 along every axis, one for each direction. Its name is that of the largest part: the same in both directions a
-    line or a curve, opposite a constant or a curve."""
+    """Of order 5 along every axis, one for each direction. Its name is that of the largest part:
+    the same in both directions a line or a curve, opposite a constant or a curve."""
     parts: list[tuple[str, np.ndarray]] = []
     for x, side in _sides(p):
         u = _share(p, x)
@@ -164,8 +169,8 @@ def polynomial(p: Problem) -> Guess:
 
 
 def gaussian_process(p: Problem) -> Guess:
-    """A squared exponential of the places, the directions and the time of each signal; lengths and size by marginal likelihood
-    on a grid, learnt from 300 readings of a signal. It has no names."""
+    """A squared exponential of the places, the directions and the time of each signal; lengths and
+    size by marginal likelihood on a grid, learnt from 300 readings of a signal. It has no names."""
     _, left = fitted(p, np.zeros((len(p.y), 0)))
     left = left.copy()
     rows = p.rows

@@ -1,10 +1,12 @@
 """What no statistics can part: `python -m proof.ceiling [--kinds held] [--count N]`.
 
-Cases with one effect of `proof/strangers` are read by the tool, and its dictionary is judged beside the covariance that the readings
-really have (noise, wander, the map's error; zeros free), as the generator's oracle knows it, in the place of one that is learned from
-them. The name of the block that is worth most is compared with the truth. Where it is another one, the forms of the library are
-what is missing, or two names say the same: no better account of the noise finds the truth there. For development: the kinds `fresh` are
-not for it. Left out are long traces whose samples the tool averages.
+Cases with one effect of `proof/strangers` are read by the tool, and its dictionary is judged beside
+the covariance that the readings really have (noise, wander, the map's error; zeros free), as the
+generator's oracle knows it, in the place of one that is learned from them. The name of the block
+that is worth most is compared with the truth. Where it is another one, the forms of the library are
+what is missing, or two names say the same: no better account of the noise finds the truth there.
+For development: the kinds `fresh` are not for it. Left out are long traces whose samples the tool
+averages.
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ UNREAD = 1e12  # um^2: the variance of a reading that the tool does not use
 
 @dataclass(frozen=True)
 class Answer:
-    """The truth, the names in the order of their worth (twice the logarithm of the Bayes factor, less their cost)."""
+    """The truth, the names in the order of their worth (twice the logarithm of the Bayes factor,
+    less their cost)."""
 
     truth: str
     peak_um: float
@@ -49,7 +52,8 @@ class Answer:
 
 
 class Covariance:
-    """The true covariance of the readings in a table of the tool, as products of columns: stands where the tool asks its evidence."""
+    """The true covariance of the readings in a table of the tool, as products of columns: stands
+    where the tool asks its evidence."""
 
     def __init__(self, oracle: Oracle, noises: list, table: rows.Rows, heads: list[int]):
         self.oracle, self.table = oracle, table
@@ -69,9 +73,8 @@ class Covariance:
             read = np.zeros(recording.n_obs, bool)
             number = next(i for i, r in enumerate(oracle.recs) if r is recording)
             read[self.reading[(table.file == number) & (self.channel == channel)]] = True
-            behind = (
-                np.convolve(~read, np.ones(1 + MOST_ORDER))[: len(read)] > 0
-            )  # what is foretold from an unread one
+            # what is foretold from an unread one
+            behind = np.convolve(~read, np.ones(1 + MOST_ORDER))[: len(read)] > 0
             oracle.parts[k][4][behind] = UNREAD
         oracle.ready = [oracle.prepare(*part) for part in oracle.parts]
 
@@ -111,11 +114,13 @@ def main(argv: list[str] | None = None) -> int:
     print("|---|---|---:|---|")
     for a in sorted(answers, key=lambda a: (a.right, a.truth)):
         print(
-            f"| {a.truth} | {a.form} | {a.peak_um:.1f} | {', '.join(f'{n} {w:.0f}' for n, w in a.names[:4])} |"
+            f"| {a.truth} | {a.form} | {a.peak_um:.1f} |"
+            f" {', '.join(f'{n} {w:.0f}' for n, w in a.names[:4])} |"
         )
     left_out = Counter(a for a in found if isinstance(a, str))
     print(
-        f"\nfirst name right: {sum(a.right for a in answers)} of {len(answers)}; left out: {dict(left_out)}"
+        f"\nfirst name right: {sum(a.right for a in answers)} of {len(answers)}; left out:"
+        f" {dict(left_out)}"
     )
     return 0
 

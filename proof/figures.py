@@ -1,4 +1,5 @@
-"""The three figures of docs/PROOF.md, from the score of a trial alone: python -m proof.figures proof/trials/<commit>"""
+"""The three figures of docs/PROOF.md, from the score of a trial alone: python -m proof.figures
+proof/trials/<commit>"""
 
 from __future__ import annotations
 
@@ -7,20 +8,28 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from postproc.pages import style
+from postproc import style
 from proof.score_table import wilson
 
 NAMED, TARGET, OTHER, LIGHT = (style.LIGHT[role] for role in ("command", "limit", "still", "rule"))
-SHOWN = {  # rows of the table that are shares with a target, and how they are written beside the bars
-    "nulls with any name": "nulls with a name", "adversarial nulls with any name": "adversarial nulls with a name",
-    "one effect, 8 to 16 um: first name right": "one effect, 8 to 16 um", "one effect, 4 to 8 um: first name right": "4 to 8 um",
-    "one effect, 2 to 4 um: first name right": "2 to 4 um", "one effect: right, given that something was named": "right, given a name",
-    "pairs and triples: precision": "several: precision", "pairs and triples: recall": "several: recall",
-    "masked tenfold, 4 to 8 um: first name right": "masked, 4 to 8 um", "masked tenfold, 2 to 4 um: first name right": "masked, 2 to 4 um",
-    "driver withheld: truth named or in the set": "driver withheld", "blind test: the spot is named": "blind spot named",
-    "blind test: and its program would show it": "its test would show it", "follow-up given: the effect named": "follow-up named",
+# rows of the table that are shares with a target, and how they are written beside the bars
+SHOWN = {
+    "nulls with any name": "nulls with a name",
+    "adversarial nulls with any name": "adversarial nulls with a name",
+    "one effect, 8 to 16 um: first name right": "one effect, 8 to 16 um",
+    "one effect, 4 to 8 um: first name right": "4 to 8 um",
+    "one effect, 2 to 4 um: first name right": "2 to 4 um",
+    "one effect: right, given that something was named": "right, given a name",
+    "pairs and triples: precision": "several: precision",
+    "pairs and triples: recall": "several: recall",
+    "masked tenfold, 4 to 8 um: first name right": "masked, 4 to 8 um",
+    "masked tenfold, 2 to 4 um: first name right": "masked, 2 to 4 um",
+    "driver withheld: truth named or in the set": "driver withheld",
+    "blind test: the spot is named": "blind spot named",
+    "blind test: and its program would show it": "its test would show it",
+    "follow-up given: the effect named": "follow-up named",
     "alien physics: called unknown": "alien called unknown",
-}  # fmt: skip
+}
 
 
 def draw(kept: Path, folder: Path) -> list[Path]:
@@ -81,7 +90,8 @@ def names(plt, found: dict[str, Any]):
 
 
 def loop(plt, found: dict[str, Any]):
-    """Largest path error of every case: as it is, with the map, with the diagnosed machine, and what the map's own error leaves."""
+    """Largest path error of every case: as it is, with the map, with the diagnosed machine, and
+    what the map's own error leaves."""
     cases = sorted(found["loop"], key=lambda x: -x["geometry"])
     figure, axes = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
     for k, x in enumerate(cases):

@@ -1,9 +1,11 @@
-"""What of the physics of another world the library can say at all: `python -m proof.forms [--kinds held] [--count N]`.
+"""What of the physics of another world the library can say at all: `python -m proof.forms [--kinds
+held] [--count N]`.
 
-Cases with one effect of `proof/strangers` are made without noise and without an error of the map. What is left of the readings beside
-zeros and set-ups is the effect itself; by least squares every block of the tool's dictionary is asked how much of it it says. A form of which
-no shape of its own name says most is a gap of the library, however good the statistics are; a form that another name says as well can
-not be told by that test. For development: the kinds `fresh` are not for it.
+Cases with one effect of `proof/strangers` are made without noise and without an error of the map.
+What is left of the readings beside zeros and set-ups is the effect itself; by least squares every
+block of the tool's dictionary is asked how much of it it says. A form of which no shape of its own
+name says most is a gap of the library, however good the statistics are; a form that another name
+says as well can not be told by that test. For development: the kinds `fresh` are not for it.
 """
 
 from __future__ import annotations
@@ -45,7 +47,8 @@ def main(argv: list[str] | None = None) -> int:
             if found:
                 said[found[0]].append(found[1:])
     print(
-        "| effect | form | cases | share of its squares that its own name says | names that say as much |"
+        "| effect | form | cases | share of its squares that its own name says | names that say as"
+        " much |"
     )
     print("|---|---|---:|---|---|")
     for (effect, form), cases in sorted(said.items()):
@@ -58,8 +61,8 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def one(seed: str, number: int, kinds: str) -> tuple[tuple[str, str], float, str] | None:
-    """(effect, form), the share of its squares that the library says, and another name that says as much or ""; None for a
-    case without a truth, or one that can not be read."""
+    """(effect, form), the share of its squares that the library says, and another name that says as
+    much or ""; None for a case without a truth, or one that can not be read."""
     with (
         patch.object(tiers, "put", _still(tiers.put)),
         patch.object(tiers, "map_error", _true(tiers.map_error)),
@@ -97,7 +100,8 @@ def _true(map_error: Any) -> Any:
 
 
 def _said(table: rows.Rows, key: str) -> tuple[float, float, str]:
-    """Shares of the squares that the best block of a name says, and of any other name, and that name."""
+    """Shares of the squares that the best block of a name says, and of any other name, and that
+    name."""
     weight = np.where(table.sees == "angle", PER_MM, 1.0)
     free = []
     for unit in noise.units(table):

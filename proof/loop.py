@@ -1,12 +1,15 @@
-"""The loop closed: a program is corrected by the user's map alone and by the diagnosed machine, and both run through the true one.
+"""The loop closed: a program is corrected by the user's map alone and by the diagnosed machine, and
+both run through the true one.
 
-The true machine is the generator's: its geometry, and the effects that were hidden. The corrected programs are read by the
-independent interpreter of tests/reference. Nothing of the tool takes part but its command line.
+The true machine is the generator's: its geometry, and the effects that were hidden. The corrected
+programs are read by the independent interpreter of tests/reference. Nothing of the tool takes part
+but its command line.
 
-From which side an axis came is told by the nominal motion, for the map's own columns and for dead travel alike, as the machine
-contract has it: a take-up of the correction counts as made. So one thing is left out: an axis that rests, and is corrected
-back by less than its own dead travel, follows here and would not on a real slide (gcomp gives a notice of it). Sliders that
-give way (windup) are followed through every commanded point.
+From which side an axis came is told by the nominal motion, for the map's own columns and for dead
+travel alike, as the machine contract has it: a take-up of the correction counts as made. So one
+thing is left out: an axis that rests, and is corrected back by less than its own dead travel,
+follows here and would not on a real slide (gcomp gives a notice of it). Sliders that give way
+(windup) are followed through every commanded point.
 """
 
 from __future__ import annotations
@@ -23,9 +26,19 @@ from proof.generator.machines import XYZ, Machine
 from proof.generator.tracks import Sweep, Track
 from proof.trial_run import gcomp
 
-PLACED = {  # effects that a place, and the way to it, decide: what a program can be corrected for beforehand
-    "scale", "pitch_shape", "backlash", "backlash_position", "windup", "cyclic", "squareness", "bow", "abbe", "sag",
-}  # fmt: skip
+# effects that a place, and the way to it, decide: what a program can be corrected for beforehand
+PLACED = {
+    "scale",
+    "pitch_shape",
+    "backlash",
+    "backlash_position",
+    "windup",
+    "cyclic",
+    "squareness",
+    "bow",
+    "abbe",
+    "sag",
+}
 HYSTERESIS = 0.0011  # mm
 STEP = 1.0  # mm between samples
 POINTS, DIAGONAL = 31, 13
@@ -34,8 +47,9 @@ SETTLING = 3  # motions before every axis has turned
 
 @dataclass
 class Looped:
-    """Largest path error in um: of the program as it is, corrected by the map alone, by the diagnosed machine; limit: what the
-    map alone leaves where nothing is hidden (its own error, and the tolerance). note: why diagnosed is that of the map alone."""
+    """Largest path error in um: of the program as it is, corrected by the map alone, by the
+    diagnosed machine; limit: what the map alone leaves where nothing is hidden (its own error, and
+    the tolerance). note: why diagnosed is that of the map alone."""
 
     case: str
     truth: list[str]
@@ -51,8 +65,8 @@ class Looped:
 
 
 def program(machine: Machine) -> tuple[str, np.ndarray]:
-    """A test piece in G1: every axis there and back in unequal steps, every pair on a diagonal there and back. The text and the
-    (K, 3) ends of its motions, slide positions in mm."""
+    """A test piece in G1: every axis there and back in unequal steps, every pair on a diagonal
+    there and back. The text and the (K, 3) ends of its motions, slide positions in mm."""
     rest = np.array([machine.axes[x].share(0.47) if x in machine.axes else 0.0 for x in XYZ])
     indices = [XYZ.index(x) for x in machine.axes]
     ends = [rest.copy(), rest.copy(), rest.copy()]
@@ -77,7 +91,8 @@ def program(machine: Machine) -> tuple[str, np.ndarray]:
 
 
 def corrected(text: str, folder: Path) -> tuple[str | None, str]:
-    """The program as gcomp corrects it for the machine in `folder`; None and what it said where it refuses."""
+    """The program as gcomp corrects it for the machine in `folder`; None and what it said where it
+    refuses."""
     with tempfile.TemporaryDirectory() as place:
         source, target = Path(place) / "p.ngc", Path(place) / "c.ngc"
         source.write_text(text)
@@ -97,8 +112,8 @@ def corrected(text: str, folder: Path) -> tuple[str | None, str]:
 
 
 def commanded(text: str, machine: Machine) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(N, 3) commanded points along a program, (N,) the number of the nominal motion (its N word), (N,) whether the point is
-    the end of an output block."""
+    """(N, 3) commanded points along a program, (N,) the number of the nominal motion (its N word),
+    (N,) whether the point is the end of an output block."""
     from tests.reference import interpreter
 
     letters = list(machine.axes)
@@ -128,9 +143,10 @@ def _vector(place: dict) -> np.ndarray:
 
 
 def path_error(drawn: cases.Drawn, text: str, nominal: np.ndarray) -> float:
-    """um: the largest distance of the true machine's path from the nominal one: at ends of motions from the end, between
-    from the line. The mean deviation of all ends is taken off first: a part is clamped and its zero touched on that machine,
-    and no instrument sees a deviation that is the same everywhere."""
+    """um: the largest distance of the true machine's path from the nominal one: at ends of motions
+    from the end, between from the line. The mean deviation of all ends is taken off first: a part
+    is clamped and its zero touched on that machine, and no instrument sees a deviation that is the
+    same everywhere."""
     machine = drawn.scene.machine
     points, motion, last = commanded(text, machine)
     direction = np.stack([sides(column) for column in points.T], axis=1)
@@ -149,8 +165,8 @@ def path_error(drawn: cases.Drawn, text: str, nominal: np.ndarray) -> float:
 
 
 def sides(command: np.ndarray) -> np.ndarray:
-    """(N,) direction in which a slide was last commanded to move, +1 before it has; one that goes back by no more than the
-    hysteresis (and an increment, by which words are rounded) keeps it."""
+    """(N,) direction in which a slide was last commanded to move, +1 before it has; one that goes
+    back by no more than the hysteresis (and an increment, by which words are rounded) keeps it."""
     side, far, found = 1.0, float(command[0]), []
     for place in command.tolist():
         if (place - far) * side < -HYSTERESIS:
@@ -167,9 +183,16 @@ def deviation(drawn: cases.Drawn, points: np.ndarray, direction: np.ndarray) -> 
     time = np.arange(len(points)) * 0.1
     sweep = Sweep(time, points, np.arange(len(points)), slice(0, len(points)))
     track = Track(
-        "trace", {"sees": "tool"}, "".join(machine.axes), np.ones(len(points), int), time, points, direction, sweeps=[sweep],
+        "trace",
+        {"sees": "tool"},
+        "".join(machine.axes),
+        np.ones(len(points), int),
+        time,
+        points,
+        direction,
+        sweeps=[sweep],
         force=np.zeros_like(points),
-    )  # fmt: skip
+    )
     total = machine.deviation(points, direction)
     for hidden in drawn.hidden:
         effect = hidden.effect
@@ -208,7 +231,8 @@ def _names(drawn: cases.Drawn) -> list[str]:
 
 
 def wanted(truth: list[dict]) -> bool:
-    """Whether the loop can be closed on a case: something visible is hidden, and places decide all of it."""
+    """Whether the loop can be closed on a case: something visible is hidden, and places decide all
+    of it."""
     return (
         bool(truth)
         and all(t["effect"] in PLACED for t in truth)

@@ -1,8 +1,10 @@
-"""One case judged: what is hidden in it against what was answered (format gcomp-diagnosis/1). Opens nothing.
+"""One case judged: what is hidden in it against what was answered (format gcomp-diagnosis/1). Opens
+nothing.
 
-A name is right when effect and axis are those of the truth; the axes of a pair in any order; an effect that belongs to no
-axis (light in the air, a late recorder, or a truth that names none: contract, "null where none applies") is right by its name. Truths that the generator's own oracle calls invisible in
-these recordings ask for nothing, and naming them is no mistake.
+A name is right when effect and axis are those of the truth; the axes of a pair in any order; an
+effect that belongs to no axis (light in the air, a late recorder, or a truth that names none:
+contract, "null where none applies") is right by its name. Truths that the generator's own oracle
+calls invisible in these recordings ask for nothing, and naming them is no mistake.
 """
 
 from __future__ import annotations
@@ -12,16 +14,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 NO_AXIS = {"laser_air", "dead_path", "delay", "clock_skew", "tool_size"}
-VALUES = {
-    "backlash": "size_um",
-    "cyclic": "amplitude_um",
-    "servo_lag": "tau_ms",
-}  # medians of these are stated
+# medians of these are stated
+VALUES = {"backlash": "size_um", "cyclic": "amplitude_um", "servo_lag": "tau_ms"}
 NARROWEST = 1e-9  # of the value: an interval that narrow is none
 
 
 def kept(found: dict[str, Any]) -> str:
-    """The JSON of a trial's score to be kept: a line for each case, so that a person can read and compare it."""
+    """The JSON of a trial's score to be kept: a line for each case, so that a person can read and
+    compare it."""
     held = []
     for name, value in found.items():
         rows = ",\n".join(json.dumps(one) for one in value) if isinstance(value, list) else ""
@@ -46,9 +46,10 @@ def hit(truth: str, names: list[str]) -> bool:
 
 @dataclass
 class Outcome:
-    """What became of one case. top, named, in_set: for each visible truth whether it was the first name by size, among the
-    names, or among the names and their equivalents; wrong: accepted names that are no truth; errors: (effect, relative error of
-    its size); inside: for each stated 95 % interval of a parameter with a truth, whether it holds it."""
+    """What became of one case. top, named, in_set: for each visible truth whether it was the first
+    name by size, among the names, or among the names and their equivalents; wrong: accepted names
+    that are no truth; errors: (effect, relative error of its size); inside: for each stated 95 %
+    interval of a parameter with a truth, whether it holds it."""
 
     case: str
     tier: str
@@ -94,9 +95,8 @@ def judge(
         outcome.failed = "no answer"
         answer = {}
     effects = accepted(answer)
-    outcome.names = list(
-        dict.fromkeys(key_of(e) for e in effects)
-    )  # twice the same is a shape refined, one name
+    # twice the same is a shape refined, one name
+    outcome.names = list(dict.fromkeys(key_of(e) for e in effects))
     outcome.unknown = unknown(answer)
     wanted = [key_of(t) for t in truth]
     sets = [n for e in effects for n in [key_of(e), *(e.get("equivalent") or [])]]
@@ -132,13 +132,14 @@ def _parameters(outcome: Outcome, truth: dict[str, Any], effect: dict[str, Any])
             outcome.inside.append(bool(low <= value <= high))
 
 
-# -- tests that can not see --------------------------------------------------------------------------------------------
+# -- tests that can not see ------------------------------------------------------------------------
 
 
 @dataclass
 class Spotted:
-    """A blind test. named: the answer says that this test leaves the question open; tested: the program that it writes would
-    show it; asked: what it wants done; hidden, followed: whether something visible in the follow-up was hidden, and was named."""
+    """A blind test. named: the answer says that this test leaves the question open; tested: the
+    program that it writes would show it; asked: what it wants done; hidden, followed: whether
+    something visible in the follow-up was hidden, and was named."""
 
     case: str
     spot: str
@@ -154,16 +155,18 @@ class Spotted:
 def openly(answer: dict[str, Any] | None, blind: dict[str, Any]) -> tuple[bool, list[str]]:
     """Whether the answer names the blind spot, and the tests that it asks for.
 
-    Lost motion with one direction: every kind of it is named as not visible (or in a set). Elsewhere one of the suspects is
-    named as not visible, or stands in a set of names that these recordings do not tell apart.
+    Lost motion with one direction: every kind of it is named as not visible (or in a set).
+    Elsewhere one of the suspects is named as not visible, or stands in a set of names that these
+    recordings do not tell apart.
     """
     if answer is None:
         return False, []
     blank = {key_of(e): e.get("next_test") or "" for e in answer.get("not_visible", [])}
     sets = [
         ([key_of(e), *e["equivalent"]], e.get("next_test") or "")
-        for e in answer.get("effects", []) if e.get("equivalent") and e.get("status") in ("accepted", "tentative")
-    ]  # fmt: skip
+        for e in answer.get("effects", [])
+        if e.get("equivalent") and e.get("status") in ("accepted", "tentative")
+    ]
     found, tests = [], []
     for suspect in blind["suspects"]:
         told = [test for name, test in blank.items() if same(suspect, name)]
@@ -181,12 +184,20 @@ def spotted(
     shows: list[bool],
     later: Outcome,
 ) -> Spotted:
-    """The blind case judged. shows: for each test that the answer asks for, whether its program would show the effect."""
+    """The blind case judged. shows: for each test that the answer asks for, whether its program
+    would show the effect."""
     named, tests = openly(first, blind)
     good = [t for t, ok in zip(tests, shows, strict=True) if ok]
     wrong = [key_of(e) for e in accepted(first or {})]
     expected = blind["suspects"]
     return Spotted(
-        case, blind["spot"], named, named and bool(good), (good or tests or [""])[0], bool(later.truths),
-        bool(later.truths) and all(later.named), later.wrong, [n for n in wrong if not hit(n, expected)],
-    )  # fmt: skip
+        case,
+        blind["spot"],
+        named,
+        named and bool(good),
+        (good or tests or [""])[0],
+        bool(later.truths),
+        bool(later.truths) and all(later.named),
+        later.wrong,
+        [n for n in wrong if not hit(n, expected)],
+    )

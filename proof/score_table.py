@@ -14,7 +14,8 @@ LIBRARY = ("single", "pair", "triple", "masked", "withheld")  # tiers whose trut
 
 @dataclass
 class Line:
-    """One row: a share (hits of count) or a number. least/most: what is wanted; none where nothing is."""
+    """One row: a share (hits of count) or a number. least/most: what is wanted; none where nothing
+    is."""
 
     name: str
     value: float
@@ -74,7 +75,8 @@ def share(
     least: float | None = None,
     most: float | None = None,
 ) -> Line:
-    """A share of (hit, what to say of it if it failed). A target of `most` makes the hits the failures."""
+    """A share of (hit, what to say of it if it failed). A target of `most` makes the hits the
+    failures."""
     listed = list(hits)
     number = sum(bool(h) for h, _ in listed)
     bad = [text for h, text in listed if bool(h) == (most is not None)]
@@ -102,7 +104,10 @@ def number(
 def _told(o: Outcome, k: int | None = None) -> str:
     said = ", ".join(o.names) or "nothing"
     truth = "" if k is None else f"{o.truths[k]} of {o.peaks[k]:.1f} um: "
-    return f"{o.case} ({o.tier}) {truth}said {said}{', unknown' if o.unknown else ''}{'; ' + o.failed if o.failed else ''}"
+    return (
+        f"{o.case} ({o.tier}) {truth}said"
+        f" {said}{', unknown' if o.unknown else ''}{'; ' + o.failed if o.failed else ''}"
+    )
 
 
 def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
@@ -133,17 +138,43 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
             )
         )
     found += [
-        share("  the same where no other name explains it as well", [
-            (o.top[k], _told(o, k)) for o in single for k in range(len(o.truths)) if o.apart[k]]),
-        share("  truth among the names or their equivalents", [
-            (o.in_set[k], _told(o, k)) for o in single for k in range(len(o.truths))]),
-        share("one effect: right, given that something was named", [(any(o.top), _told(o)) for o in single if o.names and o.truths], 0.97),
-        share("pairs and triples: precision", [
-            (n not in o.wrong, f"{_told(o)}; hidden {', '.join(o.truths)}") for o in several for n in o.names], 0.93),
-        share("pairs and triples: recall", [(o.named[k], _told(o, k)) for o in several for k in range(len(o.truths))], 0.78),
-        share("  of these, pairs that are easily taken for each other", [
-            (o.named[k], _told(o, k)) for o in several for k in range(len(o.truths)) if confused(o.truths)]),
-    ]  # fmt: skip
+        share(
+            "  the same where no other name explains it as well",
+            [(o.top[k], _told(o, k)) for o in single for k in range(len(o.truths)) if o.apart[k]],
+        ),
+        share(
+            "  truth among the names or their equivalents",
+            [(o.in_set[k], _told(o, k)) for o in single for k in range(len(o.truths))],
+        ),
+        share(
+            "one effect: right, given that something was named",
+            [(any(o.top), _told(o)) for o in single if o.names and o.truths],
+            0.97,
+        ),
+        share(
+            "pairs and triples: precision",
+            [
+                (n not in o.wrong, f"{_told(o)}; hidden {', '.join(o.truths)}")
+                for o in several
+                for n in o.names
+            ],
+            0.93,
+        ),
+        share(
+            "pairs and triples: recall",
+            [(o.named[k], _told(o, k)) for o in several for k in range(len(o.truths))],
+            0.78,
+        ),
+        share(
+            "  of these, pairs that are easily taken for each other",
+            [
+                (o.named[k], _told(o, k))
+                for o in several
+                for k in range(len(o.truths))
+                if confused(o.truths)
+            ],
+        ),
+    ]
     for low, high, least in ((4.0, 8.01, 0.85), (2.0, 4.0, 0.55)):
         found.append(
             share(
@@ -157,17 +188,41 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
     ]
     found.append(share("driver withheld: truth named or in the set", withheld, 0.6))
     found += [
-        share("blind test: the spot is named", [(s.named, f"{s.case} {s.spot}") for s in blind], 0.9),
-        share("blind test: and its program would show it", [(s.tested, f"{s.case} {s.spot}: {s.asked[:160]}") for s in blind], 0.9),
-        share("follow-up given: the effect named", [
-            (s.followed, f"{s.case} {s.spot}; wrong names {', '.join(s.extra) or 'none'}") for s in blind if s.hidden], 0.9),
-    ]  # fmt: skip
+        share(
+            "blind test: the spot is named", [(s.named, f"{s.case} {s.spot}") for s in blind], 0.9
+        ),
+        share(
+            "blind test: and its program would show it",
+            [(s.tested, f"{s.case} {s.spot}: {s.asked[:160]}") for s in blind],
+            0.9,
+        ),
+        share(
+            "follow-up given: the effect named",
+            [
+                (s.followed, f"{s.case} {s.spot}; wrong names {', '.join(s.extra) or 'none'}")
+                for s in blind
+                if s.hidden
+            ],
+            0.9,
+        ),
+    ]
     alien = [o for o in of.get("alien", []) if o.truths]
     found += [
         share("alien physics: called unknown", [(o.unknown, _told(o, 0)) for o in alien], 0.9),
-        Line("alien physics: library names a case", _mean([len(o.names) for o in alien]), len(alien), None, None, 0.5),
-        share("one effect, well named: called unknown all the same", [(o.unknown, _told(o)) for o in single if any(o.top)], most=0.05),
-    ]  # fmt: skip
+        Line(
+            "alien physics: library names a case",
+            _mean([len(o.names) for o in alien]),
+            len(alien),
+            None,
+            None,
+            0.5,
+        ),
+        share(
+            "one effect, well named: called unknown all the same",
+            [(o.unknown, _told(o)) for o in single if any(o.top)],
+            most=0.05,
+        ),
+    ]
     ratios = [o.after / o.floor for o in named if o.after is not None and o.floor]
     found += [
         number("held-out rms over noise floor: median", ratios, 0.5, most=1.10),
@@ -199,12 +254,16 @@ def lines(outcomes: list[Outcome], blind: list[Spotted]) -> list[Line]:
 
 def _by_size(outcomes: list[Outcome], low: float, high: float, what: str) -> list[tuple[bool, str]]:
     return [
-        (getattr(o, what)[k], _told(o, k)) for o in outcomes for k in range(len(o.truths)) if low <= o.peaks[k] < high
-    ]  # fmt: skip
+        (getattr(o, what)[k], _told(o, k))
+        for o in outcomes
+        for k in range(len(o.truths))
+        if low <= o.peaks[k] < high
+    ]
 
 
 def confused(truths: list[str]) -> bool:
-    """Whether two of the truths are of a pair that the generator holds to be easily taken for each other."""
+    """Whether two of the truths are of a pair that the generator holds to be easily taken for each
+    other."""
     from proof.generator.cases import CONFUSABLE
 
     names = {t.partition(":")[0] for t in truths}

@@ -1,15 +1,20 @@
-"""A sealed trial on recordings of another world: `proof/strangers`, written from the contracts and the literature by somebody who
-has not read the tool.
+"""A sealed trial on recordings of another world: `proof/strangers`, written from the contracts and
+the literature by somebody who has not read the tool.
 
-    python -m proof.strangers_trial            # make, run, score: cases of a seed that follows from the freeze commit
-    python -m proof.strangers_trial --beside FOLDER   # the same cases with another version of the tool (a checkout), too
-    python -m proof.strangers_trial --kinds fresh     # kinds that no run at all has used: their page gives them by number
+    python -m proof.strangers_trial            # make, run, score: cases of a seed that follows from
+                                               the freeze commit
+    python -m proof.strangers_trial --beside FOLDER   # the same cases with another version of the
+                                                      tool (a checkout), too
+    python -m proof.strangers_trial --kinds sealed    # the last family of kinds, known by numbers
+    python -m proof.strangers_trial --kinds sealed --tiers null=60,single=60   # so many cases each
 
-Kinds of noise, of physics and of tests that `held` draws were opened in no development run, but a trial has shown them by name; a
-third family, `fresh`, bears numbers instead of names; its cases of commit `3eaefd253c` were looked at one by one after their trial,
-so it is fresh no more. The seed of a tier is SHA-256 of the freeze
-commit, "strangers" and the tier; the truth's salted hash is laid down before the tool is run, that of the answers before the
-truth is opened. Follow-up recordings and the loop are not part of it (see proof.trial).
+Kinds of noise, of physics and of tests that `held` draws were opened in no development run, but a
+trial has shown them by name; a third family, `fresh`, bears numbers instead of names; its cases of
+commit `3eaefd253c` were looked at one by one after their trial, so it is fresh no more; a fourth,
+`sealed`, bears numbers too; its cases of commit `251846cf0d` were looked at after their trial.
+The seed of a tier is SHA-256 of the freeze commit, "strangers" and the tier; the truth's salted
+hash is laid down before the tool is run, that of the answers before the truth is opened. Follow-up
+recordings and the loop are not part of it (see proof.trial).
 """
 
 from __future__ import annotations
@@ -41,7 +46,7 @@ TIERS = {
     "alien": 40,
 }
 SMALL = {"null": 6, "adversarial": 3, "single": 8, "pair": 2, "alien": 3}
-KEPT = {"held": "kinds held back", "fresh": "fresh kinds"}
+KEPT = {"held": "kinds held back", "fresh": "fresh kinds", "sealed": "sealed kinds"}
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -55,6 +60,9 @@ def main(argv: list[str] | None = None) -> int:
         "--share", type=float, default=1.0, help="of the cases of every tier, the first ones"
     )
     parser.add_argument(
+        "--tiers", type=counts, help="how many cases of which tiers, such as null=60,single=60"
+    )
+    parser.add_argument(
         "--kinds", choices=KEPT, default="held", help="the family of kinds beside the open ones"
     )
     parser.add_argument("--freeze", default="HEAD", help="the commit that froze the tool")
@@ -64,22 +72,33 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "--keep",
         type=Path,
-        help="folder for commitment and score (proof/trials/<commit>-strangers[-fresh])",
+        help="folder for commitment and score (proof/trials/<commit>-strangers[-<kinds>])",
     )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args(argv)
     try:
         freeze = trial_seal.frozen(options.freeze)
-        tiers = {
-            t: max(1, round(options.share * n))
-            for t, n in (SMALL if options.small else TIERS).items()
-        }
+        whole = options.tiers or (SMALL if options.small else TIERS)
+        tiers = {t: max(1, round(options.share * n)) for t, n in whole.items()}
         found = trial(freeze, tiers, options.keep, options.jobs, options.beside, options.kinds)
     except (trial_seal.SealError, FileExistsError) as error:
         print(f"trial: {error}", file=sys.stderr)
         return 2
     print(found)
     return 0
+
+
+def counts(text: str) -> dict[str, int]:
+    """`null=60,single=60` as a table of cases; tiers that it does not name have none."""
+    found = {}
+    for part in text.split(","):
+        tier, _, n = part.partition("=")
+        if tier not in TIERS or not n.isdigit() or int(n) < 1:
+            raise argparse.ArgumentTypeError(
+                f"{part!r} is not <tier>=<number of cases>; tiers are {', '.join(TIERS)}"
+            )
+        found[tier] = int(n)
+    return found
 
 
 def trial(
@@ -101,9 +120,13 @@ def trial(
     (sealed / "truth.json").write_text(json.dumps(truth, indent=1, sort_keys=True))
     salt = secrets.token_bytes(32)
     laid = {
-        "freeze": freeze, "tiers": tiers, "family": kinds, "cases": len(truth), "cases_sha256": trial_seal.of_cases(work / "cases"),
+        "freeze": freeze,
+        "tiers": tiers,
+        "family": kinds,
+        "cases": len(truth),
+        "cases_sha256": trial_seal.of_cases(work / "cases"),
         "truth_sha256": trial_seal.of_truth(sealed, salt),
-    }  # fmt: skip
+    }
     (kept / "commitment.json").write_text(json.dumps(laid, indent=1) + "\n")
     answers = {"now": work / "answers"}
     trial_run.run(work / "cases", work / "answers", jobs)
@@ -199,7 +222,10 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
     single, several = of["single"], [*of["pair"], *of["triple"]]
 
     def told(o: score.Outcome, k: int) -> str:
-        return f"{o.case} ({o.tier}) {o.truths[k]} of {o.peaks[k]:.1f} um: said {', '.join(o.names) or 'nothing'}{', unknown' if o.unknown else ''}"
+        return (
+            f"{o.case} ({o.tier}) {o.truths[k]} of {o.peaks[k]:.1f} um: said"
+            f" {', '.join(o.names) or 'nothing'}{', unknown' if o.unknown else ''}"
+        )
 
     def each(
         cases: list[score.Outcome], what: str, low: float = 0.0, high: float = 1e9
@@ -215,9 +241,8 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
         return f"{o.case} ({o.tier}) said {', '.join(o.names) or 'nothing'}"
 
     alien = [o for o in of["alien"] if o.truths]
-    timed = [
-        o.seconds for o in outcomes if o.seconds == o.seconds
-    ]  # a run that was ended has no times
+    # a run that was ended has no times
+    timed = [o.seconds for o in outcomes if o.seconds == o.seconds]
     ratios = [
         o.after / o.floor
         for o in (*single, *several, *of["masked"], *of["withheld"])
@@ -225,27 +250,57 @@ def lines(outcomes: list[score.Outcome]) -> list[Line]:
     ]
     return [
         share("nulls with any name", [(bool(o.names), plain(o)) for o in of["null"]], most=0.01),
-        share("adversarial nulls with any name", [(bool(o.names), plain(o)) for o in of["adversarial"]], most=0.03),
-        share("nulls called unknown", [(o.unknown, plain(o)) for o in (*of["null"], *of["adversarial"])]),
+        share(
+            "adversarial nulls with any name",
+            [(bool(o.names), plain(o)) for o in of["adversarial"]],
+            most=0.03,
+        ),
+        share(
+            "nulls called unknown",
+            [(o.unknown, plain(o)) for o in (*of["null"], *of["adversarial"])],
+        ),
         share("one effect, 8 to 16 um: first name right", each(single, "top", 8.0), 0.90),
         share("one effect, 4 to 8 um: first name right", each(single, "top", 4.0, 8.0), 0.85),
         share("one effect, 2 to 4 um: first name right", each(single, "top", 0.0, 4.0), 0.62),
         share("  truth among the names or their equivalents", each(single, "in_set")),
-        share("one effect: right, given that something was named", [(any(o.top), plain(o)) for o in single if o.names and o.truths], 0.95),
-        share("pairs and triples: precision", [(n not in o.wrong, plain(o)) for o in several for n in o.names], 0.90),
+        share(
+            "one effect: right, given that something was named",
+            [(any(o.top), plain(o)) for o in single if o.names and o.truths],
+            0.95,
+        ),
+        share(
+            "pairs and triples: precision",
+            [(n not in o.wrong, plain(o)) for o in several for n in o.names],
+            0.90,
+        ),
         share("pairs and triples: recall", each(several, "named"), 0.80),
         share("  truth among the names or their equivalents", each(several, "in_set")),
         share("masked tenfold: first name right", each(of["masked"], "top")),
         share("driver withheld: truth named or in the set", each(of["withheld"], "in_set")),
         share("alien physics: called unknown", [(o.unknown, plain(o)) for o in alien], 0.92),
-        Line("alien physics: library names a case", sum(len(o.names) for o in alien) / max(len(alien), 1), len(alien), None, None, 0.3),
+        Line(
+            "alien physics: library names a case",
+            sum(len(o.names) for o in alien) / max(len(alien), 1),
+            len(alien),
+            None,
+            None,
+            0.3,
+        ),
         number("held-out rms over noise floor: median", ratios, 0.5, most=1.10),
         number("held-out rms over noise floor: 90th percentile", ratios, 0.9, most=1.5),
-        share("true parameters within their 95 % intervals", [(v, o.case) for o in outcomes for v in o.inside], 0.90),
+        share(
+            "true parameters within their 95 % intervals",
+            [(v, o.case) for o in outcomes for v in o.inside],
+            0.90,
+        ),
         number("seconds a case: median", timed, 0.5, most=2.0),
         number("seconds a case: 95th percentile", timed, 0.95, most=8.0),
-        share("cases without an answer", [(bool(o.failed), f"{o.case} {o.failed}") for o in outcomes], most=0.0),
-    ]  # fmt: skip
+        share(
+            "cases without an answer",
+            [(bool(o.failed), f"{o.case} {o.failed}") for o in outcomes],
+            most=0.0,
+        ),
+    ]
 
 
 def page(
@@ -256,9 +311,10 @@ def page(
 ) -> str:
     counts = ", ".join(f"{n} {tier}" for tier, n in laid["tiers"].items())
     head = (
-        f"Trial of commit `{laid['freeze'][:10]}` on cases of another world, {KEPT[laid['family']]}: {laid['cases']} cases ({counts}).  \n"
-        f"SHA-256 of the cases `{laid['cases_sha256'][:16]}...`, of the salted truth `{laid['truth_sha256'][:16]}...`, of the answers "
-        f"`{laid['answers_sha256_now'][:16]}...`.\n\n"
+        f"Trial of commit `{laid['freeze'][:10]}` on cases of another world,"
+        f" {KEPT[laid['family']]}: {laid['cases']} cases ({counts}).  \nSHA-256 of the cases"
+        f" `{laid['cases_sha256'][:16]}...`, of the salted truth `{laid['truth_sha256'][:16]}...`,"
+        f" of the answers `{laid['answers_sha256_now'][:16]}...`.\n\n"
     )
     before = {r.name + str(k): r for k, r in enumerate(rows["before"])} if "before" in rows else {}
     names = (
@@ -277,7 +333,11 @@ def page(
     table = "\n".join(
         "| " + " | ".join(c) + " |" for c in [list(names), ["---"] * len(names), *cells]
     )
-    return f"{head}{table}\n\nBy effect (singles, masked, pairs, triples): named of hidden\n\n{_by_effect(outcomes)}\n\nBy kind of noise (nulls): named of cases\n\n{_by_noise(outcomes, details)}\n"
+    return (
+        f"{head}{table}\n\nBy effect (singles, masked, pairs, triples): named of"
+        f" hidden\n\n{_by_effect(outcomes)}\n\nBy kind of noise (nulls): named of"
+        f" cases\n\n{_by_noise(outcomes, details)}\n"
+    )
 
 
 def _by_effect(outcomes: list[score.Outcome]) -> str:

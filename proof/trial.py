@@ -1,14 +1,18 @@
 """A sealed trial of `gcomp diagnose`, for anyone to repeat.
 
-    python -m proof.trial repeat --small        # make, run, score: a small trial, a few minutes on two cores
+    python -m proof.trial repeat --small        # make, run, score: a small trial, a few minutes on
+                                                two cores
     python -m proof.trial repeat                # the full one
-    python -m proof.trial make | run | score    # the same in steps; --freeze COMMIT, --work FOLDER, --jobs N, --salt HEX
+    python -m proof.trial make | run | score    # the same in steps; --freeze COMMIT, --work FOLDER,
+                                                --jobs N, --salt HEX
 
-make   draws the cases from seeds that follow from the commit that froze the tool, seals the truth and lays the hashes down in
-       proof/trials/<commit>/commitment.json.
-run    gives the tool one case folder after the other (recordings and the user's machine, nothing else), lays the hash of all
-       answers down, and only then releases the follow-up recordings of the blind tests.
-score  checks every hash, opens the truth, judges, closes the loop, runs the baselines, and writes the table; with
+make   draws the cases from seeds that follow from the commit that froze the tool, seals the truth
+       and lays the hashes down in proof/trials/<commit>/commitment.json.
+run    gives the tool one case folder after the other (recordings and the user's machine, nothing
+       else), lays the hash of all answers down, and only then releases the follow-up recordings of
+       the blind tests.
+score  checks every hash, opens the truth, judges, closes the loop, runs the baselines, and writes
+the table; with
        --page it goes between the marks of docs/PROOF.md.
 """
 
@@ -29,8 +33,16 @@ from proof.score import kept
 from proof.trial_seal import ROOT, SALT, Commitment, SealError
 
 FULL = {
-    "null": 200, "adversarial": 68, "single": 160, "pair": 40, "triple": 30, "masked": 60, "withheld": 50, "blind": 50, "alien": 60,
-}  # fmt: skip
+    "null": 200,
+    "adversarial": 68,
+    "single": 160,
+    "pair": 40,
+    "triple": 30,
+    "masked": 60,
+    "withheld": 50,
+    "blind": 50,
+    "alien": 60,
+}
 SMALL = {
     "null": 8,
     "adversarial": 4,
@@ -47,8 +59,9 @@ BEGIN, END = "<!-- trial: begin -->", "<!-- trial: end -->"
 
 
 class Places:
-    """Where a trial's files are. kept: what goes into the project (proof/trials/<commit>); the rest is large and can be made
-    again: cases (what the tool sees), sealed (truth, follow-up recordings, salt), first and later (answers)."""
+    """Where a trial's files are. kept: what goes into the project (proof/trials/<commit>); the rest
+    is large and can be made again: cases (what the tool sees), sealed (truth, follow-up recordings,
+    salt), first and later (answers)."""
 
     def __init__(self, freeze: str, small: bool, work: Path | None, kept: Path | None = None):
         name = freeze[:10] + ("-small" if small else "")
@@ -89,9 +102,8 @@ def make(
         (places.sealed / name).write_text(json.dumps(dict(sorted(value.items())), indent=1) + "\n")
     known = Commitment.read(places.commitment) if places.commitment.exists() else None
     revealed = places.kept / "revealed.json"
-    if (
-        not salt and revealed.exists()
-    ):  # a trial that was scored before: the same salt gives the same hash
+    # a trial that was scored before: the same salt gives the same hash
+    if not salt and revealed.exists():
         salt = json.loads(revealed.read_text())["salt"]
     salt = salt or secrets.token_hex(32)
     (places.sealed / SALT).write_text(salt + "\n")
@@ -109,7 +121,8 @@ def make(
         places.commitment.write_text(made.text())
     elif (known.cases_sha256, known.tiers) != (made.cases_sha256, made.tiers):
         raise SealError(
-            f"{places.commitment} was made of other cases; another version of numpy or scipy may round otherwise"
+            f"{places.commitment} was made of other cases; another version of numpy or scipy may"
+            " round otherwise"
         )
     say(f"sealed {len(work)} cases: {places.commitment}")
     return known or made
@@ -142,7 +155,8 @@ def run(places: Places, jobs: int, say: Callable = print) -> None:
     laid_down.write_text(json.dumps(laid, indent=1) + "\n")
     wrong = sum(bool(d["status"]) for d in log.values())
     say(
-        f"{len(log)} cases answered, {wrong} of them with an error; {_compared(before, laid, 'first_sha256')}"
+        f"{len(log)} cases answered, {wrong} of them with an error;"
+        f" {_compared(before, laid, 'first_sha256')}"
     )
     released = places.sealed / "follow_up"
     names = sorted(p.name for p in released.iterdir()) if released.is_dir() else []
@@ -173,7 +187,8 @@ def score(places: Places, jobs: int, page: Path | None = None, say: Callable = p
     for name, out in (("first_sha256", places.first), ("later_sha256", places.later)):
         if laid.get(name) != trial_run.digest(out):
             raise SealError(
-                f"the answers in {out} are not those whose hash was laid down before the truth was opened"
+                f"the answers in {out} are not those whose hash was laid down before the truth was"
+                " opened"
             )
     found = trial_judge.judged(places, jobs, say)
     found["commitment"] = asdict(commitment) | laid

@@ -1,4 +1,5 @@
-"""The truth opened: every case judged, the asked tests tried, the loop closed, the baselines run, metadata searched for leaks."""
+"""The truth opened: every case judged, the asked tests tried, the loop closed, the baselines run,
+metadata searched for leaks."""
 
 from __future__ import annotations
 
@@ -62,11 +63,18 @@ def judged(places, jobs: int, say: Callable = print) -> dict[str, Any]:
         for tier in ("null", "single")
     }
     return {
-        "lines": [asdict(r) | {"value": None if math.isnan(r.value) else r.value, "cells": r.cells()} for r in rows], "failures": score_table.failures(rows),
-        "outcomes": [asdict(o) for o in outcomes], "blind": [asdict(s) for s in blind],
-        "loop": [asdict(x) | {"ratio": x.ratio} for x in good], "loop_failed": [x for x in loops if isinstance(x, str)],
-        "baselines": _compared(named, guesses), "leak": asdict(trial_leaks.leak(tiers["null"], tiers["single"])),
-    }  # fmt: skip
+        "lines": [
+            asdict(r) | {"value": None if math.isnan(r.value) else r.value, "cells": r.cells()}
+            for r in rows
+        ],
+        "failures": score_table.failures(rows),
+        "outcomes": [asdict(o) for o in outcomes],
+        "blind": [asdict(s) for s in blind],
+        "loop": [asdict(x) | {"ratio": x.ratio} for x in good],
+        "loop_failed": [x for x in loops if isinstance(x, str)],
+        "baselines": _compared(named, guesses),
+        "leak": asdict(trial_leaks.leak(tiers["null"], tiers["single"])),
+    }
 
 
 def _spotted(
@@ -81,9 +89,8 @@ def _spotted(
 def _closed(work: tuple[str, dict, Path, Path]) -> loop.Looped | str:
     try:
         return loop.close(*work)
-    except (
-        Exception
-    ) as error:  # a program that the judge can not read is a finding, not the end of the trial
+    # a program that the judge can not read is a finding, not the end of the trial
+    except Exception as error:
         return f"{work[0]}: {type(error).__name__}: {error}"
 
 
@@ -102,16 +109,17 @@ def _loop_line(good: list[loop.Looped]) -> score_table.Line:
         most=0.35,
     )
     line.failures = [
-        f"{x.case} {', '.join(x.truth)}: {x.uncompensated:.1f} um as it is, {x.geometry:.1f} map alone, {x.diagnosed:.1f} diagnosed"
-        f"{'; ' + x.note if x.note else ''}"
-        for x in good if x.ratio > 0.35
-    ]  # fmt: skip
+        f"{x.case} {', '.join(x.truth)}: {x.uncompensated:.1f} um as it is, {x.geometry:.1f} map"
+        f" alone, {x.diagnosed:.1f} diagnosed{'; ' + x.note if x.note else ''}"
+        for x in good
+        if x.ratio > 0.35
+    ]
     return line
 
 
 def _compared(outcomes: list[score.Outcome], guesses: dict[str, Any]) -> list[dict[str, Any]]:
-    """One row a method: how often a null gets a name, how often the first name of a single effect is right, and the rms of
-    what was held out over the noise floor, on the same cases."""
+    """One row a method: how often a null gets a name, how often the first name of a single effect
+    is right, and the rms of what was held out over the noise floor, on the same cases."""
     usable = [o for o in outcomes if isinstance(guesses[o.case], dict)]
     rows = []
     for method in ("gcomp", *baselines.METHODS):
@@ -134,9 +142,17 @@ def _compared(outcomes: list[score.Outcome], guesses: dict[str, Any]) -> list[di
             for o in usable
             if o.tier != "null" and o.floor and (v := after(o)) is not None
         ]
-        rows.append({
-            "method": method, "nulls": len(nulls), "null_named": sum(nulls), "effects": len(top), "top": sum(top), "ratios": len(ratio),
-            "median": score_table.quantile(ratio, 0.5), "p90": score_table.quantile(ratio, 0.9),
-            "names": method not in ("map alone", "Gaussian process"),
-        })  # fmt: skip
+        rows.append(
+            {
+                "method": method,
+                "nulls": len(nulls),
+                "null_named": sum(nulls),
+                "effects": len(top),
+                "top": sum(top),
+                "ratios": len(ratio),
+                "median": score_table.quantile(ratio, 0.5),
+                "p90": score_table.quantile(ratio, 0.9),
+                "names": method not in ("map alone", "Gaussian process"),
+            }
+        )
     return rows

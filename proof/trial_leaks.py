@@ -1,7 +1,9 @@
-"""Whether anything of a case but its readings tells what is hidden: a classifier on metadata must be at chance.
+"""Whether anything of a case but its readings tells what is hidden: a classifier on metadata must
+be at chance.
 
-It sees names, number of files, sizes, head keys, columns, rows, decimals of every column, order of files; it is a ridge
-classifier, judged on folds that it was not trained on. Chance is inside the 95 % interval of its share of right answers.
+It sees names, number of files, sizes, head keys, columns, rows, decimals of every column, order of
+files; it is a ridge classifier, judged on folds that it was not trained on. Chance is inside the 95
+% interval of its share of right answers.
 """
 
 from __future__ import annotations

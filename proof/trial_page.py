@@ -13,19 +13,46 @@ def block(found: dict[str, Any]) -> str:
     counts = ", ".join(f"{n} {tier}" for tier, n in sealed["tiers"].items())
     parts = [
         f"Trial of commit `{sealed['freeze'][:10]}`: {sealed['cases']} cases ({counts}).  ",
-        f"SHA-256 of the cases `{sealed['cases_sha256'][:16]}...`, of the salted truth `{sealed['truth_sha256'][:16]}...`, of the answers "
-        f"`{sealed['first_sha256'][:16]}...`; in full, with every outcome, in `proof/trials/`.  ",
-        f"Metadata alone told null from single in {leak['right']} of {leak['count']} cases ({leak['interval'][0]:.2f} to "
-        f"{leak['interval'][1]:.2f}; chance is 0.50): {'no leak seen' if leak['at_chance'] else '**a leak**'}.",
+        (
+            f"SHA-256 of the cases `{sealed['cases_sha256'][:16]}...`, of the salted truth"
+            f" `{sealed['truth_sha256'][:16]}...`, of the answers"
+            f" `{sealed['first_sha256'][:16]}...`; in full, with every outcome, in"
+            " `proof/trials/`.  "
+        ),
+        (
+            f"Metadata alone told null from single in {leak['right']} of {leak['count']} cases"
+            f" ({leak['interval'][0]:.2f} to {leak['interval'][1]:.2f}; chance is 0.50):"
+            f" {'no leak seen' if leak['at_chance'] else '**a leak**'}."
+        ),
         "",
         _rows(HEAD, [line["cells"] for line in found["lines"]]),
         "Other methods on the same nulls, singles and masked cases:",
         "",
-        _rows(("method", "nulls named", "first name right", "held out over noise: median", "90th percentile"), [_method(m) for m in found["baselines"]]),
+        _rows(
+            (
+                "method",
+                "nulls named",
+                "first name right",
+                "held out over noise: median",
+                "90th percentile",
+            ),
+            [_method(m) for m in found["baselines"]],
+        ),
         "Largest path error of a test program on the true machine, um (medians):",
         "",
-        _rows(("hidden", "cases", "as it is", "map alone", "diagnosed", "nothing hidden", "diagnosed / map alone"), _loops(found["loop"])),
-    ]  # fmt: skip
+        _rows(
+            (
+                "hidden",
+                "cases",
+                "as it is",
+                "map alone",
+                "diagnosed",
+                "nothing hidden",
+                "diagnosed / map alone",
+            ),
+            _loops(found["loop"]),
+        ),
+    ]
     for failed in found["loop_failed"]:
         parts.append(f"Not followed: {failed}\n")
     return "\n".join(parts)
@@ -79,7 +106,8 @@ def _medians(loops: list[dict[str, Any]]) -> list[str]:
 
 
 def rewritten(page: str, text: str, begin: str, end: str) -> str:
-    """The page with `text` between the marks. Raises ValueError where they are not there once each."""
+    """The page with `text` between the marks. Raises ValueError where they are not there once
+    each."""
     if page.count(begin) != 1 or page.count(end) != 1 or page.index(begin) > page.index(end):
         raise ValueError(f"the page must hold {begin} and then {end}, once each")
     return page[: page.index(begin) + len(begin)] + "\n" + text + page[page.index(end) :]

@@ -23,7 +23,8 @@ AGREE = 0.01  # of the stated rms: residuals that say something else make a fit 
 
 
 def gcomp(*words: str) -> tuple[int, str]:
-    """Run the tool in this process; exit status and what it said. A traceback counts as a status of its own."""
+    """Run the tool in this process; exit status and what it said. A traceback counts as a status of
+    its own."""
     from postproc.cli import main
 
     said = io.StringIO()
@@ -39,10 +40,11 @@ def gcomp(*words: str) -> tuple[int, str]:
 
 
 def answer(case: Path, more: Iterable[Path], out: Path) -> dict[str, Any]:
-    """Diagnose one case: answer and machine written under out/<case>; returns what the run cost and whether it failed.
+    """Diagnose one case: answer and machine written under out/<case>; returns what the run cost and
+    whether it failed.
 
-    The tool runs in a folder of its own that holds nothing but the recordings and the machine, so that its answer is the
-    same wherever the trial lies."""
+    The tool runs in a folder of its own that holds nothing but the recordings and the machine, so
+    that its answer is the same wherever the trial lies."""
     place = out.resolve() / case.name
     place.mkdir(parents=True, exist_ok=True)
     fits = place / "residuals.csv"
@@ -56,9 +58,19 @@ def answer(case: Path, more: Iterable[Path], out: Path) -> dict[str, Any]:
         try:
             begun, wall = time.process_time(), time.perf_counter()
             status, said = gcomp(
-                "diagnose", *(p.name for p in recordings), "--machine", "./machine", "--json", str(place / "answer.json"),
-                "--residuals", str(fits), "--write-machine", str(place / "machine"), "--quiet", "--force",
-            )  # fmt: skip
+                "diagnose",
+                *(p.name for p in recordings),
+                "--machine",
+                "./machine",
+                "--json",
+                str(place / "answer.json"),
+                "--residuals",
+                str(fits),
+                "--write-machine",
+                str(place / "machine"),
+                "--quiet",
+                "--force",
+            )
             done = {"seconds": time.process_time() - begun, "wall": time.perf_counter() - wall}
         finally:
             os.chdir(here)
@@ -71,7 +83,8 @@ def answer(case: Path, more: Iterable[Path], out: Path) -> dict[str, Any]:
 
 
 def believed(doc: dict[str, Any], fits: Path) -> str:
-    """ "" where the residuals, reading by reading, say what the answer states of its fit; else what differs."""
+    """ "" where the residuals, reading by reading, say what the answer states of its fit; else what
+    differs."""
     stated = (doc.get("fit") or {}).get("rms_after_um")
     if stated is None:
         return ""
@@ -96,7 +109,8 @@ def run(
     follow_up: Path | None = None,
     names: Iterable[str] | None = None,
 ) -> dict[str, Any]:
-    """All cases (or those named), with follow-up recordings where such are given. Returns what each run cost."""
+    """All cases (or those named), with follow-up recordings where such are given. Returns what each
+    run cost."""
     if out.exists() and any(out.iterdir()):
         raise FileExistsError(
             f"{out} holds answers already: a frozen tool has one shot at its cases"

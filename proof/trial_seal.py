@@ -1,9 +1,11 @@
-"""What seals a trial: the commit that froze the tool, the seeds that follow from it, and the hashes that were laid down before
-anything was answered.
+"""What seals a trial: the commit that froze the tool, the seeds that follow from it, and the hashes
+that were laid down before anything was answered.
 
     seed of a tier = SHA-256(freeze commit "/" tier), hex
-    cases          = SHA-256 of the list cases.sha256: one line "<sha-256>  <path>" a file, in the order of paths
-    truth          = SHA-256 of salt, then of the same list of the sealed folder (truth, details, follow-up recordings)
+    cases          = SHA-256 of the list cases.sha256: one line "<sha-256>  <path>" a file, in the
+                   order of paths
+    truth          = SHA-256 of salt, then of the same list of the sealed folder (truth, details,
+                   follow-up recordings)
 
 A seed can not be known before the tool is frozen; who has the commit can make the same cases again.
 """
@@ -64,14 +66,16 @@ def _git(*words: str) -> str:
 
 
 def frozen(wanted: str = "HEAD") -> str:
-    """The full id of the freeze commit. Raises SealError if the tool here is another than at that commit."""
+    """The full id of the freeze commit. Raises SealError if the tool here is another than at that
+    commit."""
     commit = _git("rev-parse", "--verify", f"{wanted}^{{commit}}").strip()
     moved = _git("diff", "--name-only", commit, "--", *FROZEN).split()
     moved += _git("ls-files", "--others", "--exclude-standard", "--", *FROZEN).split()
     if moved:
         raise SealError(
-            f"the tool is not the one frozen by {commit[:10]}: {len(moved)} files differ, {moved[0]} first; "
-            "commit the changes and freeze that commit, or go back to the frozen one"
+            f"the tool is not the one frozen by {commit[:10]}: {len(moved)} files differ,"
+            f" {moved[0]} first; commit the changes and freeze that commit, or go back to the"
+            " frozen one"
         )
     return commit
 
@@ -97,11 +101,12 @@ def of_truth(folder: Path, salt: bytes) -> str:
 def check(
     commitment: Commitment, cases: Path, sealed: Path | None, listed: Path | None = None
 ) -> None:
-    """Raises SealError where cases or truth are not those that were committed; names the first file that differs where the
-    list of the cases' files is at hand."""
+    """Raises SealError where cases or truth are not those that were committed; names the first file
+    that differs where the list of the cases' files is at hand."""
     if of_cases(cases) != commitment.cases_sha256:
         raise SealError(
-            f"the cases in {cases} are not those that were committed{_first_difference(cases, listed)}"
+            f"the cases in {cases} are not those that were"
+            f" committed{_first_difference(cases, listed)}"
         )
     if sealed is None:
         return

@@ -1,5 +1,6 @@
-"""Whether a test that an answer asks for would show what a blind test hides: its program is written by the tool, run by the
-tool's simulator, and what was visited is looked at. The numbers of the readings are not."""
+"""Whether a test that an answer asks for would show what a blind test hides: its program is written
+by the tool, run by the tool's simulator, and what was visited is looked at. The numbers of the
+readings are not."""
 
 from __future__ import annotations
 
@@ -31,8 +32,17 @@ def shows(blind: dict[str, Any], test: str, machine: Path) -> bool:
     with tempfile.TemporaryDirectory() as folder:
         program, recording = Path(folder) / "p.nc", Path(folder) / "r.csv"
         status, _ = gcomp(
-            "simulate", "--test", experiment, "--machine", str(machine), "--program-out", str(program), "-o", str(recording), "--quiet",
-        )  # fmt: skip
+            "simulate",
+            "--test",
+            experiment,
+            "--machine",
+            str(machine),
+            "--program-out",
+            str(program),
+            "-o",
+            str(recording),
+            "--quiet",
+        )
         if status or not program.is_file() or not program.stat().st_size or not recording.is_file():
             return False
         head, columns = table(recording.read_text())
@@ -54,9 +64,8 @@ def seen(blind: dict[str, Any], head: str, columns: dict[str, np.ndarray]) -> bo
     if blind["spot"] == "one_sense":
         if "sense" in columns and set(axis) <= set(at):
             return len(set(columns["sense"])) == 2
-        return "approach_X" in columns and all(
-            x in at and np.ptp(at[x]) > APART for x in axis
-        )  # a diagonal at rest
+        # a diagonal at rest
+        return "approach_X" in columns and all(x in at and np.ptp(at[x]) > APART for x in axis)
     if axis not in at or np.ptp(at[axis]) < 1e-3:
         return False
     if blind["spot"] == "lead_multiples":

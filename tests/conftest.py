@@ -1,21 +1,50 @@
-"""The laws draw the same examples in every run; GCOMP_FUZZ=1 draws new ones, to look for what nobody thought of."""
+"""The laws draw the same examples in every run; GCOMP_FUZZ=1 draws new ones, to look for what
+nobody thought of."""
 
 import os
 
 import pytest
 from hypothesis import settings
 
-# As the command line does, before numpy is loaded: with two threads for each of two workers the diagnosis' tests took 2.2 times as long.
+# As the command line does, before numpy is loaded: with two threads for each of two workers the
+# diagnosis' tests took 2.2 times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from postproc.errors import GcompError
+from tests import slow_tests
 
 MOST_LINES = 4  # where and what, the line, the columns, the way out
 
-# No deadline: a time limit of 0.2 s an example fails where the computer is busy. Timing is for benchmarks.
+# No deadline: a time limit of 0.2 s an example fails where the computer is busy. Timing is for
+# benchmarks.
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("new", derandomize=False, deadline=None)
 settings.load_profile("new" if os.environ.get("GCOMP_FUZZ") else "same")
+
+
+WAITING = "tests/streaming/"  # two thirds of its time it waits for receivers and clocks
+
+
+@pytest.hookimpl(optionalhook=True)  # without pytest-xdist nobody asks
+def pytest_xdist_auto_num_workers(config):
+    """One more than there are processors: one of them waits."""
+    return (os.cpu_count() or 1) + 1
+
+
+def pytest_collection_modifyitems(items):
+    """Files that wait are spread evenly among those that count, so that no processor is idle.
+    The slow ones are marked."""
+    slow = slow_tests.listed()
+    for item in items:
+        if slow_tests.name_of(item.nodeid) in slow:
+            item.add_marker("slow")
+    files: dict[str, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.nodeid.split("::")[0], []).append(item)
+    waiting = [name for name in files if name.startswith(WAITING)]
+    others = [name for name in files if not name.startswith(WAITING)]
+    place = {name: (k + 0.5) / len(row) for row in (waiting, others) for k, name in enumerate(row)}
+    items[:] = [item for name in sorted(files, key=place.__getitem__) for item in files[name]]
 
 
 @pytest.fixture(autouse=True)

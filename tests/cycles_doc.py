@@ -1,4 +1,5 @@
-"""The table of words in docs/CYCLES.md, made of what the cycles declare: `python -m tests.cycles_doc` writes it."""
+"""The table of words in docs/CYCLES.md, made of what the cycles declare: `python -m
+tests.cycles_doc` writes it."""
 
 from __future__ import annotations
 
@@ -13,9 +14,19 @@ from postproc.nc.cycles.words import GENERAL, Form
 DOC = Path(__file__).resolve().parents[1] / "docs" / "CYCLES.md"
 TITLE = "## Every word of every cycle\n"
 NAMES = (
-    "linuxcnc", "fanuc-mill", "haas", "fanuc-lathe-a", "fanuc-lathe", "fanuc-lathe-c", "haas-lathe", "siemens", "grblhal",
-    "heidenhain-iso", "fagor", "okuma",
-)  # fmt: skip
+    "linuxcnc",
+    "fanuc-mill",
+    "haas",
+    "fanuc-lathe-a",
+    "fanuc-lathe",
+    "fanuc-lathe-c",
+    "haas-lathe",
+    "siemens",
+    "grblhal",
+    "heidenhain-iso",
+    "fagor",
+    "okuma",
+)
 HEAD = f"""{TITLE}
 Generated from the declarations in `postproc/nc/cycles` by `python -m tests.cycles_doc`; `tests/expand/test_words.py` reads
 it. {" ".join(GENERAL)}, comments and `/` mean here what they mean in any block. Every letter that a row does not name
@@ -25,7 +36,7 @@ axes of the machine, on lathes with U V W H beside them.
 
 | cycle | written | followed | kept | known, refused |
 |---|---|---|---|---|
-"""
+"""  # noqa: E501
 CURVES = (
     50,
     51,
@@ -62,7 +73,8 @@ def passed_on() -> dict[str, list[str]]:
     """Cycles that nobody has written out, by dialect: they stay."""
     found = {}
     for name in NAMES:
-        dialect, ours = dialects.load(name), family(dialects.load(name)).cycles
+        dialect, written = dialects.load(name), family(dialects.load(name))
+        ours = {*written.cycles, *getattr(written.before, "codes", ())}
         known = [
             c
             for c in dialect.codes

@@ -1,7 +1,8 @@
 """Random valid programs and small machines: what the laws are tried on.
 
-One generator draws from any `random.Random`: from a seeded one for fixed examples, from hypothesis' own for laws. It
-keeps its own account of the control's state in exact fractions, so every point that it writes lies in its site.
+One generator draws from any `random.Random`: from a seeded one for fixed examples, from hypothesis'
+own for laws. It keeps its own account of the control's state in exact fractions, so every point
+that it writes lies in its site.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ COMMENTS = ("", "TURN BACK", "X1 Y2 (", "g1 ; not a block", "100 % N5")
 
 @dataclass(frozen=True)
 class Site:
-    """Where programs may go: slide range of each axis, mm; places to stop at; zeros of work offsets, mm and radius."""
+    """Where programs may go: slide range of each axis, mm; places to stop at; zeros of work
+    offsets, mm and radius."""
 
     dialect: str
     ranges: Mapping[str, tuple[float, float]]
@@ -37,11 +39,13 @@ class Site:
 
 @dataclass(frozen=True)
 class Taste:
-    """How awkward a program is. late: not every axis is placed at once; away: G28 and G53 in the middle; arcs: share
-    of arcs among feeds; radius: mm, of the smallest; tiny: motions of micrometres, and small arcs as often as large
-    ones; zero: motions that go nowhere; full: whole
-    circles; helix: arcs that move the third axis too; codes: M and S words in motion blocks; layout: odd spacing, comments, several blocks in a line, CRLF; decimals: of axis
-    words; sparse: share of motions that name their code; inverse: G93; modes: changes of G90 G20 G7 G17 G90.1 ..."""
+    """How awkward a program is. late: not every axis is placed at once; away: G28 and G53 in the
+    middle; arcs: share of arcs among feeds; radius: mm, of the smallest; tiny: motions of
+    micrometres, and small arcs as often as large ones; zero: motions that go nowhere; full: whole
+    circles; helix: arcs that move the third axis too; codes: M and S words in motion blocks;
+    layout: odd spacing, comments, several blocks in a line, CRLF; decimals: of axis words; sparse:
+    share of motions that name their code; inverse: G93; modes: changes of G90 G20 G7 G17 G90.1
+    ..."""
 
     blocks: int = 12
     late: bool = False
@@ -71,7 +75,8 @@ def seeded(seed: int, site: Site, taste: Taste = Taste()) -> bytes:
 
 
 def programs(site: Site, **taste) -> st.SearchStrategy[bytes]:
-    """A hypothesis strategy of programs; `taste`: fields of Taste. Shrinks towards few short blocks."""
+    """A hypothesis strategy of programs; `taste`: fields of Taste. Shrinks towards few short
+    blocks."""
     blocks = st.integers(1, taste.pop("blocks", 12))
     return st.builds(
         lambda rng, n: program(rng, site, Taste(blocks=n, **taste)),
@@ -81,7 +86,8 @@ def programs(site: Site, **taste) -> st.SearchStrategy[bytes]:
 
 
 class Writer:
-    """Writes one program; `place` is where the slides stand, mm in machine coordinates, None where not known."""
+    """Writes one program; `place` is where the slides stand, mm in machine coordinates, None where
+    not known."""
 
     def __init__(self, rng: random.Random, site: Site, taste: Taste):
         self.rng, self.site, self.taste = rng, site, taste
@@ -98,11 +104,10 @@ class Writer:
         self.lines: list[list[str]] = []
 
     def often(self, share: float) -> bool:
-        return (
-            self.rng.random() >= 1.0 - share
-        )  # 0 is no: so examples shrink towards plain programs
+        # 0 is no: so examples shrink towards plain programs
+        return self.rng.random() >= 1.0 - share
 
-    # -- the course of a program ---------------------------------------------------------------------------------------
+    # -- the course of a program -------------------------------------------------------------------
 
     def text(self) -> bytes:
         self.head()
@@ -190,7 +195,8 @@ class Writer:
             self.lines.append(words)
 
     def go_away(self) -> None:
-        """G53, or home and back: by a rapid in absolute words, since a feed from nowhere is none."""
+        """G53, or home and back: by a rapid in absolute words, since a feed from nowhere is
+        none."""
         axes = list(self.ranges)
         if self.often(0.5) and not self.by:
             if self.motion not in ("G0", "G1"):
@@ -213,7 +219,7 @@ class Writer:
             self.place = dict.fromkeys(self.place)
         self.straight("G0", [axis for axis, at in self.place.items() if at is None], absolute=True)
 
-    # -- motions -------------------------------------------------------------------------------------------------------
+    # -- motions -----------------------------------------------------------------------------------
 
     def goal(self, axis: str) -> Fraction:
         """A place to go to: anywhere, near, the same, a node, an end."""
@@ -302,7 +308,8 @@ class Writer:
         )
 
     def block(self, code: str, words: list[str]) -> None:
-        """A motion block: its code unless it holds, its F where it needs one, at times an M code."""
+        """A motion block: its code unless it holds, its F where it needs one, at times an M
+        code."""
         if code != self.motion or self.often(self.taste.sparse):
             words.insert(
                 self.rng.randint(0, len(words)) if self.often(0.2) else 0, self.spelled(code)
@@ -408,13 +415,14 @@ class Writer:
         for axis, a, c in zip(PLANES[self.plane], arm, centre, strict=True):
             if self.absolute_centre:
                 value = (c - self.zero(axis)) / self.unit
-                text = f"{float(value):.9f}"  # exact where the start is: nine decimals hold every word of six
+                # exact where the start is: nine decimals hold every word of six
+                text = f"{float(value):.9f}"
                 words.append(CENTRE[axis] + text)
             elif a or all(v == 0 for v in arm) or self.often(0.5):
                 words.append(CENTRE[axis] + self.number(a / self.unit, digits))
         return words
 
-    # -- how it is laid out --------------------------------------------------------------------------------------------
+    # -- how it is laid out ------------------------------------------------------------------------
 
     def laid_out(self) -> bytes:
         """Lines to bytes, in one hand for the whole program."""
@@ -422,9 +430,8 @@ class Writer:
             return "".join(" ".join(words) + "\n" for words in self.lines).encode()
         rng = self.rng
         end = rng.choice(("\n", "\n", "\r\n"))
-        ends = self.fanuc and self.often(
-            0.4
-        )  # `;` at the end of blocks, at times several in a line
+        # `;` at the end of blocks, at times several in a line
+        ends = self.fanuc and self.often(0.4)
         numbered, spaced, lower = self.often(0.4), self.often(0.7), self.often(0.2)
         tape = self.often(0.15)
         text = "%" + end if tape else ""
@@ -458,7 +465,7 @@ class Writer:
         return line + (" " if self.often(0.05) else "")
 
 
-# -- machines ----------------------------------------------------------------------------------------------------------
+# -- machines --------------------------------------------------------------------------------------
 
 TOML = """\
 format  = "gcomp-machine/1"
@@ -485,7 +492,8 @@ MILL_NODES = {
 
 
 def write_mill(folder: Path, two_way: bool) -> Path:
-    """A machine of three axes with all errors of their slides, 10-20 um and urad; two_way: positioning by direction."""
+    """A machine of three axes with all errors of their slides, 10-20 um and urad; two_way:
+    positioning by direction."""
     folder.mkdir()
     text = [TOML.format(name=folder.name)]
     for axis, nodes in MILL_NODES.items():
@@ -531,7 +539,8 @@ OFFSETS = {
 
 
 def write_lagging(source: Path, folder: Path) -> Path:
-    """The machine of a folder with the reversal of its positioning as real lost motion: forward never beyond reverse."""
+    """The machine of a folder with the reversal of its positioning as real lost motion: forward
+    never beyond reverse."""
     shutil.copytree(source, folder)
     for path in folder.glob("?.csv"):
         lines = path.read_text().splitlines()

@@ -1,5 +1,5 @@
-"""Every sentence with which gcomp refuses something, read out of the source: `python -m tests.refusals_doc` writes
-docs/REFUSALS.md, and a test compares them."""
+"""Every sentence with which gcomp refuses something, read out of the source: `python -m
+tests.refusals_doc` writes docs/REFUSALS.md, and a test compares them."""
 
 from __future__ import annotations
 
@@ -12,10 +12,28 @@ ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "postproc"
 DOC = ROOT / "docs" / "REFUSALS.md"
 CALLS = {
-    "fault": None, "blame": None, "because": None, "bare": None, "BlockFault": None, "MotionFault": None, "ProgramError": None,
-    "MachineError": None, "UsageError": None, "GcompError": None, "ArgumentTypeError": None, "_error": None, "refuse": None,
-    "ExpressionError": None, "Refused": None, "Misread": None, "AcceptError": None, "LogError": None, "VolumetricError": None, "Refusal": None, "wrong": None,
-}  # fmt: skip
+    "fault": None,
+    "blame": None,
+    "because": None,
+    "bare": None,
+    "BlockFault": None,
+    "MotionFault": None,
+    "ProgramError": None,
+    "MachineError": None,
+    "UsageError": None,
+    "GcompError": None,
+    "ArgumentTypeError": None,
+    "_error": None,
+    "refuse": None,
+    "ExpressionError": None,
+    "Refused": None,
+    "Misread": None,
+    "AcceptError": None,
+    "LogError": None,
+    "VolumetricError": None,
+    "Refusal": None,
+    "wrong": None,
+}
 PAIRS = (
     "nc/faults",
     "nc/frames",
@@ -25,7 +43,20 @@ PAIRS = (
 )  # modules that hand on (message, way out) as a pair
 CHAPTERS = (
     ("The text of a program", ("nc/lexer", "nc/faults", "nc/spellings", "nc/checksums", "filter")),
-    ("Words, codes and motions", ("nc/batch", "nc/refusals", "nc/interpreter", "nc/positions", "nc/arcs", "nc/codes", "nc/rows", "nc/recognise", "nc/feeds")),
+    (
+        "Words, codes and motions",
+        (
+            "nc/batch",
+            "nc/refusals",
+            "nc/interpreter",
+            "nc/positions",
+            "nc/arcs",
+            "nc/codes",
+            "nc/rows",
+            "nc/recognise",
+            "nc/feeds",
+        ),
+    ),
     ("Shifts of the coordinates", ("nc/frames", "nc/zeros", "nc/lengths")),
     ("Holes in place", ("nc/holes", "compensate/holes")),
     ("What the error map can not answer", ("compensate",)),
@@ -39,17 +70,20 @@ CHAPTERS = (
     ("Offset files", ("offsets",)),
     ("Recordings", ("recordings",)),
     ("Tables of the control", ("control_tables",)),
-    ("Calibration, ISO 230 and diagnosis", ("calibrate", "iso", "accept", "diagnose", "simulate", "volumetric")),
+    (
+        "Calibration, ISO 230 and diagnosis",
+        ("calibrate", "iso", "accept", "diagnose", "simulate", "volumetric"),
+    ),
     ("Streaming", ("streaming", "commands/stream")),
     ("The command line", ("commands", "cli", "ports", "nc/dialects", "verify")),
-)  # fmt: skip
+)
 HEAD = """# What gcomp refuses, in its own words
 
 Generated from the source by `python -m tests.refusals_doc`: every sentence that stops a program, with its way out. A word
 in *italics* stands for what is put in there. An error names file and line, and where it can the columns. Codes that a
 dialect knows and can not follow are listed, with their reason, in [DIALECTS.md](DIALECTS.md); they stop a program only
 where a correction depends on them.
-"""
+"""  # noqa: E501
 
 
 @lru_cache
@@ -59,22 +93,22 @@ def sentences() -> dict[str, list[tuple[str, str]]]:
     for path in sorted(PACKAGE.rglob("*.py")):
         where = path.relative_to(PACKAGE).with_suffix("").as_posix()
         title = _chapter(where)
-        tree = ast.parse(path.read_text())
+        nodes = list(ast.walk(ast.parse(path.read_text())))
         constants = {
             target.id: node.value
-            for node in ast.walk(tree)
+            for node in nodes
             if isinstance(node, ast.Assign)
             for target in node.targets
             if isinstance(target, ast.Name)
         }
         constants |= {  # a function that does nothing but choose between sentences
             node.name: node.body[0].value
-            for node in ast.walk(tree)
+            for node in nodes
             if isinstance(node, ast.FunctionDef)
             and isinstance(node.body[0], ast.Return)
             and node.body[0].value
         }
-        for node in ast.walk(tree):
+        for node in nodes:
             if isinstance(node, ast.Tuple) and len(node.elts) == 2 and where in PAIRS:
                 pair = [_text(e, constants) for e in node.elts]
                 if all(" " in t for t in pair):
@@ -108,7 +142,8 @@ def _chapter(where: str) -> str:
 
 
 def _text(node: ast.expr, constants: dict[str, ast.expr], depth: int = 0) -> str:
-    """The text of a constant or a formatted string, placeholders in italics; "" for anything else."""
+    """The text of a constant or a formatted string, placeholders in italics; "" for anything
+    else."""
     if isinstance(node, ast.Constant) and isinstance(node.value, str):
         return node.value
     if isinstance(node, ast.JoinedStr):

@@ -1,4 +1,5 @@
-"""How programs begin and end that nobody wrote for a test: no motion code, M99, words that a firmware passes over."""
+"""How programs begin and end that nobody wrote for a test: no motion code, M99, words that a
+firmware passes over."""
 
 from __future__ import annotations
 
@@ -13,8 +14,9 @@ HEAD = "G90\nG0 X10. Y10. Z5.\n"
 
 @pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
 def test_fanucs_begin_in_g0(dialect):
-    """B-64304EN-2, "G code list": G00, or G01 by parameter 3402, which ends at the same place; Haas 96-8210: G00 has the
-    asterisk. G80 ends a cycle, a group of its own: it takes no G0 to G3 back."""
+    """B-64304EN-2, "G code list": G00, or G01 by parameter 3402, which ends at the same place; Haas
+    96-8210: G00 has the asterisk. G80 ends a cycle, a group of its own: it takes no G0 to G3
+    back."""
     named = written("G90 G80\nG0 X10. Y10. Z5.\nG1 X20. F100.\nM30\n", dialect)
     bare = written("G90 G80\nX10. Y10. Z5.\nG80\nG1 X20. F100.\nG80\nX30.\nM30\n", dialect)
     assert bare[1].removeprefix("G0 ") == named[1].removeprefix("G0 ").replace("G0", "")
@@ -23,15 +25,17 @@ def test_fanucs_begin_in_g0(dialect):
 
 @pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
 def test_m99_in_the_main_program_ends_it(dialect):
-    """The control goes back to the first block: nothing behind it is reached, but behind a /M99, as the switch may be on."""
+    """The control goes back to the first block: nothing behind it is reached, but behind a /M99, as
+    the switch may be on."""
     lines = written(HEAD + "G1 X20. F100.\n/M99\nX30.\nM99\nX40.\n", dialect)
     assert lines[-1] == "X40."
     assert lines[-2] == "M99" and lines[-3] != "X30." and lines[-3].startswith(("X29.", "X30."))
 
 
 def test_marlin_passes_over_words_without_a_command():
-    """Marlin/src/gcode/parser.cpp: without GCODE_MOTION_MODES a line that begins with an axis letter is no command; with it, it
-    moves: no place is known behind it. Words behind G90 G91 G21 mean nothing to these."""
+    """Marlin/src/gcode/parser.cpp: without GCODE_MOTION_MODES a line that begins with an axis
+    letter is no command; with it, it moves: no place is known behind it. Words behind G90 G91 G21
+    mean nothing to these."""
     home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
     text = "G28\nG90 E0\nG1 X10 Y10 Z5 F600\nG1 X20\n"
     lines = written(text, "marlin", home)
@@ -42,7 +46,8 @@ def test_marlin_passes_over_words_without_a_command():
 
 
 def test_grbl_answers_a_question_mark():
-    """gnea/grbl, grbl/serial.c: ? and ~ are picked out of the stream, they are no part of a line."""
+    """gnea/grbl, grbl/serial.c: ? and ~ are picked out of the stream, they are no part of a
+    line."""
     home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
     assert written("?  \n$H\nG0 X10 Y10 Z5\n~\nG1 X20 F100\n", "grbl", home)[0] == "?  "
 
@@ -65,8 +70,8 @@ def test_the_first_increments_count_from_where_the_slides_stand(dialect, text):
 
 
 def test_marlin_passes_over_a_remark_behind_two_strokes():
-    """Marlin/src/gcode/parser.cpp, parse(): a sign that is no letter is no parameter, a letter without a number has no value;
-    a word in the remark would be one."""
+    """Marlin/src/gcode/parser.cpp, parse(): a sign that is no letter is no parameter, a letter
+    without a number has no value; a word in the remark would be one."""
     home = {"X": 0.0, "Y": 0.0, "Z": 0.0}
     lines = written(
         "G28\nG1 X10 Y10 Z5 F600\nG1 X20 // Protect bed, then go\nG1 Z9\n", "marlin", home
@@ -80,7 +85,8 @@ def test_marlin_passes_over_a_remark_behind_two_strokes():
 @pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
 @pytest.mark.parametrize(("under", "moves"), [("G0", "G0"), ("G1", "G1")])
 def test_g80_brings_back_the_motion_code_that_held_under_the_cycle(dialect, under, moves):
-    """B-64304EN-2, "Canned cycle for drilling": "a group 01 G code is not affected by a canned cycle"."""
+    """B-64304EN-2, "Canned cycle for drilling": "a group 01 G code is not affected by a canned
+    cycle"."""
     text = f"{HEAD}G1 X11. F9.\n{under} X12.\nG81 X20. Z-1. R2.\nX25.\nG80\nX30.\nX31.\nM30\n"
     named = written(text.replace("X30.", f"{moves} X30."), dialect)
     bare = written(text, dialect)

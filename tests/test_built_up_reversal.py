@@ -1,4 +1,5 @@
-"""A reversal that builds up with the way after a turn is taken up over that way, not at the turn."""
+"""A reversal that builds up with the way after a turn is taken up over that way, not at the
+turn."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ def machine(tmp_path, size_um: float, stated: str = ""):
 
 
 def test_the_largest_reversal_of_an_axis_says_how_it_is_taken_up(tmp_path):
-    """The S-36's tables of X differ by up to 9.8 um: a windup of 30 um is larger, one of 2 um is not."""
+    """The S-36's tables of X differ by up to 9.8 um: a windup of 30 um is larger, one of 2 um is
+    not."""
     large, small = machine(tmp_path, 30.0), machine(tmp_path, 2.0)
     assert large.pretravel == {"X": approx(0.6)} and small.pretravel == {}
     x, z = Compensator(large).reach / TICKS_PER_MM

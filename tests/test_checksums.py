@@ -1,4 +1,5 @@
-"""Numbers and checksums of host streams: what a receiver accepts, and that nothing else is touched."""
+"""Numbers and checksums of host streams: what a receiver accepts, and that nothing else is
+touched."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ def sealed(code: bytes, tail: bytes = b"") -> bytes:
 
 
 class Receiver:
-    """Marlin's line check, from get_serial_commands in queue.cpp: comments cut, leading spaces skipped, then N, then *."""
+    """Marlin's line check, from get_serial_commands in queue.cpp: comments cut, leading spaces
+    skipped, then N, then *."""
 
     def __init__(self):
         self.last = 0
@@ -46,7 +48,7 @@ class Receiver:
             self.taken.append(re.sub(rb"^N[+-]?\d+ *|\*.*", b"", command).strip())
 
 
-# -- by hand -----------------------------------------------------------------------------------------------------------
+# -- by hand ---------------------------------------------------------------------------------------
 
 
 def test_the_checksum_of_marlins_manual():
@@ -151,7 +153,7 @@ def test_comments_and_blank_lines_take_no_number():
     assert renumber(text)[0] == text
 
 
-# -- laws --------------------------------------------------------------------------------------------------------------
+# -- laws ------------------------------------------------------------------------------------------
 
 WORDS = st.sampled_from(
     [b"G1 X1.5 Y2", b"G1X3F600", b"M104 S200", b"G28", b"X4.", b"T0", b"G2 X1 I2 J0"]
@@ -183,8 +185,11 @@ def stream(lines) -> tuple[bytes, list[bytes]]:
             number = 101
         else:
             code = form % (number, words)
-            text += sealed(code, tail) if kind != "stale" else code.replace(b"X", b"X9") + b"*%d%s\n" % (
-                reduce(xor, code, 0), tail)  # fmt: skip
+            text += (
+                sealed(code, tail)
+                if kind != "stale"
+                else code.replace(b"X", b"X9") + b"*%d%s\n" % (reduce(xor, code, 0), tail)
+            )
             commands.append(words.replace(b"X", b"X9") if kind == "stale" else words)
             number += 1
     return text, commands
@@ -223,7 +228,8 @@ def test_nothing_added_nothing_changed(lines):
 
 
 def test_a_stream_that_is_written_out_has_no_numbers():
-    """Lines come and go when a curve is written out: no number and no checksum of the stream is right behind it."""
+    """Lines come and go when a curve is written out: no number and no checksum of the stream is
+    right behind it."""
     text = (
         b"; a print\n"
         + sealed(b"N1 G28")

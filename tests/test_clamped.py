@@ -1,4 +1,5 @@
-"""Where a table is held beyond its ends (--outside clamp) the deviation bends at its end, and a motion is cut there."""
+"""Where a table is held beyond its ends (--outside clamp) the deviation bends at its end, and a
+motion is cut there."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def test_a_motion_from_the_last_interval_over_the_end_is_cut_at_the_end(tmp_path):
-    """EYX rises by 20 um over the last 50 mm and is held: without a cut at X = 100 Y misses by up to 5 um."""
+    """EYX rises by 20 um over the last 50 mm and is held: without a cut at X = 100 Y misses by up
+    to 5 um."""
     folder = tmp_path / "m"
     shutil.copytree(ROOT / "machines" / "perfect", folder)
     (folder / "X.csv").write_text("X_mm,EYX_um\n0,0\n50,0\n100,20\n")

@@ -1,4 +1,5 @@
-"""The command as a user, a slicer and a pipe meet it: run as a process, judged by what it writes where."""
+"""The command as a user, a slicer and a pipe meet it: run as a process, judged by what it writes
+where."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ PATIENCE = 20.0  # s
 
 @pytest.fixture
 def place(tmp_path):
-    """A folder to work in, with a folder for temporary files inside that must be empty afterwards."""
+    """A folder to work in, with a folder for temporary files inside that must be empty
+    afterwards."""
     for name in ("home", "temporary"):
         (tmp_path / name).mkdir()
     (tmp_path / "part.nc").write_bytes(PROGRAM)
@@ -40,9 +42,13 @@ def place(tmp_path):
 
 def surroundings(place: Path) -> dict[str, str]:
     return {
-        **os.environ, "PYTHONPATH": str(ROOT), "HOME": str(place / "home"), "XDG_CONFIG_HOME": str(place / "home"),
-        "TMPDIR": str(place / "temporary"), "LC_ALL": "C.UTF-8",
-    }  # fmt: skip
+        **os.environ,
+        "PYTHONPATH": str(ROOT),
+        "HOME": str(place / "home"),
+        "XDG_CONFIG_HOME": str(place / "home"),
+        "TMPDIR": str(place / "temporary"),
+        "LC_ALL": "C.UTF-8",
+    }
 
 
 class Ran:
@@ -56,28 +62,43 @@ class Ran:
 
 def gcomp(place: Path, *arguments: str, input: bytes | None = None) -> Ran:
     done = subprocess.run(
-        [*COMMAND, *arguments], input=input, stdin=None if input is not None else subprocess.DEVNULL,
-        capture_output=True, cwd=place, env=surroundings(place), timeout=PATIENCE,
-    )  # fmt: skip
+        [*COMMAND, *arguments],
+        input=input,
+        stdin=None if input is not None else subprocess.DEVNULL,
+        capture_output=True,
+        cwd=place,
+        env=surroundings(place),
+        timeout=PATIENCE,
+    )
     return Ran(done.returncode, done.stdout, done.stderr)
 
 
 def in_shell(place: Path, line: str) -> Ran:
     """`line` with $GCOMP for the command."""
     done = subprocess.run(
-        ["sh", "-c", line], stdin=subprocess.DEVNULL, capture_output=True, cwd=place, timeout=PATIENCE,
+        ["sh", "-c", line],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        cwd=place,
+        timeout=PATIENCE,
         env={**surroundings(place), "GCOMP": " ".join(COMMAND)},
-    )  # fmt: skip
+    )
     return Ran(done.returncode, done.stdout, done.stderr)
 
 
 @contextlib.contextmanager
 def started(place: Path, *arguments: str):
     process = subprocess.Popen(
-        [*COMMAND, *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, bufsize=0,
-        cwd=place, env=surroundings(place),
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # ignored in jobs of a background shell
-    )  # fmt: skip
+        [*COMMAND, *arguments],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        bufsize=0,
+        cwd=place,
+        env=surroundings(place),
+        # ignored in jobs of a background shell
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     try:
         yield process
     finally:
@@ -130,7 +151,7 @@ def corrected(tmp_path_factory) -> bytes:
     return ran.out
 
 
-# -- where it goes -----------------------------------------------------------------------------------------------------
+# -- where it goes ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -165,7 +186,7 @@ def test_an_output_file_is_written_and_nothing_else(place, corrected):
 
 
 def test_the_output_may_be_the_input(place, corrected):
-    assert gcomp(place, "part.nc", *GRINDER, "-o", "part.nc").status == 0
+    assert gcomp(place, "part.nc", *GRINDER, "-o", "part.nc", "--force").status == 0
     assert (place / "part.nc").read_bytes() == corrected
 
 
@@ -199,7 +220,8 @@ def test_dry_run_writes_nothing(place):
     ran = gcomp(place, *GRINDER, "--dry-run", "part.nc", "-o", "out.nc")
     assert ran.status == 0
     assert re.fullmatch(
-        rb"2 of 2 motions changed, \d+ blocks added, largest correction \d+\.\d um, tolerance 0\.5 um\n",
+        rb"2 of 2 motions changed, \d+ blocks added, largest correction \d+\.\d um, tolerance 0\.5"
+        rb" um\n",
         ran.out,
     )
     assert {p.name: p.stat().st_mtime_ns for p in place.iterdir()} == before
@@ -219,11 +241,12 @@ def test_an_empty_program_gives_an_empty_program(place):
     assert (ran.status, ran.out) == (0, b"")
 
 
-# -- refusals ----------------------------------------------------------------------------------------------------------
+# -- refusals --------------------------------------------------------------------------------------
 
 
 def refused(ran: Ran, *says: str) -> None:
-    """Status 2, nothing on standard output, one message that says all this, in letters that a terminal shows."""
+    """Status 2, nothing on standard output, one message that says all this, in letters that a
+    terminal shows."""
     assert (ran.status, ran.out) == (2, b"")
     assert len(re.findall("^gcomp: ", ran.err, re.MULTILINE)) == 1
     for part in says:
@@ -239,9 +262,9 @@ def test_a_faulty_program_writes_nothing(place):
         "\n    G1 X400. Z50. F100\n",
         "--outside clamp",
     )
-    (place / "out.nc").write_bytes(b"old")
+    (place / "out.nc").write_bytes(b"(GCOMP 0.1 old)")
     refused(gcomp(place, *GRINDER, "faulty.nc", "-o", "out.nc"), "faulty.nc:4: ")
-    assert (place / "out.nc").read_bytes() == b"old"
+    assert (place / "out.nc").read_bytes() == b"(GCOMP 0.1 old)"
     refused(gcomp(place, *GRINDER, "--quiet", "--in-place", "faulty.nc"), "faulty.nc:4: ")
     assert (place / "faulty.nc").read_bytes() == FAULTY
     assert not (place / "faulty.nc.bak").exists()
@@ -255,9 +278,16 @@ def test_a_second_pass_is_refused(place, corrected):
 
 
 @pytest.mark.parametrize(
-    "data", [b"\x7fELF\x02\x01\x01" + bytes(300), bytes(range(256)) * 8, b"\x1b[31mG1 X1.\n", b"PK\x03\x04" + b"\x00\xff" * 50, b"\xff\xfeG\x001\x00"],
+    "data",
+    [
+        b"\x7fELF\x02\x01\x01" + bytes(300),
+        bytes(range(256)) * 8,
+        b"\x1b[31mG1 X1.\n",
+        b"PK\x03\x04" + b"\x00\xff" * 50,
+        b"\xff\xfeG\x001\x00",
+    ],
     ids=["program", "all bytes", "escape", "zip", "UTF-16"],
-)  # fmt: skip
+)
 def test_a_binary_file_is_refused_without_spilling_it(place, data):
     (place / "binary").write_bytes(data)
     refused(gcomp(place, *GRINDER, "binary"), "binary:1: ")
@@ -339,7 +369,7 @@ def test_without_a_program_it_says_how(place):
     refused(Ran(done.returncode, done.stdout, done.stderr), "no program")
 
 
-# -- how it is corrected -----------------------------------------------------------------------------------------------
+# -- how it is corrected ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -460,7 +490,7 @@ def test_arc_centres_may_be_absolute(place):
     assert gcomp(place, *GRINDER, "--arc-centre", "absolute", input=program).status == 0
 
 
-# -- what it says ------------------------------------------------------------------------------------------------------
+# -- what it says ----------------------------------------------------------------------------------
 
 
 def test_verify_says_what_is_left(place, corrected):
@@ -552,7 +582,7 @@ def test_without_a_machine_it_says_which_option_is_missing(place):
     assert "studer-s36" in ran.err
 
 
-# -- pipes, signals, disks ---------------------------------------------------------------------------------------------
+# -- pipes, signals, disks -------------------------------------------------------------------------
 
 
 def test_a_live_pipe_is_answered_line_by_line_up_to_the_fault(place):
@@ -668,16 +698,17 @@ def small_disk(place):
 
 def test_a_full_disk_keeps_the_old_output(place, small_disk):
     (place / "long.nc").write_bytes(zigzag(20_000))
-    (small_disk / "out.nc").write_bytes(b"old")
+    (small_disk / "out.nc").write_bytes(b"(GCOMP 0.1 old)")
     ran = gcomp(place, *GRINDER, "long.nc", "-o", "disk/out.nc")
     assert (ran.status, ran.out) == (1, b"")
     assert "No space left" in ran.err
     assert [p.name for p in small_disk.iterdir()] == ["out.nc"]
-    assert (small_disk / "out.nc").read_bytes() == b"old"
+    assert (small_disk / "out.nc").read_bytes() == b"(GCOMP 0.1 old)"
 
 
 def test_a_disk_without_room_for_the_backup_keeps_the_program(place, small_disk):
-    """New file and old one fit, a third copy does not: no half a backup may be left for the next run to step over."""
+    """New file and old one fit, a third copy does not: no half a backup may be left for the next
+    run to step over."""
     program = zigzag(6_000)
     assert 2 * len(program) < 256 * 1024 < 3 * len(program)
     (small_disk / "job.nc").write_bytes(program)

@@ -1,31 +1,45 @@
-"""The command line as people know it: near misses, --version anywhere, completion; and every line that the README prints."""
+"""The command line as people know it: near misses, --version anywhere, completion; and every line
+that the README prints."""
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import io
 import re
 import shlex
 import shutil
 import subprocess
+import sys
+import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from postproc import __version__
+from postproc import __version__, colour
 from postproc.cli import DEFAULT, commands, main
+from postproc.machine import places
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ("README.md", "sample_recordings/README.md")
 
 
-@pytest.mark.parametrize("words, says", [
-    (["machnies"], "did you mean gcomp machines?"), (["diagnos", "a.csv"], "did you mean gcomp diagnose?"),
-    (["--machine", "perfect", "--tolernace", "1um", "x.nc"], "did you mean --tolerance?"),
-    (["a.nc", "b.nc", "--machine", "perfect"], "one program at a time, and b.nc is another\n    gcomp batch PROGRAM... -o DIR"),
-    (["a.nc", "--machine", "perfekt"], "(looked in "),
-    (["iso", "x.csv", "--figur", "--colour=red"], "--help lists the options"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        (["plot", "part.nc"], "gcomp --help lists the commands"),
+        (["machnies"], "did you mean gcomp machines?"),
+        (["diagnos", "a.csv"], "did you mean gcomp diagnose?"),
+        (["--machine", "perfect", "--tolernace", "1um", "x.nc"], "did you mean --tolerance?"),
+        (
+            ["a.nc", "b.nc", "--machine", "perfect"],
+            "one program at a time, and b.nc is another\n    gcomp batch PROGRAM... -o DIR",
+        ),
+        (["a.nc", "--machine", "perfekt"], "(looked in "),
+        (["iso", "x.csv", "--figur", "--colour=red"], "--help lists the options"),
+    ],
+)
 def test_a_near_miss_is_answered_with_what_is_meant(tmp_path, monkeypatch, capfd, words, says):
     monkeypatch.chdir(tmp_path)
     assert main(words) == 2
@@ -67,20 +81,30 @@ def test_completion_has_every_command_and_option(capfd, shell):
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
-@pytest.mark.parametrize("line, offers", [
-    ("gcomp mach", ["machines"]), ("gcomp job.nc --revers", ["--reversal"]), ("gcomp job.nc --reversal st", ["step"]),
-    ("gcomp iso --rep", ["--report"]), ("gcomp batch --sched", ["--scheduler"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "line, offers",
+    [
+        ("gcomp mach", ["machines"]),
+        ("gcomp job.nc --revers", ["--reversal"]),
+        ("gcomp job.nc --reversal st", ["step"]),
+        ("gcomp iso --rep", ["--report"]),
+        ("gcomp batch --sched", ["--scheduler"]),
+    ],
+)
 def test_bash_completes(capfd, line, offers):
     assert main(["completion", "bash"]) == 0
     words = line.split()
-    script = f"{capfd.readouterr().out}\nCOMP_WORDS=({' '.join(words)}); COMP_CWORD={len(words) - 1}; _gcomp; echo ${{COMPREPLY[@]}}"
+    script = (
+        f"{capfd.readouterr().out}\nCOMP_WORDS=({' '.join(words)}); COMP_CWORD={len(words) - 1};"
+        " _gcomp; echo ${COMPREPLY[@]}"
+    )
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, cwd="/")
     assert done.stdout.split() == offers, done.stderr
 
 
 def printed() -> list[tuple[str, str]]:
-    """Lines of the pages that run gcomp, each with its page: without comments, pipes and what follows them."""
+    """Lines of the pages that run gcomp, each with its page: without comments, pipes and what
+    follows them."""
     found = []
     for page in PAGES:
         for block in re.findall(r"```sh\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL):
@@ -107,6 +131,23 @@ def test_there_are_lines_to_be_tried():
     assert len(printed()) > 20
 
 
+def test_a_message_has_the_colour_of_what_it_is(monkeypatch):
+    """Errors are told as such, by whoever tells them; what a command tells besides is no error."""
+    written = io.StringIO()
+    painted = colour.Painted(written)
+    monkeypatch.setattr(sys, "stderr", painted)
+    for text in ("a.nc: 6 lines, 90 bytes received", "waiting for the control", "3 rows"):
+        print(f"gcomp: {text}", file=painted)
+        assert written.getvalue() == f"gcomp: {text}\n"
+        written.truncate(written.seek(0))
+    for kind, code in (("warning: w", 33), ("written: a.nc", 32), ("notice: n", 36)):
+        print(f"gcomp: {kind}", file=painted)
+        assert written.getvalue() == f"\x1b[{code}mgcomp:\x1b[0m {kind}\n"
+        written.truncate(written.seek(0))
+    assert main(["--tolerance", "x"]) == 2
+    assert written.getvalue().startswith("\x1b[1;31mgcomp:\x1b[0m argument --tolerance")
+
+
 def test_the_manual_page_is_what_the_commands_say(capfd):
     """All commands are in it; groff, where it is installed, warns of nothing."""
     assert main(["man"]) == 0
@@ -119,8 +160,29 @@ def test_the_manual_page_is_what_the_commands_say(capfd):
         assert done.stderr == b""
 
 
+def test_the_manual_names_variables_that_are_read(tmp_path, monkeypatch, capfd):
+    """Each of the environment's, by what it changes."""
+    assert main(["man"]) == 0
+    section = capfd.readouterr().out.split('.SH "ENVIRONMENT"')[1].split(".SH")[0]
+    named = re.findall(r"\\fB(\w+)\\fR", section)
+    does = {
+        "NO_COLOR": lambda: colour.wanted(SimpleNamespace(isatty=lambda: True)),
+        "XDG_CONFIG_HOME": lambda: list(map(str, places.folders())),
+        "TMPDIR": lambda: (setattr(tempfile, "tempdir", None), tempfile.gettempdir())[1],
+    }
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    monkeypatch.setenv("TERM", "xterm")
+    (tmp_path / "gcomp" / "machines").mkdir(parents=True)
+    for name in named:
+        monkeypatch.delenv(name, raising=False)
+        before = does[name]()
+        monkeypatch.setenv(name, str(tmp_path))
+        assert does[name]() != before, name
+
+
 def test_colour_is_for_terminals_alone(tmp_path, monkeypatch):
-    """By a pseudo-terminal: an error's gcomp: is red, with NO_COLOR it is plain; in a pipe it always is."""
+    """By a pseudo-terminal: an error's gcomp: is red, with NO_COLOR it is plain; in a pipe it
+    always is."""
     import os
     import pty
     import sys

@@ -35,7 +35,8 @@ def deviation(machine, way=1.0):
 
 
 def test_off_then_off_is_the_map(tmp_path):
-    """By hand: the increments of Table 7.2 from 51 to 100 add up to 36, so the map begins at +36 um."""
+    """By hand: the increments of Table 7.2 from 51 to 100 add up to 36, so the map begins at +36
+    um."""
     machine = mv(tmp_path / "m", "off", False)
     assert deviation(machine)[0, 0] == approx(36.0)
     assert np.array_equal(deviation(with_control_tables(machine)), deviation(machine))
@@ -50,9 +51,8 @@ def test_measured_without_the_table_and_used_with_it_nothing_is_left(tmp_path, w
 def test_measured_with_the_table_and_used_without_it_what_it_did_comes_back(tmp_path):
     machine = mv(tmp_path / "m", "on", False)
     plain = deviation(machine)
-    assert deviation(with_control_tables(machine)) == approx(
-        2 * plain, abs=1e-9
-    )  # this map is the table's own
+    # this map is the table's own
+    assert deviation(with_control_tables(machine)) == approx(2 * plain, abs=1e-9)
 
 
 def test_measured_with_it_and_used_with_it_is_the_map(tmp_path):

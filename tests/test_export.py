@@ -1,4 +1,5 @@
-"""`gcomp export` as a user does it: files, the table of what is left, what is unverified, and nothing overwritten."""
+"""`gcomp export` as a user does it: files, the table of what is left, what is unverified, and
+nothing overwritten."""
 
 from __future__ import annotations
 
@@ -61,10 +62,66 @@ def test_nothing_is_overwritten_without_force_and_then_no_file_is_touched(tmp_pa
     assert (tmp_path / "Z.comp").read_text() == "mine" and not (tmp_path / "X.comp").exists()
     assert export(tmp_path, "linuxcnc", "--force") == 0
     assert (tmp_path / "Z.comp").read_text() != "mine"
-    assert sorted(p.name for p in tmp_path.iterdir()) == [
-        "X.comp",
-        "Z.comp",
-    ]  # no half-written file beside them
+    # no half-written file beside them
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["X.comp", "Z.comp"]
+
+
+def stated(folder: Path) -> Path:
+    """A machine whose folder states U of all it states."""
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    for x in "XYZ":
+        components = [f"E{along}{x}" for along in "XYZ"]
+        head = ",".join([f"{x}_mm", *(f"{c}_um" for c in components)])
+        (folder / f"{x}.csv").write_text(f"{head}\n-10000,5,6,7\n10000,8,9,10\n")
+        (folder / f"{x}_uncertainty.csv").write_text(f"{head}\n-10000,1,2,3\n10000,1,2,3\n")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("control", "components"),
+    [
+        ("linuxcnc", ["EXX", "EYY", "EZZ"]),
+        ("heidenhain", [f"E{a}{b}" for b in "XYZ" for a in "XYZ"]),
+        ("isg-csv", [f"E{a}{b}" for b in "XYZ" for a in "XYZ"]),
+    ],
+)
+def test_the_uncertainty_is_of_what_is_written(tmp_path, control, components):
+    """LinuxCNC has no table of Y that corrects X, the others have."""
+    machine = stated(tmp_path / "m")
+    words = ("-o", f"{tmp_path / 'out'}/", "--uncertainty", tmp_path / "U.csv")
+    assert gcomp("--machine", machine, "--control", control, *words) == 0
+    rows = [line.split(",") for line in (tmp_path / "U.csv").read_text().splitlines()[2:]]
+    assert list(dict.fromkeys(name for name, *_ in rows)) == components
+    of = dict(zip("XYZ", (1.0, 2.0, 3.0), strict=True))
+    assert all(float(u) == approx(of[name[1]]) for name, _, u in rows)
+
+
+@pytest.mark.parametrize(
+    ("there", "says"),
+    [
+        ("out/X.comp", "X.comp is there already"),
+        ("U.csv", "U.csv is there already"),
+        ("rest/a", "rest is there already"),
+    ],
+)
+def test_of_tables_uncertainty_and_residual_all_are_written_or_none(tmp_path, capsys, there, says):
+    machine = stated(tmp_path / "m")
+    (tmp_path / there).parent.mkdir(exist_ok=True)
+    (tmp_path / there).write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    words = ("-o", f"{tmp_path / 'out'}/", "--uncertainty", tmp_path / "U.csv")
+    more = (*words, "--residual", tmp_path / "rest")
+    assert gcomp("--machine", machine, "--control", "linuxcnc", *more) == 2
+    assert says in capsys.readouterr().err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_nothing_is_written_where_the_folder_of_the_tables_can_not_be_made(tmp_path, capsys):
+    (tmp_path / "taken").write_text("mine")
+    words = ("-o", f"{tmp_path / 'taken' / 'out'}/", "--residual", tmp_path / "rest")
+    assert gcomp("--machine", stated(tmp_path / "m"), "--control", "linuxcnc", *words) == 2
+    assert "can not be written" in capsys.readouterr().err
+    assert not (tmp_path / "rest").exists()
 
 
 def test_a_single_file_may_be_named_and_several_need_a_folder(tmp_path, capsys):
@@ -92,7 +149,8 @@ def test_only_an_axis_or_a_component_is_written_when_asked_for(tmp_path, capsys)
 
 
 def test_what_a_table_takes_out_reads_as_an_axis_table_of_a_machine(tmp_path, capsys):
-    """Written for LinuxCNC, read back, put in the machine's place: the same positioning errors, to the nanometre."""
+    """Written for LinuxCNC, read back, put in the machine's place: the same positioning errors, to
+    the nanometre."""
     assert export(tmp_path, "linuxcnc") == 0
     capsys.readouterr()
     assert gcomp("--read", tmp_path / "Z.comp", "--control", "linuxcnc") == 0
@@ -119,7 +177,8 @@ def test_fanucs_numbers_are_read_with_their_settings(capsys):
 
 
 def test_table_7_2_goes_through_the_machine_by_the_commands_of_its_readme(tmp_path, capsys):
-    """Read into a file for each axis, and written again from the machine: the same 82 numbers, byte for byte."""
+    """Read into a file for each axis, and written again from the machine: the same 82 numbers, byte
+    for byte."""
     folder = Path(__file__).resolve().parents[1] / "machines" / "mv-1060"
     pitch, settings = folder / "fanuc_pitch.csv", folder / "fanuc_settings.csv"
     assert (
@@ -128,7 +187,17 @@ def test_table_7_2_goes_through_the_machine_by_the_commands_of_its_readme(tmp_pa
     )
     assert sorted(p.name for p in (tmp_path / "t").iterdir()) == ["X.csv", "Y.csv", "Z.csv"]
     assert "-600,11,13" in (tmp_path / "t" / "Y.csv").read_text().splitlines()
-    words = [w for w in (folder / "README.md").read_text().split("gcomp export --machine mv-1060")[1].split("numbers/")[0].split() if w != "\\"]  # fmt: skip
+    words = [
+        w
+        for w in (
+            (folder / "README.md")
+            .read_text()
+            .split("gcomp export --machine mv-1060")[1]
+            .split("numbers/")[0]
+            .split()
+        )
+        if w != "\\"
+    ]
     assert gcomp("--machine", folder, *words, f"{tmp_path}/n/") == 0
     assert (tmp_path / "n" / "mv-1060_pitch.csv").read_bytes() == pitch.read_bytes()
     assert pitch.read_bytes().count(b"\n") == 83
@@ -234,7 +303,8 @@ def test_a_template_is_filled(tmp_path):
 
 
 def test_a_map_that_overshoots_is_named_with_its_numbers(tmp_path, capsys):
-    """X of the grinder as its source states it: EXX forward 8.4 um and reverse -0.4 um at the first node, and so on."""
+    """X of the grinder as its source states it: EXX forward 8.4 um and reverse -0.4 um at the first
+    node, and so on."""
     assert export(tmp_path, "linuxcnc", "--axis", "X") == 0
     out = capsys.readouterr().out
     assert (
@@ -254,7 +324,8 @@ def test_a_map_that_lags_is_not(name):
 
 
 def test_effects_and_the_table_are_judged_together(tmp_path):
-    """The mill's X lags by 5.2 um and more (its first node -2.50 and +2.50 um); a backlash of -20 um on top turns that."""
+    """The mill's X lags by 5.2 um and more (its first node -2.50 and +2.50 um); a backlash of -20
+    um on top turns that."""
     shutil.copytree(ROOT / "machines" / "example-mill", tmp_path / "mill")
     with open(tmp_path / "mill" / "machine.toml", "a") as file:
         file.write('\n[[effect]]\nname = "backlash"\naxis = "X"\nsize_um = -20.0\n')

@@ -1,4 +1,5 @@
-"""Fagor and Okuma mills: their own words, by the pages of their manuals and by what Autodesk's posts write."""
+"""Fagor and Okuma mills: their own words, by the pages of their manuals and by what Autodesk's
+posts write."""
 
 from __future__ import annotations
 
@@ -14,9 +15,18 @@ from postproc.units import TICKS_PER_MM
 from tests.expand.test_cycles import text_of
 
 SETUP = Setup(
-    axes=("X", "Y", "Z"), least_increment=dict.fromkeys("XYZ", 1e-4), start=dict.fromkeys("XYZ", 0.0),
-    offsets={"G54": {"X": 100.0}, "D1": {}, "D2": {"Z": 50.0}, "G15 H1": {"X": 100.0}, "G15 H12": {"X": 7.0}, "H3": {"Z": 9.0}},
-)  # fmt: skip
+    axes=("X", "Y", "Z"),
+    least_increment=dict.fromkeys("XYZ", 1e-4),
+    start=dict.fromkeys("XYZ", 0.0),
+    offsets={
+        "G54": {"X": 100.0},
+        "D1": {},
+        "D2": {"Z": 50.0},
+        "G15 H1": {"X": 100.0},
+        "G15 H12": {"X": 7.0},
+        "H3": {"Z": 9.0},
+    },
+)
 
 
 def follow(text: str, name: str):
@@ -45,7 +55,8 @@ def test_fagors_mcs_is_a_block_in_machine_coordinates():
 
 
 def test_fagors_arcs_are_those_of_its_manual():
-    """CNC 8055 M & EN programming manual, page 90: from X60 Y40, by I J and by R; with G54 at X100."""
+    """CNC 8055 M & EN programming manual, page 90: from X60 Y40, by I J and by R; with G54 at
+    X100."""
     dialect = dialects.load("fagor")
     interpreter = Interpreter(dialect, SETUP)
     both = []
@@ -65,23 +76,44 @@ def test_fagors_arcs_are_those_of_its_manual():
 
 
 @pytest.mark.parametrize(
-    "line", ["G1 R10 Q30", "Q30", "(P1=3)", "(RPT N1,N2)", "#RTCP ON", "#CS X0 Y0 Z0 RX10 RY0 RZ0", "P100=500", "$IF P1 EQ 2",
-             "#CALL L100", "#MCS ON", "#FOO 3", "G2 G6 X1 Y1 I3 J4", "G1 G36 R5 X10", "G8 X5 Y5", "G58", "G159 N3", "G82 X1 Z2 I-3"],
-)  # fmt: skip
+    "line",
+    [
+        "G1 R10 Q30",
+        "Q30",
+        "(P1=3)",
+        "(RPT N1,N2)",
+        "#RTCP ON",
+        "#CS X0 Y0 Z0 RX10 RY0 RZ0",
+        "P100=500",
+        "$IF P1 EQ 2",
+        "#CALL L100",
+        "#MCS ON",
+        "#FOO 3",
+        "G2 G6 X1 Y1 I3 J4",
+        "G1 G36 R5 X10",
+        "G8 X5 Y5",
+        "G58",
+        "G159 N3",
+        "G82 X1 Z2 I-3",
+    ],
+)
 def test_what_fagor_has_of_its_own_is_refused(line):
     _, reasons = follow(f"G71 G90 G54 D1|G0 X1 Y1 Z1|{line}|G1 X5 Y5 Z5", "fagor")
     assert any(reasons[1:])
 
 
 def test_what_moves_nothing_on_fagor_passes():
-    lines = '#MSG["X5"]|#HSC ON [CONTERROR 0.01]|#HSC OFF|#KIN ID[1]|#RTCP OFF|#CS OFF|G51 A45 E0.002|G61|; X5 (RPT N1,N2)'
+    lines = (
+        '#MSG["X5"]|#HSC ON [CONTERROR 0.01]|#HSC OFF|#KIN ID[1]|#RTCP OFF|#CS OFF|G51 A45'
+        " E0.002|G61|; X5 (RPT N1,N2)"
+    )
     ends, reasons = follow(f"G71 G90 G54 D1|G0 X1 Y1 Z1|{lines}|G1 X5", "fagor")
     assert not any(reasons) and len(ends[0]) == 2
 
 
 def test_fagors_holes_have_z_as_reference_plane_and_i_as_bottom():
-    """Page 162: G98 to the initial plane, G99 to the reference plane; without Z that is where the tool stands; in G91 Z
-    counts from the initial plane and I from the reference plane."""
+    """Page 162: G98 to the initial plane, G99 to the reference plane; without Z that is where the
+    tool stands; in G91 Z counts from the initial plane and I from the reference plane."""
     lines = text_of("G90 G17 G0 X0 Y0 Z15|G98 G81 X10 Y5 Z2 I-10 K0.5 F100|X20|G80|G0 Z9", "fagor")
     hole = ["Z2.", "G1 Z-10.", "G4 K0.5", "G0 Z15."]
     assert lines[1:] == ["G98 G0 X10 Y5 F100", *hole, "G0 X20", *hole, "G80", "G0 Z9"]
@@ -149,22 +181,46 @@ def test_to_the_end_of_its_travel_okumas_axes_go_unknown():
 
 
 @pytest.mark.parametrize(
-    "line", ["VC1=5", "CALL O123", "CALL OO88 HH=1", "PF1=200", "G16 H0", "G11 X0 Y0 P30", "G169 X0 Y0 Z0 H1", "G605 X1", "G92 X0",
-             "G54 H1", "GOTO N5", "VZOFX[20]=0."],
-)  # fmt: skip
+    "line",
+    [
+        "VC1=5",
+        "CALL O123",
+        "CALL OO88 HH=1",
+        "PF1=200",
+        "G16 H0",
+        "G11 X0 Y0 P30",
+        "G169 X0 Y0 Z0 H1",
+        "G605 X1",
+        "G92 X0",
+        "G54 H1",
+        "GOTO N5",
+        "VZOFX[20]=0.",
+    ],
+)
 def test_what_okuma_has_of_its_own_is_refused(line):
     _, reasons = follow(f"G21 G90 G15 H1|G0 X1 Y1 Z1|{line}|G1 X5 Y5 Z5", "okuma")
     assert any(reasons[1:])
 
 
 def test_okumas_holes_go_back_to_the_level_of_g71_by_m53_and_to_r_by_m54():
-    """As `okuma.cps` writes them: G71 Z, M53 in the cycle's block, P in milliseconds where F of G4 is seconds."""
+    """As `okuma.cps` writes them: G71 Z, M53 in the cycle's block, P in milliseconds where F of G4
+    is seconds."""
     head = "G90 G0 X0 Y0 Z50.|"
     lines = text_of(head + "G71 Z15.|G82 X10. Z-9. R2. P500 F300. M53|X20.|G94|G0 Z15.", "okuma")
     assert lines[1:] == [
-        "G0 X10. F300.", "Z2.", "G1 Z-9.", "G4 F0.5", "G0 Z15.", "G0 X20.", "Z2.", "G1 Z-9.", "G4 F0.5", "G0 Z15.",
-        "G94", "G0 Z15.",
-    ]  # fmt: skip
+        "G0 X10. F300.",
+        "Z2.",
+        "G1 Z-9.",
+        "G4 F0.5",
+        "G0 Z15.",
+        "G0 X20.",
+        "Z2.",
+        "G1 Z-9.",
+        "G4 F0.5",
+        "G0 Z15.",
+        "G94",
+        "G0 Z15.",
+    ]
     assert text_of(head + "G81 X10. Z-9. R2. M54|G0 X1.", "okuma")[1:] == [
         "G0 X10.",
         "Z2.",

@@ -1,4 +1,5 @@
-"""Holes and taps have a tolerance of their own: how far an axis may bend while its cycle holds X and Y."""
+"""Holes and taps have a tolerance of their own: how far an axis may bend while its cycle holds X
+and Y."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ NODES = np.array([-60.0, -20.0, 0.0, 60.0])
 
 
 def mill(bend_um: float) -> Machine:
-    """X is off by nothing at z = 0 and -60, and by twice `bend_um` at -20: half of it from the middle either way."""
+    """X is off by nothing at z = 0 and -60, and by twice `bend_um` at -20: half of it from the
+    middle either way."""
     rows = np.zeros((6, len(NODES)))
     rows[0] = [0.0, 2 * bend_um * UM, 0.0, 0.0]
     axes = {x: Axis(x, (-300.0, 300.0), 1e-4, np.zeros(3)) for x in "XYZ"}
@@ -28,7 +30,10 @@ def mill(bend_um: float) -> Machine:
 
 
 def corrected(bend_um: float, cycle: str, dialect: str = "fanuc-mill", **options):
-    text = f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\n{cycle} X10. Y10. Z-40. R2. F100\nX20.\nG80\nG0 Z50.\n"
+    text = (
+        f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\n{cycle} X10. Y10. Z-40. R2. F100\nX20.\nG80\nG0"
+        " Z50.\n"
+    )
     machine = mill(bend_um)
     filter_ = Filter(
         machine, dialects.load(dialect), setup_of(machine), Options(tolerance=0.0005, **options)
@@ -95,13 +100,17 @@ def test_the_tolerance_of_paths_is_the_least():
 
 
 def test_g33_1_goes_straight_down_from_where_the_axes_stand():
-    """No X or Y word may come into a rigid tap of G33.1, which would slant it; its bend from there is said, at z = -20: 14 um."""
+    """No X or Y word may come into a rigid tap of G33.1, which would slant it; its bend from there
+    is said, at z = -20: 14 um."""
     machine = mill(7.0)
     filter_ = Filter(
         machine, dialects.load("linuxcnc"), setup_of(machine), Options(tolerance=0.0005)
     )
     verifier = Verifier(filter_)
-    text = "G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\nG90 G0 Z50.\nM2\n"
+    text = (
+        "G21 G90 G17\nM3 S500\nG0 X10. Y10. Z0.\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\nG90 G0"
+        " Z50.\nM2\n"
+    )
     out = (filter_.feed(text.encode()) + filter_.finish()).decode()
     assert "\nG33.1 Z-40. K1.\nG91 G33.1 Z-30. K1.\n" in out
     assert [n.code for n in filter_.notices] == ["tap"] and "bends by 14.00 um" in filter_.notices[
@@ -117,8 +126,8 @@ def test_g33_1_goes_straight_down_from_where_the_axes_stand():
 
 @pytest.mark.parametrize("way", [-1, 1])
 def test_a_hole_where_a_rapid_stands_already_is_corrected_for_its_own_middle(way):
-    """X is 17 um off at z = 50 and 0 to 4 um in the hole; with 2 um of lost motion it must move, though
-    that is against its side."""
+    """X is 17 um off at z = 50 and 0 to 4 um in the hole; with 2 um of lost motion it must move,
+    though that is against its side."""
     rows = np.zeros((6, 4))
     rows[0] = np.array([0.0, 4.0, 4.0, -20.0]) * UM
     lost = np.zeros((6, 2))
@@ -137,6 +146,9 @@ def test_a_hole_where_a_rapid_stands_already_is_corrected_for_its_own_middle(way
         machine, dialects.load("fanuc-mill"), setup_of(machine), Options(tolerance=0.0005)
     )
     verifier = Verifier(filter_)
-    text = f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\nG0 X{way * 10}.\nG81 X{way * 10}. Y0. Z-40. R2. F100\nG80\n"
+    text = (
+        f"G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\nG0 X{way * 10}.\nG81 X{way * 10}. Y0. Z-40. R2."
+        " F100\nG80\n"
+    )
     filter_.feed(text.encode())
     assert verifier.passed and verifier.holes.deviation < 0.005, verifier.report()

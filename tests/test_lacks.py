@@ -11,12 +11,12 @@ from postproc.machine.lacks import lacks, sentence
 
 
 def test_the_shipped_machines():
-    """studer-s36: no yaw of X (its README says so); mv-1060: positioning of X and Y, reversal of Z, nothing else."""
+    """studer-s36: no yaw of X (its README says so); mv-1060: positioning of X and Y, reversal of Z,
+    nothing else."""
     assert lacks(places.load("studer-s36"))[0] == "EBX: never measured"
     mill = lacks(places.load("mv-1060"))
-    assert (
-        mill[0].startswith("squareness of XY, XZ, YZ") and "102.0, 102.0, 62.0 um" in mill[0]
-    )  # 1020, 1020, 620 mm
+    # 1020, 1020, 620 mm
+    assert mill[0].startswith("squareness of XY, XZ, YZ") and "102.0, 102.0, 62.0 um" in mill[0]
     assert mill[1].count("E") == 15 and "EXX" not in mill[1] and len(mill) == 2
     for name in ("perfect", "example-mill", "example-lathe", "example-five-axis"):
         assert sentence(places.load(name)) == "", name

@@ -1,4 +1,5 @@
-"""Threads and taps of lathes in step with the spindle: what stays as it is, what is corrected in place, what is said."""
+"""Threads and taps of lathes in step with the spindle: what stays as it is, what is corrected in
+place, what is said."""
 
 from __future__ import annotations
 
@@ -74,8 +75,9 @@ def test_a_tap_is_corrected_in_place_and_ends_at_the_initial_level(machine, dial
 
 
 def test_r_is_a_distance_on_a_fanuc_and_a_place_on_a_haas(machine):
-    """B-64304EN-1, "Front drilling cycle": R from the initial level; Haas lathe operator's manual, G84: position of R.
-    From Z6, R-3 lies above a bottom at Z2 on the one, and beyond it on the other."""
+    """B-64304EN-1, "Front drilling cycle": R from the initial level; Haas lathe operator's manual,
+    G84: position of R. From Z6, R-3 lies above a bottom at Z2 on the one, and beyond it on the
+    other."""
     text = "G0 X0. Z6.\nG84 X0. Z2. R-3. F.8\nG0 Z9.\n"
     assert run(text, "fanuc-lathe-a", machine)[0][1].startswith("G84 X")
     with pytest.raises(ProgramError, match="bottom lies beyond R"):

@@ -1,4 +1,5 @@
-"""Text to words: letters, exact decimal numbers and places, as a slow reader sees them; nothing else ever comes out."""
+"""Text to words: letters, exact decimal numbers and places, as a slow reader sees them; nothing
+else ever comes out."""
 
 from __future__ import annotations
 
@@ -23,11 +24,12 @@ MOST_DIGITS = 18
 FAST = settings(max_examples=150, deadline=None)
 
 
-# -- the slow reader ---------------------------------------------------------------------------------------------------
+# -- the slow reader -------------------------------------------------------------------------------
 
 
 def slow(text: bytes, semicolon: str):
-    """Words (block, letter, value, start, number, stop) up to the first faulty block, and the fault's offset or None.
+    """Words (block, letter, value, start, number, stop) up to the first faulty block, and the
+    fault's offset or None.
 
     One character after the other, after the grammar. "%" is not its business.
     """
@@ -49,7 +51,8 @@ def slow(text: bytes, semicolon: str):
         return k
 
     def digits(k: int) -> tuple[str, int, int]:
-        """Digits from k on with blanks among them, where they end, and the next character that is none."""
+        """Digits from k on with blanks among them, where they end, and the next character that is
+        none."""
         found, end = "", k
         while (k := skip(k)) < len(code) and code[k] in "0123456789":
             found, end, k = found + code[k], k + 1, k + 1
@@ -95,14 +98,20 @@ def fast(text: bytes, semicolon: str):
     """The lexer's answer in the same form."""
     w = lex(text, Grammar(semicolon))
     words = [
-        (int(w.block[i]), chr(w.letter[i]), Decimal(int(w.mantissa[i])).scaleb(-int(w.decimals[i])), int(w.start[i]),
-         int(w.number[i]), int(w.stop[i]))
+        (
+            int(w.block[i]),
+            chr(w.letter[i]),
+            Decimal(int(w.mantissa[i])).scaleb(-int(w.decimals[i])),
+            int(w.start[i]),
+            int(w.number[i]),
+            int(w.stop[i]),
+        )
         for i in range(len(w.letter))
-    ]  # fmt: skip
+    ]
     return words, w.fault.start if w.fault else None
 
 
-# -- words -------------------------------------------------------------------------------------------------------------
+# -- words -----------------------------------------------------------------------------------------
 
 BLANKS = st.sampled_from(["", "", "", " ", "  ", "\t"])
 NUMBER = st.one_of(
@@ -176,11 +185,25 @@ def test_a_strange_character_is_named_where_it_stands(program, strange, data):
 @pytest.mark.parametrize(
     "text, start",
     [
-        ("G1 X", 3), ("G1 X-", 3), ("G1 X.", 3), ("X[1+2]", 0), ("#1=2", 0), ("o100 sub", 5), ("X1.2.3", 4), ("X+-3", 0),
-        ("X1,R2", 2), ("5", 0), ("N1 G1/X1", 5), ("X1234567890123456789", 0), ("G1 X0.0000000000000000001", 3),
-        ("X1 (open", 3), ("X1 )", 3), ("(a)X1(b)2", 5), ("G1\nX1\nY=2", 6),
+        ("G1 X", 3),
+        ("G1 X-", 3),
+        ("G1 X.", 3),
+        ("X[1+2]", 0),
+        ("#1=2", 0),
+        ("o100 sub", 5),
+        ("X1.2.3", 4),
+        ("X+-3", 0),
+        ("X1,R2", 2),
+        ("5", 0),
+        ("N1 G1/X1", 5),
+        ("X1234567890123456789", 0),
+        ("G1 X0.0000000000000000001", 3),
+        ("X1 (open", 3),
+        ("X1 )", 3),
+        ("(a)X1(b)2", 5),
+        ("G1\nX1\nY=2", 6),
     ],
-)  # fmt: skip
+)
 def test_faults_carry_their_offset(text, start):
     fault = lex(text.encode(), Grammar("comment")).fault
     assert fault is not None
@@ -219,19 +242,20 @@ def test_a_tape_mark_ends_the_batch():
     assert bytes(words.letter) == b"GX"
 
 
-# -- any bytes ---------------------------------------------------------------------------------------------------------
+# -- any bytes -------------------------------------------------------------------------------------
 
 BYTES = st.one_of(
     st.binary(max_size=80),
     st.text(alphabet="GXZIKRFMTUWSN0123456789.-+ \n/%();", max_size=80).map(str.encode),
     st.lists(
         st.sampled_from(
-            b"G0 G1 G2 G3 G4 G20 G21 G17 G18 G28 G41 G53 G54 G55 G80 G81 G90 G91 G92 G93 G95 M2 M3 M30 M98 T0101 X20. Z30. "
-            b"X0 Z0 X-1. Z600. X1.23456789012 U5. W-2. I5. K-5. R20. R-20. P2 F100. S9 N1 / % (c) ; \n \n \n".replace(b" \n", b"  \n").split(b" ")
+            b"G0 G1 G2 G3 G4 G20 G21 G17 G18 G28 G41 G53 G54 G55 G80 G81 G90 G91 G92 G93 G95 M2 M3"
+            b" M30 M98 T0101 X20. Z30. X0 Z0 X-1. Z600. X1.23456789012 U5. W-2. I5. K-5. R20. R-20."
+            b" P2 F100. S9 N1 / % (c) ; \n \n \n".replace(b" \n", b"  \n").split(b" ")
         ),
         max_size=25,
     ).map(b" ".join),
-)  # fmt: skip
+)
 
 
 @FAST
@@ -253,7 +277,8 @@ def test_the_lexer_never_raises(text, semicolon):
     ],
 )
 def test_any_bytes_pass_or_are_refused(name, dialect):
-    """Nothing but a ProgramError comes out, and a machine without errors passes its input to the byte."""
+    """Nothing but a ProgramError comes out, and a machine without errors passes its input to the
+    byte."""
     machine, language = read_machine(ROOT / "machines" / name), dialects.load(dialect)
 
     @settings(max_examples=150, deadline=None)
@@ -276,7 +301,7 @@ def test_any_bytes_pass_or_are_refused(name, dialect):
     law()
 
 
-# -- a second opinion --------------------------------------------------------------------------------------------------
+# -- a second opinion ------------------------------------------------------------------------------
 
 
 @settings(max_examples=60, deadline=None)

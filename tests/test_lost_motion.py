@@ -1,4 +1,5 @@
-"""Which side of its play a slide bears on, and what is commanded for it: laws of the scan, and programs worked out by hand."""
+"""Which side of its play a slide bears on, and what is commanded for it: laws of the scan, and
+programs worked out by hand."""
 
 from __future__ import annotations
 
@@ -52,7 +53,7 @@ def corrected(m, text: str, pieces: int = 1, **options) -> tuple[list[dict[str, 
     return [{x: float(v) for x, v in b.items()} for b in blocks if b], verifier
 
 
-# -- the play operator ---------------------------------------------------------------------------------------------------
+# -- the play operator -----------------------------------------------------------------------------
 
 
 def one_by_one(place, half, begin):
@@ -114,7 +115,8 @@ def test_a_slide_that_is_not_moved_keeps_its_side():
 
 
 def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
-    """Up 5, down 3, up 1 (too little to count against 2), down 4, up 6: pivots at the top and at the bottom."""
+    """Up 5, down 3, up 1 (too little to count against 2), down 4, up 6: pivots at the top and at
+    the bottom."""
     course = np.array([0, 5, 2, 3, -1, 5])
     assert _pivots(course, 0, len(course), 2.0) == [1, 4]
     assert _pivots(np.array([0, 1, -4]), 0, 3, 3.0) == [], (
@@ -122,13 +124,14 @@ def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
     )
 
 
-# -- by hand -------------------------------------------------------------------------------------------------------------
+# -- by hand ---------------------------------------------------------------------------------------
 
 LEANING = "G21 G90\nG0 X0 Y0 Z5\nG1 Z-1 F300\nG1 X100 F800\nG1 X20\nG1 Y100\nM2\n"
 
 
 def test_a_slide_that_corrections_alone_turn_is_taken_over_its_play(tmp_path):
-    """Y leans by 400 urad: X must go 40 um in + while Y goes 100 mm, with 40 um of play, and has come in -."""
+    """Y leans by 400 urad: X must go 40 um in + while Y goes 100 mm, with 40 um of play, and has
+    come in -."""
     m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0))
     blocks, verifier = corrected(m, LEANING)
     assert [b.get("X") for b in blocks[2:]] == [0.02, 100.02, 99.98, 19.98, 20.02, 20.06]
@@ -137,8 +140,9 @@ def test_a_slide_that_corrections_alone_turn_is_taken_over_its_play(tmp_path):
 
 
 def test_what_turns_back_within_the_hysteresis_is_held(tmp_path):
-    """The straightness of X takes Y 0.8 um up and down again: it is taken up at first (nobody knows the side before), and
-    then held at the top. With a hysteresis of 0.4 um its 12 um of play are taken up where it turns."""
+    """The straightness of X takes Y 0.8 um up and down again: it is taken up at first (nobody knows
+    the side before), and then held at the top. With a hysteresis of 0.4 um its 12 um of play are
+    taken up where it turns."""
     table = "X_mm,EYX_um\n-400,0\n0,0\n50,-0.8\n100,0\n400,0\n"
     text = "G0 X0 Y0 Z0\nG1 Y1 F500\nX100\nX120\nM2\n"
     m = machine(tmp_path / "m", backlash("Y", 12.0), X=table)
@@ -199,12 +203,16 @@ def test_any_cut_gives_the_same(tmp_path, mode):
 
 
 def test_a_map_turned_round_is_led_beyond_and_back(tmp_path):
-    """Forward beyond reverse by 8 um (a control that takes up too much): where X rests, its side is the direction of the
-    last command, so that it is led past its place and comes back in the direction that is wanted."""
+    """Forward beyond reverse by 8 um (a control that takes up too much): where X rests, its side is
+    the direction of the last command, so that it is led past its place and comes back in the
+    direction that is wanted."""
     m = machine(tmp_path / "m", "[squareness]\nC0Y = -400\n" + backlash("X", -8.0))
     blocks, verifier = corrected(m, LEANING.replace("G1 X20\n", ""))
     last = [b["X"] for b in blocks if "X" in b][-4:]
-    assert last == [99.996, 100.0061, 100.004, 99.964], (
-        "beyond by twice the hysteresis and an increment, back, and on"
-    )
+    assert last == [
+        99.996,
+        100.0061,
+        100.004,
+        99.964,
+    ], "beyond by twice the hysteresis and an increment, back, and on"
     assert verifier.corrected.deviation < 0.1 * UM

@@ -1,4 +1,5 @@
-"""Mach3's own words: units by G70 and G71, further fixtures by G59 P, G28.1, and what ends its programs."""
+"""Mach3's own words: units by G70 and G71, further fixtures by G59 P, G28.1, and what ends its
+programs."""
 
 from __future__ import annotations
 
@@ -13,9 +14,11 @@ from postproc.nc.state import Setup
 from postproc.units import TICKS_PER_MM
 
 SETUP = Setup(
-    axes=("X", "Y", "Z"), least_increment=dict.fromkeys("XYZ", 1e-4), offsets={"G54": {}, "G59": {"X": 100.0}},
+    axes=("X", "Y", "Z"),
+    least_increment=dict.fromkeys("XYZ", 1e-4),
+    offsets={"G54": {}, "G59": {"X": 100.0}},
     start={},
-)  # fmt: skip
+)
 
 
 def follow(text: str):

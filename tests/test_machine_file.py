@@ -1,4 +1,5 @@
-"""A machine folder is trusted with somebody's part: what is wrong in it is refused with file, line and the way out."""
+"""A machine folder is trusted with somebody's part: what is wrong in it is refused with file, line
+and the way out."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ from postproc.nc import dialects
 from postproc.units import UM, URAD
 
 ROOT = Path(__file__).resolve().parents[1]
-SEED = ROOT.parent / "shared" / "seed"
+SEED = ROOT / "proof" / "seed" / "tables"
 NANOMETRE = 1e-6  # mm
 
 TOML = """\
@@ -112,7 +113,7 @@ def check(error: MachineError, file: Path, line: int, says: tuple[str, ...]) -> 
     assert "None" not in str(error), "a key that is missing is called so"
 
 
-# -- what is accepted --------------------------------------------------------------------------------------------------
+# -- what is accepted ------------------------------------------------------------------------------
 
 
 def test_the_example_of_the_format_is_a_machine(tmp_path):
@@ -198,33 +199,118 @@ least_increment = 0.001
     assert machine.chain.workpiece_side == 1
 
 
-# -- machine.toml ------------------------------------------------------------------------------------------------------
+# -- machine.toml ----------------------------------------------------------------------------------
 
 # old, new, what stands in the line that is named, what is said
 REFUSED = {
-    "another format": ("gcomp-machine/1", "gcomp-machine/2", "format ", ("'gcomp-machine/2'", "'gcomp-machine/1'")),
-    "no control": ('control = "fanuc-lathe"            # dialect\n', "", "format ", ("control is missing",)),
+    "another format": (
+        "gcomp-machine/1",
+        "gcomp-machine/2",
+        "format ",
+        ("'gcomp-machine/2'", "'gcomp-machine/1'"),
+    ),
+    "no control": (
+        'control = "fanuc-lathe"            # dialect\n',
+        "",
+        "format ",
+        ("control is missing",),
+    ),
     "control no text": ('"fanuc-lathe"', "7", "control =", ("control = 7 is not a text",)),
     "unknown key": ("title   =", "titel =", "titel", ("'titel'", "title", "source")),
     "unknown section": ("[tool]", "[tools]", "[tools]", ("'tools'", "tool")),
-    "unknown key of an axis": ("measured_at", "measuredat", "measuredat", ("'measuredat'", "[axes.Z]", "measured_at")),
-    "unknown key of limits": ("max_slope", "slope_max", "slope_max", ("'slope_max'", "[limits]", "max_slope")),
+    "unknown key of an axis": (
+        "measured_at",
+        "measuredat",
+        "measuredat",
+        ("'measuredat'", "[axes.Z]", "measured_at"),
+    ),
+    "unknown key of limits": (
+        "max_slope",
+        "slope_max",
+        "slope_max",
+        ("'slope_max'", "[limits]", "max_slope"),
+    ),
     "unknown key of tool": ("[tool]\nX", "[tool]\nR", "[tool]\nR", ("'R'", "[tool]", "X, Y, Z")),
-    "unknown key of an effect": ("size_um", "size_mm", "size_mm", ("'size_mm'", "[effect]", "size_um")),
-    "no travel": ("travel = [-5.0, 520.0]             # mm, slide positions\n", "", "[axes.Z]", ("travel",)),
-    "travel no list": ("[-5.0, 520.0]", "520.0", "travel = 520.0", ("520.0", "two ascending numbers, mm")),
-    "travel descending": ("[-5.0, 520.0]", "[520.0, -5.0]", "travel = [520.0", ("two ascending numbers, mm",)),
-    "travel of one": ("[-5.0, 520.0]", "[520.0]", "travel = [520.0]", ("two ascending numbers, mm",)),
-    "travel not finite": ("[-5.0, 520.0]", "[-inf, 520.0]", "travel = [-inf", ("two ascending numbers, mm",)),
-    "travel of truths": ("[-5.0, 520.0]", "[false, true]", "travel = [false", ("two ascending numbers, mm",)),
-    "no least increment": ("least_increment = 0.0001\ntable  = \"Z", "table  = \"Z", "[axes.Z]", ("least_increment",)),
-    "least increment no number": ("least_increment = 0.0001\ntable  = \"Z", "least_increment = \"fine\"\ntable  = \"Z", '"fine"', ("'fine' is not a number",)),
-    "least increment no power of ten": ("least_increment = 0.0001\ntable  = \"Z", "least_increment = 0.0005\ntable  = \"Z", "= 0.0005", ("0.0005", "power of ten")),
+    "unknown key of an effect": (
+        "size_um",
+        "size_mm",
+        "size_mm",
+        ("'size_mm'", "[effect]", "size_um"),
+    ),
+    "no travel": (
+        "travel = [-5.0, 520.0]             # mm, slide positions\n",
+        "",
+        "[axes.Z]",
+        ("travel",),
+    ),
+    "travel no list": (
+        "[-5.0, 520.0]",
+        "520.0",
+        "travel = 520.0",
+        ("520.0", "two ascending numbers, mm"),
+    ),
+    "travel descending": (
+        "[-5.0, 520.0]",
+        "[520.0, -5.0]",
+        "travel = [520.0",
+        ("two ascending numbers, mm",),
+    ),
+    "travel of one": (
+        "[-5.0, 520.0]",
+        "[520.0]",
+        "travel = [520.0]",
+        ("two ascending numbers, mm",),
+    ),
+    "travel not finite": (
+        "[-5.0, 520.0]",
+        "[-inf, 520.0]",
+        "travel = [-inf",
+        ("two ascending numbers, mm",),
+    ),
+    "travel of truths": (
+        "[-5.0, 520.0]",
+        "[false, true]",
+        "travel = [false",
+        ("two ascending numbers, mm",),
+    ),
+    "no least increment": (
+        'least_increment = 0.0001\ntable  = "Z',
+        'table  = "Z',
+        "[axes.Z]",
+        ("least_increment",),
+    ),
+    "least increment no number": (
+        'least_increment = 0.0001\ntable  = "Z',
+        'least_increment = "fine"\ntable  = "Z',
+        '"fine"',
+        ("'fine' is not a number",),
+    ),
+    "least increment no power of ten": (
+        'least_increment = 0.0001\ntable  = "Z',
+        'least_increment = 0.0005\ntable  = "Z',
+        "= 0.0005",
+        ("0.0005", "power of ten"),
+    ),
     "table no text": ('"Z.csv"', "1", "table  = 1", ("table = 1 is not a text",)),
     "table missing": ('"Z.csv"', '"ZZ.csv"', "ZZ.csv", ("there is no table", "ZZ.csv")),
-    "measured at no table": ("{ X = 0.0 }", "0.0", "measured_at", ("measured_at = 0.0", "{ X = 0.0 }")),
-    "measured at nowhere": ("measured_at = { X", "measured_at = { A", "measured_at", ("'A'", "no linear axis")),
-    "measured at no number": ("measured_at = { X = 0.0 }", 'measured_at = { X = "home" }', "measured_at", ("'home' is not a number",)),
+    "measured at no table": (
+        "{ X = 0.0 }",
+        "0.0",
+        "measured_at",
+        ("measured_at = 0.0", "{ X = 0.0 }"),
+    ),
+    "measured at nowhere": (
+        "measured_at = { X",
+        "measured_at = { A",
+        "measured_at",
+        ("'A'", "no linear axis"),
+    ),
+    "measured at no number": (
+        "measured_at = { X = 0.0 }",
+        'measured_at = { X = "home" }',
+        "measured_at",
+        ("'home' is not a number",),
+    ),
     "velocity no number": ("10000.0", '"fast"', '"fast"', ("'fast' is not a number",)),
     "axis of no machine": ("[axes.X]", "[axes.D]", "[axes.D]", ("X Y Z A B C",)),
     "diameter no list": ('["X"]', '"X"', "diameter", ("list axes",)),
@@ -234,35 +320,100 @@ REFUSED = {
     "squareness of no axis": ("B0X", "A0Y", "A0Y", ("'A0Y'", "B0X, C0Y, A0Z")),
     "squareness with a wrong name": ("B0X", "XZ", "XZ", ("'XZ'", "B0X, C0Y, A0Z")),
     "squareness no number": ("-382.352941", '"-0.4 mrad"', "B0X", ("'-0.4 mrad' is not a number",)),
-    "tool no number": ("[tool]\nX = 0.0", "[tool]\nX = true", "X = true", ("True is not a number",)),
+    "tool no number": (
+        "[tool]\nX = 0.0",
+        "[tool]\nX = true",
+        "X = true",
+        ("True is not a number",),
+    ),
     "offset of no name": ("G54", "G60", "G60", ("'G60'", "G54 = { X = 0.0, Z = 0.0 }")),
     "offset of three digits": ("G54", "T101", "T101", ("'T101'",)),
-    "offset no place": ("G54 = { X = 0.0, Z = 0.0 }", "G54 = 0.0", "G54", ("'G54'", "{ X = 0.0, Z = 0.0 }")),
-    "offset of no axis": ("{ X = 0.0, Z = 0.0 }", "{ X = 0.0, Y = 0.0 }", "G54", ("'Y'", "no axis of the machine")),
-    "offset no number": ("{ X = 0.0, Z = 0.0 }", '{ X = 0.0, Z = "far" }', "G54", ("'far' is not a number",)),
-    "limit no number": ("0.5               #", '"0.5"  #', "max_correction", ("'0.5' is not a number",)),
+    "offset no place": (
+        "G54 = { X = 0.0, Z = 0.0 }",
+        "G54 = 0.0",
+        "G54",
+        ("'G54'", "{ X = 0.0, Z = 0.0 }"),
+    ),
+    "offset of no axis": (
+        "{ X = 0.0, Z = 0.0 }",
+        "{ X = 0.0, Y = 0.0 }",
+        "G54",
+        ("'Y'", "no axis of the machine"),
+    ),
+    "offset no number": (
+        "{ X = 0.0, Z = 0.0 }",
+        '{ X = 0.0, Z = "far" }',
+        "G54",
+        ("'far' is not a number",),
+    ),
+    "limit no number": (
+        "0.5               #",
+        '"0.5"  #',
+        "max_correction",
+        ("'0.5' is not a number",),
+    ),
     "outside no choice": ('"error"', '"hold"', '"hold"', ("'hold'", '"error" or "clamp"')),
-    "slope accepted by a text": ("max_slope = 0.005", 'accept_slope = "yes"', "accept_slope", ("'yes'",)),
-    "reversal no choice": ("diameter", 'reversal = "jump"\ndiameter', '"jump"', ("'jump'", "mean, step, ramp, off")),
-    "effect unknown": ('"backlash"', '"backlsh"', '"backlsh"', ("there is no effect 'backlsh'", "backlash")),
+    "slope accepted by a text": (
+        "max_slope = 0.005",
+        'accept_slope = "yes"',
+        "accept_slope",
+        ("'yes'",),
+    ),
+    "reversal no choice": (
+        "diameter",
+        'reversal = "jump"\ndiameter',
+        '"jump"',
+        ("'jump'", "mean, step, ramp, off"),
+    ),
+    "effect unknown": (
+        '"backlash"',
+        '"backlsh"',
+        '"backlsh"',
+        ("there is no effect 'backlsh'", "backlash"),
+    ),
     "effect without a name": ('name = "backlash"\n', "", "[[effect]]", ("name",)),
     "effect of no axis": ('axis = "X"', 'axis = "Y"', 'axis = "Y"', ("'Y'", "axis of the machine")),
     "effect of a list": ('axis = "X"', 'axis = ["X"]', "axis = [", ("['X']",)),
     "effect without its parameter": ("size_um = 9.0\n", "", "[[effect]]", ("size_um",)),
-    "effect's parameter no number": ("9.0\nsource", '"9 um"\nsource', "size_um", ("'9 um' is not a number",)),
+    "effect's parameter no number": (
+        "9.0\nsource",
+        '"9 um"\nsource',
+        "size_um",
+        ("'9 um' is not a number",),
+    ),
     "effect as a plain table": ("[[effect]]", "[effect]", "[effect]", ("[[effect]]",)),
-    "chain without workpiece": ('"w-b-Z-X-t"', '"b-Z-X-t"', "chain ", ("'b-Z-X-t'", "like w-b-Z-X-t")),
+    "chain without workpiece": (
+        '"w-b-Z-X-t"',
+        '"b-Z-X-t"',
+        "chain ",
+        ("'b-Z-X-t'", "like w-b-Z-X-t"),
+    ),
     "chain without bed": ('"w-b-Z-X-t"', '"w-Z-X-t"', "chain ", ("'w-Z-X-t'", "hold one b")),
     "chain without tool": ('"w-b-Z-X-t"', '"w-b-Z-X"', "chain ", ("end with t",)),
     "chain with an axis twice": ('"w-b-Z-X-t"', '"w-Z-b-Z-X-t"', "chain ", ("an axis twice",)),
     "chain with a stranger": ('"w-b-Z-X-t"', '"w-b-Z-Q-t"', "chain ", ("'Q' is not one of X Y Z",)),
-    "chain with a rotary axis": ('"w-b-Z-X-t"', '"w-C-b-Z-X-t"', "chain ", ("the chain names C, and there is no [axes.C]",)),
+    "chain with a rotary axis": (
+        '"w-b-Z-X-t"',
+        '"w-C-b-Z-X-t"',
+        "chain ",
+        ("the chain names C, and there is no [axes.C]",),
+    ),
     "chain no text": ('"w-b-Z-X-t"', "1", "chain ", ("chain = 1 is not a text",)),
-    "axis in the chain without section": ('"w-b-Z-X-t"', '"w-Y-b-Z-X-t"', "chain ", ("Y", "there is no [axes.Y]")),
-    "axis not in the chain": ('"w-b-Z-X-t"', '"w-b-X-t"', "travel = [-5.0, 520.0]", ("axis Z", "w-b-X-t")),
+    "axis in the chain without section": (
+        '"w-b-Z-X-t"',
+        '"w-Y-b-Z-X-t"',
+        "chain ",
+        ("Y", "there is no [axes.Y]"),
+    ),
+    "axis not in the chain": (
+        '"w-b-Z-X-t"',
+        '"w-b-X-t"',
+        "travel = [-5.0, 520.0]",
+        ("axis Z", "w-b-X-t"),
+    ),
     "no TOML": ("[-5.0, 175.0]", "[-5.0, 175.0]]", "175.0]]", ("not valid TOML",)),
     "a key twice": ("title   =", 'name = "b"\ntitle =', 'name = "b"', ("not valid TOML",)),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -348,13 +499,18 @@ def test_names_that_there_are_not_are_answered_with_those_that_there_are():
         places.load("machines/studer")
 
 
-# -- tables ------------------------------------------------------------------------------------------------------------
+# -- tables ----------------------------------------------------------------------------------------
 
 BAD_TABLES = {
     "wrong unit of a translation": ("EXZ_um", "EXZ_mm", 2, ("'EXZ_mm'", "EXZ_um")),
     "wrong unit of a rotation": ("EBZ_urad", "EBZ_um", 2, ("'EBZ_um'", "EBZ_urad")),
     "no unit": ("EXZ_um", "EXZ", 2, ("'EXZ'", "EXZ_um")),
-    "unknown component": ("EXZ_um", "EQZ_um", 2, ("'EQZ_um'", "axis Z", "EXZ_um, EYZ_um, EZZ_um, EAZ_urad")),
+    "unknown component": (
+        "EXZ_um",
+        "EQZ_um",
+        2,
+        ("'EQZ_um'", "axis Z", "EXZ_um, EYZ_um, EZZ_um, EAZ_urad"),
+    ),
     "component of another axis": ("EXZ_um", "EXX_um", 2, ("'EXX_um'", "axis Z")),
     "column without a name": ("EXZ_um", "", 2, ("''",)),
     "first column of another axis": ("Z_mm", "X_mm", 2, ("'X_mm'", "'Z_mm'")),
@@ -366,7 +522,12 @@ BAD_TABLES = {
     "nodes that go back": ("100,3", "300,3", 5, ("Z_mm = 250", "does not ascend", "300")),
     "a node twice": ("100,3", "250,3", 5, ("Z_mm = 250", "does not ascend")),
     "a value missing at the end": ("100,3,0,1,20", "100,3,0,1", 4, ("4 values", "5 columns")),
-    "a value missing within": ("100,3,0,1,20", "100,3,,1,20", 4, ("'' is not a number", "every node")),
+    "a value missing within": (
+        "100,3,0,1,20",
+        "100,3,,1,20",
+        4,
+        ("'' is not a number", "every node"),
+    ),
     "a value too many": ("100,3,0,1,20", "100,3,0,1,20,", 4, ("6 values", "5 columns")),
     "a comma for a point": ("100,3", "100,3,5", 4, ("6 values", "5 columns")),
     "not a number": ("100,3", "100,nan", 4, ("NaN",)),
@@ -375,8 +536,13 @@ BAD_TABLES = {
     "a text": ("100,3", "100,3um", 4, ("'3um' is not a number",)),
     "a number that no table has": ("100,3", "1_00,3", 4, ("'1_00' is not a number",)),
     "a comment behind a value": ("20\n", "20 # again\n", 4, ("'20 # again' is not a number",)),
-    "too steep": ("100,3", "0.1,3", 4, ("20.00 um/mm", "Z = 0 and 0.1", "limit 5 um/mm", "max_slope", "accept_slope = true")),
-}  # fmt: skip
+    "too steep": (
+        "100,3",
+        "0.1,3",
+        4,
+        ("20.00 um/mm", "Z = 0 and 0.1", "limit 5 um/mm", "max_slope", "accept_slope = true"),
+    ),
+}
 
 
 @pytest.mark.parametrize("name", BAD_TABLES)
@@ -423,7 +589,7 @@ def test_accepting_a_slope_must_be_said_with_true(tmp_path):
     )
 
 
-# -- what the numbers mean ---------------------------------------------------------------------------------------------
+# -- what the numbers mean -------------------------------------------------------------------------
 
 
 def columns(path: Path) -> dict[str, list[float]]:
@@ -440,12 +606,6 @@ def between(nodes: list[float], values: list[float], at: float) -> float:
     raise AssertionError(f"{at} lies outside")
 
 
-needs_seed = pytest.mark.skipif(
-    not SEED.is_dir(), reason="the measured tables are not beside the project"
-)
-
-
-@needs_seed
 def test_the_grinder_has_the_measured_values():
     """M. Asad Ullah, NUST 2013, tables 6.1 and 6.2; the yaw in mm/m is 1000 urad."""
     machine = read_machine(ROOT / "machines" / "studer-s36")
@@ -481,12 +641,12 @@ POINTS = [
 ]
 
 
-@needs_seed
 @pytest.mark.parametrize("x, z", POINTS)
 @pytest.mark.parametrize("way_x", [1, 0, -1])
 @pytest.mark.parametrize("way_z", [1, 0, -1])
 def test_the_grinders_deviation_is_the_formula_of_the_format(x, z, way_x, way_z):
-    """e_Z = EZZ + EZX - S x - b x, e_X = EXX + EXZ (tool and place of measurement are zero); 0 is the mean."""
+    """e_Z = EZZ + EZX - S x - b x, e_X = EXX + EXZ (tool and place of measurement are zero); 0 is
+    the mean."""
     machine = read_machine(ROOT / "machines" / "studer-s36")
     on_z, on_x = (
         columns(SEED / "table_6_1_studer_s36_z_axis.csv"),
@@ -513,7 +673,8 @@ def test_the_grinders_deviation_is_the_formula_of_the_format(x, z, way_x, way_z)
 
 
 def test_the_arm_is_counted_from_where_it_was_measured(tmp_path):
-    """e_Z gets -b (x + tool.X - measured_at.X), e_X gets b tool.Z: at z = 50 the yaw is 15 urad, by hand."""
+    """e_Z gets -b (x + tool.X - measured_at.X), e_X gets b tool.Z: at z = 50 the yaw is 15 urad, by
+    hand."""
     toml = swap(TOML, "[tool]\nX = 0.0\nZ = 0.0", "[tool]\nX = 30.0\nZ = 200.0")
     toml = swap(
         swap(toml, "measured_at = { X = 0.0 }", "measured_at = { X = 12.0 }"),
@@ -544,7 +705,8 @@ def correct(machine, program: bytes) -> bytes:
 
 
 def test_before_an_axis_has_moved_the_mean_of_both_ways_holds():
-    """X20 (radius 10) Z10 on the grinder, from nowhere. e_X = (7.6 - 0.6) / 2 + mean EXZ(10), e_Z = EZZ + EZX - S x - b x."""
+    """X20 (radius 10) Z10 on the grinder, from nowhere. e_X = (7.6 - 0.6) / 2 + mean EXZ(10), e_Z =
+    EZZ + EZX - S x - b x."""
     third = 10.0 / 30.0
     exz = -0.25 + (-0.2 + 0.25) * third
     ezz = 1.35 + (0.5 - 1.35) * third
@@ -573,7 +735,8 @@ def test_a_machine_without_squareness_cuts_arcs(tmp_path):
 
 
 def test_a_reversal_is_the_difference_of_the_two_ways(tmp_path):
-    """EZZ at 100 mm is 3 um from below and 0 um from above, and nothing else: 3 um between the two commands."""
+    """EZZ at 100 mm is 3 um from below and 0 um from above, and nothing else: 3 um between the two
+    commands."""
     z = "Z_mm,EZZ_um_fwd,EZZ_um_rev\n0,3,0\n250,3,0\n"
     toml = swap(swap(TOML, "size_um = 9.0", "size_um = 0.0"), "B0X = -382.352941", "B0X = 0.0")
     machine = read_machine(folder(tmp_path, toml=toml, z=z, x="X_mm,EXX_um\n0,0\n170,0\n"))

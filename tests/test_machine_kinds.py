@@ -1,4 +1,5 @@
-"""Machines beyond three tables: what depends on a second axis, heat, rotary axes, where the measured point was fixed."""
+"""Machines beyond three tables: what depends on a second axis, heat, rotary axes, where the
+measured point was fixed."""
 
 from __future__ import annotations
 
@@ -44,13 +45,14 @@ def deviation(m, **place):
     return dict(zip(m.letters, m.deviation(position, np.zeros_like(position))[:, 0], strict=True))
 
 
-# -- tables of two axes --------------------------------------------------------------------------------------------------
+# -- tables of two axes ----------------------------------------------------------------------------
 
 GRID = "Z_mm,X_mm,EXZ_um,EBZ_urad\n0,0,0,0\n0,100,10,0\n100,0,20,0\n100,100,50,100\n"
 
 
 def test_a_table_of_two_axes_is_bilinear(tmp_path):
-    """By hand at Z = 50, X = 25: (0 + 10/4) / 2 + (20 + 30/4) / 2 = 15 um; the yaw is 100 urad * 0.5 * 0.25 = 12.5 urad,
+    """By hand at Z = 50, X = 25: (0 + 10/4) / 2 + (20 + 30/4) / 2 = 15 um; the yaw is 100 urad *
+    0.5 * 0.25 = 12.5 urad,
     and turns an arm of 25 mm: e_Z = -12.5e-6 * 25 mm."""
     m = machine(
         tmp_path,
@@ -90,12 +92,16 @@ def test_a_faulty_table_of_two_axes_is_refused(tmp_path, text, line, why):
     assert f"g.csv:{line}:" in str(told.value)
 
 
-# -- heat ----------------------------------------------------------------------------------------------------------------
+# -- heat ------------------------------------------------------------------------------------------
 
 
 def test_heat_by_hand(tmp_path):
-    """A scale of 10 um/(m K) at 23 C on a part of 11.5 um/(m K) at 22 C: 30 - 23 = +7 um/m from 50 mm; at 150 mm 0.7 um."""
-    heat = "heat = { scale_um_m_K = 10.0, scale_C = 23.0, work_um_m_K = 11.5, work_C = 22.0, fixed_mm = 50.0 }\n"
+    """A scale of 10 um/(m K) at 23 C on a part of 11.5 um/(m K) at 22 C: 30 - 23 = +7 um/m from 50
+    mm; at 150 mm 0.7 um."""
+    heat = (
+        "heat = { scale_um_m_K = 10.0, scale_C = 23.0, work_um_m_K = 11.5, work_C = 22.0, fixed_mm"
+        " = 50.0 }\n"
+    )
     m = machine(tmp_path, HEAD.format(chain="w-b-Z-X-t") + X + Z + heat)
     assert deviation(m, Z=150)["Z"] == approx(0.0007, abs=1e-12)
     assert deviation(m, Z=50)["Z"] == 0.0
@@ -103,7 +109,7 @@ def test_heat_by_hand(tmp_path):
     assert m.at_temperatures({"Z": 20.0, "work": 20.0}).is_zero and not m.is_zero
 
 
-# -- arms ----------------------------------------------------------------------------------------------------------------
+# -- arms ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -116,8 +122,9 @@ def test_heat_by_hand(tmp_path):
     ],
 )
 def test_whether_the_own_travel_is_an_arm(tmp_path, chain, optic, arm):
-    """EBZ = 100 urad at Z = 80: e_X = +EBZ * (Z arm). A measured point that goes along leaves the travel out (compensation
-    theory: a table that carries the part, measured at the part, has it in)."""
+    """EBZ = 100 urad at Z = 80: e_X = +EBZ * (Z arm). A measured point that goes along leaves the
+    travel out (compensation theory: a table that carries the part, measured at the part, has it
+    in)."""
     fixed = f'optic = "{optic}"\n' if optic else ""
     m = machine(
         tmp_path,
@@ -127,7 +134,7 @@ def test_whether_the_own_travel_is_an_arm(tmp_path, chain, optic, arm):
     assert deviation(m, Z=80)["X"] == approx(100e-6 * arm, abs=1e-12)
 
 
-# -- rotary axes ---------------------------------------------------------------------------------------------------------
+# -- rotary axes -----------------------------------------------------------------------------------
 
 
 def test_a_table_of_one_turn_is_repeated(tmp_path):
@@ -178,7 +185,7 @@ def test_a_faulty_chain_is_refused(tmp_path, chain, why):
         machine(tmp_path, HEAD.format(chain=chain) + X)
 
 
-# -- all of them through the filter -------------------------------------------------------------------------------------
+# -- all of them through the filter ----------------------------------------------------------------
 
 
 def random_machine(folder: Path, seed: int):
@@ -199,7 +206,10 @@ def random_machine(folder: Path, seed: int):
             + f'table = "{x}.csv"\n'
         )
         if turn:
-            text += f"centre = {{ X = {rng.uniform(-40, 40):.1f}, Y = {rng.uniform(-40, 40):.1f}, Z = {rng.uniform(-40, 40):.1f} }}\n"
+            text += (
+                f"centre = {{ X = {rng.uniform(-40, 40):.1f}, Y = {rng.uniform(-40, 40):.1f}, Z ="
+                f" {rng.uniform(-40, 40):.1f} }}\n"
+            )
         nodes = np.linspace(low, high, int(rng.integers(2, 7)))
         names = [
             f"E{c}{x}_um{d}" for c in "XYZ" for d in (("_fwd", "_rev") if c == x else ("",))
@@ -241,7 +251,8 @@ def random_program(rng: random.Random, axes: list[str]) -> str:
 
 @pytest.mark.parametrize("seed", range(40))
 def test_any_machine_keeps_the_tolerance(tmp_path, seed):
-    """The places where to cut are found from bounds; the Verifier samples between them, and knows none of the bounds."""
+    """The places where to cut are found from bounds; the Verifier samples between them, and knows
+    none of the bounds."""
     m, axes = random_machine(tmp_path, seed)
     rng = random.Random(seed)
     filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), Options(tolerance=0.001))
@@ -280,7 +291,8 @@ def wide(machine: Machine, travel: float) -> Machine:
 
 
 def test_a_travel_far_wider_than_the_tables_lengthens_no_arm():
-    """Places outside the tables are an error, so no arm is longer than they are: within 0.5 mm of a correction."""
+    """Places outside the tables are an error, so no arm is longer than they are: within 0.5 mm of a
+    correction."""
     from postproc.machine import places
 
     machine = places.load(str(Path(__file__).resolve().parents[1] / "machines" / "example-mill"))

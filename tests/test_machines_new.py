@@ -1,9 +1,11 @@
-"""`gcomp machines new` and `check`: what a tape, a square and a dial gauge tell becomes the machine that they were read on."""
+"""`gcomp machines new` and `check`: what a tape, a square and a dial gauge tell becomes the machine
+that they were read on."""
 
 from __future__ import annotations
 
 import io
 import itertools
+import re
 import sys
 
 import numpy as np
@@ -36,7 +38,8 @@ def actual(machine: Machine, *places, approach=0.0) -> list[np.ndarray]:
 @pytest.mark.parametrize("pair", ["XY", "XZ", "YZ"])
 @pytest.mark.parametrize("value", [950.0, -420.0])
 def test_a_rectangle_measured_on_the_machine_gives_the_machine(tmp_path, pair, value):
-    """Four corners by the machine that is stated; its diagonals, given to a new one, make the same machine."""
+    """Four corners by the machine that is stated; its diagonals, given to a new one, make the same
+    machine."""
     name = {"XY": "C0Y", "XZ": "B0Z", "YZ": "A0Z"}[pair]
     true = new(tmp_path / "true", "--squareness", f"{name}={value}")
     i, j = ("XYZ".index(x) for x in pair)
@@ -53,7 +56,7 @@ def test_a_rectangle_measured_on_the_machine_gives_the_machine(tmp_path, pair, v
         assert found.square[x] == approx(true.square[x], abs=2e-6)
 
 
-@pytest.mark.parametrize("drifts, moving", itertools.permutations("XYZ", 2))
+@pytest.mark.parametrize("drifts, moving", list(itertools.permutations("XYZ", 2)))
 def test_beside_a_square_the_tool_drifts_as_it_was_read(tmp_path, drifts, moving):
     m = new(tmp_path / "m", "--drift", f"{drifts}/{moving}=0.05,50")
     begin, end = np.array([100.0, 100.0, -70.0]), np.array([100.0, 100.0, -70.0])
@@ -64,9 +67,20 @@ def test_beside_a_square_the_tool_drifts_as_it_was_read(tmp_path, drifts, moving
 
 
 def test_by_hand(tmp_path):
-    """Diagonals 500.3 and 499.8 of 400 by 300: (500.3^2 - 499.8^2) / (4 * 400 * 300) = 0.0010418 to +X, C0Y = -1041.8 urad.
-    Lost motion of 0.06 stops 30 um short from either side; 300.2 for 300 is 0.2 mm at 300."""
-    m = new(tmp_path / "m", "--diagonals", "XY=500.3,499.8,400,300", "--backlash", "X=0.06", "--scale", "Y=300,300.2", "--home", "X0,Y0,Z0")  # fmt: skip
+    """Diagonals 500.3 and 499.8 of 400 by 300: (500.3^2 - 499.8^2) / (4 * 400 * 300) = 0.0010418 to
+    +X, C0Y = -1041.8 urad. Lost motion of 0.06 stops 30 um short from either side; 300.2 for 300 is
+    0.2 mm at 300."""
+    m = new(
+        tmp_path / "m",
+        "--diagonals",
+        "XY=500.3,499.8,400,300",
+        "--backlash",
+        "X=0.06",
+        "--scale",
+        "Y=300,300.2",
+        "--home",
+        "X0,Y0,Z0",
+    )
     assert m.square["Y"][2] == approx(-1041.771e-6, abs=1e-9)
     ahead, back = (actual(m, (300, 0, 0), approach=s)[0] for s in (1.0, -1.0))
     assert ahead[0] == approx(300 - 0.03) and back[0] == approx(300 + 0.03)
@@ -78,9 +92,8 @@ def test_by_hand(tmp_path):
 def test_a_limit_grows_with_what_is_stated_and_not_with_a_slip(tmp_path, capsys):
     small = new(tmp_path / "a", "--squareness", "C0Y=1000")
     assert small.limits.max_correction == 0.5
-    large = new(
-        tmp_path / "b", "--squareness", "C0Y=2000"
-    )  # 0.8 mm at Y 400, a fifth more, to the next tenth
+    # 0.8 mm at Y 400, a fifth more, to the next tenth
+    large = new(tmp_path / "b", "--squareness", "C0Y=2000")
     assert large.limits.max_correction == approx(1.0)
     slip = new(tmp_path / "c", "--squareness", "C0Y=45000")
     assert slip.limits.max_correction == 0.5
@@ -97,14 +110,32 @@ def test_a_limit_grows_with_what_is_stated_and_not_with_a_slip(tmp_path, capsys)
     [
         (("--kind", "router"), "its control is not said"),
         (("--control", "grbl"), "the kind of machine is not said"),
-        (("--kind", "router", "--control", "grbl", "--travel", "X=0,1"), "the travel of Y is not said"),
+        (
+            ("--kind", "router", "--control", "grbl", "--travel", "X=0,1"),
+            "the travel of Y is not said",
+        ),
         ((*ROUTER, "--travel", "A=0,1"), "--travel names A"),
-        ((*ROUTER, "--squareness", "C0Y=1", "--drift", "X/Y=0.1,300"), "the squareness of XY is said twice"),
+        (
+            (*ROUTER, "--squareness", "C0Y=1", "--drift", "X/Y=0.1,300"),
+            "the squareness of XY is said twice",
+        ),
         ((*ROUTER, "--scale", "X=300,310"), "set the control's steps per mm to 0.967742"),
-        (("--kind", "lathe", "--control", "fanuc-lathe", *TRAVEL[:2], *TRAVEL[4:], "--squareness", "C0Y=1"), "C0Y is between X and Y"),
+        (
+            (
+                "--kind",
+                "lathe",
+                "--control",
+                "fanuc-lathe",
+                *TRAVEL[:2],
+                *TRAVEL[4:],
+                "--squareness",
+                "C0Y=1",
+            ),
+            "C0Y is between X and Y",
+        ),
         (("--chain", "w-X-t", "--control", "grbl"), "--chain"),
     ],
-)  # fmt: skip
+)
 def test_what_is_missing_or_contradicts_is_named(tmp_path, capsys, words, says):
     assert gcomp("machines", "new", "m", *words, "-o", tmp_path / "m") == 2
     assert says in capsys.readouterr().err
@@ -177,7 +208,8 @@ def test_the_examples_hold_nothing_doubtful_and_correct_a_program(name, tmp_path
 
 
 def test_a_ballbar_gives_squareness_and_lost_motion(tmp_path, capsys):
-    """Circles on example-router (C0Y -1041.8 urad, 60 and 40 um of lost motion), by the simulator: the same come back."""
+    """Circles on example-router (C0Y -1041.8 urad, 60 and 40 um of lost motion), by the simulator:
+    the same come back."""
     circle = tmp_path / "xy.csv"
     words = (
         "--test",
@@ -200,8 +232,9 @@ def test_a_ballbar_gives_squareness_and_lost_motion(tmp_path, capsys):
 
 
 def test_what_lengths_are_worth_is_carried_to_the_path(tmp_path, capsys):
-    """A rectangle 400 by 300 with diagonals known to 0.2 mm each: by the formula s = (d1^2 - d2^2) / (4 a b), u(s) = 0.2 * sqrt(d1^2 +
-    d2^2) / (2 a b) = 589 urad, U 1179; a gauge to 5 um is read twice: U of the lost motion 14.1 um. Both reach --verify, and the export."""
+    """A rectangle 400 by 300 with diagonals known to 0.2 mm each: by the formula s = (d1^2 - d2^2)
+    / (4 a b), u(s) = 0.2 * sqrt(d1^2 + d2^2) / (2 a b) = 589 urad, U 1179; a gauge to 5 um is read
+    twice: U of the lost motion 14.1 um. Both reach --verify, and the export."""
     words = [
         "machines",
         "new",
@@ -276,3 +309,13 @@ def test_what_lengths_are_worth_is_carried_to_the_path(tmp_path, capsys):
     assert last[0] == "EYY" and float(last[2]) == pytest.approx(
         0.4 * np.sqrt(2) / 300 * 400 * 1e3, rel=1e-3
     )
+
+
+def test_what_leans_is_told_with_its_size_at_the_far_end(tmp_path, capfd):
+    """A machine of a lean alone has no nodes: 2,828 urad over 210 mm were "0.0 um"."""
+    words = "--kind printer --control marlin --travel X=0,250 --travel Y=0,210 --travel Z=0,210"
+    line = ["machines", "new", "bed", *words.split(), "-o", tmp_path / "bed"]
+    assert gcomp(*line, "--diagonals", "XY=141.62,141.22,100,100") == 0
+    said = capfd.readouterr().out
+    size = float(re.search(r"largest deviation in its travel: (\S+) um", said)[1])
+    assert size == approx(2828.4e-6 * 210 * 1000, abs=0.1)

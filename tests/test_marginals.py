@@ -1,4 +1,5 @@
-"""A machine as tables of one axis each: whole where nothing turns, and honest about what they can not hold."""
+"""A machine as tables of one axis each: whole where nothing turns, and honest about what they can
+not hold."""
 
 from __future__ import annotations
 
@@ -101,7 +102,8 @@ def test_the_studers_tables_are_those_measured_and_its_squareness_is_a_line():
     assert set(by) == {"EXX", "EZX", "EXZ", "EZZ"}
     assert (by["EXX"].forward[-1] / UM, by["EXX"].reverse[0] / UM) == approx((30.5, -0.4))
     assert (by["EZZ"].nodes[0], by["EZZ"].nodes[-1], len(by["EZZ"].nodes)) == (0.0, 510.0, 18)
-    # straightness 8.3 um at 170 mm, and +65 um of squareness (thesis 6.3.4); at the end of travel the line goes on
+    # straightness 8.3 um at 170 mm, and +65 um of squareness (thesis 6.3.4); at the end of travel
+    # the line goes on
     at = dict(zip(by["EZX"].nodes, by["EZX"].forward / UM, strict=True))
     assert at[170.0] == approx(8.3 + 65.0) and at[175.0] == approx(8.3 + 65.0 * 175 / 170)
     # yaw of Z, 8.7 urad at most, at an arm of 175 mm: 1.52 um
@@ -109,7 +111,8 @@ def test_the_studers_tables_are_those_measured_and_its_squareness_is_a_line():
 
 
 def test_what_belongs_to_no_single_slide_is_said():
-    """A turntable whose line lies 10 um beside the nominal one: at 90 degrees the part stands off by 10 um in X and in Y."""
+    """A turntable whose line lies 10 um beside the nominal one: at 90 degrees the part stands off
+    by 10 um in X and in Y."""
     m = machine("w-b-X-Y-Z-t", turning=False)
     line = np.array([10 * UM, 0.0, 0.0, 0.0, 0.0, 0.0])
     table = Axis("C", (0.0, 90.0), 1e-4, np.zeros(3), location=line)

@@ -1,4 +1,5 @@
-"""Offset files of controls: what they say in mm and radius, what is told, and what is refused with its line."""
+"""Offset files of controls: what they say in mm and radius, what is told, and what is refused with
+its line."""
 
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ def told(found: offsets.Offsets, part: str) -> bool:
     return any(part in notice for notice in found.notices)
 
 
-# -- LinuxCNC ----------------------------------------------------------------------------------------------------------
+# -- LinuxCNC --------------------------------------------------------------------------------------
 
 VAR = "".join(
     f"{n}\t{v:.6f}\n"
@@ -99,7 +100,8 @@ def test_parameters_that_are_no_offsets_may_be_any_size():
 
 def test_linuxcnc_tool_table():
     found = of(
-        "; my tools\nT1 P1 Z+0.511 D0.125 ;1/8 end mill\nT2\tP7 x-1.5 Z0 A45 D+3.000000 I85 J5 Q2\n\nT10 P3 ;\n",
+        "; my tools\nT1 P1 Z+0.511 D0.125 ;1/8 end mill\nT2\tP7 x-1.5 Z0 A45 D+3.000000 I85 J5"
+        " Q2\n\nT10 P3 ;\n",
         inch=False,
     )
     assert found.format == "linuxcnc-tool-table"
@@ -130,12 +132,13 @@ def test_linuxcnc_tool_table_refused(line, says):
     refused("T1 P1 Z1\n" + line + "\n", "file:2: ", says)
 
 
-# -- Fanuc -------------------------------------------------------------------------------------------------------------
+# -- Fanuc -----------------------------------------------------------------------------------------
 
 
 def test_fanuc_work_offsets():
     found = of(
-        "%\nO0001(WORK)\nG90\nN1G10L2P0X0.Y0.Z-1.5\nG10 L2 P1 X-100.25 Y50. Z0. B90.\n\r\rG10L20P12X1.Y2.\nM30\n%\n"
+        "%\nO0001(WORK)\nG90\nN1G10L2P0X0.Y0.Z-1.5\nG10 L2 P1 X-100.25 Y50. Z0."
+        " B90.\n\r\rG10L20P12X1.Y2.\nM30\n%\n"
     )
     assert found.format == "fanuc"
     assert found.work == {
@@ -150,7 +153,8 @@ def test_fanuc_work_offsets():
 
 def test_fanuc_mill_tools_geometry_and_wear_are_added():
     found = of(
-        "G21\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.05\nG10 L12 P1 R5.\nG10 L13 P01 R.01\nG10 L1 P2 R7.\n"
+        "G21\nG10 L10 P1 R120.5\nG10 L11 P1 R-0.05\nG10 L12 P1 R5.\nG10 L13 P01 R.01\nG10 L1 P2"
+        " R7.\n"
     )
     assert found.tools == {"H1": {"Z": pytest.approx(120.45)}, "D1": {"R": 5.01}, "H2": {"Z": 7}}
     assert told(found, "5004#2")
@@ -163,7 +167,10 @@ def test_fanuc_memory_a_and_b_share_h_and_d():
 
 
 def test_fanuc_lathe_tools():
-    text = "G10 P10001 X-200. Z-100. R0.8 Q3\nG10 P1 X0.1 Z0.02 R0. Q3\nG10 P10012 X10. Z5.\nG10 L2 P1 X4. Z300.\n"
+    text = (
+        "G10 P10001 X-200. Z-100. R0.8 Q3\nG10 P1 X0.1 Z0.02 R0. Q3\nG10 P10012 X10. Z5.\nG10 L2 P1"
+        " X4. Z300.\n"
+    )
     found = of(text)
     assert found.tools == {
         "T0101": {"X": pytest.approx(-99.95), "Z": pytest.approx(-99.98), "R": 0.8, "Q": 3},
@@ -233,7 +240,7 @@ def test_a_program_is_no_offset_file():
     refused("%\nO1\nG10 L2 P1 X0 Y0 Z0\nG0 X5. Y5.\nM30\n%\n", "file:4: ", "no G10")
 
 
-# -- Siemens -----------------------------------------------------------------------------------------------------------
+# -- Siemens ---------------------------------------------------------------------------------------
 
 UFR = """%_N_UFR_INI
 ;$PATH=/_N_NC_ACT_DIR/_N_UFR_DIR
@@ -293,10 +300,10 @@ def test_siemens_frames_that_are_more_than_a_shift_are_left_out(frame):
 
 def test_siemens_tools():
     found = of(
-        "%_N_TO_INI\n$TC_TP2[1]=\"MILL;10\"\n$TC_DP1[1,1]=120\n$TC_DP3[1,1]=120.5\n$TC_DP6[1,1]=5\n$TC_DP12[1,1]=-.05\n"
+        '%_N_TO_INI\n$TC_TP2[1]="MILL;10"\n$TC_DP1[1,1]=120\n$TC_DP3[1,1]=120.5\n$TC_DP6[1,1]=5\n$TC_DP12[1,1]=-.05\n'
         "$TC_DP15[1,1]=0.01\n$TC_DP21[1,1]=10\n$TC_DP24[1,1]=7\n"
         "$TC_DP1[7,2]=510\n$TC_DP3[7,2]=30\n$TC_DP4[7,2]=40\n$TC_DP6[7,2]=0.8\n"
-    )  # fmt: skip
+    )
     assert found.tools == {"T1D1": {"Z": 130.45, "R": 5.01}, "T7D2": {"X": 30, "Z": 40, "R": 0.8}}
     assert told(found, "G17 for mills")
     diameter = of("$TC_DP1[7,2]=510\n$TC_DP3[7,2]=30\n$P_UIFR[1]=CTRANS(X,4)\n", diameter=True)
@@ -331,7 +338,7 @@ def test_siemens_refused(line):
     refused("CHANDATA(1)\n$P_UIFR[2]=CTRANS(X,1)\n" + line, "file:3: ")
 
 
-# -- GRBL --------------------------------------------------------------------------------------------------------------
+# -- GRBL ------------------------------------------------------------------------------------------
 
 HASH = (
     "$#\r\n[G54:-100.000,10.500,0.000]\r\n[G59:1.000,2.000,3.000]\r\n[G28:0.000,0.000,0.000]\r\n[G30:1.000,0.000,0.000]\r\n"
@@ -369,12 +376,13 @@ def test_grbl_refused(line):
     refused("[G54:1.000,1.000,1.000]\n" + line, "file:2: ")
 
 
-# -- own table ---------------------------------------------------------------------------------------------------------
+# -- own table -------------------------------------------------------------------------------------
 
 
 def test_own_table():
     found = of(
-        "\ufeff# offsets\nname,X_mm,Y_mm, z_MM,R_mm,B_deg,rotation_deg\nG54,1,2.5,,,,\ng54.1p3,,,-3,,90,15\n"
+        "\ufeff# offsets\nname,X_mm,Y_mm,"
+        " z_MM,R_mm,B_deg,rotation_deg\nG54,1,2.5,,,,\ng54.1p3,,,-3,,90,15\n"
         'T0101,0,,80,0.4,,\nh1,,,"120",,,\nD1,,,,5,,\nEXT,1,,,,,0\n'
     )
     assert found.format == "csv-table"
@@ -408,7 +416,7 @@ def test_own_table_refused(text, says):
     refused(text, "file:", says)
 
 
-# -- all ---------------------------------------------------------------------------------------------------------------
+# -- all -------------------------------------------------------------------------------------------
 
 
 def test_a_format_may_be_named_and_is_then_meant():
@@ -510,7 +518,7 @@ def test_broken_files_give_offsets_or_a_refusal(grain, edits, format):
         assert all(abs(value) < 1e8 for value in place.values())
 
 
-# -- on the command line -----------------------------------------------------------------------------------------------
+# -- on the command line ---------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -536,9 +544,31 @@ def test_an_offset_may_be_written_so(text, name, place):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "G54", "G54=", "T\u0661=X1", "G54=X\u0661", "G53=X1", "G60=X1", "G504=X1", "G600=X1", "G54.1=X1", "G54.2=X1", "G54.1P0=X1", "H0=Z1",
-     "G54=R1", "H1=R1", "G54=X1,X2", "G54=X", "G54=Q1", "G54=X1;Z2", "G54=X1mm", "=X1", "G54=X" + "9" * 400],
-)  # fmt: skip
+    [
+        "",
+        "G54",
+        "G54=",
+        "T\u0661=X1",
+        "G54=X\u0661",
+        "G53=X1",
+        "G60=X1",
+        "G504=X1",
+        "G600=X1",
+        "G54.1=X1",
+        "G54.2=X1",
+        "G54.1P0=X1",
+        "H0=Z1",
+        "G54=R1",
+        "H1=R1",
+        "G54=X1,X2",
+        "G54=X",
+        "G54=Q1",
+        "G54=X1;Z2",
+        "G54=X1mm",
+        "=X1",
+        "G54=X" + "9" * 400,
+    ],
+)
 def test_an_offset_may_not_be_written_so(text):
     with pytest.raises(argparse.ArgumentTypeError, match="like G54=X1,Z2"):
         values.offset(text)

@@ -1,4 +1,5 @@
-"""One run: what is written out without being asked for, what is not, and hints that are tried before they are given."""
+"""One run: what is written out without being asked for, what is not, and hints that are tried
+before they are given."""
 
 from __future__ import annotations
 
@@ -114,7 +115,8 @@ def test_what_can_not_be_written_out_says_why_at_its_own_line(place, capfd):
 
 @pytest.mark.parametrize("cuts", [1, 7, 100, 10**6])
 def test_a_pipe_is_read_as_a_file_is_however_it_comes(cuts):
-    """The text of a pipe is kept while it is read; one that is longer than what is kept can not be read again."""
+    """The text of a pipe is kept while it is read; one that is longer than what is kept can not be
+    read again."""
 
     class Pipe(io.BytesIO):
         def seekable(self):
@@ -136,7 +138,7 @@ def test_a_pipe_is_read_as_a_file_is_however_it_comes(cuts):
     assert not long.again()
 
 
-# -- hints -------------------------------------------------------------------------------------------------------------
+# -- hints -----------------------------------------------------------------------------------------
 
 MILL = "%\nO1000\nG21 G90 G17\nG0 X1. Y1. Z1.\n"
 
@@ -151,6 +153,15 @@ def test_a_hint_is_given_where_following_it_is_shown_to_help(place, capfd):
     )
     assert len(err.splitlines()) <= 4
     assert run(place, text.replace("RND=2", ""), "--dialect", "siemens", capfd=capfd)[0] == 0
+
+
+def test_a_dialect_that_only_passes_an_unknown_m_code_is_no_hint(place, capfd):
+    """M46 of Haas jumps; fanuc-mill, whose sign the O number is, does not know it."""
+    text = MILL + "G1 X5. F100.\nM46 P5\nM30\n%\n"
+    options = ("--machine", "example-mill", "--dialect", "haas")
+    status, _, err = run(place, text, *options, capfd=capfd)
+    assert status == 2 and "fanuc-mill" not in err
+    assert "M46 can not be followed" in err and "write it out in line" in err
 
 
 def test_it_says_how_far_the_other_dialect_comes(place, capfd):
@@ -170,8 +181,9 @@ def test_no_hint_where_the_other_dialect_stops_there_too(place, capfd):
 
 def test_a_haas_lathe_is_never_told_to_be_a_fanuc(place, capfd):
     text = (
-        "%\nO60311 (G71 ROUGHING)\nT101\nG00 G18 G20 G40 G80 G99\nG50 S1000\nG97 S500 M03\nG00 G54 X2.1 Z0.1\nM08\n"
-        "G96 S200\nG71 P1 Q2 D0.05 U0.02 W0.005 F0.014\nN1 G00 X1.\nN2 G01 Z-1. F.01\nG92 X1. Z-1. F.1\nM30\n%\n"
+        "%\nO60311 (G71 ROUGHING)\nT101\nG00 G18 G20 G40 G80 G99\nG50 S1000\nG97 S500 M03\nG00 G54"
+        " X2.1 Z0.1\nM08\nG96 S200\nG71 P1 Q2 D0.05 U0.02 W0.005 F0.014\nN1 G00 X1.\nN2 G01 Z-1."
+        " F.01\nG92 X1. Z-1. F.1\nM30\n%\n"
     )
     _, _, err = run(place, text, "--dialect", "haas-lathe", capfd=capfd)
     assert "fanuc" not in err

@@ -1,4 +1,5 @@
-"""`--only EXX,C0Y`: a part of the map. A part and the rest of it are the whole; all of it changes no byte but the mark."""
+"""`--only EXX,C0Y`: a part of the map. A part and the rest of it are the whole; all of it changes
+no byte but the mark."""
 
 from __future__ import annotations
 
@@ -40,7 +41,8 @@ def test_a_part_and_the_rest_are_the_whole(name):
 
 
 def test_by_hand(tmp_path, capsys):
-    """example-router: only lost motion of X (0.06): a motion towards + aims 30 um farther, squareness stays."""
+    """example-router: only lost motion of X (0.06): a motion towards + aims 30 um farther,
+    squareness stays."""
     (tmp_path / "a.nc").write_text("G21 G90 G54\nG0 X100 Y100 Z-5\nG1 X400 F1000\nG1 Y300\n")
     assert (
         gcomp(

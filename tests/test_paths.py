@@ -1,9 +1,11 @@
-"""What is left after compensation, by an evaluation that shares no line with the product: tests/reference.
+"""What is left after compensation, by an evaluation that shares no line with the product:
+tests/reference.
 
-Everywhere along the path at most the tolerance and half a least increment; before compensation several um. Where lost motion
-is taken up, each two-way axis may be held back by the hysteresis, and by half of it inside a block; and the straightness
-and angles that were measured both ways shift the others while it is taken up. The map of the S-36 has forward beyond
-reverse over most of its travel, which is no lost motion: it is judged with its reversal as one.
+Everywhere along the path at most the tolerance and half a least increment; before compensation
+several um. Where lost motion is taken up, each two-way axis may be held back by the hysteresis, and
+by half of it inside a block; and the straightness and angles that were measured both ways shift the
+others while it is taken up. The map of the S-36 has forward beyond reverse over most of its travel,
+which is no lost motion: it is judged with its reversal as one.
 """
 
 from __future__ import annotations
@@ -36,11 +38,10 @@ from postproc.nc import dialects
 from postproc.units import UM
 
 ROOT = Path(__file__).resolve().parents[1]
-TABLE_6_3 = ROOT.parent / "shared" / "seed" / "table_6_3_compensated_diagonal.csv"
+TABLE_6_3 = ROOT / "proof" / "seed" / "tables" / "table_6_3_compensated_diagonal.csv"
 HALF_INCREMENT = {"mm": 0.05 * UM, "inch": 0.00001 * 25.4 / 2}
-REFERENCE = (
-    0.01 * UM
-)  # the product's kinematics are of first order, the reference's exact: 0.38 mrad squared, 100 mm
+# the product's kinematics are of first order, the reference's exact: 0.38 mrad squared, 100 mm
+REFERENCE = 0.01 * UM
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,9 @@ FANUC = {
     "one block diagonal": "G0 X0 Z0\nG1 X340. Z510. F1000\nX0 Z0\n",
     "taper": "G0 X40. Z10.\nG1 X60. Z400. F100\nX40. Z10.\n",
     "clockwise by I K": "G0 X100. Z100.\nG1 Z120. F100\nG2 X200. Z170. I50. K0\nG1 X220.\n",
-    "counter-clockwise by I K": "G0 X200. Z100.\nG1 Z120. F100\nG3 X100. Z170. I-50. K0\nG1 Z200.\n",
+    "counter-clockwise by I K": (
+        "G0 X200. Z100.\nG1 Z120. F100\nG3 X100. Z170. I-50. K0\nG1 Z200.\n"
+    ),
     "clockwise by R": "G0 X100. Z100.\nG1 Z120. F100\nG2 X180. Z165. R50.\nG1 X220.\n",
     "counter-clockwise by R": "G0 X100. Z100.\nG1 Z120. F100\nG3 X180. Z165. R50.\nG1 X220.\n",
     "long way by R": "G0 X150. Z200.\nG1 Z230. F100\nG2 X180. Z245. R-40.\nG1 X220.\n",
@@ -98,11 +101,16 @@ FANUC = {
     "to and fro along Z": "G0 X104. Z60.\nG1 X100. F20\n" + "Z420.\nZ60.\n" * 3,
     "to and fro along X": "G0 X20. Z240.\nG1 Z250. F20\n" + "X320.\nX20.\n" * 3,
     "U W": "G0 X60. Z20.\nG1 U-10. F100\n" + "W37.3 U1.7\nW11.\nU4.1\n" * 8 + "U-40. W-300.\n",
-    "G91": "G0 X60. Z20.\nG91\nG1 X-10. F100\n"
-    + "G1 Z37.3 X1.7\nZ11.\nG2 X10. Z5. R5.\n" * 6
-    + "G90 X60. Z20. G1\n",
+    "G91": (
+        "G0 X60. Z20.\nG91\nG1 X-10. F100\n"
+        + "G1 Z37.3 X1.7\nZ11.\nG2 X10. Z5. R5.\n" * 6
+        + "G90 X60. Z20. G1\n"
+    ),
     "inch": "G20\nG0 X2. Z1.\nG1 X4. Z10. F10\nG2 X6. Z11. R1.\nG1 X8. W5.\nG21\nZ50.\n",
-    "inverse time": "G0 X60. Z20.\nG93\nG1 X100. Z300. F2\nX200. Z310. F4.5\nG2 X220. Z320. R10. F7\nG94 G1 X240. F100\n",
+    "inverse time": (
+        "G0 X60. Z20.\nG93\nG1 X100. Z300. F2\nX200. Z310. F4.5\nG2 X220. Z320. R10. F7\nG94 G1"
+        " X240. F100\n"
+    ),
 }
 
 
@@ -142,9 +150,10 @@ def test_helices_stay_within_the_tolerance(folders, name):
     assert report.largest_mm <= limit, report.where
 
 
-# -- random programs -----------------------------------------------------------------------------------------------------
+# -- random programs -------------------------------------------------------------------------------
 
-# Short motions and small circles are as long as a take-up: there nobody can tell them apart from outside.
+# Short motions and small circles are as long as a take-up: there nobody can tell them apart from
+# outside.
 PLAIN = Taste(
     blocks=10, radius=2.0, zero=False, full=False, codes=False, decimals=(1, 2, 3, 3, 4, 5)
 )
@@ -167,7 +176,7 @@ def test_random_programs_stay_within_the_tolerance(folders, name, site, seed):
     assert report.largest_mm <= limit, (report.where, text)
 
 
-# -- Table 6.3 of the thesis -----------------------------------------------------------------------------------------------
+# -- Table 6.3 of the thesis -----------------------------------------------------------------------
 
 
 def as_the_thesis_prints_it() -> str:
@@ -216,10 +225,10 @@ def positioning_alone(folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.skipif(not TABLE_6_3.is_file(), reason="the seed table is not here")
 @pytest.mark.parametrize(("half", "most"), [("geo", 0.2 * UM), ("pos", 0.05 * UM)])
 def test_table_6_3(folders, tmp_path, half, most):
-    """72 values each: geometric by the thesis' model, positional by positioning alone; X compared as radius."""
+    """72 values each: geometric by the thesis' model, positional by positioning alone; X compared
+    as radius."""
     folder = (
         folders["studer-s36-thesis"]
         if half == "geo"

@@ -1,4 +1,5 @@
-"""Every line that README.md and the tutorial print is run, in their order, in a copy of what a clone has."""
+"""Every line that README.md and the tutorial print is run, in their order, in a copy of what a
+clone has."""
 
 from __future__ import annotations
 
@@ -20,7 +21,8 @@ from tests.streaming.grbl_model import GrblModel
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ("README.md", "docs/TUTORIAL.md")
 COPIED = ("machines", "sample_programs", "sample_recordings")
-# What sets up: .ci/run begins with it. Its parts are held against setup.sh and pyproject.toml below.
+# What sets up: .ci/run begins with it. Its parts are held against setup.sh and pyproject.toml
+# below.
 SETUP = ("sh setup.sh", "pipx install .", "uv tool install .", "export PATH=")
 EMPTY = {"XDG_CONFIG_HOME": "config", "XDG_CACHE_HOME": "cache", "HOME": "home"}
 
@@ -38,7 +40,8 @@ def lines(page: str) -> list[str]:
 
 
 class Shell:
-    """The little of a shell that the pages use: pipes, > FILE, &&, file names with ?; gcomp in this process."""
+    """The little of a shell that the pages use: pipes, > FILE, &&, file names with ?; gcomp in this
+    process."""
 
     def __init__(self, port: str):
         self.port = port
@@ -133,6 +136,8 @@ def test_every_line_of_the_tutorial_runs(clone, capfd):
         "circle.html",
         "why.html",
         "print.html",
+        "incremental.html",
+        "shaft_now.html",
     ):
         assert (clone / name).exists(), name
     assert "X400" not in (clone / "square_corrected.nc").read_text()

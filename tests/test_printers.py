@@ -1,4 +1,5 @@
-"""Printers and routers: homing, levelling, macros, the words of Klipper and RepRapFirmware, centre words outside the plane."""
+"""Printers and routers: homing, levelling, macros, the words of Klipper and RepRapFirmware, centre
+words outside the plane."""
 
 from __future__ import annotations
 
@@ -44,7 +45,7 @@ def notice(filter_: Filter, code: str) -> str:
     return next((n.message for n in filter_.notices if n.code == code), "")
 
 
-# -- where the machine stands -----------------------------------------------------------------------------------------
+# -- where the machine stands ----------------------------------------------------------------------
 
 
 def test_home_is_where_g28_puts_the_axes():
@@ -69,8 +70,19 @@ def test_home_is_not_the_start_of_a_program_on_a_mill():
 
 @pytest.mark.parametrize(
     "homing, known",
-    [("G28", "XYZ"), ("G28 X Y", "XY"), ("G28 XY", "XY"), ("G28 X0", "X"), ("g28 y", "Y"), ("G28 W", "XYZ"), ("N5 G28 X", "X"), ("G28 Z P0 T300 ; low", "Z"), ("G28 R5", "XYZ"), ("G28 O", "")],
-)  # fmt: skip
+    [
+        ("G28", "XYZ"),
+        ("G28 X Y", "XY"),
+        ("G28 XY", "XY"),
+        ("G28 X0", "X"),
+        ("g28 y", "Y"),
+        ("G28 W", "XYZ"),
+        ("N5 G28 X", "X"),
+        ("G28 Z P0 T300 ; low", "Z"),
+        ("G28 R5", "XYZ"),
+        ("G28 O", ""),
+    ],
+)
 def test_g28_homes_the_axes_that_it_names(homing, known):
     """The others stand where nobody knows: G29 has been before."""
     of = dialects.load("marlin")
@@ -107,7 +119,8 @@ def test_an_arc_that_can_not_be_corrected_is_refused():
 
 
 def test_a_machine_at_the_end_of_its_travel_is_left_there():
-    """home X0 Y0 Z0 at the end of the travel: a correction that leads beyond is not made, and counted."""
+    """home X0 Y0 Z0 at the end of the travel: a correction that leads beyond is not made, and
+    counted."""
     axes = {x: replace(a, travel=(0.0, 600.0)) for x, a in mill(*ALL).axes.items()}
     text = "G28\nG1 Z15 F9000\nG1 X60\nG1 Y30\nG1 X80 E1\n"
     filter_, out = filtered(text, home=HOME, axes=axes)
@@ -131,27 +144,31 @@ def test_levelling_passes_and_places_are_lost_behind_it(level):
 
 @pytest.mark.parametrize("dialect", ["grbl", "grblhal", "fluidnc", "smoothie"])
 def test_grbl_begins_in_g0(dialect):
-    """gc_state is cleared before the first line, and 0 is MOTION_MODE_SEEK (gnea/grbl, gcode.c and gcode.h)."""
+    """gc_state is cleared before the first line, and 0 is MOTION_MODE_SEEK (gnea/grbl, gcode.c and
+    gcode.h)."""
     lines = written("X10 Y10 Z5\nG1 X20 F300\n", dialect, HOME)
     named = written("G0 X10 Y10 Z5\nG1 X20 F300\n", dialect, HOME)
     assert [line.removeprefix("G0 ") for line in named] == lines
     assert lines[0] != "X10 Y10 Z5"
 
 
-# -- the machine's own file -------------------------------------------------------------------------------------------
+# -- the machine's own file ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "line, said",
     [
-        ("home = { X = 1.0, Y = -2.0, Z = 3.5 }", ""), ("home = { W = 1.0 }", "home names 'W'"), ("home = 5", "home = 5"),
+        ("home = { X = 1.0, Y = -2.0, Z = 3.5 }", ""),
+        ("home = { W = 1.0 }", "home names 'W'"),
+        ("home = 5", "home = 5"),
         ('home = { X = "a" }', "X = 'a' is not a number"),
     ],
-)  # fmt: skip
+)
 def test_home_in_machine_toml(tmp_path, line, said):
     axes = "".join(f"[axes.{x}]\ntravel = [-5.0, 200.0]\nleast_increment = 0.001\n" for x in "XYZ")
     (tmp_path / "machine.toml").write_text(
-        f'format = "gcomp-machine/1"\nname = "p"\ncontrol = "marlin"\nchain = "w-Y-b-Z-X-t"\n{line}\n{axes}'
+        'format = "gcomp-machine/1"\nname = "p"\ncontrol = "marlin"\nchain ='
+        f' "w-Y-b-Z-X-t"\n{line}\n{axes}'
     )
     if not said:
         assert read_machine(tmp_path).home == {"X": 1.0, "Y": -2.0, "Z": 3.5}
@@ -161,18 +178,40 @@ def test_home_in_machine_toml(tmp_path, line, said):
     assert error.value.place is not None and error.value.place.line == 5
 
 
-# -- Klipper ----------------------------------------------------------------------------------------------------------
+# -- Klipper ---------------------------------------------------------------------------------------
 
 QUIET = (
-    "EXCLUDE_OBJECT_DEFINE NAME=a CENTER=10,10 POLYGON=[[1,1],[2,2]]", "EXCLUDE_OBJECT_START NAME='part 1'", "exclude_object_end name=a",
-    "SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.04", "SET_VELOCITY_LIMIT ACCEL=3000", "SET_FAN_SPEED FAN=aux SPEED=.5",
-    "SET_PRINT_STATS_INFO TOTAL_LAYER=10", "RESPOND MSG=\"G1 X5\"", "M117 G1 X5", "SET_GCODE_OFFSET Z=0", "SAVE_GCODE_STATE NAME=x",
-    "SET_GCODE_OFFSET X=0.0 Y=-0.00 MOVE=1", "@pause", "TEMPERATURE_WAIT SENSOR=extruder MINIMUM=200", "M204 S500", "SET_SKEW CLEAR=1",
-)  # fmt: skip
+    "EXCLUDE_OBJECT_DEFINE NAME=a CENTER=10,10 POLYGON=[[1,1],[2,2]]",
+    "EXCLUDE_OBJECT_START NAME='part 1'",
+    "exclude_object_end name=a",
+    "SET_PRESSURE_ADVANCE ADVANCE=0.05 SMOOTH_TIME=0.04",
+    "SET_VELOCITY_LIMIT ACCEL=3000",
+    "SET_FAN_SPEED FAN=aux SPEED=.5",
+    "SET_PRINT_STATS_INFO TOTAL_LAYER=10",
+    'RESPOND MSG="G1 X5"',
+    "M117 G1 X5",
+    "SET_GCODE_OFFSET Z=0",
+    "SAVE_GCODE_STATE NAME=x",
+    "SET_GCODE_OFFSET X=0.0 Y=-0.00 MOVE=1",
+    "@pause",
+    "TEMPERATURE_WAIT SENSOR=extruder MINIMUM=200",
+    "M204 S500",
+    "SET_SKEW CLEAR=1",
+)
 MACROS = (
-    "START_PRINT BED=60", "print_start EXTRUDER=210", "_PRIME", "PA", "TIMELAPSE_TAKE_FRAME", "G29", "G32", "T1", "M600", "G80",
-    "BED_MESH_CALIBRATE ADAPTIVE=1", "QUAD_GANTRY_LEVEL",
-)  # fmt: skip
+    "START_PRINT BED=60",
+    "print_start EXTRUDER=210",
+    "_PRIME",
+    "PA",
+    "TIMELAPSE_TAKE_FRAME",
+    "G29",
+    "G32",
+    "T1",
+    "M600",
+    "G80",
+    "BED_MESH_CALIBRATE ADAPTIVE=1",
+    "QUAD_GANTRY_LEVEL",
+)
 
 
 @pytest.mark.parametrize("command", QUIET)
@@ -198,11 +237,14 @@ def test_places_are_lost_behind_a_macro(command):
 @pytest.mark.parametrize(
     "command, why",
     [
-        ("RESTORE_GCODE_STATE NAME=x", "modes come back"), ("SET_GCODE_OFFSET Z=0.05", "shifts the coordinates"),
-        ("SET_GCODE_OFFSET Z_ADJUST=-.1", "shifts the coordinates"), ("SET_KINEMATIC_POSITION X=5", "shifts the coordinates"),
-        ("SET_SKEW XY=100,101,70", "leans the axes"), ("G20", "no inches"),
+        ("RESTORE_GCODE_STATE NAME=x", "modes come back"),
+        ("SET_GCODE_OFFSET Z=0.05", "shifts the coordinates"),
+        ("SET_GCODE_OFFSET Z_ADJUST=-.1", "shifts the coordinates"),
+        ("SET_KINEMATIC_POSITION X=5", "shifts the coordinates"),
+        ("SET_SKEW XY=100,101,70", "leans the axes"),
+        ("G20", "no inches"),
     ],
-)  # fmt: skip
+)
 def test_commands_of_klipper_that_can_not_be_followed(command, why):
     error = refused(f"G28\nG1 X60 Y50 Z1\n{command}\nG1 X65\n", "klipper", HOME)
     assert why in error.advice
@@ -210,7 +252,8 @@ def test_commands_of_klipper_that_can_not_be_followed(command, why):
 
 
 def test_e_of_klipper_is_incremental_under_g91_or_m83():
-    """gcode_move.py, cmd_G1: not absolute_coord or not absolute_extrude. On Marlin G90 makes E absolute again."""
+    """gcode_move.py, cmd_G1: not absolute_coord or not absolute_extrude. On Marlin G90 makes E
+    absolute again."""
     text = "G28\nM83\nG91\nG90\nG1 X60 Y50 Z1 E2\nG1 X150 E2\n"
     for dialect, sums in (("klipper", [2.0, 2.0]), ("marlin", [2.0, 0.0])):
         of = dialects.load(dialect)
@@ -223,12 +266,22 @@ def test_e_of_klipper_is_incremental_under_g91_or_m83():
         assert way == pytest.approx(sums)
 
 
-# -- Marlin and RepRapFirmware ----------------------------------------------------------------------------------------
+# -- Marlin and RepRapFirmware ---------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "line", ["Start GCode begin", "T?", "Tx", "Tc", "@BEDLEVELVISUALIZER", "; thumbnail begin 16x16 100", "; iVBORw0KGgo(X+1", "M118 //action:prompt_begin"]
-)  # fmt: skip
+    "line",
+    [
+        "Start GCode begin",
+        "T?",
+        "Tx",
+        "Tc",
+        "@BEDLEVELVISUALIZER",
+        "; thumbnail begin 16x16 100",
+        "; iVBORw0KGgo(X+1",
+        "M118 //action:prompt_begin",
+    ],
+)
 def test_lines_that_are_no_command_of_marlin_pass(line):
     head, behind = "G28\nG1 X60 Y50 Z1 F600\n", "G1 X65 Y51 Z2 E1\n"
     lines = written(head + line + "\n" + behind, "marlin", HOME)
@@ -266,7 +319,10 @@ def test_a_tool_without_an_offset_is_said():
     assert "--offset T1=" in notice(filter_, "T1") and "G1 X64.9" in out
 
 
-META = 'G28\nG1 X60 Y50 Z1 F600\nif {var.a} > 1 ; no motion\n  M117 hot\n  echo "x"\n\nelse\n  M106 S0\nG1 X65 Y51 Z2 E1\n'
+META = (
+    'G28\nG1 X60 Y50 Z1 F600\nif {var.a} > 1 ; no motion\n  M117 hot\n  echo "x"\n\nelse\n  M106'
+    " S0\nG1 X65 Y51 Z2 E1\n"
+)
 
 
 def test_conditions_of_reprap_that_move_nothing_pass():
@@ -310,7 +366,8 @@ def test_temperatures_of_a_tool_are_no_offset():
 
 
 def test_a_program_that_never_says_where_an_axis_is_is_refused():
-    """A laser that never names Z, on a machine whose corrections need it: nothing would be corrected."""
+    """A laser that never names Z, on a machine whose corrections need it: nothing would be
+    corrected."""
     error = refused("G21 G90\nM4\nG0 X10 Y10\nG1 X30 S200 F1000\nG1 Y30\nM5\n", "grbl")
     assert error.message.startswith("where Z stands is not known") and "--start Z" in error.advice
     assert error.place is not None and error.place.line == 4
@@ -319,15 +376,15 @@ def test_a_program_that_never_says_where_an_axis_is_is_refused():
     )
 
 
-# -- words ------------------------------------------------------------------------------------------------------------
+# -- words -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "dialect", ["grbl", "grblhal", "fluidnc", "marlin", "reprap", "klipper", "smoothie"]
 )
 def test_a_zero_centre_word_outside_the_plane_is_nothing(dialect):
-    """gnea/grbl gcode.c clears I J K together; Marlin G2_G3.cpp, Klipper gcode_arcs.py, RepRapFirmware DoArcMove and
-    Smoothieware compute_arc read the plane's own."""
+    """gnea/grbl gcode.c clears I J K together; Marlin G2_G3.cpp, Klipper gcode_arcs.py,
+    RepRapFirmware DoArcMove and Smoothieware compute_arc read the plane's own."""
     text = "G28\nG1 X60 Y50 Z1 F600\nG2 X80 Y50 I10 J0{}\nG3 X80.03 Y50.02 I0.015 J0.01{}\n"
     plain = written(text.format("", ""), dialect, HOME)
     strange = written(text.format(" K0", " K0.000"), dialect, HOME)

@@ -1,4 +1,5 @@
-"""Laws: the batch does not matter, without error not a byte moves, twice is refused, nothing of the program is lost."""
+"""Laws: the batch does not matter, without error not a byte moves, twice is refused, nothing of the
+program is lost."""
 
 from __future__ import annotations
 
@@ -86,7 +87,7 @@ each_site = pytest.mark.parametrize("name", SITES)
 each_mode = pytest.mark.parametrize("mode", MODES)
 
 
-# -- the batch does not matter -----------------------------------------------------------------------------------------
+# -- the batch does not matter ---------------------------------------------------------------------
 
 
 @each_mode
@@ -108,8 +109,14 @@ def test_any_cut_gives_the_same_bytes(machines, name, mode, data):
     "text",
     [
         b"G0 X40. Z20.\nG2 X80. Z100. R60. F50\n",
-        b"G0 X320. Z224.\nG2 Z223.16698 X315.53982 K-7.08634 I1.37638 F5\nG1 U-29.838\nG2 Z213.96417 X292.29866 K-4.89217 I0.83795\n",
-        b"G0 X215.265 Z55.94\nG1 X69.74 Z446.769422 F100\nG0 X63.10\nG91\nG3 Z-22.4870 X44.9740 K-22.4870 I0.0000\n",
+        (
+            b"G0 X320. Z224.\nG2 Z223.16698 X315.53982 K-7.08634 I1.37638 F5\nG1 U-29.838\nG2"
+            b" Z213.96417 X292.29866 K-4.89217 I0.83795\n"
+        ),
+        (
+            b"G0 X215.265 Z55.94\nG1 X69.74 Z446.769422 F100\nG0 X63.10\nG91\nG3 Z-22.4870 X44.9740"
+            b" K-22.4870 I0.0000\n"
+        ),
         b"G0 X40. Z20.\nG1 X40. Z400. F50\nG93 X80. F2\nG3 X80. Z300. R80. F3",
     ],
 )
@@ -128,7 +135,8 @@ def test_one_line_at_a_time_gives_the_same_bytes(machines, mode, text):
     ],
 )
 def test_a_motion_that_is_all_take_up_is_one_block(machines, text):
-    """Turning round can bring the slides exactly to where a short motion ends: then nothing is left to write."""
+    """Turning round can bring the slides exactly to where a short motion ends: then nothing is left
+    to write."""
     filter_ = filter_of(machines["studer-s36"], "fanuc-lathe")
     Verifier(filter_)
     out, fault = outcome(filter_, [text])
@@ -156,7 +164,7 @@ def test_pieces_of_an_arc_keep_their_order_when_it_is_alone(machines):
     assert outcome(filter_, [text]) == (whole[:-1], "")
 
 
-# -- without error not a byte moves ------------------------------------------------------------------------------------
+# -- without error not a byte moves ----------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -189,7 +197,7 @@ def test_perfect_machine_changes_no_byte_of_the_corpus(machines):
     assert told == {}
 
 
-# -- twice is refused, nothing is lost -----------------------------------------------------------------------------------
+# -- twice is refused, nothing is lost -------------------------------------------------------------
 
 
 @each_site
@@ -245,7 +253,7 @@ def test_the_verifier_agrees(machines, name, mode, data):
     assert verifier.passed, verifier.report()
 
 
-# -- everything that is not a coordinate survives ------------------------------------------------------------------------
+# -- everything that is not a coordinate survives --------------------------------------------------
 
 COMMENT = re.compile(rb"\([^)]*\)")
 MOVED = re.compile(rb"[XYZUVWIJKR][-+.\d]+|G0?[0123](?![.\d])|G0?[0123]\.0*(?!\d)")
@@ -253,8 +261,9 @@ LATE = re.compile(rb"M0*(?:[0125]|9|30|60)(?!\d)")
 
 
 def skeleton(text: bytes, dialect: str) -> list[tuple[bytes, bytes]]:
-    """(block without its axis words, its end) of each block; blanks outside comments left out. F and P change with the
-    length of pieces under G93, and where arcs are cut; M codes that act after the motion move to its last piece."""
+    """(block without its axis words, its end) of each block; blanks outside comments left out. F
+    and P change with the length of pieces under G93, and where arcs are cut; M codes that act after
+    the motion move to its last piece."""
     inverse = b"G93" in COMMENT.sub(b"", text).upper().replace(b" ", b"").replace(b"\t", b"")
     parts = re.split(rb"(;?[ \t]*\r?\n|;)" if dialect == "fanuc-lathe" else rb"(\r?\n)", text)
     result = []

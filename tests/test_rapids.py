@@ -1,4 +1,5 @@
-"""A rapid gains no word of an axis that it does not name, unless the correction there exceeds the tolerance."""
+"""A rapid gains no word of an axis that it does not name, unless the correction there exceeds the
+tolerance."""
 
 from __future__ import annotations
 
@@ -38,7 +39,8 @@ def test_a_first_rapid_in_x_and_y_keeps_its_words(tmp_path, um, block):
 
 @pytest.mark.parametrize(("um", "block"), [(0.6, "G43 H1 G0 Z5"), (1.2, "G43 H1 G0 Z5 X0.0012")])
 def test_a_tool_length_block_keeps_its_words(tmp_path, um, block):
-    """Straightness of Z in X, 0 at Z50 and Z150 and so much at Z105 (H1 is 100 long). Two axes rest: 1 um over root 2 each."""
+    """Straightness of Z in X, 0 at Z50 and Z150 and so much at Z105 (H1 is 100 long). Two axes
+    rest: 1 um over root 2 each."""
     z = f"Z_mm,EXZ_um\n0,0\n90,0\n105,{-um}\n150,0\n400,0\n"
     program = START + "G0 Z150\nG43 H1 G0 Z5\nG1 X10 F100\n"
     out = corrected(tmp_path / "m", program, Z=z)

@@ -24,7 +24,8 @@ HEAD = "(a part)\n\nG90 G21 G18\nG0 X20. Z10.\n"  # four lines that are fine
 
 @dataclass(frozen=True)
 class Case:
-    """`text` after HEAD is refused with `says` in its line `line` (from 1), `marked` under the pointer ("": the block).
+    """`text` after HEAD is refused with `says` in its line `line` (from 1), `marked` under the
+    pointer ("": the block).
 
     by_map: only because the correction depends on it; a machine without errors passes it.
     """
@@ -64,7 +65,9 @@ CASES = [
     # arcs
     Case("G3 X40. Z30. I0. K10. F100", "the arc misses its own end point by", by_map=MAP),
     Case("G3 X40. Z30. I0. K10. F100", "the arc misses its own end point by", 1, "", LINUXCNC, MAP),
-    Case("G3 X40. Z30. R5. F100", "R 5.0000 is too short: the end lies 22.3607 mm away", by_map=MAP),
+    Case(
+        "G3 X40. Z30. R5. F100", "R 5.0000 is too short: the end lies 22.3607 mm away", by_map=MAP
+    ),
     Case("G3 X40. Z30. F100", "an arc without its centre words", by_map=MAP),
     Case("G2 X40. Z30. F100", "an arc without its centre words", 1, "", LINUXCNC, MAP),
     Case("G3 X20. Z10. I0. K0.", "an arc of radius 0", by_map=MAP),
@@ -77,18 +80,39 @@ CASES = [
     # motions that can not be followed
     Case("G1 Z30. I5.", "I in a straight motion", by_map=MAP),
     Case("G1 X30. R5. F10", "R in a straight motion", by_map=MAP),
-    Case("G1 X400. F10", "X = 200.0000 mm lies outside the error table of X (0 to 170 mm)", by_map=MAP),
-    Case("G1 Z-0.1 F10", "Z = -0.1000 mm lies outside the error table of Z (0 to 510 mm)", by_map=MAP),
+    Case(
+        "G1 X400. F10",
+        "X = 200.0000 mm lies outside the error table of X (0 to 170 mm)",
+        by_map=MAP,
+    ),
+    Case(
+        "G1 Z-0.1 F10", "Z = -0.1000 mm lies outside the error table of Z (0 to 510 mm)", by_map=MAP
+    ),
     Case("G91 G1 Z501. F10", "Z = 511.0000 mm lies outside", by_map=MAP),
     Case("G20\nG1 X20. F10", "X = 254.0000 mm lies outside", 2, by_map=MAP),
     Case("G1 X352. F10", "is beyond the travel of X (-5 to 175 mm)", 1, "", LATHE, MAP, "clamp"),
     Case("G1 Z-5.1 F10", "is beyond the travel of Z (-5 to 520 mm)", 1, "", LATHE, MAP, "clamp"),
     Case("G28 U0 W0\nG1 Z30. F10", "where X stands is not known", 2, by_map=MAP),
     Case("G91 G53 X0", "G53 under G91", by_map=MAP),
-    Case("G81 Z20. F10", "a canned cycle across Y, which can not be followed", 1, "", LINUXCNC, MAP),
+    Case(
+        "G81 Z20. F10", "a canned cycle across Y, which can not be followed", 1, "", LINUXCNC, MAP
+    ),
+    Case(
+        "G17 G81 X30. Z20. R30. F10\nG18\nX40.",
+        "a hole of a canned cycle in another plane than the cycle was called in",
+        3,
+        "",
+        LINUXCNC,
+        MAP,
+    ),
     Case("G1 X30. F10\nG82 X10. Z20.", "G82 (drilling with dwell)", 2, by_map=MAP),
     Case("G43 H1\nG1 Z30. F10", "the tool length H1 is not stated", 2, "", LINUXCNC, MAP),
-    Case("G28 U0\nG92 X0 Z0\nG1 Z30. F10", "G92 gives X a new zero where the machine stands, and that is not known", 3, by_map=MAP),
+    Case(
+        "G28 U0\nG92 X0 Z0\nG1 Z30. F10",
+        "G92 gives X a new zero where the machine stands, and that is not known",
+        3,
+        by_map=MAP,
+    ),
     Case("G10 P1 X1.\nG1 Z30. F10", "G10", 2, by_map=MAP),
     Case("G10 L2 P9 R3.\nG1 Z30. F10", "G10", 2, "", LINUXCNC, MAP),
     Case("G51 P2.\nG1 Z30. F10", "G51 (scaling)", 2, by_map=MAP),
@@ -123,7 +147,7 @@ CASES = [
     Case("G1 Z3\x00", "byte 0 is not text", 1, "\x00"),
     Case("G1 X30. %", "'%' stands inside a block"),
     Case("(GCOMP 0.1.0 STUDER-S36 MAP 78639B0E TOL 0.5 UM)\nG1 X30. F1", "corrected already"),
-]  # fmt: skip
+]
 
 
 def filter_for(machine, case: Case) -> Filter:
@@ -226,7 +250,7 @@ def test_without_errors_what_can_not_be_read_is_still_refused(case):
     assert error.place.line == HEAD.count("\n") + case.line
 
 
-# -- single ones -------------------------------------------------------------------------------------------------------
+# -- single ones -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("letter, text", [("Y", "Y5."), ("A", "A5."), ("C", "C5.")])
@@ -255,7 +279,8 @@ def test_a_feed_while_an_axis_has_no_place():
 
 
 def test_a_correction_that_is_too_large(tmp_path):
-    """The deviation of X at 10 mm is a few um; a machine that allows 1 um refuses it, with both numbers."""
+    """The deviation of X at 10 mm is a few um; a machine that allows 1 um refuses it, with both
+    numbers."""
     folder = shutil.copytree(ROOT / "machines" / "studer-s36", tmp_path / "strict")
     toml = (folder / "machine.toml").read_text()
     assert "max_correction = 0.5" in toml

@@ -1,4 +1,5 @@
-"""The documentation site builds without a warning, links lead somewhere, and the machine that its page prints is one."""
+"""The documentation site builds without a warning, links lead somewhere, and the machine that its
+page prints is one."""
 
 from __future__ import annotations
 
@@ -28,9 +29,12 @@ def test_the_site_builds_without_a_warning(tmp_path):
         reason="mkdocs is not installed (pip install 'gcomp[docs]'): the site is not built",
     )
     done = subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(tmp_path)], cwd=ROOT, capture_output=True, text=True,
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "-d", str(tmp_path)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
         env={"PATH": "/usr/bin:/bin", "NO_MKDOCS_2_WARNING": "1"},
-    )  # fmt: skip
+    )
     assert done.returncode == 0 and "WARNING" not in done.stderr, done.stderr
     assert (tmp_path / "TUTORIAL" / "index.html").exists() and (
         tmp_path / "machines" / "index.html"

@@ -37,6 +37,8 @@ FORBIDDEN = {
     "unittest",
     "xml",
 }
+# Parts of the package that only an option asks for: 3 to 16 ms each.
+ASKED_FOR = {"control_tables", "heat", "offsets", "pages", "recordings", "trace", "verify"}
 PROGRAM = """%
 G21 G90 G17 G54 G94
 G0 X10 Y10 Z-5
@@ -71,8 +73,9 @@ def test_a_run_loads_no_more_than_it_needs(tmp_path):
     foreign = packages - set(sys.stdlib_module_names) - ALLOWED - INSTALLED - {"__main__"}
     assert not {name for name in foreign if not name.startswith("_")}
     assert not modules & FORBIDDEN
+    assert not modules & {f"postproc.{name}" for name in ASKED_FOR}
     commands = {name for name in modules if name.startswith("postproc.commands.")}
-    needed = ("attempts", "compensate", "expansion", "reading", "values")
+    needed = ("attempts", "compensate", "expansion", "reading", "reading_options", "values")
     assert commands == {f"postproc.commands.{name}" for name in needed}
 
 

@@ -1,4 +1,5 @@
-"""Threads: corrected along the way where the control goes on in step, else at their ends, and the rest is said."""
+"""Threads: corrected along the way where the control goes on in step, else at their ends, and the
+rest is said."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from postproc.compensate import Options
+from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.chain import parse
 from postproc.machine.model import Axis, Machine
@@ -17,9 +19,8 @@ from postproc.verify import Verifier
 from tests.linuxcnc import oracle
 
 NODES = np.array([-100.0, 0.0, 30.0, 60.0, 100.0, 200.0])
-EXZ = np.array(
-    [0.0, 0.0, 0.012, -0.006, 0.010, 0.0]
-)  # mm, X by z: bends by up to 15 um over 0 to 100
+# mm, X by z: bends by up to 15 um over 0 to 100
+EXZ = np.array([0.0, 0.0, 0.012, -0.006, 0.010, 0.0])
 EZZ = np.array([0.0, 0.0, 0.003, 0.006, 0.010, 0.010])  # mm, along the thread: 100 um/m
 
 
@@ -84,7 +85,8 @@ def test_a_thread_is_cut_and_every_piece_names_its_lead(case):
 
 @pytest.mark.parametrize("case", ALONE)
 def test_elsewhere_it_stays_one_block_and_what_bends_is_said(case):
-    """From z = 100 (X off by 10 um) to 0 (by 0): at 30 the chord is 3 um and X 12, 9 off; at 60 6 and -6, 12 off."""
+    """From z = 100 (X off by 10 um) to 0 (by 0): at 30 the chord is 3 um and X 12, 9 off; at 60 6
+    and -6, 12 off."""
     lines, notices, verifier = corrected(ALONE[case], case.split()[0])
     assert len(lines) == ALONE[case].count("\n") + 1  # the mark
     said = [n for n in notices if "stays one block" in n]
@@ -119,7 +121,8 @@ def test_what_the_lead_is_off_by_is_said():
 
 
 def test_a_thread_that_nothing_leads_to_is_named():
-    """The program begins where --start says, uncorrected: the thread begins off, and the verifier names its line."""
+    """The program begins where --start says, uncorrected: the thread begins off, and the verifier
+    names its line."""
     machine = lathe()
     setup = setup_of(machine, None, {"X": 20.0, "Z": 100.0})
     filter_ = Filter(machine, dialects.load("fanuc-lathe-a"), setup, Options(tolerance=0.001))
@@ -146,3 +149,19 @@ def test_linuxcnc_accepts_what_is_written():
         z = m.end[2]
         actual_x, actual_z = m.end[0] + np.interp(z, NODES, EXZ), z + np.interp(z, NODES, EZZ)
         assert actual_x == pytest.approx(20.0 if actual_z > -1e-3 else 19.5, abs=2e-4)
+
+
+@pytest.mark.parametrize("dialect", ["haas-lathe", "fanuc-lathe-a"])
+def test_a_of_a_thread_is_the_angle_of_its_tool(dialect):
+    """Haas lathe operator's manual, G76: A, tool nose angle. Elsewhere A names an axis, which a
+    lathe of X and Z has not; --expand takes it for the angle of a line."""
+    text = "G0 X20. Z2.\nG76 X18.16 Z-20. K.92 D.3 F1.5 A60\nG0 Z5.\n"
+    out, said, _ = corrected(text, dialect)
+    assert "G76 X18.16 Z-20. K.92 D.3 F1.5 A60" in out
+    assert any("thread is cut uncorrected" in s for s in said)
+    with pytest.raises(ProgramError, match="has no axis A") as caught:
+        corrected("G0 X20. Z2.\nG1 X30. A150.\n", dialect)
+    assert caught.value.advice.endswith("if it is the angle of a line: --expand writes it out")
+    with pytest.raises(ProgramError, match="has no axis A") as caught:
+        corrected("G0 X20. Z2.\nA150.\n", dialect)
+    assert "--expand" not in caught.value.advice

@@ -22,7 +22,8 @@ def about(axis: int, degrees: float) -> np.ndarray:
 
 
 def euler_of(normal: np.ndarray, spin: float) -> tuple[float, float, float]:
-    """I J K of G68.2 for a plane across `normal`: about Z, about the new X, about the new Z by `spin`."""
+    """I J K of G68.2 for a plane across `normal`: about Z, about the new X, about the new Z by
+    `spin`."""
     j = np.degrees(np.arccos(np.clip(normal[2], -1, 1)))
     i = np.degrees(np.arctan2(normal[0], -normal[1]))
     return float(i), float(j), spin
@@ -38,13 +39,15 @@ def test_euler_angles_by_hand():
 
 
 class Plane:
-    """A random plane on a random machine: the pose that stands across it is drawn first, its angles follow."""
+    """A random plane on a random machine: the pose that stands across it is drawn first, its angles
+    follow."""
 
     def __init__(self, seed: int, chain: str):
         rng = np.random.default_rng(seed)
         self.truth: Truth = random_truth(rng, chain)
         self.angles = {x: round(float(rng.uniform(15, 60)), 3) for x in self.truth.rotary}
-        # The axis farther from the part tilts; its travel leaves one of the two ways to stand across a plane.
+        # The axis farther from the part tilts; its travel leaves one of the two ways to stand
+        # across a plane.
         self.truth.travel[self.truth.rotary[-1]] = (-10.0, 110.0)
         self.truth.travel[self.truth.rotary[0]] = (-170.0, 170.0)
         for x in self.truth.rotary:
@@ -57,8 +60,10 @@ class Plane:
         self.turn = about(2, i) @ about(0, j) @ about(2, k)
         x, y, z = self.zero
         start = " ".join(f"{x}0." for x in self.truth.rotary)
-        self.head = (f"G90 G54 G17\nG0 X0. Y0. Z80. {start}\nG68.2 X{x:.3f} Y{y:.3f} Z{z:.3f} I{i:.9f} J{j:.9f} K{k:.9f}\n"
-                     "G53.1\nG43 H1\nG0 X0. Y0. Z30.\n")  # fmt: skip
+        self.head = (
+            f"G90 G54 G17\nG0 X0. Y0. Z80. {start}\nG68.2 X{x:.3f} Y{y:.3f} Z{z:.3f} I{i:.9f}"
+            f" J{j:.9f} K{k:.9f}\nG53.1\nG43 H1\nG0 X0. Y0. Z30.\n"
+        )
 
     def off(self, word: np.ndarray) -> np.ndarray:
         """(3,) mm, in the plane: where the tip is less where the words (3,) are."""
@@ -121,7 +126,8 @@ def test_lines_and_arcs_in_a_plane(chain, tmp_path):
     machine = load(plane.truth, tmp_path)
     text = (
         plane.head
-        + "G1 X20. Y-15. Z-3. F500.\nX-25. Y10.\nG2 X-5. Y30. I20. J0.\nG3 X-5. Y30. I10. J-10.\nG1 X30. Z5.\nG0 Z50.\nG49\nG69\nM30\n"
+        + "G1 X20. Y-15. Z-3. F500.\nX-25. Y10.\nG2 X-5. Y30. I20. J0.\nG3 X-5. Y30. I10. J-10.\nG1"
+        " X30. Z5.\nG0 Z50.\nG49\nG69\nM30\n"
     )
     output, verifier = corrected(machine, "fanuc-mill", text, OFFSETS)
     assert verifier.passed, verifier.report()
@@ -144,7 +150,8 @@ def test_lines_and_arcs_in_a_plane(chain, tmp_path):
 
 @pytest.mark.parametrize("chain", CHAINS[::3])
 def test_holes_in_a_plane(chain, tmp_path):
-    """A canned cycle drills along the plane's Z: its middle and its bottom are where they are wanted."""
+    """A canned cycle drills along the plane's Z: its middle and its bottom are where they are
+    wanted."""
     plane = Plane(300 + CHAINS.index(chain), chain)
     machine = load(plane.truth, tmp_path)
     text = plane.head + "G98 G81 X12. Y-8. Z-10. R2. F100.\nX-20. Y5.\nG80\nG49\nG69\nM30\n"
@@ -161,11 +168,15 @@ def test_holes_in_a_plane(chain, tmp_path):
 
 
 def test_a_plane_by_hand(tmp_path):
-    """J90 I90: Rz(90) Rx(90), the plane's X is the part's Y, its Y the part's Z, its Z the part's X. B of the table turns the
-    part's X up: the tool stands along it at B90, and what X of the machine errs by (EXX 10 um) lies along the part's -Z then
-    (a positive turn about Y takes X to -Z): Y of the plane is 10 um less than wanted, and becomes 10 um more."""
+    """J90 I90: Rz(90) Rx(90), the plane's X is the part's Y, its Y the part's Z, its Z the part's
+    X. B of the table turns the part's X up: the tool stands along it at B90, and what X of the
+    machine errs by (EXX 10 um) lies along the part's -Z then (a positive turn about Y takes X to
+    -Z): Y of the plane is 10 um less than wanted, and becomes 10 um more."""
     machine = load(plain("w-B-b-X-Y-Z-t", EXX=0.010), tmp_path)
-    text = "N10 G90 G54 G0 X0. Y0. Z0. B0.\nN20 G68.2 X0. Y0. Z0. I90. J90. K0.\nN30 G53.1\nN40 G0 X5. Y6. Z7.\nN50 G69\nM30\n"
+    text = (
+        "N10 G90 G54 G0 X0. Y0. Z0. B0.\nN20 G68.2 X0. Y0. Z0. I90. J90. K0.\nN30 G53.1\nN40 G0 X5."
+        " Y6. Z7.\nN50 G69\nM30\n"
+    )
     output, _ = corrected(machine, "fanuc-mill", text)
     assert words(output, 40) == "G0 X5. Y6.0100 Z7."
 
@@ -234,11 +245,15 @@ def test_what_can_not_be_followed_is_said(before, after, message, tmp_path):
 
 
 def test_the_way_g53_1_takes_is_said_where_there_are_two(tmp_path):
-    """A from -120 to 120: two poses stand across a plane; the shorter way of C is taken, and both are named."""
+    """A from -120 to 120: two poses stand across a plane; the shorter way of C is taken, and both
+    are named."""
     truth = random_truth(np.random.default_rng(3), "w-C-A-b-X-Y-Z-t")
     truth.travel |= {"A": (-120.0, 120.0), "C": (-180.0, 180.0)}
     machine = load(truth, tmp_path)
-    text = "G90 G54\nG0 X0. Y0. Z80. C0. A0.\nG68.2 X0. Y0. Z0. I0. J30. K0.\nG53.1\nG43 H1\nG0 X0. Y0. Z30.\nG1 X10. F100.\nG49\nG69\nM30\n"
+    text = (
+        "G90 G54\nG0 X0. Y0. Z80. C0. A0.\nG68.2 X0. Y0. Z0. I0. J30. K0.\nG53.1\nG43 H1\nG0 X0."
+        " Y0. Z30.\nG1 X10. F100.\nG49\nG69\nM30\n"
+    )
     from postproc.compensate import Options
     from postproc.filter import Filter, setup_of
     from postproc.nc import dialects
@@ -257,8 +272,8 @@ def test_the_way_g53_1_takes_is_said_where_there_are_two(tmp_path):
 
 @pytest.mark.parametrize("chain", CHAINS[::2])
 def test_cycle800_turns_axis_by_axis(chain, tmp_path):
-    """Mode 57: about X, the new Y, the new Z, with a zero before and a shift behind; D brings the tool's length. The angles are
-    those whose plane lies across a pose that was drawn."""
+    """Mode 57: about X, the new Y, the new Z, with a zero before and a shift behind; D brings the
+    tool's length. The angles are those whose plane lies across a pose that was drawn."""
     plane = Plane(400 + CHAINS.index(chain), chain)
     machine = load(plane.truth, tmp_path, "siemens")
     n = plane.turn[:, 2]
@@ -270,8 +285,11 @@ def test_cycle800_turns_axis_by_axis(chain, tmp_path):
     zero, shift = plane.zero, np.array([1.5, -2.0, 0.75])
     rotary = " ".join(f"{x}0" for x in plane.truth.rotary)
     call = ",".join(f"{v:.9f}" for v in (*zero, a, b, c, *shift))
-    text = (f"G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 {rotary}\nCYCLE800(0,\"TABLE\",0,57,{call},1,0,0)\n; G43 H1\nG0 X0 Y0 Z30\n"
-            "G1 X20 Y-15 Z-3 F500\nX-25 Y10\nG2 X-5 Y30 I20 J0\nG1 X30 Z5\n; G49\nCYCLE800()\nM30\n")  # fmt: skip
+    text = (
+        f'G90 G54 G17\nT1 D1\nG0 X0 Y0 Z80 {rotary}\nCYCLE800(0,"TABLE",0,57,{call},1,0,0)\n; G43'
+        " H1\nG0 X0 Y0 Z30\nG1 X20 Y-15 Z-3 F500\nX-25 Y10\nG2 X-5 Y30 I20 J0\nG1 X30 Z5\n;"
+        " G49\nCYCLE800()\nM30\n"
+    )
     plane.zero = zero + plane.turn @ shift
     output, verifier = corrected(machine, "siemens", text, {"D1": {"Z": LENGTH}})
     assert verifier.passed, verifier.report()
@@ -303,11 +321,17 @@ def test_cycle800_that_can_not_be_followed_is_said(call, message, tmp_path):
 
 
 def test_planes_stay_where_programs_are_written_out(tmp_path, capfdbinary):
-    """--expand: G69 of a tilted plane stays, that of a rotation goes; CYCLE800 gets numbers for its variables."""
+    """--expand: G69 of a tilted plane stays, that of a rotation goes; CYCLE800 gets numbers for its
+    variables."""
     truth = plain("w-C-A-b-X-Y-Z-t")
-    fanuc = ("G90 G54\nG0 X0. Y0. Z50. C0. A0.\n#1=30.\nG68.2 X0. Y0. Z0. I0. J#1 K0.\nG53.1\nG1 X5. F100.\nG68 X0. Y0. R90.\n"
-             "X5. Y0.\nG69\nG0 A0.\nG68 X0. Y0. R90.\nX5. Y0.\nG69\nM30\n")  # fmt: skip
-    siemens = 'R1=30\nG0 X0 Y0 Z50 C0 A0\nCYCLE800(0,"T",0,57,,,,R1,,0,,,,1)\nG1 X5 F100\nCYCLE800()\nM30\n'
+    fanuc = (
+        "G90 G54\nG0 X0. Y0. Z50. C0. A0.\n#1=30.\nG68.2 X0. Y0. Z0. I0. J#1 K0.\nG53.1\nG1 X5."
+        " F100.\nG68 X0. Y0. R90.\nX5. Y0.\nG69\nG0 A0.\nG68 X0. Y0. R90.\nX5. Y0.\nG69\nM30\n"
+    )
+    siemens = (
+        'R1=30\nG0 X0 Y0 Z50 C0 A0\nCYCLE800(0,"T",0,57,,,,R1,,0,,,,1)\nG1 X5'
+        " F100\nCYCLE800()\nM30\n"
+    )
     out = {}
     for control, text in (("fanuc-mill", fanuc), ("siemens", siemens)):
         folder = truth.write(tmp_path / control, control)

@@ -1,4 +1,5 @@
-"""What the words of a tool's length take into force, where no other test asks: H0, and a tool that nobody named."""
+"""What the words of a tool's length take into force, where no other test asks: H0, and a tool that
+nobody named."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ def corrected(text: str, dialect: str, lengths: dict | None = None) -> tuple[str
 @pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "grblhal"])
 @pytest.mark.parametrize("before", ["", "G43 H1\n", "T2 M6\nG43 H2\n"])
 def test_h0_is_no_length(dialect, before):
-    """Fanuc B-64304EN-2, tool length compensation: the value of H0 is always 0; it cancels as G49 does."""
+    """Fanuc B-64304EN-2, tool length compensation: the value of H0 is always 0; it cancels as G49
+    does."""
     head = "G90 G54\n"
     zero, none = (corrected(head + before + BODY.format(w), dialect)[0] for w in ("G43 H0", "G49"))
     assert zero == none.replace("G49", "G43 H0")

@@ -52,7 +52,7 @@ def known(m: Machine, way: float = 0.0, **place: float) -> dict[str, float]:
     return dict(zip(m.letters, u[:, 0] / UM, strict=True))
 
 
-# -- by hand ---------------------------------------------------------------------------------------------------------------
+# -- by hand ---------------------------------------------------------------------------------------
 
 
 def test_one_axis_between_its_nodes_and_by_direction(tmp_path):
@@ -106,7 +106,10 @@ def test_parameters_of_effects(tmp_path):
     mm, phase 90 +- 10 degrees: at its crossing the phase counts, 5 sin(10 deg) um; at its crest the
     amplitude."""
     text = MILL + '[[effect]]\nname = "backlash"\naxis = "Y"\nsize_um = 9.0\nu_size_um = 4.0\n'
-    text += '[[effect]]\nname = "cyclic"\naxis = "X"\nperiod_mm = 10.0\namplitude_um = 5.0\nphase_deg = 90.0\n'
+    text += (
+        '[[effect]]\nname = "cyclic"\naxis = "X"\nperiod_mm = 10.0\namplitude_um = 5.0\nphase_deg ='
+        " 90.0\n"
+    )
     m = machine(tmp_path, text + "u_amplitude_um = 1.0\nu_phase_deg = 10.0\n")
     assert known(m, 1)["Y"] == known(m, -1)["Y"] == approx(2.0)
     assert known(m, 0)["Y"] == approx(0.0)
@@ -141,7 +144,7 @@ def test_the_correction_does_not_depend_on_it(tmp_path):
     assert outputs[0] == outputs[1] != text
 
 
-# -- by drawing machines ---------------------------------------------------------------------------------------------------
+# -- by drawing machines ---------------------------------------------------------------------------
 
 DRAWS = 400
 
@@ -276,7 +279,7 @@ def test_the_length_covers_the_vector_in_95_of_100():
         assert inside.mean() >= 0.95
 
 
-# -- along a program -------------------------------------------------------------------------------------------------------
+# -- along a program -------------------------------------------------------------------------------
 
 
 def corrected(m: Machine, portions: list[bytes]) -> tuple[bytes, Verifier]:
@@ -296,8 +299,8 @@ def test_verify_says_it_with_the_line(tmp_path):
     m = machine(tmp_path, X_uncertainty=SLOPE)
     _, verifier = corrected(m, [b"G0 X0 Y0 Z0\nG1 X100 F500\nG1 X200\nG1 X50\n"])
     assert (
-        "; the map itself is known to +- 7.0 um (95 %, line 3); no uncertainty is stated of EYY, EZZ"
-        in verifier.report()
+        "; the map itself is known to +- 7.0 um (95 %, line 3); no uncertainty is stated of"
+        " EYY, EZZ" in verifier.report()
     )
     assert verifier.map.largest == approx(7 * UM, abs=1e-6)
 
@@ -354,8 +357,8 @@ def test_of_equal_places_the_first_line_counts(tmp_path):
 
 def test_the_commands_say_it(tmp_path):
     text = (
-        MILL
-        + '[squareness.u]\nC0Y = 3.0\n[[effect]]\nname = "backlash"\naxis = "Y"\nsize_um = 9.0\nu_size_um = 4.0\n'
+        MILL + '[squareness.u]\nC0Y = 3.0\n[[effect]]\nname = "backlash"\naxis = "Y"\nsize_um ='
+        " 9.0\nu_size_um = 4.0\n"
     )
     machine(tmp_path / "m", text, X_uncertainty="X_mm,EXX_um,EBX_urad\n-500,3,1\n500,1,2\n")
     program = tmp_path / "p.nc"
@@ -385,7 +388,7 @@ def test_the_commands_say_it(tmp_path):
     assert "the map itself is known to +- 2.8 um (95 %, line 2)" in verified
 
 
-# -- what is refused -------------------------------------------------------------------------------------------------------
+# -- what is refused -------------------------------------------------------------------------------
 
 BAD_TABLES = {
     "below zero": ("X_mm,EXX_um\n-500,1\n0,-2\n500,1\n", 3, "U of EXX is -2 at X = 0"),
@@ -427,23 +430,66 @@ def test_a_faulty_table_of_uncertainties_is_refused_with_its_line(tmp_path, name
     assert f"X_uncertainty.csv:{line}: " in str(told.value) and why in str(told.value)
 
 
-EFFECT = '[[effect]]\nname = "cyclic"\naxis = "X"\nperiod_mm = 10.0\namplitude_um = 5.0\nphase_deg = 0.0\n'
+EFFECT = (
+    '[[effect]]\nname = "cyclic"\naxis = "X"\nperiod_mm = 10.0\namplitude_um = 5.0\nphase_deg ='
+    " 0.0\n"
+)
 BOW = '[[effect]]\nname = "bow"\naxis = "X"\nacross = 2\nsize_um = 5.0\n'
 BAD_TOML = {
     "no section": ("[squareness]\nC0Y = 1.0\nu = 3.0\n", "u = 3.0", "[squareness.u]"),
-    "no squareness": ("[squareness.u]\nX0C = 1.0\n", "X0C", "'X0C' is not a squareness of this machine"),
-    "squareness of itself": ("[squareness.u]\nC0Z = 1.0\n", "C0Z", "'C0Z' is not a squareness of this machine"),
-    "squareness below zero": ("[squareness]\nC0Y = 1.0\n[squareness.u]\nC0Y = -2.0\n", "C0Y = -2.0", "is below zero"),
+    "no squareness": (
+        "[squareness.u]\nX0C = 1.0\n",
+        "X0C",
+        "'X0C' is not a squareness of this machine",
+    ),
+    "squareness of itself": (
+        "[squareness.u]\nC0Z = 1.0\n",
+        "C0Z",
+        "'C0Z' is not a squareness of this machine",
+    ),
+    "squareness below zero": (
+        "[squareness]\nC0Y = 1.0\n[squareness.u]\nC0Y = -2.0\n",
+        "C0Y = -2.0",
+        "is below zero",
+    ),
     "squareness no number": ('[squareness.u]\nC0Y = "3"\n', "C0Y", "'3' is not a number"),
-    "inline": ("[squareness]\nC0Y = 1.0\nu = { C0Y = -2.0 }\n", "u = {", "C0Y = -2.0 is below zero"),
-    "of no parameter": (EFFECT + "u_size_um = 1.0\n", "u_size_um", "'u_size_um' is not a key of [effect]"),
+    "inline": (
+        "[squareness]\nC0Y = 1.0\nu = { C0Y = -2.0 }\n",
+        "u = {",
+        "C0Y = -2.0 is below zero",
+    ),
+    "of no parameter": (
+        EFFECT + "u_size_um = 1.0\n",
+        "u_size_um",
+        "'u_size_um' is not a key of [effect]",
+    ),
     "of a choice": (BOW + "u_across = 1.0\n", "u_across", "'u_across' is not a key of [effect]"),
-    "parameter below zero": (EFFECT + "u_amplitude_um = -1.0\n", "u_amp", "u_amplitude_um = -1.0 is below zero"),
-    "parameter no number": (EFFECT + 'u_amplitude_um = "1 um"\n', "u_amp", "'1 um' is not a number"),
-    "no meaning": (EFFECT + "u_period_mm = 10.0\n", "u_period", "effect cyclic has no meaning at period_mm = 0"),
-    "hysteresis below zero": ("[limits]\nhysteresis_um = -0.5\n", "hysteresis_um", "hysteresis_um = -0.5 is below zero"),
-    "hysteresis no number": ("[limits]\nhysteresis_um = true\n", "hysteresis_um", "True is not a number"),
-}  # fmt: skip
+    "parameter below zero": (
+        EFFECT + "u_amplitude_um = -1.0\n",
+        "u_amp",
+        "u_amplitude_um = -1.0 is below zero",
+    ),
+    "parameter no number": (
+        EFFECT + 'u_amplitude_um = "1 um"\n',
+        "u_amp",
+        "'1 um' is not a number",
+    ),
+    "no meaning": (
+        EFFECT + "u_period_mm = 10.0\n",
+        "u_period",
+        "effect cyclic has no meaning at period_mm = 0",
+    ),
+    "hysteresis below zero": (
+        "[limits]\nhysteresis_um = -0.5\n",
+        "hysteresis_um",
+        "hysteresis_um = -0.5 is below zero",
+    ),
+    "hysteresis no number": (
+        "[limits]\nhysteresis_um = true\n",
+        "hysteresis_um",
+        "True is not a number",
+    ),
+}
 
 
 @pytest.mark.parametrize("name", BAD_TOML)

@@ -104,8 +104,8 @@ def test_x_is_corrected_where_nobody_knows_z():
 
 
 def test_an_axis_off_its_reference_is_held_and_not_written():
-    """EXY: X depends on y. While Z is lost behind G28, X and Y stay corrected; while Y is lost, a motion of Z alone leaves X
-    where it is, and writes no word of it."""
+    """EXY: X depends on y. While Z is lost behind G28, X and Y stay corrected; while Y is lost, a
+    motion of Z alone leaves X where it is, and writes no word of it."""
     machine = mill("EXY", "EXX")
     text = "G21 G90\nG0 X50 Y40 Z10\nG1 X60 F300\nG28 Y0\nG1 Z-5\nZ3\nG0 Y40\nG1 X70\n"
     lines = corrected(machine, text, G28={}).splitlines()

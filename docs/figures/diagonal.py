@@ -5,9 +5,10 @@
 
 writes diagonal.svg and diagonal.png beside itself, and prints the largest deviations.
 
-The program runs through the same Filter as every other; what it commands is put into the machine's error model. A
-deviation is the whole vector from where the program says to where the tool is, at the same part of the way: 0.1 um
-along the path counts as much as 0.1 um across it. (`--verify` measures the distance to the path, never larger.)
+The program runs through the same Filter as every other; what it commands is put into the machine's
+error model. A deviation is the whole vector from where the program says to where the tool is, at
+the same part of the way: 0.1 um along the path counts as much as 0.1 um across it. (`--verify`
+measures the distance to the path, never larger.)
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.machine.model import Machine
 from postproc.nc import dialects
-from postproc.pages.style import LIGHT
+from postproc.style import LIGHT
 from postproc.units import TICKS_PER_MM, UM
 
 HERE = Path(__file__).resolve().parent
@@ -36,16 +37,19 @@ SAMPLES = 1021  # one in 0.5 mm of Z
 EVERY = 30.0  # mm of Z between two error vectors: the spacing of the measurement
 DPI = 112  # 9 inches: 1008 pixels
 
-# Okabe and Ito's colours, which the colour-blind can tell apart; every curve differs in its line too.
+# Okabe and Ito's colours, which the colour-blind can tell apart; every curve differs in its line
+# too.
 NOMINAL, PLAIN, ENDS, GCOMP, INK = (
     LIGHT[role] for role in ("nominal", "before", "command", "after", "ink")
 )
 
 
 def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
-    """The blocks that the Filter makes of the diagonal, without the take-up on the spot before them.
+    """The blocks that the Filter makes of the diagonal, without the take-up on the spot before
+    them.
 
-    (2, K + 1) mm, X (radius) and Z of their ends; (K + 1,) the part of the way done there, 0 to 1; mm, the tolerance.
+    (2, K + 1) mm, X (radius) and Z of their ends; (K + 1,) the part of the way done there, 0 to 1;
+    mm, the tolerance.
     """
     seen = []
     filter_ = Filter(machine, dialects.load(machine.control), setup_of(machine))
@@ -64,7 +68,8 @@ def commanded(machine: Machine) -> tuple[np.ndarray, np.ndarray, float]:
 def deviations(machine: Machine) -> tuple[np.ndarray, dict[str, np.ndarray], np.ndarray, float]:
     """Every way to program the diagonal, on the machine's model.
 
-    (2, N) mm, nominal X and Z; (2, N) mm for each way, deviation from it; (K + 1,) where gcomp cuts; mm, the tolerance.
+    (2, N) mm, nominal X and Z; (2, N) mm for each way, deviation from it; (K + 1,) where gcomp
+    cuts; mm, the tolerance.
     """
     block_end, part, tolerance = commanded(machine)
     t = np.linspace(0.0, 1.0, SAMPLES)

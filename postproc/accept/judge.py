@@ -1,4 +1,5 @@
-"""The parameters of ISO 230-2 before and after, how much less they are, what the map had to do with it, what is left."""
+"""The parameters of ISO 230-2 before and after, how much less they are, what the map had to do with
+it, what is left."""
 
 from __future__ import annotations
 
@@ -30,7 +31,10 @@ def outcome(before: Motion, after: Motion, machine: Machine | None, options: Opt
     second = _on(whole[1], whole[0])
     tests = [_on(whole[0], second), second]
     if not len(second.target):
-        raise AcceptError(f"{after.recording.file} and {before.recording.file} share no target", "measure at the same targets")  # fmt: skip
+        raise AcceptError(
+            f"{after.recording.file} and {before.recording.file} share no target",
+            "measure at the same targets",
+        )
     line = before.test == "straightness"
     angle = before.test == "angle"
     found = () if angle else tuple(signs.ratios(tests[0], tests[1], line))
@@ -39,10 +43,19 @@ def outcome(before: Motion, after: Motion, machine: Machine | None, options: Opt
     if {len(t.target) for t in whole} != {len(second.target)}:
         notices.append(f"only the {len(second.target)} targets of both measurements are compared")
     return Outcome(
-        targets.subject(before), results[0].unit, before, after, tuple(_changes(results, tests, line)), found,
-        None if machine is None or angle else _acted(before, tests, machine, line), means, scatter, _repeat(second), tuple(notices),
+        targets.subject(before),
+        results[0].unit,
+        before,
+        after,
+        tuple(_changes(results, tests, line)),
+        found,
+        None if machine is None or angle else _acted(before, tests, machine, line),
+        means,
+        scatter,
+        _repeat(second),
+        tuple(notices),
         _curves(tests),
-    )  # fmt: skip
+    )
 
 
 def _test(result: Result) -> Positioning:
@@ -54,8 +67,12 @@ def _on(test: Positioning, other: Positioning) -> Positioning:
     near = np.abs(test.target[:, None] - other.target[None, :]).argmin(axis=0)
     near = np.unique(near[np.abs(test.target[near] - other.target) < 0.02])
     return replace(
-        test, target=test.target[near], n=test.n[:, near], mean=test.mean[:, near], s=test.s[:, near]
-    )  # fmt: skip
+        test,
+        target=test.target[near],
+        n=test.n[:, near],
+        mean=test.mean[:, near],
+        s=test.s[:, near],
+    )
 
 
 def _about(test: Positioning, line: bool) -> np.ndarray:
@@ -128,7 +145,8 @@ def _change(before: Parameter, after: Parameter) -> Change:
 
 
 def _acted(motion: Motion, tests: list[Positioning], machine: Machine, line: bool) -> float | None:
-    """How much of what the map states was taken out: least squares of before - after against the map."""
+    """How much of what the map states was taken out: least squares of before - after against the
+    map."""
     stated = _stated(motion, tests[0].target, machine)
     if stated is None:
         return None
@@ -146,7 +164,13 @@ def _stated(motion: Motion, target: np.ndarray, machine: Machine) -> np.ndarray 
     if motion.test == "rotary":
         table = machine.tables.get(motion.axes)
         row = 3 + ROTARY.index(motion.axes)
-        return None if table is None else np.stack([np.interp(target, table.nodes, w[row]) for w in (table.forward, table.reverse)])  # fmt: skip
+        return (
+            None
+            if table is None
+            else np.stack(
+                [np.interp(target, table.nodes, w[row]) for w in (table.forward, table.reverse)]
+            )
+        )
     start = {x: float(motion.recording.position(x)[motion.position.argmin()]) for x in motion.axes}
     position, approach = (np.zeros((len(machine.letters), len(target))) for _ in range(2))
     way = target - motion.position.min()

@@ -39,17 +39,19 @@ def split(
         for one in group:
             if one.head.get("compensated", said) is not said:
                 raise AcceptError(
-                    f"{one.file} was named as measured {'after' if said else 'before'} compensation, "
-                    f"and its head says compensated = {str(not said).lower()}",
-                    "name what was measured before first", Place(one.file, 1),
-                )  # fmt: skip
+                    f"{one.file} was named as measured {'after' if said else 'before'}"
+                    f" compensation, and its head says compensated = {str(not said).lower()}",
+                    "name what was measured before first",
+                    Place(one.file, 1),
+                )
     return first, second
 
 
 def pairs(
     before: Sequence[Recording], after: Sequence[Recording], commanded: bool
 ) -> list[tuple[Motion, Motion]]:
-    """Motions before and after, in the order of before. Raises AcceptError for one without a partner."""
+    """Motions before and after, in the order of before. Raises AcceptError for one without a
+    partner."""
     old = [m for r in before for m in motions(r)]
     points = [(r, _points(r)) for r in before]
     new = [m for r in after for m in motions(_nominal(r, points, commanded))]
@@ -58,8 +60,9 @@ def pairs(
         same = [m for m in new if _key(m) == _key(motion)]
         if len(same) != 1:
             raise AcceptError(
-                f"{subject(motion)} of {motion.recording.file} was measured {len(same)} times after: "
-                f"{', '.join(m.recording.file for m in same) or 'among ' + ', '.join(subject(m) for m in new)}",
+                f"{subject(motion)} of {motion.recording.file} was measured {len(same)} times"
+                " after: "
+                f"{', '.join(m.recording.file for m in same) or 'among ' + ', '.join(subject(m) for m in new)}",  # noqa: E501
                 "one recording of a component before, and one after",
             )
         found.append((motion, same[0]))
@@ -81,7 +84,8 @@ def _key(motion: Motion) -> tuple:
 
 
 def _alike(one: Recording, other: Recording) -> bool:
-    """Whether both were read along the same direction; a corrected diagonal leans by its correction."""
+    """Whether both were read along the same direction; a corrected diagonal leans by its
+    correction."""
     return sum(v * other.sensitive.get(x, 0.0) for x, v in one.sensitive.items()) > ALIKE
 
 
@@ -97,7 +101,8 @@ def _points(recording: Recording) -> np.ndarray:
 def _nominal(
     recording: Recording, before: list[tuple[Recording, np.ndarray]], commanded: bool
 ) -> Recording:
-    """The recording on the targets of before: as it is, or from the corrected ones that its program commanded.
+    """The recording on the targets of before: as it is, or from the corrected ones that its program
+    commanded.
 
     Raises AcceptError where its targets are others.
     """
@@ -116,8 +121,10 @@ def _nominal(
     against = commanded or recording.head.get("against") == "commanded"
     if best is None and alike and against:
         raise AcceptError(
-            f"its readings are along {_vector(recording)}, and those before along {_vector(alike[0][0])}",
-            "measure along the same direction; of a corrected program gcomp simulate --nominal FILE does",
+            f"its readings are along {_vector(recording)}, and those before along"
+            f" {_vector(alike[0][0])}",
+            "measure along the same direction; of a corrected program gcomp simulate --nominal FILE"
+            " does",
             Place(recording.file, 1),
         )
     if best is None:
@@ -127,7 +134,10 @@ def _nominal(
         return recording
     worst = int(np.abs(own - best).max(axis=1).argmax())
     if far > NEAR or not against:
-        say = "readings are wanted against the nominal targets, those of before; where they are against what the corrected program commands, say --commanded"
+        say = (
+            "readings are wanted against the nominal targets, those of before; where they are"
+            " against what the corrected program commands, say --commanded"
+        )
         raise AcceptError(
             f"its target lies {far:.4g} mm beside the next one of before",
             say if far <= NEAR else "measure at the same targets as before",

@@ -28,7 +28,8 @@ def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
         lines.append(f"all signs that can be told are right ({good} of {len(judged)})")
         if machine and not small:
             lines.append(
-                f'signs = "verified" may stand in machine.toml of {machine}, if every component that it holds was measured here'
+                f'signs = "verified" may stand in machine.toml of {machine}, if every component'
+                " that it holds was measured here"
             )
     if small:
         lines.append(f"too small against the scatter to tell: {'; '.join(small)}")
@@ -37,7 +38,10 @@ def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
 
 ADVICE = {
     "turned": "the correction is added where it has to be taken off",
-    "too much": "more was taken out than there was: corrected twice (a table of the control), or a radius taken for a diameter",
+    "too much": (
+        "more was taken out than there was: corrected twice (a table of the control), or a radius"
+        " taken for a diameter"
+    ),
     "nothing": "was the corrected program the one that ran?",
     "between": "more runs, or part of the error is not in the map",
 }
@@ -51,7 +55,8 @@ def _faults(one: Outcome) -> list[str]:
         if mine:
             said = "; ".join(f"{r.of} {ratio(r)}" for r in mine)
             lines.append(
-                f"{VERDICTS[kind]}: {one.subject}: {said}; {_turned(one) if kind == 'turned' else advice}"
+                f"{VERDICTS[kind]}: {one.subject}: {said};"
+                f" {_turned(one) if kind == 'turned' else advice}"
             )
     return lines
 
@@ -59,9 +64,15 @@ def _faults(one: Outcome) -> list[str]:
 def _turned(one: Outcome) -> str:
     """The way out of a turned sign; with a machine also whether its map or the control has it."""
     if one.turned == [REVERSAL]:
-        return "forward and reverse are exchanged (--first when calibrating, the columns _fwd and _rev)"
+        return (
+            "forward and reverse are exchanged (--first when calibrating, the columns _fwd and"
+            " _rev)"
+        )
     if len(one.turned) > 1 and one.acted is not None and one.acted > 0.5:
-        return "what the map says was taken out, so the map's own sign is turned: negate its column, or calibrate again"
+        return (
+            "what the map says was taken out, so the map's own sign is turned: negate its column,"
+            " or calibrate again"
+        )
     if len(one.turned) > 1 and one.acted is not None and one.acted < -0.5:
         return (
             "the map has the right sign, and the control or the program uses it the other way round"
@@ -134,16 +145,19 @@ def ratio(one: Ratio) -> str:
 def rest(one: Outcome, unit: float) -> list[str]:
     """How much of what is left the scatter of the runs makes, and what no map takes out."""
     out = [
-        f"left: {one.left / unit:.2f} {one.unit} rms about {'its line' if one.before.test == 'straightness' else 'its mean'}"
+        f"left: {one.left / unit:.2f} {one.unit} rms about"
+        f" {'its line' if one.before.test == 'straightness' else 'its mean'}"
     ]
     if one.scatter is not None:
         beyond = math.sqrt(max(one.left**2 - one.scatter**2, 0.0))
         out[0] += (
-            f", of it {min(one.scatter, one.left) / unit:.2f} scatter of the runs and {beyond / unit:.2f} systematic"
+            f", of it {min(one.scatter, one.left) / unit:.2f} scatter of the runs and"
+            f" {beyond / unit:.2f} systematic"
         )
     if one.repeat is not None:
         out.append(
-            f"repeatability in one direction, up to {one.repeat / unit:.2f} {one.unit}, stays with any map"
+            f"repeatability in one direction, up to {one.repeat / unit:.2f} {one.unit}, stays with"
+            " any map"
         )
     if one.acted is not None:
         out.append(f"of what the map states {100 * one.acted:.0f} % was taken out")
@@ -152,7 +166,12 @@ def rest(one: Outcome, unit: float) -> list[str]:
 
 def as_json(outcomes: Sequence[Outcome], machine: str) -> dict[str, Any]:
     """Numbers in the unit that `unit` names; null where not defined."""
-    return {"format": FORMAT, "machine": machine or None, "verdict": verdict(outcomes, machine), "results": [_object(o) for o in outcomes]}  # fmt: skip
+    return {
+        "format": FORMAT,
+        "machine": machine or None,
+        "verdict": verdict(outcomes, machine),
+        "results": [_object(o) for o in outcomes],
+    }
 
 
 def _object(one: Outcome) -> dict[str, Any]:
@@ -165,18 +184,27 @@ def _object(one: Outcome) -> dict[str, Any]:
         return {"value": sized(p.value), "U": sized(p.U)}
 
     return {
-        "test": one.before.test, "subject": one.subject, "unit": one.unit,
-        "before": one.before.recording.file, "after": one.after.recording.file,
+        "test": one.before.test,
+        "subject": one.subject,
+        "unit": one.unit,
+        "before": one.before.recording.file,
+        "after": one.after.recording.file,
         "parameters": {
             c.before.name: {
-                "before": parameter(c.before), "after": parameter(c.after), "reduction": c.reduction, "U_reduction": c.U,
+                "before": parameter(c.before),
+                "after": parameter(c.after),
+                "reduction": c.reduction,
+                "U_reduction": c.U,
             }
             for c in one.changes
         },
         "signs": [
-            {"of": r.of, "ratio": r.value, "U": r.U, "rms": sized(r.size), "verdict": r.verdict} for r in one.ratios
+            {"of": r.of, "ratio": r.value, "U": r.U, "rms": sized(r.size), "verdict": r.verdict}
+            for r in one.ratios
         ],
-        "taken_out_of_the_map": one.acted, "left_rms": sized(one.left), "scatter_rms": sized(one.scatter),
+        "taken_out_of_the_map": one.acted,
+        "left_rms": sized(one.left),
+        "scatter_rms": sized(one.scatter),
         "repeatability": sized(one.repeat),
         "notices": list(one.notices),
-    }  # fmt: skip
+    }

@@ -1,8 +1,10 @@
-"""Is every sign right? What is left of the deviation before, as a ratio, for each direction of approach and for the reversal.
+"""Is every sign right? What is left of the deviation before, as a ratio, for each direction of
+approach and for the reversal.
 
-With b before and a after, both about their own zero (a straightness about its line), a = ratio * b in the least squares of
-b: 0 where the correction took b out, 1 where nothing happened, 2 where it was added instead. The scatter of the means of b
-lengthens sum(b^2), and is taken off it; U is of first order in both (JCGM 100, 5.1.2), with Student's t.
+With b before and a after, both about their own zero (a straightness about its line), a = ratio * b
+in the least squares of b: 0 where the correction took b out, 1 where nothing happened, 2 where it
+was added instead. The scatter of the means of b lengthens sum(b^2), and is taken off it; U is of
+first order in both (JCGM 100, 5.1.2), with Student's t.
 """
 
 from __future__ import annotations
@@ -16,17 +18,14 @@ from postproc.iso.sampling import noise_of
 
 WAYS = ("approached in +", "approached in -")
 REVERSAL = "reversal"
-LIMITS = (
-    (-0.5, "too much"),
-    (0.5, "good"),
-    (1.5, "nothing"),
-    (np.inf, "turned"),
-)  # half way between 0, 1 and 2
+# half way between 0, 1 and 2
+LIMITS = ((-0.5, "too much"), (0.5, "good"), (1.5, "nothing"), (np.inf, "turned"))
 LEAST = 0.3e-3  # mm or rad * m: an rms of less no correction is judged by
 
 
 def ratios(before: Positioning, after: Positioning, line: bool) -> list[Ratio]:
-    """One for each direction that both have, and one for the reversal where both directions speak alike.
+    """One for each direction that both have, and one for the reversal where both directions speak
+    alike.
 
     line: whether a slope is the set-up's (a straightness), and not looked at.
     """
@@ -55,7 +54,8 @@ def _about(y: np.ndarray, terms: np.ndarray) -> np.ndarray:
 
 
 def _u(test: Positioning) -> np.ndarray:
-    """(2, m) mm or rad: standard uncertainty of the means by the scatter of the runs, 0 where each has one run."""
+    """(2, m) mm or rad: standard uncertainty of the means by the scatter of the runs, 0 where each
+    has one run."""
     noise = noise_of(test.s, test.n)
     return np.zeros(test.mean.shape) if noise is None else np.nan_to_num(noise.u)
 
@@ -84,7 +84,8 @@ def _ratio(
 
 
 def _verdict(value: float, wide: float) -> str:
-    """Where the whole interval lies; "undecided" where it reaches over more than two of the ranges."""
+    """Where the whole interval lies; "undecided" where it reaches over more than two of the
+    ranges."""
     low, high = (
         (next(v for limit, v in LIMITS if at < limit)) for at in (value - wide, value + wide)
     )

@@ -1,7 +1,8 @@
 """What a Python program may use of gcomp; `import gcomp` gives the same names.
 
-Thin: every function does what one command does, with values in place of words, and returns what the command would print.
-Nothing is printed and no file is written but by `save`. What a command refuses is raised as GcompError.
+Thin: every function does what one command does, with values in place of words, and returns what the
+command would print. Nothing is printed and no file is written but by `save`. What a command refuses
+is raised as GcompError.
 """
 
 from postproc.api.machines import load_machine, machines

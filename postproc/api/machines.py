@@ -12,7 +12,8 @@ from postproc.machine.model import Machine
 
 
 def machines() -> dict[str, Path]:
-    """Every machine that is found, by name, with its folder: ./machines, the user's own, those that come with gcomp."""
+    """Every machine that is found, by name, with its folder: ./machines, the user's own, those that
+    come with gcomp."""
     return places.every()
 
 
@@ -21,9 +22,10 @@ def load_machine(
 ) -> Machine:
     """The machine of a name, or of the folder at a path, as `--machine` takes it.
 
-    temperatures: degrees Celsius of scales or screws by axis, and of the work as "work", for machines that state how they
-    grow. only: components (EXX), squareness (C0Y) and effects (backlash:X) of the map that shall be corrected, all where it
-    is empty. Raises UsageError with the names that there are, MachineError with file and line of what is wrong in the folder.
+    temperatures: degrees Celsius of scales or screws by axis, and of the work as "work", for
+    machines that state how they grow. only: components (EXX), squareness (C0Y) and effects
+    (backlash:X) of the map that shall be corrected, all where it is empty. Raises UsageError with
+    the names that there are, MachineError with file and line of what is wrong in the folder.
     """
     asked = argparse.Namespace(
         machine=str(name), temperature=dict(temperatures or {}), only=tuple(only)

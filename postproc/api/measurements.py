@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from postproc import ports
+from postproc import intake, ports
 from postproc.api import results
 from postproc.api.machines import machine_of
 from postproc.errors import UsageError
@@ -20,24 +20,25 @@ if TYPE_CHECKING:
     from postproc.diagnose.answer import Diagnosis
     from postproc.iso import Result
 
-LARGEST = 400_000_000  # bytes of a recording
-
 
 def read_recordings(path: str | Path, format: str = "", **options: Any) -> list[Recording]:
-    """All recordings of a file, one at least. format: its name (`gcomp recordings --list`), where the file does not show it.
+    """All recordings of a file, one at least. format: its name (`gcomp recordings --list`), where
+    the file does not show it.
 
-    options: what the file leaves open, the fields of `ReadingOptions`: axis, component, unit, bidirectional, first, layout,
-    columns, others, machine, strict, extra, head. Raises GcompError with the line of what can not be read.
+    options: what the file leaves open, the fields of `ReadingOptions`: axis, component, unit,
+    bidirectional, first, layout, columns, others, machine, strict, extra, head. Raises GcompError
+    with the line of what can not be read.
     """
     return read_all(
-        Source(str(path), ports.read_whole(Path(path), LARGEST)),
+        Source(str(path), ports.read_whole(Path(path), intake.RECORDING)),
         format,
         replace(ReadingOptions(), **options),
     )
 
 
 def read_recording(path: str | Path, format: str = "", **options: Any) -> Recording:
-    """The one recording of a file, as `read_recordings`. Raises UsageError where it holds several."""
+    """The one recording of a file, as `read_recordings`. Raises UsageError where it holds
+    several."""
     found = read_recordings(path, format, **options)
     if len(found) > 1:
         names = ", ".join(str(r.head.get("component", r.kind)) for r in found)
@@ -50,8 +51,8 @@ def read_recording(path: str | Path, format: str = "", **options: Any) -> Record
 
 @dataclass(frozen=True)
 class Evaluated:
-    """Tests of the ISO 230 series. text: the tables that `gcomp iso` prints; left_out: what was not evaluated; details: the
-    results, in mm and rad, whose fields may change."""
+    """Tests of the ISO 230 series. text: the tables that `gcomp iso` prints; left_out: what was not
+    evaluated; details: the results, in mm and rad, whose fields may change."""
 
     text: str
     left_out: tuple[str, ...]
@@ -63,9 +64,14 @@ class Evaluated:
         return results.as_text(self.data)
 
 
-def evaluate(recordings: Iterable[Recording], line: str = "least-squares", leads: Mapping[str, float] | None = None) -> Evaluated:  # fmt: skip
-    """Evaluate recordings as ISO 230 does, as `gcomp iso`. line: reference line of straightness and squareness; leads: mm of
-    the screw by axis, "" for any axis. Raises GcompError where a recording is for none of its tests."""
+def evaluate(
+    recordings: Iterable[Recording],
+    line: str = "least-squares",
+    leads: Mapping[str, float] | None = None,
+) -> Evaluated:
+    """Evaluate recordings as ISO 230 does, as `gcomp iso`. line: reference line of straightness and
+    squareness; leads: mm of the screw by axis, "" for any axis. Raises GcompError where a recording
+    is for none of its tests."""
     from postproc.iso import Options, choose, report
 
     found, left = choose.results(list(recordings), Options(line, dict(leads or {})))
@@ -74,8 +80,9 @@ def evaluate(recordings: Iterable[Recording], line: str = "least-squares", leads
 
 @dataclass(frozen=True)
 class Diagnosed:
-    """What the machine's model leaves out. verdict: "left-out-physics", "nothing-left-out" or "unknown"; effects: accepted
-    ones as EFFECT:AXIS; text: what `gcomp diagnose` prints; details: all of it, whose fields may change."""
+    """What the machine's model leaves out. verdict: "left-out-physics", "nothing-left-out" or
+    "unknown"; effects: accepted ones as EFFECT:AXIS; text: what `gcomp diagnose` prints; details:
+    all of it, whose fields may change."""
 
     verdict: str
     effects: tuple[str, ...]
@@ -103,10 +110,11 @@ def diagnose(
 ) -> Diagnosed:
     """Compare recordings with the machine's model, as `gcomp diagnose`.
 
-    recordings: files of one experiment, of any format. held_out: "run=3", the run that takes no part in naming. compensated:
-    recorded with a corrected program, readings against its nominal targets (a head that says so does without): then what
-    the map has left is looked at. told: called with a word on each step, since a search may take a minute. Raises GcompError
-    for what can not be compared.
+    recordings: files of one experiment, of any format. held_out: "run=3", the run that takes no
+    part in naming. compensated: recorded with a corrected program, readings against its nominal
+    targets (a head that says so does without): then what the map has left is looked at. told:
+    called with a word on each step, since a search may take a minute. Raises GcompError for what
+    can not be compared.
     """
     from postproc import recordings as formats
     from postproc.commands.diagnose import corrected
@@ -116,25 +124,27 @@ def diagnose(
     from postproc.simulate.program import without_errors
 
     model = machine_of(machine)
-    sources = [Source(str(path), ports.read_whole(Path(path), LARGEST)) for path in recordings]
+    sources = [
+        Source(str(path), ports.read_whole(Path(path), intake.RECORDING)) for path in recordings
+    ]
     read = [formats.read(source, options=ReadingOptions(strict=False)) for source in sources]
     model = without_errors(model) if corrected(read, compensated) else model
     found = analysed(read, model, Options(held_out=held_out, told=told))
-    found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
+    answer = report.of_sources(found, sources)
     names = tuple(f.block.key for f in found.findings if f.status == "accepted")
     return Diagnosed(
         found.verdict,
         names,
         report.as_text(found),
-        report.as_json(found, [s.data for s in sources]),
+        answer,
         found,
     )
 
 
 @dataclass(frozen=True)
 class Calibrated:
-    """A machine made of recordings. text: the table that `gcomp calibrate` prints; files: name to text of the machine's
-    folder; details: all of it, whose fields may change."""
+    """A machine made of recordings. text: the table that `gcomp calibrate` prints; files: name to
+    text of the machine's folder; details: all of it, whose fields may change."""
 
     text: str
     files: dict[str, str] = field(repr=False)
@@ -146,8 +156,8 @@ class Calibrated:
         return results.as_text(self.data)
 
     def save(self, folder: str | Path, overwrite: bool = False) -> Path:
-        """Write the machine's folder in one step, read again before it has its name; the old one stays beside it as .bak.
-        Raises UsageError where one stands and `overwrite` is not set."""
+        """Write the machine's folder in one step, read again before it has its name; the old one
+        stays beside it as .bak. Raises UsageError where one stands and `overwrite` is not set."""
         from postproc.commands.calibrate import write_folder
 
         write_folder(Path(folder), self.files, overwrite)
@@ -168,9 +178,10 @@ def calibrate(
 ) -> Calibrated:
     """Make a machine of recordings of single axes, as `gcomp calibrate`; `save` writes it.
 
-    like: a machine from which is taken what machines of a kind share. chain: who carries whom, "w-b-Z-X-t"; travel: mm by
-    axis. options: further options of the command by their names with _ for -, with values as the command reads them, like
-    datum=["Z=0"] or mean=True. Raises UsageError naming what is missing, GcompError for recordings that fit nothing.
+    like: a machine from which is taken what machines of a kind share. chain: who carries whom,
+    "w-b-Z-X-t"; travel: mm by axis. options: further options of the command by their names with _
+    for -, with values as the command reads them, like datum=["Z=0"] or mean=True. Raises UsageError
+    naming what is missing, GcompError for recordings that fit nothing.
     """
     from postproc.calibrate import folder, report
     from postproc.calibrate.calibration import calibrate as reckoned

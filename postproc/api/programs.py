@@ -9,10 +9,10 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, BinaryIO, TypedDict, Unpack
 
-from postproc import ports
+from postproc import intake, ports
 from postproc.api import results
 from postproc.api.machines import machine_of
-from postproc.commands import attempts, expansion, reading, values
+from postproc.commands import attempts, reading, values
 from postproc.commands import compensate as command
 from postproc.errors import Notice, UsageError
 from postproc.filter import Filter
@@ -24,15 +24,20 @@ FORMAT = "gcomp-program/1"
 
 
 class Settings(TypedDict, total=False):
-    """How a program is corrected and read; each is the option of the same name of `gcomp compensate`, and none has to be given.
+    """How a program is corrected and read; each is the option of the same name of `gcomp
+    compensate`, and none has to be given.
 
-    Lengths end in their unit. offsets: name to axis to mm, {"G54": {"X": 1.0, "Z": 2.0}}, radius, machine coordinates;
-    offset_files: files of the control that hold offsets; start: mm by axis, where the machine stands before the program;
-    expand: True writes loops and subprograms out, False refuses what needs it, None (the rule of `gcomp FILE`) does so
-    where nothing else corrects the program, and says so in `Compensated.written_out`; block_delete: whether blocks that
-    begin with / are skipped at the machine; dialect: "auto" looks at the program; integers: "units" or "least-increments".
-    temperatures: a log of thermometers, each block meets the temperature of its moment; log_begin: when in it the program
-    begins; pace: factor by which the machine takes longer than the program says; hold_temperature: holds the log's last row behind it.
+    Lengths end in their unit. offsets: name to axis to mm, {"G54": {"X": 1.0, "Z": 2.0}}, radius,
+    machine coordinates;
+    offset_files: files of the control that hold offsets; start: mm by axis, where the machine
+    stands before the program;
+    expand: True writes loops and subprograms out, False refuses what needs it, None (the rule of
+    `gcomp FILE`) does so where nothing else corrects the program, and says so in
+    `Compensated.written_out`; block_delete: whether blocks that begin with / are skipped at the
+    machine; dialect: "auto" looks at the program; integers: "units" or "least-increments".
+    temperatures: a log of thermometers, each block meets the temperature of its moment; log_begin:
+    when in it the program begins; pace: factor by which the machine takes longer than the program
+    says; hold_temperature: holds the log's last row behind it.
     """
 
     tolerance_um: float
@@ -66,11 +71,14 @@ class Settings(TypedDict, total=False):
 class Verified:
     """The corrected program, replayed on the machine's model. All lengths in um.
 
-    deviation_um, deviation_line: the largest distance from the nominal path, and the line where; uncorrected_um,
-    uncorrected_line: the same of the program as it was; lost_motion_um: the same with every slide in its play;
-    tolerance_um: what was asked; allowed_um: what is let pass (tolerance, hysteresis, half an increment); map_u_um: how
-    well the map itself is known on the path (95 %), None where its folder does not say; not_stated: errors of the map
-    whose uncertainty nobody states; report: all of it as a sentence.
+    deviation_um, deviation_line: the largest distance from the nominal path, and the line where;
+    uncorrected_um,
+    uncorrected_line: the same of the program as it was; lost_motion_um: the same with every slide
+    in its play;
+    tolerance_um: what was asked; allowed_um: what is let pass (tolerance, hysteresis, half an
+    increment); map_u_um: how well the map itself is known on the path (95 %), None where its folder
+    does not say; not_stated: errors of the map whose uncertainty nobody states; report: all of it
+    as a sentence.
     """
 
     passed: bool
@@ -96,10 +104,12 @@ class Verified:
 class Compensated:
     """A corrected program and what was done.
 
-    program: its bytes; name: of the program in messages; machine, map: the machine's name and the digest of its map;
-    dialect: in which it was read; changed, added: motions changed, blocks put in; largest_correction_um: of one axis;
-    written_out: why the program was written out as plain blocks without being asked, "" where it was not; notices: what a
-    person should know; verified: None unless asked for.
+    program: its bytes; name: of the program in messages; machine, map: the machine's name and the
+    digest of its map;
+    dialect: in which it was read; changed, added: motions changed, blocks put in;
+    largest_correction_um: of one axis;
+    written_out: why the program was written out as plain blocks without being asked, "" where it
+    was not; notices: what a person should know; verified: None unless asked for.
     """
 
     program: bytes = field(repr=False)
@@ -124,7 +134,8 @@ class Compensated:
         return self.program.decode("utf-8", "surrogateescape")
 
     def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write the program, whole or not at all. Raises UsageError where a file stands and `overwrite` is not set."""
+        """Write the program, whole or not at all. Raises UsageError where a file stands and
+        `overwrite` is not set."""
         return results.write(path, self.program, overwrite)
 
     def to_json(self) -> str:
@@ -158,10 +169,11 @@ def compensate(
 ) -> Compensated:
     """Correct a program for a machine.
 
-    program: a Path is a file; str and bytes are the program's text; anything else that can be iterated gives its pieces,
-    cut anywhere. machine: as `load_machine` returned it, or its name or folder. verify: replay the result too, and refuse
-    it if it is over the tolerance. Raises ProgramError with line, columns and the way out where a program can not be
-    corrected, UsageError for a setting that can not be.
+    program: a Path is a file; str and bytes are the program's text; anything else that can be
+    iterated gives its pieces, cut anywhere. machine: as `load_machine` returned it, or its name or
+    folder. verify: replay the result too, and refuse it if it is over the tolerance. Raises
+    ProgramError with line, columns and the way out where a program can not be corrected, UsageError
+    for a setting that can not be.
     """
     options = _options(dict(settings), program)
     options.verify = verify
@@ -176,21 +188,24 @@ def verify(
     machine: Machine | str | Path,
     **settings: Unpack[Settings],
 ) -> Verified:
-    """How far a nominal program would be off as it is, and once corrected; no program is kept. As `gcomp FILE --verify`."""
+    """How far a nominal program would be off as it is, and once corrected; no program is kept. As
+    `gcomp FILE --verify`."""
     verified = compensate(program, machine, verify=True, **settings).verified
     assert verified is not None
     return verified
 
 
 def live_filter(machine: Machine | str | Path, **settings: Unpack[Settings]) -> Filter:
-    """A filter for programs that come piece by piece: `feed(bytes) -> bytes` as often as there is something, `finish() ->
-    bytes` at the end, `notices`. Any cut of the input gives the same bytes. As `gcomp --unbuffered`: what has left can not
-    be taken back, and nothing is written out as plain blocks."""
+    """A filter for programs that come piece by piece: `feed(bytes) -> bytes` as often as there is
+    something, `finish() -> bytes` at the end, `notices`. Any cut of the input gives the same bytes.
+    As `gcomp --unbuffered`: what has left can not be taken back, and nothing is written out as
+    plain blocks."""
     return reading.filter_of(_options(dict(settings), ""), machine_of(machine))
 
 
 def attempt(program: Any, machine: Machine, options: argparse.Namespace) -> attempts.Attempt:
-    """The program, corrected as the options of the command line want it; its output is in the attempt's spool."""
+    """The program, corrected as the options of the command line want it; its output is in the
+    attempt's spool."""
     if isinstance(program, Path):
         with ports.opened(str(program)) as (source, name, _):
             return attempts.best(
@@ -206,20 +221,42 @@ def result(done: attempts.Attempt, program: bytes) -> Compensated:
     """What a finished attempt says."""
     filter_, summary = done.filter, done.filter.summary
     return Compensated(
-        program, filter_.name, filter_.machine.name, filter_.machine.digest, filter_.dialect.name, summary.lines,
-        summary.motions, summary.changed, summary.added, summary.largest / UM, filter_.compensator.tolerance / UM, done.why,
-        tuple(filter_.notices), command.summary(filter_), verified_by(done.verifier) if done.verifier else None,
-    )  # fmt: skip
+        program,
+        filter_.name,
+        filter_.machine.name,
+        filter_.machine.digest,
+        filter_.dialect.name,
+        summary.lines,
+        summary.motions,
+        summary.changed,
+        summary.added,
+        summary.largest / UM,
+        filter_.compensator.tolerance / UM,
+        done.why,
+        tuple(filter_.notices),
+        command.summary(filter_),
+        verified_by(done.verifier) if done.verifier else None,
+    )
 
 
 def verified_by(verifier: Verifier) -> Verified:
     """What a verifier has measured."""
     after, before, known = verifier.corrected, verifier.uncorrected, verifier.map.known
     return Verified(
-        verifier.passed, after.deviation / UM, after.line, before.deviation / UM, before.line, after.slide / UM,
-        verifier.tolerance / UM, verifier.allowed / UM, verifier.map.largest / UM if known.parts else None, known.missing,
-        verifier.motions_in, verifier.motions_out, verifier.report(),
-    )  # fmt: skip
+        verifier.passed,
+        after.deviation / UM,
+        after.line,
+        before.deviation / UM,
+        before.line,
+        after.slide / UM,
+        verifier.tolerance / UM,
+        verifier.allowed / UM,
+        verifier.map.largest / UM if known.parts else None,
+        known.missing,
+        verifier.motions_in,
+        verifier.motions_out,
+        verifier.report(),
+    )
 
 
 def defaults() -> argparse.Namespace:
@@ -230,7 +267,7 @@ def defaults() -> argparse.Namespace:
 
 
 def _kept(source: BinaryIO) -> ports.Kept:
-    return ports.Kept(source, expansion.LARGEST)
+    return ports.Kept(source, intake.PROGRAM)
 
 
 def _text(program: str | bytes | Iterable[str | bytes]) -> BinaryIO:
@@ -242,19 +279,27 @@ def _text(program: str | bytes | Iterable[str | bytes]) -> BinaryIO:
     return spool
 
 
-# -- settings ----------------------------------------------------------------------------------------------------------
+# -- settings --------------------------------------------------------------------------------------
 
-UNITS = {"tolerance_um": values.tolerance, "hole_tolerance_um": values.hole_tolerance, "hysteresis_um": values.tolerance,
-         "ramp_mm": values.length}  # fmt: skip
+UNITS = {
+    "tolerance_um": values.tolerance,
+    "hole_tolerance_um": values.hole_tolerance,
+    "hysteresis_um": values.tolerance,
+    "ramp_mm": values.length,
+}
 CHOICES = {
-    "reversal": ("mean", "step", "ramp", "off"), "outside": ("error", "clamp"), "offsets_unit": ("mm", "inch"),
-    "offsets_x": ("radius", "diameter"), "integers": ("units", "least-increments"),
+    "reversal": ("mean", "step", "ramp", "off"),
+    "outside": ("error", "clamp"),
+    "offsets_unit": ("mm", "inch"),
+    "offsets_x": ("radius", "diameter"),
+    "integers": ("units", "least-increments"),
     "arc_centre": ("incremental", "absolute"),
-}  # fmt: skip
+}
 
 
 def _options(settings: dict[str, Any], program: Any) -> argparse.Namespace:
-    """What the command line would have made of the settings. Raises TypeError for a name that is none, UsageError for a value."""
+    """What the command line would have made of the settings. Raises TypeError for a name that is
+    none, UsageError for a value."""
     options = defaults()
     unknown = sorted(set(settings) - set(Settings.__annotations__))
     if unknown:

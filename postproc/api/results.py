@@ -17,7 +17,8 @@ def as_text(data: dict[str, Any]) -> str:
 
 
 def write(path: str | Path, data: bytes, overwrite: bool) -> Path:
-    """Put data in a file, whole or not at all. Raises UsageError where one stands and `overwrite` is not set."""
+    """Put data in a file, whole or not at all. Raises UsageError where one stands and `overwrite`
+    is not set."""
     target = Path(path)
     if target.exists() and not overwrite:
         raise UsageError(f"{target} exists", "overwrite=True replaces it")

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from postproc import __version__, ports
-from postproc.commands.expansion import ENDINGS, LARGEST
+from postproc import __version__, intake, ports
+from postproc.commands.expansion import ENDINGS
 from postproc.errors import UsageError
 from postproc.machine import places
 
@@ -36,7 +36,8 @@ OWN = (
 
 @dataclass(frozen=True)
 class Job:
-    """A program for a machine. machine: its name or path, as it was given; output: where the corrected program goes."""
+    """A program for a machine. machine: its name or path, as it was given; output: where the
+    corrected program goes."""
 
     program: str
     machine: str
@@ -47,7 +48,8 @@ class Job:
 def jobs(
     programs: Sequence[str], machines: Sequence[str], folder: Path, patterns: Sequence[str]
 ) -> list[Job]:
-    """All that is to be done, in order. Raises UsageError where nothing is found, or two results would be one file."""
+    """All that is to be done, in order. Raises UsageError where nothing is found, or two results
+    would be one file."""
     found = [
         (source, relative)
         for name in programs
@@ -77,7 +79,8 @@ def jobs(
 
 
 def _programs(path: Path, output: Path, patterns: Sequence[str]) -> Iterator[tuple[Path, Path]]:
-    """A file, or the programs in a folder and those below it, each with its name below the folder of results."""
+    """A file, or the programs in a folder and those below it, each with its name below the folder
+    of results."""
     if path.is_file():
         yield path, Path(path.name)
         return
@@ -96,14 +99,16 @@ def _programs(path: Path, output: Path, patterns: Sequence[str]) -> Iterator[tup
 
 
 def key_of(job: Job, options: argparse.Namespace) -> str:
-    """What the result depends on: program, machine's folder, offsets, options, version. The same key: the same bytes."""
+    """What the result depends on: program, machine's folder, offsets, options, version. The same
+    key: the same bytes."""
     sha = hashlib.sha256(f"{__version__} {_folder(job.machine)} {_settings(options)}".encode())
-    sha.update(ports.read_whole(Path(job.program), LARGEST))
+    sha.update(ports.read_whole(Path(job.program), intake.PROGRAM))
     return sha.hexdigest()
 
 
 def repeats(options: argparse.Namespace) -> bool:
-    """Whether a key says all: subprograms in other files have a part in what --expand and --library write, and in no key."""
+    """Whether a key says all: subprograms in other files have a part in what --expand and --library
+    write, and in no key."""
     return bool(options.expand or options.library)
 
 
@@ -125,4 +130,4 @@ def _folder(machine: str) -> str:
 
 @cache
 def _digest(name: str) -> str:
-    return hashlib.sha256(ports.read_whole(Path(name), LARGEST)).hexdigest()
+    return hashlib.sha256(ports.read_whole(Path(name), intake.PROGRAM)).hexdigest()

@@ -1,6 +1,8 @@
-"""What is done, line by line in a file beside the results: a run that was stopped goes on where it was.
+"""What is done, line by line in a file beside the results: a run that was stopped goes on where it
+was.
 
-One JSON object a line, written when a result stands on the disk. A line that was cut off is a job that is done again.
+One JSON object a line, written when a result stands on the disk. A line that was cut off is a job
+that is done again.
 """
 
 from __future__ import annotations
@@ -11,8 +13,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from postproc import ports
-from postproc.commands.expansion import LARGEST
+from postproc import intake, ports
 from postproc.errors import UsageError
 
 NAME = ".gcomp-batch.jsonl"
@@ -20,8 +21,9 @@ FORMAT = "gcomp-batch/1"
 
 
 class Ledger:
-    """One run's book, in the folder of results; while it is open no other run may write there. Results are named by their path
-    below that folder, so that it may be moved, or named otherwise from elsewhere."""
+    """One run's book, in the folder of results; while it is open no other run may write there.
+    Results are named by their path below that folder, so that it may be moved, or named otherwise
+    from elsewhere."""
 
     def __init__(self, folder: Path):
         folder.mkdir(parents=True, exist_ok=True)
@@ -34,7 +36,7 @@ class Ledger:
             try:
                 entry = json.loads(line)
                 self.known[entry["result_of"]] = entry
-            except (ValueError, KeyError, TypeError):
+            except (ValueError, KeyError, TypeError, RecursionError):
                 continue
         self._file.seek(0, os.SEEK_END)
         if self._file.tell():
@@ -45,9 +47,8 @@ class Ledger:
     def _lock(self) -> None:
         try:
             import fcntl
-        except (
-            ImportError
-        ):  # Windows has none; there a second run finds its outputs done or standing
+        # Windows has none; there a second run finds its outputs done or standing
+        except ImportError:
             return
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -58,7 +59,8 @@ class Ledger:
             ) from None
 
     def done(self, output: str, key: str) -> dict[str, Any] | None:
-        """What was told of a job, if it is done: under the same key, and its result stands there as it was written."""
+        """What was told of a job, if it is done: under the same key, and its result stands there as
+        it was written."""
         entry = self.known.get(self._name(output))
         if (
             entry is None
@@ -67,17 +69,19 @@ class Ledger:
             or not Path(output).is_file()
         ):
             return None
-        same = hashlib.sha256(ports.read_whole(Path(output), 4 * LARGEST)).hexdigest() == entry.get(
-            "sha256"
-        )
+        same = hashlib.sha256(
+            ports.read_whole(Path(output), 4 * intake.PROGRAM)
+        ).hexdigest() == entry.get("sha256")
         return entry if same else None
 
     def wrote(self, output: str) -> bool:
-        """Whether a file that stands there is a result of an earlier run, which may be written over."""
+        """Whether a file that stands there is a result of an earlier run, which may be written
+        over."""
         return self._name(output) in self.known
 
     def begin(self, output: str) -> None:
-        """Say that a result will come: what stands there when the run is ended before it is told is one of this run."""
+        """Say that a result will come: what stands there when the run is ended before it is told is
+        one of this run."""
         self._put({"result_of": self._name(output), "status": "begun"})
 
     def write(self, key: str, told: dict[str, Any]) -> None:

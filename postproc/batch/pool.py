@@ -1,8 +1,9 @@
-"""Who does the jobs: processes of this computer, or a Dask cluster. Either may lose a worker at any moment.
+"""Who does the jobs: processes of this computer, or a Dask cluster. Either may lose a worker at any
+moment.
 
-Jobs are handed out a few at a time, so that what waits can be taken back, and results come as they are ready. Where a worker
-is killed, the jobs that were handed out are done again, each in a process of its own; one that ends these too, as often as
-`--retries` says, is given up and told as failed.
+Jobs are handed out a few at a time, so that what waits can be taken back, and results come as they
+are ready. Where a worker is killed, the jobs that were handed out are done again, each in a process
+of its own; one that ends these too, as often as `--retries` says, is given up and told as failed.
 """
 
 from __future__ import annotations
@@ -63,9 +64,14 @@ def local(
 
 
 def _hand_out(
-    pool: ProcessPoolExecutor, waiting: Iterator[Job], at_work: dict[Future, Job], options: argparse.Namespace, most: int
-) -> list[Job]:  # fmt: skip
-    """Give out jobs until so many are at work; returns the one that could not be, since a worker has ended meanwhile."""
+    pool: ProcessPoolExecutor,
+    waiting: Iterator[Job],
+    at_work: dict[Future, Job],
+    options: argparse.Namespace,
+    most: int,
+) -> list[Job]:
+    """Give out jobs until so many are at work; returns the one that could not be, since a worker
+    has ended meanwhile."""
     while len(at_work) < most:
         job = next(waiting, None)
         if job is None:
@@ -92,11 +98,19 @@ def _one_by_one(jobs: Iterable[Job], options: argparse.Namespace, retries: int) 
 
 
 def _given_up(job: Job, attempts: int) -> dict[str, Any]:
-    message = f"{job.program}: the process that corrected it ended {attempts} times (out of memory, or killed)"
+    message = (
+        f"{job.program}: the process that corrected it ended {attempts} times (out of memory, or"
+        " killed)"
+    )
     return {
-        "program": job.program, "machine": job.machine, "output": job.output, "status": FAILED, "message": message,
-        "text": message, "seconds": 0.0,
-    }  # fmt: skip
+        "program": job.program,
+        "machine": job.machine,
+        "output": job.output,
+        "status": FAILED,
+        "message": message,
+        "text": message,
+        "seconds": 0.0,
+    }
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:
@@ -104,7 +118,8 @@ def _pool(workers: int) -> ProcessPoolExecutor:
 
 
 def _quiet() -> None:
-    """A worker is ended by the process that began it: Ctrl-C and TERM reach that one. It does not outlive it (Linux)."""
+    """A worker is ended by the process that began it: Ctrl-C and TERM reach that one. It does not
+    outlive it (Linux)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     with contextlib.suppress(OSError, AttributeError, ImportError):

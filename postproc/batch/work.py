@@ -1,4 +1,5 @@
-"""One job, done in whatever process: a program read, corrected, written, and what came of it as plain data."""
+"""One job, done in whatever process: a program read, corrected, written, and what came of it as
+plain data."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ DONE, REFUSED, FAILED = "done", "refused", "failed"
 
 
 def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
-    """Correct a program and write it whole, or not at all. Never raises for what a program or a file is: that is told."""
+    """Correct a program and write it whole, or not at all. Never raises for what a program or a
+    file is: that is told."""
     begun = time.monotonic()
     told: dict[str, Any] = {
         "program": job.program,
@@ -36,7 +38,10 @@ def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
             "line": place.line if place else None, "text": str(error),
         }  # fmt: skip
     except (OSError, MemoryError) as error:
-        what = f"{getattr(error, 'filename', '') or job.program}: {getattr(error, 'strerror', '') or 'out of memory'}"
+        what = (
+            f"{getattr(error, 'filename', '') or job.program}:"
+            f" {getattr(error, 'strerror', '') or 'out of memory'}"
+        )
         told |= {"status": FAILED, "message": what, "text": what}
     told["seconds"] = round(time.monotonic() - begun, 3)
     return told

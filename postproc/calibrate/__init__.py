@@ -1,7 +1,9 @@
-"""Recordings of single axes in, error tables of a machine out: means, uncertainties, datum, lines, squareness, checks.
+"""Recordings of single axes in, error tables of a machine out: means, uncertainties, datum, lines,
+squareness, checks.
 
-Knows no files: recordings come in as arrays, a machine folder goes out as text (folder.py). Every reading is actual -
-commanded of the tool against the workpiece, so tables have the machine's sign and nothing is turned round.
+Knows no files: recordings come in as arrays, a machine folder goes out as text (folder.py). Every
+reading is actual - commanded of the tool against the workpiece, so tables have the machine's sign
+and nothing is turned round.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ from dataclasses import dataclass, field
 from postproc.errors import GcompError
 from postproc.machine.chain import Chain
 
-STEEL = 11.5e-6  # 1/K, expansion of steel and of most glass scales' substrates; ISO 230-2 names 11 to 12 for steel
+# 1/K, expansion of steel and of most glass scales' substrates; ISO 230-2 names 11 to 12 for steel
+STEEL = 11.5e-6
 LINES = ("least-squares", "end-points")
 
 
@@ -22,7 +25,8 @@ class CalibrationError(GcompError):
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found. level: "doubt" for what may be wrong, "note" for what was done or could not be looked at;
+    """What a check found. level: "doubt" for what may be wrong, "note" for what was done or could
+    not be looked at;
     numbers: what it rests on, names with their unit."""
 
     check: str
@@ -36,12 +40,15 @@ class Finding:
 class Options:
     """What the user decides.
 
-    chain: who carries whom. datum: axis to the position where its deviations are zero; keep_zero: leave the zeros as
-    recorded. line: how the reference line of a straightness is drawn; keep_lines: leave it in. squareness: name to
-    (value, u) in rad, or to "straightness" or "diagonals". square_error: (value, u) rad, the angle of the square over 90
-    degrees. square_at: axis to mm, where the axes stood when a stated squareness was measured. leads: axis to mm of a turn of its screw. travel: axis to mm. point (3,): mm, the measured point from the
-    last carriage. u_random: u of the recordings is noise and averages out. u_temperature: K, of the scale's mean
-    temperature; expansion: 1/K. mean: one column for both directions. keep_all: components within their uncertainty too.
+    chain: who carries whom. datum: axis to the position where its deviations are zero; keep_zero:
+    leave the zeros as recorded. line: how the reference line of a straightness is drawn;
+    keep_lines: leave it in. squareness: name to (value, u) in rad, or to "straightness" or
+    "diagonals". square_error: (value, u) rad, the angle of the square over 90 degrees. square_at:
+    axis to mm, where the axes stood when a stated squareness was measured. leads: axis to mm of a
+    turn of its screw. travel: axis to mm. point (3,): mm, the measured point from the last
+    carriage. u_random: u of the recordings is noise and averages out. u_temperature: K, of the
+    scale's mean temperature; expansion: 1/K. mean: one column for both directions. keep_all:
+    components within their uncertainty too.
     """
 
     chain: Chain

@@ -1,4 +1,5 @@
-"""Where the components were measured: the arm that is counted from there, and components of one axis brought together."""
+"""Where the components were measured: the arm that is counted from there, and components of one
+axis brought together."""
 
 from __future__ import annotations
 
@@ -14,10 +15,12 @@ from postproc.machine.tables import COMPONENTS
 
 
 def optic_of(components: list[Component], letter: str, options: Options) -> str:
-    """What the measured point of an axis was fixed to, "tool" or "workpiece"; "" for the side that the axis carries.
+    """What the measured point of an axis was fixed to, "tool" or "workpiece"; "" for the side that
+    the axis carries.
 
-    A reading is the deviation of the tool at the workpiece, so the point goes with the tool unless the recording's head
-    says `optic = "workpiece"`. Raises CalibrationError for another word, or for files that differ.
+    A reading is the deviation of the tool at the workpiece, so the point goes with the tool unless
+    the recording's head says `optic = "workpiece"`. Raises CalibrationError for another word, or
+    for files that differ.
     """
     said = set()
     for component in components:
@@ -30,7 +33,8 @@ def optic_of(components: list[Component], letter: str, options: Options) -> str:
             said.add(word)
     if len(said) > 1:
         raise CalibrationError(
-            f"some recordings of {letter} have their optic fixed to the tool, others to the workpiece",
+            f"some recordings of {letter} have their optic fixed to the tool, others to the"
+            " workpiece",
             "calibrate one kind",
         )
     word = said.pop() if said else "tool"
@@ -40,13 +44,15 @@ def optic_of(components: list[Component], letter: str, options: Options) -> str:
 def bring_together(
     components: dict[str, Component], options: Options
 ) -> tuple[dict[str, Component], dict[str, dict[str, float]], dict[str, str], list[str]]:
-    """All translations of an axis as at one place of the other axes, where its positioning was measured.
+    """All translations of an axis as at one place of the other axes, where its positioning was
+    measured.
 
-    Beside the axes of the arm the measured point itself counts: a file has no word for it, so translations are written as
-    they would be at the carriage, and the tool's own place brings the arm back.
+    Beside the axes of the arm the measured point itself counts: a file has no word for it, so
+    translations are written as they would be at the carriage, and the tool's own place brings the
+    arm back.
 
-    Returns the components, `measured_at` (axis to other axis to mm, those of the arm only), the optic of each axis, and
-    what was moved or could not be.
+    Returns the components, `measured_at` (axis to other axis to mm, those of the arm only), the
+    optic of each axis, and what was moved or could not be.
     """
     result = dict(components)
     measured: dict[str, dict[str, float]] = {}
@@ -80,7 +86,8 @@ def bring_together(
 def _carried(
     component: Component, away: dict[str, float], mine: dict[str, Component], why: str
 ) -> tuple[Component, str]:
-    """A translation as it would be with the others `away` mm further: what the axis' own angles make of that arm."""
+    """A translation as it would be with the others `away` mm further: what the axis' own angles
+    make of that arm."""
     row = XYZ.index(component.name[1])
     extra, variance = np.zeros_like(component.value), np.zeros_like(component.value)
     used, missing = [], []
@@ -89,13 +96,13 @@ def _carried(
         if across == row:
             continue
         turn = 3 - row - across
-        sign = (
-            1.0 if (turn + 1) % 3 == across else -1.0
-        )  # (eps x arm)_i = eps_j arm_k - eps_k arm_j
+        # (eps x arm)_i = eps_j arm_k - eps_k arm_j
+        sign = 1.0 if (turn + 1) % 3 == across else -1.0
         angle = mine.get(f"{COMPONENTS[3 + turn]}{component.letter}")
         if angle is None:
             missing.append(
-                f"{COMPONENTS[3 + turn]}{component.letter} (10 urad of it would be {abs(distance) / 100:.1f} um)"
+                f"{COMPONENTS[3 + turn]}{component.letter} (10 urad of it would be"
+                f" {abs(distance) / 100:.1f} um)"
             )
             continue
         used.append(angle.name)

@@ -1,7 +1,8 @@
-"""Which component a recording measured: from the axis that moved, the quantity and the sensitive direction.
+"""Which component a recording measured: from the axis that moved, the quantity and the sensitive
+direction.
 
-One axis moves and the others rest: a component (EXX, EZX, EBZ). Several move together along a straight line: a diagonal.
-Anything else fits nothing and is refused with the reason.
+One axis moves and the others rest: a component (EXX, EZX, EBZ). Several move together along a
+straight line: a diagonal. Anything else fits nothing and is refused with the reason.
 """
 
 from __future__ import annotations
@@ -27,9 +28,10 @@ STRAIGHT = 0.05  # mm: how far targets of a diagonal may lie beside its line
 class Series:
     """Readings of one component from one file.
 
-    component: EZX; letter: the axis that moves. position (N,) mm (deg of rotary axes); approach (N,): +1, -1, 0 for not
-    known; run (N,); reading (N,) mm or rad along the positive direction; lines (N,): of the file; t (N,) s; rest: axis
-    to mm where it stood; u: mm or rad, of one reading, None for not stated; head and columns: of the recording.
+    component: EZX; letter: the axis that moves. position (N,) mm (deg of rotary axes); approach
+    (N,): +1, -1, 0 for not known; run (N,); reading (N,) mm or rad along the positive direction;
+    lines (N,): of the file; t (N,) s; rest: axis to mm where it stood; u: mm or rad, of one
+    reading, None for not stated; head and columns: of the recording.
     """
 
     component: str
@@ -64,8 +66,9 @@ class Series:
 
 @dataclass(frozen=True)
 class Diagonal:
-    """Readings along a line in which several axes move together. path: axis to (N,) mm; direction: axis to cosine of the
-    sensitive direction; approach (N,): +1 where it was travelled along `direction`; rest: axis to mm where it stood."""
+    """Readings along a line in which several axes move together. path: axis to (N,) mm; direction:
+    axis to cosine of the sensitive direction; approach (N,): +1 where it was travelled along
+    `direction`; rest: axis to mm where it stood."""
 
     file: str
     path: dict[str, np.ndarray]
@@ -120,21 +123,34 @@ def assign(recording: Recording) -> Series | Diagonal:
         component = COMPONENTS[XYZ.index(direction)] + letter
         if kind == "straightness" and direction == letter:
             raise refuse(
-                f"straightness of {letter} along {letter} itself", f"along {letter} it is a displacement; else sensitive is wrong"
-            )  # fmt: skip
+                f"straightness of {letter} along {letter} itself",
+                f"along {letter} it is a displacement; else sensitive is wrong",
+            )
         if kind == "displacement" and direction != letter and letter in XYZ:
             told = (f"a displacement across {letter} is a straightness: taken as {component}",)
     if f"approach_{letter}" not in recording.columns:
         told += (
-            f"no column approach_{letter}: taken as measured in one direction, its reversal is not known",
+            (
+                f"no column approach_{letter}: taken as measured in one direction, its reversal is"
+                " not known"
+            ),
         )
     run = recording.columns.get("run", np.ones(len(recording)))
     return Series(
-        component, letter, recording.file, recording.position(letter), recording.approach(letter), run,
-        recording.reading * np.sign(vector[direction]), recording.lines,
-        {x: float(np.mean(recording.position(x))) for x in recording.axes if x != letter}, recording.u, recording.head,
-        recording.columns, told + recording.notices,
-    )  # fmt: skip
+        component,
+        letter,
+        recording.file,
+        recording.position(letter),
+        recording.approach(letter),
+        run,
+        recording.reading * np.sign(vector[direction]),
+        recording.lines,
+        {x: float(np.mean(recording.position(x))) for x in recording.axes if x != letter},
+        recording.u,
+        recording.head,
+        recording.columns,
+        told + recording.notices,
+    )
 
 
 def _diagonal(
@@ -153,8 +169,10 @@ def _diagonal(
     if beside.max() > STRAIGHT:
         line = int(recording.lines[int(np.argmax(beside))])
         raise refuse(
-            f"{both} move, and not along one straight line (line {line} lies {beside.max():.3g} mm beside it)",
-            "a component needs one axis moving and the others at rest, a diagonal all of them in proportion",
+            f"{both} move, and not along one straight line (line {line} lies {beside.max():.3g} mm"
+            " beside it)",
+            "a component needs one axis moving and the others at rest, a diagonal all of them in"
+            " proportion",
         )
     sensitive = np.array([vector.get(x, 0.0) for x in moving])
     cosine = float(along @ sensitive)
@@ -164,17 +182,23 @@ def _diagonal(
         or any(x not in moving for x in vector)
     ):
         raise refuse(
-            f"{both} move together, and the {recording.quantity} is read at {np.degrees(np.arccos(min(1.0, abs(cosine)))):.1f} degrees to their path",
-            "of several axes that move together only the displacement along the path is used (ISO 230-6)",
+            f"{both} move together, and the {recording.quantity} is read at"
+            f" {np.degrees(np.arccos(min(1.0, abs(cosine)))):.1f} degrees to their path",
+            "of several axes that move together only the displacement along the path is used (ISO"
+            " 230-6)",
         )
     along *= np.sign(cosine)
     lead = moving[int(np.argmax(np.abs(along)))]
     approach = recording.approach(lead) * np.sign(along[moving.index(lead)])
     return Diagonal(
-        recording.file, dict(zip(moving, places, strict=True)), dict(zip(moving, map(float, along), strict=True)),
-        approach, recording.reading, recording.lines,
+        recording.file,
+        dict(zip(moving, places, strict=True)),
+        dict(zip(moving, map(float, along), strict=True)),
+        approach,
+        recording.reading,
+        recording.lines,
         {x: float(np.mean(recording.position(x))) for x in recording.axes if x not in moving},
-    )  # fmt: skip
+    )
 
 
 def unit_of(component: str) -> tuple[str, float]:

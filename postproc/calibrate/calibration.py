@@ -1,4 +1,5 @@
-"""Recordings in, a calibration out: which components there are, what they are, what was left out, what looks wrong."""
+"""Recordings in, a calibration out: which components there are, what they are, what was left out,
+what looks wrong."""
 
 from __future__ import annotations
 
@@ -27,8 +28,9 @@ from postproc.recordings import Recording
 
 @dataclass(frozen=True)
 class Calibration:
-    """components: those that are written, by name; left_out: the others with the reason ("range", "noise"); refused:
-    recordings that fit nothing, with why; measured_at: axis to other axis to mm; optics: axis to "", tool or workpiece.
+    """components: those that are written, by name; left_out: the others with the reason ("range",
+    "noise"); refused: recordings that fit nothing, with why; measured_at: axis to other axis to mm;
+    optics: axis to "", tool or workpiece.
     """
 
     options: Options
@@ -62,7 +64,8 @@ class Calibration:
         return sorted(mine, key=lambda c: COMPONENTS.index(c.name[:2]))
 
     def nodes(self, letter: str) -> np.ndarray:
-        """(K,) all targets of the axis' components: each is linear between its own, so nothing is lost."""
+        """(K,) all targets of the axis' components: each is linear between its own, so nothing is
+        lost."""
         return np.unique(np.concatenate([c.nodes for c in self.of(letter)]))
 
     def values(self, component: Component) -> np.ndarray:
@@ -112,7 +115,8 @@ class Calibration:
 
 
 def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
-    """All of it. Raises CalibrationError where no recording fits a component, or one that does can not be used."""
+    """All of it. Raises CalibrationError where no recording fits a component, or one that does can
+    not be used."""
     series: dict[str, list[Series]] = {}
     diagonals: list[Diagonal] = []
     refused: list[GcompError] = []
@@ -126,9 +130,11 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
             missing = [x for x in axes if x not in options.chain.axes]
             if missing:
                 raise CalibrationError(
-                    f"{missing[0]} moves, and the chain {'-'.join(options.chain.axes)} has no {missing[0]}",
-                    "--chain names all axes", Place(recording.file, 1),
-                )  # fmt: skip
+                    f"{missing[0]} moves, and the chain {'-'.join(options.chain.axes)} has no"
+                    f" {missing[0]}",
+                    "--chain names all axes",
+                    Place(recording.file, 1),
+                )
         except CalibrationError as error:
             refused.append(error)
             continue
@@ -149,7 +155,10 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
             one = one.pick(~np.isin(np.arange(len(one.reading)), [o.row for o in mine]))
         unknown = int((one.approach == 0).sum())
         if unknown and np.any(one.approach):
-            text = f"{one.file}: of {unknown} of its readings the direction of approach is not known, they are not used"
+            text = (
+                f"{one.file}: of {unknown} of its readings the direction of approach is not known,"
+                " they are not used"
+            )
             told.append(Finding("assignment", "doubt", one.component, text, {"readings": unknown}))
         series.setdefault(one.component, []).append(one)
     if not series:
@@ -180,19 +189,24 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
 
 
 def _state(recordings: Sequence[Recording]) -> list[Finding]:
-    """What is said of recordings made after compensation; one before among them makes a map of neither machine.
-    Raises CalibrationError."""
+    """What is said of recordings made after compensation; one before among them makes a map of
+    neither machine. Raises CalibrationError."""
     after = [r.file for r in recordings if r.head.get("compensated") is True]
     before = [r for r in recordings if r.head.get("compensated") is not True]
     if after and before:
         raise CalibrationError(
-            f"{before[0].file} was measured before compensation, and {after[0]} after it (compensated = true)",
-            "a map is of one state: name those of before; gcomp accept compares them with those of after",
+            f"{before[0].file} was measured before compensation, and {after[0]} after it"
+            " (compensated = true)",
+            "a map is of one state: name those of before; gcomp accept compares them with those of"
+            " after",
             Place(before[0].file, 1),
         )
     if not after:
         return []
-    text = f"{', '.join(after)}: measured after compensation, so this map is of what was left by the one that was used"
+    text = (
+        f"{', '.join(after)}: measured after compensation, so this map is of what was left by the"
+        " one that was used"
+    )
     return [Finding("state", "doubt", "", text)]
 
 

@@ -1,13 +1,16 @@
-"""What a ballbar tells of a map: squareness, lost motion and the difference of two scales (ISO 230-4, both senses).
+"""What a ballbar tells of a map: squareness, lost motion and the difference of two scales (ISO
+230-4, both senses).
 
 Along a circle of radius R the bar reads, with a, b the two axes and t the angle from a towards b,
 
     r = c_a cos t + c_b sin t + zero + (s_a - s_b) R cos(2t) / 2 + g R sin(2t) / 2
         - B_a / 2 way_a cos t - B_b / 2 way_b sin t + m sense sin(2t)
 
-c: the centre's set-up, zero: the bar's own length with the mean of both scales, which it can not part; s: scales; g: drift of a per mm of b and
-of b per mm of a together, the squareness; B: lost motion, way: the direction in which the axis moves; m: axes that follow
-unlike, which turns the ellipse with the sense of rotation (so both senses are needed). Each file has its own centre and zero.
+c: the centre's set-up, zero: the bar's own length with the mean of both scales, which it can not
+part; s: scales; g: drift of a per mm of b and of b per mm of a together, the squareness; B: lost
+motion, way: the direction in which the axis moves; m: axes that follow unlike, which turns the
+ellipse with the sense of rotation (so both senses are needed). Each file has its own centre and
+zero.
 """
 
 from __future__ import annotations
@@ -23,18 +26,19 @@ from postproc.errors import Place
 from postproc.machine.chain import XYZ
 from postproc.recordings import Recording
 
-SECTORS = 16  # of a turn: what the equation leaves is taken as alike within one, and as independent between them
-BESIDE = (
-    0.1  # mm that a commanded place may lie beside the circle; further out it belongs to the run-in
-)
+# of a turn: what the equation leaves is taken as alike within one, and as independent between them
+SECTORS = 16
+# mm that a commanded place may lie beside the circle; further out it belongs to the run-in
+BESIDE = 0.1
 SHARED = ("scale", "square", "first play", "second play", "lag")
 LEAST = 12  # samples of a run
 
 
 @dataclass(frozen=True)
 class Circles:
-    """axes: "XY"; square: rad, drift of the first axis per mm of the second and of the second per mm of the first together; scale: difference of
-    the first axis' and the second's; play (2,) mm; u: of each, by name; rms mm: of what is left; samples."""
+    """axes: "XY"; square: rad, drift of the first axis per mm of the second and of the second per
+    mm of the first together; scale: difference of the first axis' and the second's; play (2,) mm;
+    u: of each, by name; rms mm: of what is left; samples."""
 
     axes: str
     square: float
@@ -50,15 +54,21 @@ def axes_of(recording: Recording) -> str:
     """The two axes of a circle, in the order X Y Z. Raises CalibrationError for others."""
     axes = "".join(x for x in XYZ if x in recording.head.get("centre", {}))
     if len(axes) != 2 or len(recording.head["centre"]) != 2:
-        raise CalibrationError("the centre names no two linear axes", "centre = { X = .., Y = .. }", Place(recording.file, 1))  # fmt: skip
+        raise CalibrationError(
+            "the centre names no two linear axes",
+            "centre = { X = .., Y = .. }",
+            Place(recording.file, 1),
+        )
     return axes
 
 
 def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles:
-    """Least squares over all files of one plane. known: of each (N,) mm, the radial deviation that is explained already.
+    """Least squares over all files of one plane. known: of each (N,) mm, the radial deviation that
+    is explained already.
 
-    u of each number comes from what is left, sector by sector (cluster-robust, with Student's t for so few sectors), so
-    that waves of straightness widen it. Raises CalibrationError where one sense is missing.
+    u of each number comes from what is left, sector by sector (cluster-robust, with Student's t for
+    so few sectors), so that waves of straightness widen it. Raises CalibrationError where one sense
+    is missing.
     """
     axes = axes_of(recordings[0])
     rows, values, sectors, senses = [], [], [], []
@@ -75,9 +85,11 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     terms, y, sector = np.vstack(rows), np.concatenate(values), np.concatenate(sectors)
     if len(np.unique(np.concatenate(senses))) < 2:
         raise CalibrationError(
-            "the circles turn one way only: the squareness and axes that follow unlike look the same",
-            "record both senses", Place(recordings[0].file, 1),
-        )  # fmt: skip
+            "the circles turn one way only: the squareness and axes that follow unlike look the"
+            " same",
+            "record both senses",
+            Place(recordings[0].file, 1),
+        )
     if len(np.unique(sector)) < SECTORS:
         raise CalibrationError(
             "the circles are no full turns",
@@ -96,15 +108,22 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     )
     u = dict(zip(SHARED, spread[: len(SHARED)].tolist(), strict=True))
     return Circles(
-        axes, float(found[1]), float(found[0]), (float(found[2]), float(found[3])), u, float(np.sqrt(np.mean(left**2))),
-        len(y), tuple(r.file for r in recordings),
-    )  # fmt: skip
+        axes,
+        float(found[1]),
+        float(found[0]),
+        (float(found[2]), float(found[3])),
+        u,
+        float(np.sqrt(np.mean(left**2))),
+        len(y),
+        tuple(r.file for r in recordings),
+    )
 
 
 def _rows(
     one: Recording, expected: np.ndarray, axes: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Columns of SHARED, the reading without what is known, the angle and the sense of each sample on the circle."""
+    """Columns of SHARED, the reading without what is known, the angle and the sense of each sample
+    on the circle."""
     if axes_of(one) != axes:
         raise CalibrationError(
             f"{one.file} is a circle of {axes_of(one)}, the first one of {axes}",
@@ -114,7 +133,11 @@ def _rows(
     arm = np.stack([one.position(x) - one.head["centre"][x] for x in axes])
     on = np.abs(np.hypot(*arm) - radius) <= BESIDE
     if on.sum() < LEAST:
-        raise CalibrationError(f"{int(on.sum())} samples lie on the circle of {radius:g} mm", "are centre and radius_mm right?", Place(one.file, 1))  # fmt: skip
+        raise CalibrationError(
+            f"{int(on.sum())} samples lie on the circle of {radius:g} mm",
+            "are centre and radius_mm right?",
+            Place(one.file, 1),
+        )
     angle, sense = np.arctan2(arm[1], arm[0])[on], one.columns["sense"][on]
     first, second = -sense * np.sign(np.sin(angle)), sense * np.sign(np.cos(angle))
     columns = np.column_stack([

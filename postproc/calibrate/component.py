@@ -1,7 +1,8 @@
-"""One component: the means of its runs, without its set-up zero and its reference line, and the uncertainty of each value.
+"""One component: the means of its runs, without its set-up zero and its reference line, and the
+uncertainty of each value.
 
-Everything done to the means is linear (filling a gap, taking a line off, shifting to the datum), so it is one matrix,
-and the uncertainty goes through the same matrix (JCGM 100, 5.1 and G.4).
+Everything done to the means is linear (filling a gap, taking a line off, shifting to the datum), so
+it is one matrix, and the uncertainty goes through the same matrix (JCGM 100, 5.1 and G.4).
 """
 
 from __future__ import annotations
@@ -23,11 +24,12 @@ SAME_PLACE = 0.1  # mm: no angle that a slide has makes this visible
 
 @dataclass(frozen=True)
 class Component:
-    """value, u (2, K): mm or rad at the nodes, approached in + and in -, and the standard uncertainty with the factor of
-    the few runs in it, so that 2 u covers 95 % (NaN where nothing says it). slope: rad (rad/mm), of the reference
-    line, and its u; lined: whether the line was taken off. datum: where the mean of both directions is zero, None for as
-    recorded. filled: (way, node) of cells that no reading stands behind. noise: chi-squared of the means about their
-    zero and line, and its 95 % limit."""
+    """value, u (2, K): mm or rad at the nodes, approached in + and in -, and the standard
+    uncertainty with the factor of the few runs in it, so that 2 u covers 95 % (NaN where nothing
+    says it). slope: rad (rad/mm), of the reference line, and its u; lined: whether the line was
+    taken off. datum: where the mean of both directions is zero, None for as recorded. filled: (way,
+    node) of cells that no reading stands behind. noise: chi-squared of the means about their zero
+    and line, and its 95 % limit."""
 
     name: str
     letter: str
@@ -75,7 +77,8 @@ class Component:
 
     @property
     def reversal(self) -> np.ndarray:
-        """(K,) B: approached in + less approached in -; NaN where one direction was not read (ISO 230-2)."""
+        """(K,) B: approached in + less approached in -; NaN where one direction was not read (ISO
+        230-2)."""
         b = self.value[0] - self.value[1]
         for _, k in self.filled:
             b[k] = np.nan
@@ -110,21 +113,24 @@ class Component:
 
 
 def elsewhere(first: Series, other: Series) -> CalibrationError | None:
-    """Why a further file of a component is of another line of the axis; angles are the same on all of them."""
+    """Why a further file of a component is of another line of the axis; angles are the same on all
+    of them."""
     moved = [x for x, at in other.rest.items() if abs(at - first.rest.get(x, at)) > SAME_PLACE]
     if not moved or first.angle:
         return None
     where, before = (", ".join(f"{x} = {s.rest[x]:g}" for x in moved) for s in (other, first))
     return CalibrationError(
-        f"{first.component} is measured at {where} here, and at {before} in {first.file}, which was named first",
+        f"{first.component} is measured at {where} here, and at {before} in {first.file}, which was"
+        " named first",
         "a table holds one line of the axis: name the other first, or leave one out",
         Place(other.file, 1),
     )
 
 
 def join(series: list[Series], keep_lines: bool) -> Series:
-    """Several files of one component to one: each has its own zero (a straightness its own line), taken from the targets
-    that it shares with the first. Raises CalibrationError where it shares none."""
+    """Several files of one component to one: each has its own zero (a straightness its own line),
+    taken from the targets that it shares with the first. Raises CalibrationError where it shares
+    none."""
     first = series[0]
     if len(series) == 1:
         return first
@@ -135,9 +141,11 @@ def join(series: list[Series], keep_lines: bool) -> Series:
         shared, ours, difference = _shared(cells, other)
         if not len(shared):
             raise CalibrationError(
-                f"{first.component} shares no target and direction with {first.file}: nothing connects their zeros",
-                "measure both directions in one set-up", place,
-            )  # fmt: skip
+                f"{first.component} shares no target and direction with {first.file}: nothing"
+                " connects their zeros",
+                "measure both directions in one set-up",
+                place,
+            )
         _one_state(first, other, shared, ours, difference, cells)
         shift = np.full(len(other.reading), difference.mean())
         if first.straight and not keep_lines and len(np.unique(shared)) > 2:
@@ -149,9 +157,14 @@ def join(series: list[Series], keep_lines: bool) -> Series:
         return np.concatenate([getattr(s, name) for s in parts])
 
     return replace(
-        first, u=max(known) if known else None, position=all_of("position"), approach=all_of("approach"),
-        run=all_of("run"), reading=all_of("reading"), lines=all_of("lines"),
-    )  # fmt: skip
+        first,
+        u=max(known) if known else None,
+        position=all_of("position"),
+        approach=all_of("approach"),
+        run=all_of("run"),
+        reading=all_of("reading"),
+        lines=all_of("lines"),
+    )
 
 
 def _one_state(
@@ -162,8 +175,9 @@ def _one_state(
     difference: np.ndarray,
     cells: Cells,
 ) -> None:
-    """Raises CalibrationError where the other file shows less than half of what the first shows, or over one and a half
-    times that: 0 is after compensation, 2 with its sign turned (accept/signs.py has the same limits)."""
+    """Raises CalibrationError where the other file shows less than half of what the first shows, or
+    over one and a half times that: 0 is after compensation, 2 with its sign turned (accept/signs.py
+    has the same limits)."""
     terms = np.vander(shared, 2 if first.straight else 1)
     free = len(shared) - terms.shape[1]
     if free < 3 or first.angle:
@@ -175,10 +189,11 @@ def _one_state(
     ratio = 1 + float(less @ shape / (shape @ shape))
     if not 0.5 < ratio < 1.5:
         raise CalibrationError(
-            f"{first.component} is {ratio:.2f} times here what it is in {first.file}: the one was measured before compensation "
-            f"and the other after it, or read with the other sign",
-            "a map is of one state: leave one out; gcomp accept compares them", Place(other.file, 1),
-        )  # fmt: skip
+            f"{first.component} is {ratio:.2f} times here what it is in {first.file}: the one was"
+            " measured before compensation and the other after it, or read with the other sign",
+            "a map is of one state: leave one out; gcomp accept compares them",
+            Place(other.file, 1),
+        )
 
 
 def _shared(cells: Cells, other: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -210,9 +225,8 @@ def build(series: list[Series], options: Options) -> Component:
     ways = 2 if cells.two_way else 1
     mean = cells.mean[:ways].ravel()
     fill, filled = _fill(cells)
-    both = (
-        np.hstack([np.eye(k)] * 2) / 2 if ways == 2 else np.eye(k)
-    )  # (K, 2K): mean of both directions
+    # (K, 2K): mean of both directions
+    both = np.hstack([np.eye(k)] * 2) / 2 if ways == 2 else np.eye(k)
     zero, datum = _datum(cells.nodes, one.letter, options)
     line = _line(cells.nodes, options.line)
     lined = one.straight and not options.keep_lines
@@ -230,15 +244,26 @@ def build(series: list[Series], options: Options) -> Component:
     u_slope, _ = _uncertainty(slope_row[None], one, cells, ways)
     two = (lambda a: a) if ways == 2 else (lambda a: np.repeat(a, 2, axis=0))
     return Component(
-        one.component, one.letter, tuple(series), cells, two(value), two(u.reshape(ways, k)),
-        slope=float(slope_row @ y), u_slope=float(u_slope[0]), lined=lined, datum=datum, filled=tuple(filled),
-        noise=_noise(one, cells, ways, lined), dof=float(np.median(dof)),
-    )  # fmt: skip
+        one.component,
+        one.letter,
+        tuple(series),
+        cells,
+        two(value),
+        two(u.reshape(ways, k)),
+        slope=float(slope_row @ y),
+        u_slope=float(u_slope[0]),
+        lined=lined,
+        datum=datum,
+        filled=tuple(filled),
+        noise=_noise(one, cells, ways, lined),
+        dof=float(np.median(dof)),
+    )
 
 
 def _fill(cells: Cells) -> tuple[np.ndarray, list[tuple[int, int]]]:
-    """(2K, 2K) or (K, K): gaps between two targets of a direction by a straight line, at an end by the other direction
-    with the reversal of the nearest target. Raises CalibrationError where a direction has fewer than two targets."""
+    """(2K, 2K) or (K, K): gaps between two targets of a direction by a straight line, at an end by
+    the other direction with the reversal of the nearest target. Raises CalibrationError where a
+    direction has fewer than two targets."""
     k = len(cells.nodes)
     ways = 2 if cells.two_way else 1
     matrix = np.eye(k * ways)
@@ -280,14 +305,16 @@ def _line(nodes: np.ndarray, kind: str) -> np.ndarray:
 
 
 def _datum(nodes: np.ndarray, letter: str, options: Options) -> tuple[np.ndarray, float | None]:
-    """(K,) weights of the means that give the value at the datum, and the datum: position 0 where it was measured."""
+    """(K,) weights of the means that give the value at the datum, and the datum: position 0 where
+    it was measured."""
     row = np.zeros(len(nodes))
     if options.keep_zero and letter not in options.datum:
         return row, None
     datum = options.datum.get(letter, 0.0 if nodes[0] <= 0.0 <= nodes[-1] else float(nodes[0]))
     if not nodes[0] <= datum <= nodes[-1]:
         raise CalibrationError(
-            f"the datum {letter} = {datum:g} lies outside the targets {nodes[0]:g} to {nodes[-1]:g}",
+            f"the datum {letter} = {datum:g} lies outside the targets {nodes[0]:g} to"
+            f" {nodes[-1]:g}",
             "choose one within",
         )
     at = min(int(np.searchsorted(nodes, datum, side="right")) - 1, len(nodes) - 2)
@@ -297,8 +324,9 @@ def _datum(nodes: np.ndarray, letter: str, options: Options) -> tuple[np.ndarray
 
 
 def _variance(one: Series, cells: Cells, ways: int) -> tuple[np.ndarray, np.ndarray]:
-    """Variance of the mean of each cell by the scatter of its runs, not below that of the reading's step; degrees of
-    freedom. One run alone has no scatter: then the instrument's, and NaN where that is not stated either."""
+    """Variance of the mean of each cell by the scatter of its runs, not below that of the reading's
+    step; degrees of freedom. One run alone has no scatter: then the instrument's, and NaN where
+    that is not stated either."""
     scatter = cells.scatter
     n = np.maximum(cells.n[:ways], 1).ravel()
     if not scatter.known:
@@ -310,8 +338,9 @@ def _variance(one: Series, cells: Cells, ways: int) -> tuple[np.ndarray, np.ndar
 def _uncertainty(
     matrix: np.ndarray, one: Series, cells: Cells, ways: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(R,) u of rows of a matrix times the means by scatter alone, with the factor t / 2 of the effective degrees of
-    freedom (Welch and Satterthwaite, JCGM 100 G.4), and those degrees; NaN where the scatter is not known."""
+    """(R,) u of rows of a matrix times the means by scatter alone, with the factor t / 2 of the
+    effective degrees of freedom (Welch and Satterthwaite, JCGM 100 G.4), and those degrees; NaN
+    where the scatter is not known."""
     variance, dof = _variance(one, cells, ways)
     if not np.isfinite(variance).any():
         return np.full(len(matrix), np.nan), np.full(len(matrix), np.nan)
@@ -328,9 +357,11 @@ def _uncertainty(
 def _outside(
     one: Series, cells: Cells, options: Options, datum: float | None, ways: int
 ) -> np.ndarray:
-    """(2K,) u that more runs do not lessen: the instrument's, and of a length the temperature's (ISO/TR 230-9).
+    """(2K,) u that more runs do not lessen: the instrument's, and of a length the temperature's
+    (ISO/TR 230-9).
 
-    An instrument's u that is noise shows in the scatter already; of one run alone it is counted there.
+    An instrument's u that is noise shows in the scatter already; of one run alone it is counted
+    there.
     """
     k = len(cells.nodes)
     u = np.zeros(k * ways)
@@ -343,7 +374,8 @@ def _outside(
 
 
 def _noise(one: Series, cells: Cells, ways: int, lined: bool) -> tuple[float, float] | None:
-    """Chi-squared of the means about one constant (and line), and what pure scatter stays below 19 times of 20."""
+    """Chi-squared of the means about one constant (and line), and what pure scatter stays below 19
+    times of 20."""
     variance, dof = _variance(one, cells, ways)
     used = cells.n[:ways].ravel() > 0
     if not np.isfinite(variance).any() or not (variance[used] > 0).all():

@@ -1,4 +1,5 @@
-"""The components of a calibration as a picture: means of both directions with their band of 2 u. Needs matplotlib."""
+"""The components of a calibration as a picture: means of both directions with their band of 2 u.
+Needs matplotlib."""
 
 from __future__ import annotations
 
@@ -10,20 +11,30 @@ from postproc.calibrate.assign import place_name, unit_of
 from postproc.calibrate.calibration import Calibration
 from postproc.calibrate.component import Component
 from postproc.errors import GcompError
+from postproc.style import LIGHT, PAPER, made_by
 
-# Okabe and Ito's colours, which the colour-blind can tell apart; each curve has its own marker too.
-FORWARD, REVERSE, BOTH, INK, FAINT = "#0072B2", "#D55E00", "#333333", "#333333", "#999999"
+FORWARD, REVERSE, BOTH, INK, FAINT = (
+    LIGHT[role] for role in ("plus", "minus", "mean", "ink", "rule")
+)
 FORMATS = ("png", "svg", "pdf")
 
 
 def draw(calibration: Calibration, kind: str) -> bytes:
-    """The picture as a file of `kind` (png, svg, pdf). Raises GcompError where matplotlib is not installed."""
+    """The picture as a file of `kind` (png, svg, pdf). Raises GcompError where matplotlib is not
+    installed."""
     try:
-        from matplotlib.figure import Figure
+        from matplotlib import rc_context
     except ImportError:
         raise GcompError(
             "a figure needs matplotlib, which is not installed", "pip install 'gcomp[figures]'"
         ) from None
+    with rc_context(PAPER):
+        return _drawn(calibration, kind)
+
+
+def _drawn(calibration: Calibration, kind: str) -> bytes:
+    from matplotlib.figure import Figure
+
     left = {c.name for c, _ in calibration.left_out}
     shown = sorted(calibration.measured.values(), key=lambda c: ("XYZABC".index(c.letter), c.name))
     columns = 1 if len(shown) < 2 else 2 if len(shown) < 7 else 3
@@ -38,7 +49,7 @@ def draw(calibration: Calibration, kind: str) -> bytes:
     bands = "bands: \N{PLUS-MINUS SIGN}2u, 95 %" if known else "uncertainty not known"
     figure.suptitle(f"Deviation = actual \N{MINUS SIGN} commanded; {bands}", fontsize=9, color=INK)
     out = io.BytesIO()
-    figure.savefig(out, format=kind, dpi=130)
+    figure.savefig(out, format=kind, dpi=130, metadata=made_by(kind))
     return out.getvalue()
 
 
@@ -48,8 +59,17 @@ def _component(axis, calibration: Calibration, component: Component, left_out: b
     ways = (
         ((0, FORWARD, "approached in +", "o"), (1, REVERSE, "approached in \N{MINUS SIGN}", "s"))
         if component.two_way
-        else ((0, BOTH, {1: "approached in +", -1: "approached in \N{MINUS SIGN}", 0: "one direction"}[component.cells.one_way], "o"),)
-    )  # fmt: skip
+        else (
+            (
+                0,
+                BOTH,
+                {1: "approached in +", -1: "approached in \N{MINUS SIGN}", 0: "one direction"}[
+                    component.cells.one_way
+                ],
+                "o",
+            ),
+        )
+    )
     for way, colour, label, marker in ways:
         value, u = component.value[way] / one, component.u[way] / one
         if np.isfinite(u).any():
@@ -80,10 +100,8 @@ def _component(axis, calibration: Calibration, component: Component, left_out: b
             )
     axis.axhline(0, color=FAINT, linewidth=0.6, zorder=0)
     note = " (left out)" if left_out else " (line off)" if component.lined else ""
-    axis.set_title(component.name + note, fontsize=9, loc="left", color=INK)
-    axis.set_xlabel(f"{component.letter} / {place_name(component.letter)}", fontsize=8)
-    axis.set_ylabel(f"{component.name} / {shown_unit}", fontsize=8)
-    axis.tick_params(labelsize=7)
-    axis.legend(fontsize=6, frameon=False)
-    for side in ("top", "right"):
-        axis.spines[side].set_visible(False)
+    axis.set_title(component.name + note, loc="left")
+    axis.set_xlabel(f"{component.letter}, {place_name(component.letter)}")
+    axis.set_ylabel(f"deviation, {shown_unit}")
+    axis.grid(True)
+    axis.legend(fontsize=7, frameon=False)

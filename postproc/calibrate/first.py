@@ -1,4 +1,5 @@
-"""A machine folder from what a dial gauge, a square, a caliper and a tape tell: squareness, lost motion, scale.
+"""A machine folder from what a dial gauge, a square, a caliper and a tape tell: squareness, lost
+motion, scale.
 
 No tables of recordings: what is not stated is no error here, and `gcomp machines show` lists it.
 Conventions: chain.py and square.py; lengths mm, squareness rad, lost motion mm.
@@ -19,17 +20,18 @@ from postproc.machine.model import Limits
 from postproc.machine.write import axis_table, machine_toml
 from postproc.units import UM, URAD
 
-ALIKE = 0.01  # share by which diagonals may miss Pythagoras: a tape reads 1 mm of a metre, a wrong side far more
+# share by which diagonals may miss Pythagoras: a tape reads 1 mm of a metre, a wrong side far more
+ALIKE = 0.01
 STEEPEST = 0.005  # a screw or belt off by more has wrong steps per mm, which the control is told
 USUAL_LIMIT = Limits.max_correction
-LARGEST_LIMIT = (
-    3.0  # mm: 10 mrad on 300 mm, which the eye sees; beyond, a slip is likelier than a machine
-)
+# mm: 10 mrad on 300 mm, which the eye sees; beyond, a slip is likelier than a machine
+LARGEST_LIMIT = 3.0
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What machines of a kind share. title: in words; chain: who carries whom; control: the usual one."""
+    """What machines of a kind share. title: in words; chain: who carries whom; control: the usual
+    one."""
 
     title: str
     chain: str
@@ -48,9 +50,9 @@ KINDS = {
 
 @dataclass(frozen=True)
 class First:
-    """What is known. travel, home: axis to mm; square: name (C0Y) to (rad, how it was found); backlash:
-    axis to mm; scale: axis to (commanded mm, measured mm). square_u (rad, by name), backlash_u, scale_u (mm, by axis): standard
-    uncertainties, of those that are known."""
+    """What is known. travel, home: axis to mm; square: name (C0Y) to (rad, how it was found);
+    backlash: axis to mm; scale: axis to (commanded mm, measured mm). square_u (rad, by name),
+    backlash_u, scale_u (mm, by axis): standard uncertainties, of those that are known."""
 
     name: str
     title: str
@@ -75,28 +77,34 @@ def name_of(moving: str, drifts: str) -> str:
 
 
 def from_drift(name: str, drift: float, way: float) -> float:
-    """rad: the tool drifts along the other axis by `drift` beside a true square while the one that leans goes `way`, mm."""
+    """rad: the tool drifts along the other axis by `drift` beside a true square while the one that
+    leans goes `way`, mm."""
     return square.sign(name) * drift / way
 
 
 def from_diagonals(name: str, rising: float, falling: float, sides: tuple[float, float]) -> float:
-    """rad: from the diagonals of a rectangle that the machine made, mm: rising, from low to high in both axes, and falling.
+    """rad: from the diagonals of a rectangle that the machine made, mm: rising, from low to high in
+    both axes, and falling.
 
-    With deviation s along the other axis per mm of the one that leans, rising^2 = (a + s b)^2 + b^2 and falling^2 =
-    (a - s b)^2 + b^2, so s = (rising^2 - falling^2) / (4 a b). Raises CalibrationError for what is no rectangle.
+    With deviation s along the other axis per mm of the one that leans, rising^2 = (a + s b)^2 + b^2
+    and falling^2 = (a - s b)^2 + b^2, so s = (rising^2 - falling^2) / (4 a b). Raises
+    CalibrationError for what is no rectangle.
     """
     a, b = sides
     both = rising**2 + falling**2
     if abs(both - 2 * (a * a + b * b)) > ALIKE * both:
         raise CalibrationError(
-            f"a rectangle of {a:g} by {b:g} mm has diagonals of {math.hypot(a, b):.2f} mm, and not {rising:g} and {falling:g}",
-            "in the order: rising diagonal, falling one, side along the first axis, side along the second",
+            f"a rectangle of {a:g} by {b:g} mm has diagonals of {math.hypot(a, b):.2f} mm, and not"
+            f" {rising:g} and {falling:g}",
+            "in the order: rising diagonal, falling one, side along the first axis, side along the"
+            " second",
         )
     return square.sign(name) * (rising**2 - falling**2) / (4 * a * b)
 
 
 def u_of_diagonals(rising: float, falling: float, sides: tuple[float, float], u: float) -> float:
-    """rad: standard uncertainty of `from_diagonals` where every length has u, mm, of its own (JCGM 100, 5.1.2)."""
+    """rad: standard uncertainty of `from_diagonals` where every length has u, mm, of its own (JCGM
+    100, 5.1.2)."""
     a, b = sides
     value = (rising**2 - falling**2) / (4 * a * b)
     slopes = (rising / (2 * a * b), falling / (2 * a * b), value / a, value / b)
@@ -104,7 +112,8 @@ def u_of_diagonals(rising: float, falling: float, sides: tuple[float, float], u:
 
 
 def folder(first: First) -> dict[str, str]:
-    """machine.toml and tables, by name. Raises CalibrationError for a scale that no map should mend."""
+    """machine.toml and tables, by name. Raises CalibrationError for a scale that no map should
+    mend."""
     files: dict[str, str] = {}
     axes: dict[str, dict[str, Any]] = {}
     comments = {
@@ -124,9 +133,14 @@ def folder(first: First) -> dict[str, str]:
             if x in first.scale_u:
                 files[f"{x}_uncertainty.csv"] = _table(x, first, known=True)
     data: dict[str, Any] = {
-        "format": "gcomp-machine/1", "name": first.name, "title": first.title, "control": first.control,
-        "chain": first.chain, "source": "stated by hand: gcomp machines new", "signs": "unverified",
-    }  # fmt: skip
+        "format": "gcomp-machine/1",
+        "name": first.name,
+        "title": first.title,
+        "control": first.control,
+        "chain": first.chain,
+        "source": "stated by hand: gcomp machines new",
+        "signs": "unverified",
+    }
     comments["signs"] = '"verified" once gcomp accept, or a part that was measured, has shown them'
     if first.diameter:
         data["diameter"] = list(first.diameter)
@@ -173,7 +187,7 @@ def folder(first: First) -> dict[str, str]:
 
 HEAD = """written by gcomp machines new; edit it freely, gcomp machines check NAME says what is doubtful
 deviation = actual - commanded, tool against workpiece; axes as in ISO 841; X of a lathe as a radius
-work offsets: state [offsets] G54 = { X = .., Y = .., Z = .. } here, or say --offset G54=X..,Y..,Z.."""
+work offsets: state [offsets] G54 = { X = .., Y = .., Z = .. } here, or say --offset G54=X..,Y..,Z.."""  # noqa: E501
 
 
 def _largest(first: First) -> float:
@@ -201,8 +215,10 @@ def _table(letter: str, first: First, known: bool = False) -> str:
     share = (measured - commanded) / commanded
     if abs(share) > STEEPEST:
         raise CalibrationError(
-            f"{letter} goes {measured:g} mm for {commanded:g}: {100 * share:+.2f} %, more than {100 * STEEPEST:g} %",
-            f"set the control's steps per mm to {commanded / measured:.6f} of what they are, measure again, and state the rest",
+            f"{letter} goes {measured:g} mm for {commanded:g}: {100 * share:+.2f} %, more than"
+            f" {100 * STEEPEST:g} %",
+            f"set the control's steps per mm to {commanded / measured:.6f} of what they are,"
+            " measure again, and state the rest",
         )
     low, high = first.travel[letter]
     zero = 0.0 if low <= 0.0 <= high else low
@@ -211,4 +227,9 @@ def _table(letter: str, first: First, known: bool = False) -> str:
         u = 2 * first.scale_u[letter] / commanded * np.abs(nodes - zero) / UM
         return axis_table(letter, nodes, {f"E{letter}{letter}_um": u}, ("U, 95 % (k = 2)",))
     value = share * (nodes - zero) / UM
-    return axis_table(letter, nodes, {f"E{letter}{letter}_um": value}, (f"{measured:g} mm measured for {commanded:g} mm commanded",))  # fmt: skip
+    return axis_table(
+        letter,
+        nodes,
+        {f"E{letter}{letter}_um": value},
+        (f"{measured:g} mm measured for {commanded:g} mm commanded",),
+    )

@@ -1,4 +1,5 @@
-"""A calibration as the text of a machine folder: what a machine model had or the user said, and what was measured."""
+"""A calibration as the text of a machine folder: what a machine model had or the user said, and
+what was measured."""
 
 from __future__ import annotations
 
@@ -31,9 +32,9 @@ def folder(
 ) -> dict[str, str]:
     """File name to text.
 
-    head: keys of machine.toml beside the axes and the squareness (name, title, control, diameter, tool, offsets,
-    limits, ...); axes: letter to what is said of it (travel, least_increment, ...). Everything measured comes from the
-    calibration.
+    head: keys of machine.toml beside the axes and the squareness (name, title, control, diameter,
+    tool, offsets, limits, ...); axes: letter to what is said of it (travel, least_increment, ...).
+    Everything measured comes from the calibration.
     """
     data: dict[str, Any] = (
         {"format": FORMAT} | dict(head) | {"chain": chain_text(calibration.options.chain)}
@@ -123,7 +124,8 @@ def _source(calibration: Calibration) -> str:
 
 def _top(calibration: Calibration) -> str:
     lines = [
-        "Written by gcomp calibrate. Deviation = actual - commanded, tool against workpiece, slide positions, radius."
+        "Written by gcomp calibrate. Deviation = actual - commanded, tool against workpiece, slide"
+        " positions, radius."
     ]
     doubts = [f.message for f in calibration.findings if f.level == "doubt"]
     if doubts:
@@ -179,7 +181,8 @@ def _table(calibration: Calibration, letter: str) -> str:
         comments += [f"{component.name}: {text}" for text in component.shifts]
         if len(component.nodes) < len(nodes):
             comments.append(
-                f"{component.name}: measured at {len(component.nodes)} of these targets, linear between them"
+                f"{component.name}: measured at {len(component.nodes)} of these targets, linear"
+                " between them"
             )
     return axis_table(letter, nodes, columns, comments)
 
@@ -195,7 +198,8 @@ def _uncertainty(calibration: Calibration, letter: str) -> str:
         unit, one = unit_of(component.name)
         if not np.isfinite(component.u).all():
             comments.append(
-                f"{component.name}: its u is not known, as of one run and an instrument that states none"
+                f"{component.name}: its u is not known, as of one run and an instrument that states"
+                " none"
             )
             continue
         u = 2 * component.u / one
@@ -223,17 +227,33 @@ def _runs(calibration: Calibration, letter: str) -> str:
                 u = float(component.u[way, k]) / one
                 rows.append(
                     {
-                        position: float(node), "component": component.name, "unit": unit,
-                        "approach": "+-"[way] if component.two_way else {1: "+", -1: "-", 0: ""}[component.cells.one_way],
-                        "runs": int(component.cells.n[way, k]), "mean": float(component.cells.mean[way, k]) / one,
-                        "s": float(component.cells.s[way, k]) / one, "value": float(component.value[way, k]) / one,
-                        "u": u, "U95": math.nan if math.isnan(u) else 2 * u,
+                        position: float(node),
+                        "component": component.name,
+                        "unit": unit,
+                        "approach": (
+                            "+-"[way]
+                            if component.two_way
+                            else {1: "+", -1: "-", 0: ""}[component.cells.one_way]
+                        ),
+                        "runs": int(component.cells.n[way, k]),
+                        "mean": float(component.cells.mean[way, k]) / one,
+                        "s": float(component.cells.s[way, k]) / one,
+                        "value": float(component.value[way, k]) / one,
+                        "u": u,
+                        "U95": math.nan if math.isnan(u) else 2 * u,
                     }
-                )  # fmt: skip
+                )
     return runs_table(
-        letter, rows,
+        letter,
+        rows,
         (
-            "mean and s: of the runs as recorded. value: mean without its zero and line, as in the axis table.",
-            "u: standard uncertainty of value, the factor t / 2 of few runs in it; U95 = 2 u covers 95 %.",
+            (
+                "mean and s: of the runs as recorded. value: mean without its zero and line, as in"
+                " the axis table."
+            ),
+            (
+                "u: standard uncertainty of value, the factor t / 2 of few runs in it; U95 = 2 u"
+                " covers 95 %."
+            ),
         ),
-    )  # fmt: skip
+    )

@@ -1,4 +1,5 @@
-"""By how much the axes' own angles open the angle between two axes, at the place where a squareness was measured.
+"""By how much the axes' own angles open the angle between two axes, at the place where a squareness
+was measured.
 
 The squareness of a machine's file holds where its tables are zero. A square stands elsewhere: there
 the axis that carries another is turned by its own angle, and the other one with it (EBZ(z) adds to
@@ -62,7 +63,8 @@ def farthest(calibration: Calibration, name: str) -> float:
 
 
 def known_to(calibration: Calibration, name: str, at: Mapping[str, float], moving: str) -> float:
-    """rad: standard uncertainty that the angles of the axes at rest bring to the slope along `moving`."""
+    """rad: standard uncertainty that the angles of the axes at rest bring to the slope along
+    `moving`."""
     total = 0.0
     for x in calibration.options.chain.axes:
         angle = calibration.components.get(f"E{name[0]}{x}")

@@ -1,7 +1,8 @@
-"""Readings that do not belong: against the other runs at the same target, and against the neighbours in position.
+"""Readings that do not belong: against the other runs at the same target, and against the
+neighbours in position.
 
-Nothing is removed here. With few runs a standard deviation of one cell says little, so the scale is never smaller than
-what is usual over the whole recording.
+Nothing is removed here. With few runs a standard deviation of one cell says little, so the scale is
+never smaller than what is usual over the whole recording.
 """
 
 from __future__ import annotations
@@ -21,8 +22,8 @@ NO_POWER = 3.0  # leverage beyond which a target at the end says nothing about i
 
 @dataclass(frozen=True)
 class Outlier:
-    """row: of the series; value: the reading, mm or rad; off: how far from where it should be; times: in standard
-    deviations; against: "runs" or "neighbours"."""
+    """row: of the series; value: the reading, mm or rad; off: how far from where it should be;
+    times: in standard deviations; against: "runs" or "neighbours"."""
 
     component: str
     file: str
@@ -45,13 +46,22 @@ def find(series: Series, cells: Cells) -> list[Outlier]:
 
 def _outlier(series: Series, row: int, off: float, scale: float, against: str) -> Outlier:
     return Outlier(
-        series.component, series.file, row, int(series.lines[row]), float(series.position[row]),
-        int(series.approach[row]), float(series.reading[row]), float(off), float(abs(off) / scale), against,
-    )  # fmt: skip
+        series.component,
+        series.file,
+        row,
+        int(series.lines[row]),
+        float(series.position[row]),
+        int(series.approach[row]),
+        float(series.reading[row]),
+        float(off),
+        float(abs(off) / scale),
+        against,
+    )
 
 
 def _floor(series: Series) -> float:
-    """mm or rad: the least scatter that readings of this resolution have, of a stated instrument a tenth of its own."""
+    """mm or rad: the least scatter that readings of this resolution have, of a stated instrument a
+    tenth of its own."""
     return max(step_of(series.reading) / np.sqrt(12.0), 0.1 * (series.u or 0.0), 1e-9)
 
 
@@ -80,8 +90,8 @@ def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
 
 
 def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
-    """A target's mean against a parabola through its neighbours of the same direction, where the other direction shows
-    nothing of the kind: what both directions show, the machine does."""
+    """A target's mean against a parabola through its neighbours of the same direction, where the
+    other direction shows nothing of the kind: what both directions show, the machine does."""
     ways = [0, 1] if cells.two_way else [0]
     off, spread, local = np.zeros((3, 2, len(cells.nodes)))
     for way in ways:
@@ -110,9 +120,9 @@ def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
 
 
 def _residuals(nodes: np.ndarray, mean: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) each: how far a mean lies from the parabola through up to three neighbours on each side; that difference's
-    standard deviation in units of one mean's (NaN where it can not be judged); standard deviation of the neighbours
-    about their own parabola."""
+    """(K,) each: how far a mean lies from the parabola through up to three neighbours on each side;
+    that difference's standard deviation in units of one mean's (NaN where it can not be judged);
+    standard deviation of the neighbours about their own parabola."""
     off, spread, local = np.zeros(len(nodes)), np.full(len(nodes), np.nan), np.zeros(len(nodes))
     there = np.flatnonzero(np.isfinite(mean))
     for i, k in enumerate(there):

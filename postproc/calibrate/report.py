@@ -26,7 +26,13 @@ def table(calibration: Calibration) -> str:
     for component in sorted(calibration.measured.values(), key=_order):
         rows.append(_row(component, left.get(component.name, "")))
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEADER))]
-    lines = ["  ".join(cell.rjust(w) if 0 < i < 10 else cell.ljust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))).rstrip() for row in rows]  # fmt: skip
+    lines = [
+        "  ".join(
+            cell.rjust(w) if 0 < i < 10 else cell.ljust(w)
+            for i, (cell, w) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
     lines += ["", *_treated(calibration)]
     for one in calibration.squareness.values():
         u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}"
@@ -52,9 +58,11 @@ def _treated(calibration: Calibration) -> list[str]:
             "as recorded" if c.datum is None else f"{c.letter} = {c.datum:g} {place_name(c.letter)}"
         )
     lines = [
-        f"zero (mean of both directions) at: {', '.join(zeros.values())}"
-        if any(c.datum is not None for c in parts)
-        else "zeros as recorded"
+        (
+            f"zero (mean of both directions) at: {', '.join(zeros.values())}"
+            if any(c.datum is not None for c in parts)
+            else "zeros as recorded"
+        )
     ]
     slopes = [f"{c.name} {c.slope / URAD:+.2f}" for c in parts if c.straight]
     if slopes:
@@ -93,7 +101,8 @@ def _shown(value: float | None) -> str:
 
 
 def numbers_of(component: Component) -> dict[str, float | None]:
-    """range, largest B, s (of all targets together), largest u and its U95, in the component's unit; None: not known."""
+    """range, largest B, s (of all targets together), largest u and its U95, in the component's
+    unit; None: not known."""
     _, one = unit_of(component.name)
     scatter = component.cells.scatter
     b = np.abs(component.reversal)
@@ -114,7 +123,10 @@ def _outliers(calibration: Calibration) -> list[str]:
     gone = calibration.options.drop_outliers
     lines = [
         "",
-        f"{len(calibration.outliers)} outlier{'s' if len(calibration.outliers) > 1 else ''}, {'left out' if gone else 'kept (--drop-outliers leaves them out)'}:",
+        (
+            f"{len(calibration.outliers)} outlier{'s' if len(calibration.outliers) > 1 else ''},"
+            f" {'left out' if gone else 'kept (--drop-outliers leaves them out)'}:"
+        ),
     ]
     return lines + [f"  {sentence(o)}" for o in calibration.outliers]
 
@@ -129,8 +141,9 @@ def sentence(outlier: Outlier) -> str:
         else "its neighbours, which the other direction follows"
     )
     return (
-        f"{outlier.file}:{outlier.line}: {outlier.component} at {outlier.component[2]} = {outlier.position:g}{way}: "
-        f"{outlier.value / one:+.2f} {unit} is {outlier.off / one:+.2f} off {what} ({outlier.times:.0f} standard deviations)"
+        f"{outlier.file}:{outlier.line}: {outlier.component} at {outlier.component[2]} ="
+        f" {outlier.position:g}{way}: {outlier.value / one:+.2f} {unit} is {outlier.off / one:+.2f}"
+        f" off {what} ({outlier.times:.0f} standard deviations)"
     )
 
 
@@ -140,31 +153,52 @@ def data(calibration: Calibration) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "recordings": files(calibration),
-        "components": [_component(c, left.get(c.name)) for c in sorted(calibration.measured.values(), key=_order)],
+        "components": [
+            _component(c, left.get(c.name))
+            for c in sorted(calibration.measured.values(), key=_order)
+        ],
         "squareness": [
             {
-                "name": s.name, "value_urad": s.value / URAD, "u_urad": None if s.u is None else s.u / URAD,
+                "name": s.name,
+                "value_urad": s.value / URAD,
+                "u_urad": None if s.u is None else s.u / URAD,
                 "source": s.source,
             }
             for s in calibration.squareness.values()
         ],
         "outliers": [
             {
-                "file": o.file, "line": o.line, "component": o.component, "position": o.position, "approach": o.approach,
-                "value": o.value / unit_of(o.component)[1], "off": o.off / unit_of(o.component)[1],
-                "unit": unit_of(o.component)[0], "times": o.times, "against": o.against,
+                "file": o.file,
+                "line": o.line,
+                "component": o.component,
+                "position": o.position,
+                "approach": o.approach,
+                "value": o.value / unit_of(o.component)[1],
+                "off": o.off / unit_of(o.component)[1],
+                "unit": unit_of(o.component)[0],
+                "times": o.times,
+                "against": o.against,
                 "dropped": calibration.options.drop_outliers,
             }
             for o in calibration.outliers
         ],
-        "refused": [{"file": e.place.file if e.place else None, "message": e.message} for e in calibration.refused],
+        "refused": [
+            {"file": e.place.file if e.place else None, "message": e.message}
+            for e in calibration.refused
+        ],
         "findings": [
-            {"check": f.check, "level": f.level, "component": f.component, "message": f.message, "numbers": dict(f.numbers)}
+            {
+                "check": f.check,
+                "level": f.level,
+                "component": f.component,
+                "message": f.message,
+                "numbers": dict(f.numbers),
+            }
             for f in calibration.findings
         ],
         "measured_at_mm": calibration.measured_at,
         "not_in_this_map": calibration.lacks,
-    }  # fmt: skip
+    }
 
 
 def _component(component: Component, why: str | None) -> dict[str, Any]:
@@ -176,13 +210,22 @@ def _component(component: Component, why: str | None) -> dict[str, Any]:
 
     dof = component.dof
     return {
-        "component": component.name, "unit": unit, "files": [s.file for s in component.series],
-        "written": why is None, "left_out": why, "two_way": component.two_way,
+        "component": component.name,
+        "unit": unit,
+        "files": [s.file for s in component.series],
+        "written": why is None,
+        "left_out": why,
+        "two_way": component.two_way,
         f"nodes_{place_name(component.letter)}": component.nodes.tolist(),
-        "value": column(component.value / one), "mean": column(component.cells.mean / one),
-        "s_each": column(component.cells.s / one), "n": column(component.cells.n.astype(float)), "u_each": column(component.u / one),
+        "value": column(component.value / one),
+        "mean": column(component.cells.mean / one),
+        "s_each": column(component.cells.s / one),
+        "n": column(component.cells.n.astype(float)),
+        "u_each": column(component.u / one),
         "coverage_factor_of_u": 2.0,
         "t_factor_in_u": float(t_factor(dof)) / 2 if math.isfinite(dof) else 1.0,
-        "slope": component.slope / one, "line_removed": component.lined, "datum": component.datum,
+        "slope": component.slope / one,
+        "line_removed": component.lined,
+        "datum": component.datum,
         **numbers_of(component),
-    }  # fmt: skip
+    }

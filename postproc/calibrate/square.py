@@ -1,8 +1,10 @@
-"""Squareness: its signs, and how it comes out of straightness readings or diagonals. The only place of its conventions.
+"""Squareness: its signs, and how it comes out of straightness readings or diagonals. The only place
+of its conventions.
 
-C0Y, A0Z, B0X: a small rotation c about the first letter (right-handed) that the axis of the last letter has too much. A
-point at q of that axis deviates by c x q u. So for B0X > 0 the X axis leans to -Z, for C0Y > 0 Y leans to -X, for A0Z > 0
-Z leans to -Y (the angle is more than 90 degrees); for B0Z, C0X and A0Y > 0 it is less.
+C0Y, A0Z, B0X: a small rotation c about the first letter (right-handed) that the axis of the last
+letter has too much. A point at q of that axis deviates by c x q u. So for B0X > 0 the X axis leans
+to -Z, for C0Y > 0 Y leans to -X, for A0Z > 0 Z leans to -Y (the angle is more than 90 degrees); for
+B0Z, C0X and A0Y > 0 it is less.
 """
 
 from __future__ import annotations
@@ -41,7 +43,8 @@ def other_of(name: str) -> str:
 
 
 def sign(name: str) -> int:
-    """+1 or -1: the deviation along the other axis is sign * value * position of the axis that leans.
+    """+1 or -1: the deviation along the other axis is sign * value * position of the axis that
+    leans.
 
     It is the component of (unit vector of the rotation) x (unit vector of the leaning axis).
     """
@@ -51,8 +54,8 @@ def sign(name: str) -> int:
 
 
 def name_for(pair: str, wanted: Mapping[str, object], axes: tuple[str, ...]) -> str:
-    """What the squareness of a pair is called: as the user names it; else X leans on a machine of X and Z alone, where Z
-    is the primary axis, and the later axis of the pair on others."""
+    """What the squareness of a pair is called: as the user names it; else X leans on a machine of X
+    and Z alone, where Z is the primary axis, and the later axis of the pair on others."""
     for name in wanted:
         if name in NAMES and pair_of(name) == pair:
             return name
@@ -60,10 +63,12 @@ def name_for(pair: str, wanted: Mapping[str, object], axes: tuple[str, ...]) -> 
 
 
 def from_slopes(name: str, slopes: Mapping[str, float]) -> float:
-    """rad: from the slopes of both straightnesses of a pair against one reference square, {"EZX": .., "EXZ": ..} rad.
+    """rad: from the slopes of both straightnesses of a pair against one reference square, {"EZX":
+    .., "EXZ": ..} rad.
 
-    A reference that is turned gives both slopes the same amount with opposite signs, so their sum is the machine's: with
-    B0X, EZX has the slope -B0X. The square's own angle over 90 degrees goes into `from_square`.
+    A reference that is turned gives both slopes the same amount with opposite signs, so their sum
+    is the machine's: with B0X, EZX has the slope -B0X. The square's own angle over 90 degrees goes
+    into `from_square`.
     """
     a, b = tuple(pair_of(name))
     return sign(name) * (slopes[f"E{a}{b}"] + slopes[f"E{b}{a}"])
@@ -72,7 +77,8 @@ def from_slopes(name: str, slopes: Mapping[str, float]) -> float:
 def with_square(name: str, value: float, over: float) -> float:
     """rad: the squareness where the square's own angle is 90 degrees + `over` rad.
 
-    Axes that follow the arms of such a square read as true and have its angle, which is C0Y, A0Z, B0X = +over.
+    Axes that follow the arms of such a square read as true and have its angle, which is C0Y, A0Z,
+    B0X = +over.
     """
     return value - sign(name) * over
 
@@ -83,11 +89,13 @@ def from_diagonals(
     u: Sequence[float],
     names: Sequence[str],
 ) -> tuple[dict[str, float], dict[str, float], float]:
-    """Squareness and scale from the slopes of diagonals: rad by name, u by name, and the scale common to all axes.
+    """Squareness and scale from the slopes of diagonals: rad by name, u by name, and the scale
+    common to all axes.
 
-    slopes: of reading over length, after everything else that is known was taken off; directions: axis to cosine. Along
-    direction c a squareness adds sign * value * c_other * c_leaning, a scale error of all axes adds itself. ISO 230-6
-    measures them. Raises CalibrationError where there are too few diagonals.
+    slopes: of reading over length, after everything else that is known was taken off; directions:
+    axis to cosine. Along direction c a squareness adds sign * value * c_other * c_leaning, a scale
+    error of all axes adds itself. ISO 230-6 measures them. Raises CalibrationError where there are
+    too few diagonals.
     """
     terms = np.ones((len(slopes), len(names) + 1))
     for i, c in enumerate(directions):
@@ -96,7 +104,8 @@ def from_diagonals(
     rank = np.linalg.matrix_rank(terms, tol=1e-6)
     if rank < terms.shape[1]:
         raise CalibrationError(
-            f"{len(slopes)} diagonal{'s' if len(slopes) > 1 else ''} can not separate {', '.join(names)} from a scale error of all axes",
+            f"{len(slopes)} diagonal{'s' if len(slopes) > 1 else ''} can not separate"
+            f" {', '.join(names)} from a scale error of all axes",
             "measure both diagonals of each plane, or all four of the space",
         )
     solve = np.linalg.pinv(terms)

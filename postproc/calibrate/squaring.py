@@ -1,6 +1,8 @@
-"""Which squareness a calibration has, and from what: a stated value, two straightnesses on one reference, diagonals, circles.
+"""Which squareness a calibration has, and from what: a stated value, two straightnesses on one
+reference, diagonals, circles.
 
-A stated value goes first; what else the recordings say is compared with it and told. Two sources never add up.
+A stated value goes first; what else the recordings say is compared with it and told. Two sources
+never add up.
 """
 
 from __future__ import annotations
@@ -61,7 +63,8 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
             )
             raise CalibrationError(
                 f"squareness {name} can not be had from {wanted}: {there}",
-                "straightness: both axes of the pair against one square, lines taken off; diagonals: two in its plane; ballbar: circles in both senses",
+                "straightness: both axes of the pair against one square, lines taken off;"
+                " diagonals: two in its plane; ballbar: circles in both senses",
             )
     for name, sources in found.items():
         if name not in result:
@@ -82,7 +85,10 @@ def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | No
     opened = opening.opened(calibration, name, at)
     known = [opening.known_to(calibration, name, at, x) for x in square.pair_of(name)]
     where = ", ".join(f"{x} = {v:g}" for x, v in at.items())
-    told = f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make {opened / URAD:+.1f} of it"
+    told = (
+        f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make"
+        f" {opened / URAD:+.1f} of it"
+    )
     return Squareness(
         name,
         value - opened,
@@ -100,8 +106,9 @@ def _nowhere(calibration: Calibration, one: Squareness) -> list[Finding]:
     if most / URAD < max(0.05, (one.u or 0.0) / URAD):
         return []
     text = (
-        f"{one.name} = {one.value / URAD:+.1f} urad is taken as measured where the tables are zero; where the square stood "
-        f"elsewhere, the axes' own angles are in it, up to {most / URAD:.1f} urad: --square-at X200,Y150 says the place"
+        f"{one.name} = {one.value / URAD:+.1f} urad is taken as measured where the tables are zero;"
+        " where the square stood elsewhere, the axes' own angles are in it, up to"
+        f" {most / URAD:.1f} urad: --square-at X200,Y150 says the place"
     )
     return [Finding("square-at", "doubt", one.name, text, {"opened_urad": most / URAD})]
 
@@ -118,8 +125,8 @@ def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> list[Finding
         u = np.hypot(chosen.u or 0.0, other.u or 0.0) / URAD
         doubt = abs(apart) > APART * u and bool(u)
         text = (
-            f"{chosen.name} is {chosen.value / URAD:+.1f} urad ({chosen.source}); {other.source} would give "
-            f"{other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
+            f"{chosen.name} is {chosen.value / URAD:+.1f} urad ({chosen.source}); {other.source}"
+            f" would give {other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
         )
         told.append(
             Finding(
@@ -142,8 +149,10 @@ def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> l
             if component is not None and component.slope:
                 length = float(np.ptp(component.nodes))
                 text = (
-                    f"{component.name} keeps its line of {component.slope / URAD:+.1f} urad and {one.name} = {one.value / URAD:+.1f} urad "
-                    f"is added to it: what of the line is squareness counts twice, up to {abs(component.slope) * length * 1e3:.1f} um"
+                    f"{component.name} keeps its line of {component.slope / URAD:+.1f} urad and"
+                    f" {one.name} = {one.value / URAD:+.1f} urad is added to it: what of the line"
+                    " is squareness counts twice, up to"
+                    f" {abs(component.slope) * length * 1e3:.1f} um"
                 )
                 told.append(
                     Finding(
@@ -158,7 +167,8 @@ def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> l
 
 
 def _slope(calibration: Calibration, series: Series) -> float:
-    """rad: of the reference line of one file's means, without what the axes' own angles make of it where it was read."""
+    """rad: of the reference line of one file's means, without what the axes' own angles make of it
+    where it was read."""
     cells = cells_of(series.position, series.approach, series.reading)
     mean = np.nanmean(cells.mean, axis=0)
     own = opening.of_line(calibration, series.component, cells.nodes, series.rest)
@@ -166,8 +176,9 @@ def _slope(calibration: Calibration, series: Series) -> float:
 
 
 def _straightness(calibration: Calibration, name: str) -> Squareness | None:
-    """From both straightnesses of a pair against one reference: files that name the same `reference`, or all of them
-    where the user asks for it. `reversed = true` in a head: the square lay turned over, and its own error drops out."""
+    """From both straightnesses of a pair against one reference: files that name the same
+    `reference`, or all of them where the user asks for it. `reversed = true` in a head: the square
+    lay turned over, and its own error drops out."""
     a, b = tuple(square.pair_of(name))
     parts = [calibration.measured.get(f"E{a}{b}"), calibration.measured.get(f"E{b}{a}")]
     options = calibration.options
@@ -193,7 +204,10 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     files = " and ".join(dict.fromkeys(c.file for c in both))
     if len(means) == 2:
         own = -square.sign(name) * (means[True] - means[False]) / 2
-        told = f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and dropped out"
+        told = (
+            f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and"
+            " dropped out"
+        )
         return Squareness(
             name,
             sum(means.values()) / 2,
@@ -210,7 +224,10 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
             float(np.hypot(scatter, u)),
             f"two straightnesses, {files}",
         )
-    told = "the square's own error is in it: turn the square over (reversed = true) or state it with --square-error"
+    told = (
+        "the square's own error is in it: turn the square over (reversed = true) or state it with"
+        " --square-error"
+    )
     return Squareness(name, value, None, f"two straightnesses, {files}", told)
 
 
@@ -221,7 +238,8 @@ def _known(component: Component) -> float:
 def _diagonals(
     calibration: Calibration, axes: tuple[str, ...]
 ) -> tuple[list[Squareness], list[Finding]]:
-    """Squareness of all pairs that the diagonals cross, from what the measured components do not explain."""
+    """Squareness of all pairs that the diagonals cross, from what the measured components do not
+    explain."""
     options = calibration.options
     slopes, directions, spread, told = [], [], [], []
     pairs: list[str] = []
@@ -236,14 +254,20 @@ def _diagonals(
         ]
         lacking = [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]
         if lacking:
-            text = f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the diagonal's scale contains it"
+            text = (
+                f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the"
+                " diagonal's scale contains it"
+            )
             told.append(Finding("diagonal", "note", diagonal.name, text))
     names = [square.name_for(pair, options.squareness, axes) for pair in pairs]
     try:
         values, u_of, scale = square.from_diagonals(slopes, directions, spread, names)
     except CalibrationError as error:
         return [], [*told, Finding("diagonal", "note", "", f"{error.message}: {error.advice}")]
-    text = f"the diagonals have {scale / URAD:+.1f} um/m of scale left that the components do not explain"
+    text = (
+        f"the diagonals have {scale / URAD:+.1f} um/m of scale left that the components do not"
+        " explain"
+    )
     u_scale = float(np.sqrt(np.sum(np.square(spread))) / len(spread))
     doubt = abs(scale) > 3 * u_scale and abs(scale) > 2 * URAD
     told.append(
@@ -258,13 +282,18 @@ def _diagonals(
 def _circles(
     calibration: Calibration, axes: tuple[str, ...]
 ) -> tuple[list[Squareness], list[Finding]]:
-    """Squareness of each plane in which a ballbar went round, from what the measured components do not explain."""
+    """Squareness of each plane in which a ballbar went round, from what the measured components do
+    not explain."""
     planes: dict[str, list[Recording]] = {}
     found, told = [], []
     for recording in calibration.circles:
         plane = circles.axes_of(recording)
         if not all(x in axes for x in plane):
-            raise CalibrationError(f"a circle of {plane}, and the chain has {' '.join(axes)}", "--chain names all axes", Place(recording.file, 1))  # fmt: skip
+            raise CalibrationError(
+                f"a circle of {plane}, and the chain has {' '.join(axes)}",
+                "--chain names all axes",
+                Place(recording.file, 1),
+            )
         planes.setdefault(plane, []).append(recording)
     for plane, some in planes.items():
         one = circles.fit(some, [_round(calibration, r, plane) for r in some])
@@ -277,7 +306,10 @@ def _circles(
             plane, one.play, (one.u["first play"], one.u["second play"]), strict=True
         ):
             doubt = abs(play) > 2 * u and abs(play) > UM
-            text = f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u = {u / UM:.2f})"
+            text = (
+                f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u ="
+                f" {u / UM:.2f})"
+            )
             told.append(
                 Finding(
                     "ballbar",
@@ -288,8 +320,9 @@ def _circles(
                 )
             )
         text = (
-            f"{files}: the scale of {plane[0]} is {one.scale / URAD:+.1f} um/m more than that of {plane[1]} beyond the map (u = "
-            f"{one.u['scale'] / URAD:.1f}), {one.rms / UM:.2f} um rms are left; of both alike a bar of unknown length says nothing"
+            f"{files}: the scale of {plane[0]} is {one.scale / URAD:+.1f} um/m more than that of"
+            f" {plane[1]} beyond the map (u = {one.u['scale'] / URAD:.1f}), {one.rms / UM:.2f} um"
+            " rms are left; of both alike a bar of unknown length says nothing"
         )
         doubt = abs(one.scale) > 2 * one.u["scale"] and abs(one.scale) > 2 * URAD
         told.append(
@@ -324,7 +357,8 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
 
 
 def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:
-    """rad: slope over its length of what a diagonal's reading has beyond the components, and its u."""
+    """rad: slope over its length of what a diagonal's reading has beyond the components, and its
+    u."""
     machine = calibration.machine
     position = np.zeros((len(machine.letters), len(diagonal.reading)))
     approach = np.zeros_like(position)

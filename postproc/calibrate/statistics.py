@@ -1,6 +1,8 @@
-"""Means of the runs at every target and direction, their scatter, and what the few runs cost in certainty.
+"""Means of the runs at every target and direction, their scatter, and what the few runs cost in
+certainty.
 
-A cell is one target approached in one direction. Row 0 of every (2, K) array is approached in +, row 1 in -.
+A cell is one target approached in one direction. Row 0 of every (2, K) array is approached in +,
+row 1 in -.
 """
 
 from __future__ import annotations
@@ -14,9 +16,8 @@ import numpy as np
 SAME = 0.01  # mm: targets nearer to each other are one target
 LEVEL = 0.95  # of the tests
 
-SHARE = math.erf(
-    math.sqrt(2.0)
-)  # 95.45 %, of a normal distribution within k = 2 (JCGM 100, table G.2)
+# 95.45 %, of a normal distribution within k = 2 (JCGM 100, table G.2)
+SHARE = math.erf(math.sqrt(2.0))
 
 
 def t_factor(dof: np.ndarray | float) -> np.ndarray:
@@ -35,9 +36,10 @@ def chi_squared(dof: np.ndarray | float, share: float = LEVEL) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Cells:
-    """nodes (K,); mean, s, n (2, K): of the runs, NaN where there is none (s: where there are fewer than two); index (N,):
-    of each reading, which cell (0..K-1 approached in +, K..2K-1 in -, -1 in none). one_way: the only direction
-    measured, +1 or -1, 0 where both were or where it is not known."""
+    """nodes (K,); mean, s, n (2, K): of the runs, NaN where there is none (s: where there are fewer
+    than two); index (N,): of each reading, which cell (0..K-1 approached in +, K..2K-1 in -, -1 in
+    none). one_way: the only direction measured, +1 or -1, 0 where both were or where it is not
+    known."""
 
     nodes: np.ndarray
     mean: np.ndarray
@@ -54,7 +56,8 @@ class Cells:
 
 @dataclass(frozen=True)
 class Scatter:
-    """s (2, K): standard deviation of one reading in each cell; dof (2, K); pooled: whether all cells share one."""
+    """s (2, K): standard deviation of one reading in each cell; dof (2, K); pooled: whether all
+    cells share one."""
 
     s: np.ndarray
     dof: np.ndarray
@@ -76,7 +79,8 @@ def nodes_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def cells_of(position: np.ndarray, approach: np.ndarray, reading: np.ndarray) -> Cells:
-    """Means over runs. Where only one direction was measured, or none is known, both rows hold the same.
+    """Means over runs. Where only one direction was measured, or none is known, both rows hold the
+    same.
 
     Where both are there, readings whose direction is not known are in no cell.
     """
@@ -110,8 +114,8 @@ def _moments(
 
 
 def _scatter(s: np.ndarray, n: np.ndarray) -> Scatter:
-    """One standard deviation for all cells where their differences are what chance makes (Bartlett's test, 95 %), else
-    each cell its own; a cell of one reading takes the common one."""
+    """One standard deviation for all cells where their differences are what chance makes
+    (Bartlett's test, 95 %), else each cell its own; a cell of one reading takes the common one."""
     dof = np.where(np.isfinite(s), n - 1.0, 0.0)
     total = float(dof.sum())
     if total == 0:
@@ -122,7 +126,8 @@ def _scatter(s: np.ndarray, n: np.ndarray) -> Scatter:
     pooled = True
     has = ~few
     if common > 0 and has.sum() > 1:
-        # A resolution step makes s = 0 now and then; a floor keeps its logarithm from deciding the test.
+        # A resolution step makes s = 0 now and then; a floor keeps its logarithm from deciding the
+        # test.
         logs = np.log(np.maximum(variance[has], common * 1e-2))
         cells = int(has.sum())
         spread = 1 + (np.sum(1 / dof[has]) - 1 / total) / (3 * (cells - 1))
@@ -139,7 +144,8 @@ def with_mean(cells: Cells, mean: np.ndarray) -> Cells:
 
 
 def step_of(reading: np.ndarray) -> float:
-    """The smallest difference between two readings: the step of their last decimal, 0 where there is but one value."""
+    """The smallest difference between two readings: the step of their last decimal, 0 where there
+    is but one value."""
     different = np.diff(np.unique(reading))
     different = different[different > 1e-12]
     return float(different.min()) if len(different) else 0.0

@@ -1,1 +1,2 @@
-"""Subcommands. One file each, found by its name: HELP, `arguments(parser)` and `run(options) -> exit status`."""
+"""Subcommands. One file each, found by its name: HELP, `arguments(parser)` and `run(options) ->
+exit status`."""

@@ -9,14 +9,20 @@ from pathlib import Path
 from postproc import ports
 from postproc.accept import judge, pairing, report
 from postproc.commands import as_json
-from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options
 from postproc.iso.lines import LINES
 from postproc.machine import places
 
-HELP = "compare measurements before and after compensation: what it took out, and whether every sign is right"
-EXAMPLE = "gcomp accept x_before.rtl z_before.rtl x_after.rtl z_after.rtl --machine mine --page accept.html"
+HELP = (
+    "compare measurements before and after compensation: what it took out, and whether every sign"
+    " is right"
+)
+EXAMPLE = (
+    "gcomp accept x_before.rtl z_before.rtl x_after.rtl z_after.rtl --machine mine --page"
+    " accept.html"
+)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +47,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--commanded",
         action="store_true",
-        help="readings after are against what the corrected program commands, not its nominal targets (of gcomp simulate its files say so)",
+        help=(
+            "readings after are against what the corrected program commands, not its nominal"
+            " targets (of gcomp simulate its files say so)"
+        ),
     )
     parser.add_argument(
         "--line", choices=LINES, default="least-squares", help="reference line of straightness"

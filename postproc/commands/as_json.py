@@ -1,4 +1,5 @@
-"""`--json`: what a command reports, for other programs; one format with a name and a schema (postproc/schemas) each."""
+"""`--json`: what a command reports, for other programs; one format with a name and a schema
+(postproc/schemas) each."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from postproc import ports
 SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
 
 
-def argument(parser: argparse.ArgumentParser, format: str) -> None:
+def argument(parser: argparse._ActionsContainer, format: str) -> None:
     """The option."""
     parser.add_argument(
         "--json", metavar="FILE", help=f"all of it as JSON ({format}); - for standard output"

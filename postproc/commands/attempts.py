@@ -1,7 +1,8 @@
-"""One program, tried as it is; where its error's own advice is to write it out, so; and hints, before they are given.
+"""One program, tried as it is; where its error's own advice is to write it out, so; and hints,
+before they are given.
 
-What is done by itself is what a person would do who reads the advice, and only where that changes nothing but the length of
-the program: DESIGN.md, "One run".
+What is done by itself is what a person would do who reads the advice, and only where that changes
+nothing but the length of the program: DESIGN.md, "One run".
 """
 
 from __future__ import annotations
@@ -13,19 +14,22 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import BinaryIO
+from typing import TYPE_CHECKING, BinaryIO
 
-from postproc import ports
+from postproc import intake, ports
 from postproc.commands import expansion, reading
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import Filter
 from postproc.machine.model import Machine
-from postproc.trace import Trace
-from postproc.verify import Verifier
 
-# A block that the operator's switch takes out, and that decides which text runs: a call, a jump, a loop, an end.
+if TYPE_CHECKING:
+    from postproc.verify import Verifier
+
+# A block that the operator's switch takes out, and that decides which text runs: a call, a jump, a
+# loop, an end.
 DECIDES = re.compile(
-    rb"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?/[^(;\n]*(?:GOTO|IF|WHILE|CALL|REPEAT|RET|M[ \t]*0*(?:2|17|30|9[789]|198)(?![0-9])|"
+    rb"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?/[^(;\n]*(?:GOTO|IF|WHILE|CALL|REPEAT|RET|M["
+    rb" \t]*0*(?:2|17|30|9[789]|198)(?![0-9])|"
     rb"G[ \t]*6[56](?![0-9.])|(?<![A-Z])O[ \t]*[<0-9]|#|(?<![A-Z])R[0-9]+[ \t]*=)",
     re.IGNORECASE | re.MULTILINE,
 )
@@ -33,7 +37,8 @@ DECIDES = re.compile(
 
 @dataclass
 class Attempt:
-    """One reading of the program. why: that it was written out without being asked for, and why; "": it was not."""
+    """One reading of the program. why: that it was written out without being asked for, and why;
+    "": it was not."""
 
     filter: Filter
     verifier: Verifier | None = None
@@ -48,8 +53,13 @@ class Attempt:
         """Nothing read yet."""
         filter_ = reading.filter_of(options, machine, head)
         filter_.name = name
-        verifier = Verifier(filter_) if options.verify else None
-        if verifier and getattr(options, "report", None):
+        if not options.verify:
+            return cls(filter_)
+        from postproc.trace import Trace
+        from postproc.verify import Verifier
+
+        verifier = Verifier(filter_)
+        if getattr(options, "report", None):
             verifier.trace = Trace(machine)
         return cls(filter_, verifier)
 
@@ -113,8 +123,8 @@ class _Tries:
             raise
         where = f"line {first.place.line}: " if first.place else ""
         done.why = (
-            f"written out as plain blocks, {done.lines:,} lines, because nothing else corrects it ({where}{first.message}); "
-            "--no-expand: refuse it"
+            f"written out as plain blocks, {done.lines:,} lines, because nothing else corrects it"
+            f" ({where}{first.message}); --no-expand: refuse it"
         )
         return done
 
@@ -123,7 +133,7 @@ class _Tries:
         """Whether nobody decides at the machine which of its text runs."""
         if self.options.block_delete is not None:
             return True
-        found = DECIDES.search(self.source.read(expansion.LARGEST))
+        found = DECIDES.search(self.source.read(intake.PROGRAM))
         return self.source.again() and found is None
 
     def _attempt(self, options: argparse.Namespace, expand: bool) -> Attempt:
@@ -149,7 +159,7 @@ class _Tries:
             # Not asked for: no text is taken that nobody named.
             here = Path(options.file).parent if options.file not in (None, "-") else Path()
             library = expansion.Library([*map(Path, options.library)], done.filter.notices, (here,))
-            text = self.source.read(expansion.LARGEST)
+            text = self.source.read(intake.PROGRAM)
             written = expansion.of_text(done.filter, text, self._watched(library), options)
         if done.verifier:
             done.verifier.source = written.source

@@ -1,4 +1,5 @@
-"""`gcomp batch PROGRAM... --machine M -o DIR`: many programs, in many processes; one that can not be corrected stops no other."""
+"""`gcomp batch PROGRAM... --machine M -o DIR`: many programs, in many processes; one that can not
+be corrected stops no other."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from postproc import ports
-from postproc.commands import as_json, reading
+from postproc import colour, ports
+from postproc.commands import as_json, reading, reading_options, values
 from postproc.errors import UsageError
 
 HELP = "correct many programs or whole folders, in several processes or on a Dask cluster"
@@ -39,13 +40,52 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "programs", nargs="+", metavar="PROGRAM", help="programs, or folders of them"
     )
-    parser.add_argument("-o", "--output", metavar="DIR", required=True, help="the folder of results; with several machines one folder for each in it")  # fmt: skip
-    parser.add_argument("-j", "--jobs", metavar="N", type=_count, default=os.cpu_count() or 1, help="processes (default: one for each core)")  # fmt: skip
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="a Dask scheduler, like tcp://host:8786, in place of processes here; its workers must see the same files")  # fmt: skip
-    parser.add_argument("--retries", metavar="N", type=int, default=2, help="how often a program is tried again whose process was killed (2)")  # fmt: skip
-    parser.add_argument("--pattern", metavar="GLOB", action="append", default=[], help="which files of folders are programs: '*.nc'; repeatable (default: the usual endings)")  # fmt: skip
-    parser.add_argument("--force", action="store_true", help="do again what is done, and write over files that gcomp batch did not write")  # fmt: skip
-    parser.add_argument("--verify", action="store_true", help="replay each result on its machine's model; the table has the deviations")  # fmt: skip
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="DIR",
+        required=True,
+        help="the folder of results; with several machines one folder for each in it",
+    )
+    parser.add_argument(
+        "-j",
+        "--jobs",
+        metavar="N",
+        type=_count,
+        default=os.cpu_count() or 1,
+        help="processes (default: one for each core)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help=(
+            "a Dask scheduler, like tcp://host:8786, in place of processes here; its workers must"
+            " see the same files"
+        ),
+    )
+    parser.add_argument(
+        "--retries",
+        metavar="N",
+        type=int,
+        default=2,
+        help="how often a program is tried again whose process was killed (2)",
+    )
+    values.repeated(
+        parser,
+        "--pattern",
+        metavar="GLOB",
+        help="which files of folders are programs: '*.nc' (default: the usual endings)",
+    )
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="do again what is done, and write over files that gcomp batch did not write",
+    )
+    parser.add_argument(
+        "--verify",
+        action="store_true",
+        help="replay each result on its machine's model; the table has the deviations",
+    )
     parser.add_argument(
         "--report", action="store_true", help="a page beside each result (verifies too)"
     )
@@ -53,7 +93,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--quiet", action="store_true", help="no progress, no table; refusals are still told"
     )
-    reading.arguments(parser, several=True)
+    reading_options.arguments(parser, several=True)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -76,6 +116,8 @@ def run(options: argparse.Namespace) -> int:
             for one in _results(todo, options, ledger):
                 told.append(one)
                 step(one)
+                if one.get("result", {}).get("motions") == 0 and not one.get("before"):
+                    print(f"gcomp: warning: {one['program']}: no axis moves in it", file=sys.stderr)
         finally:
             told.sort(key=lambda one: one["number"])
             _table(folder / TABLE, told)
@@ -100,7 +142,16 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
                 continue
             known = None if again else ledger.done(job.output, key)
             if known:
-                standing.append({**known, "program": job.program, "machine": job.machine, "output": job.output, "before": True, "number": job.number})  # fmt: skip
+                standing.append(
+                    {
+                        **known,
+                        "program": job.program,
+                        "machine": job.machine,
+                        "output": job.output,
+                        "before": True,
+                        "number": job.number,
+                    }
+                )
             elif not options.force and Path(job.output).exists() and not ledger.wrote(job.output):
                 standing.append(
                     _refused(
@@ -157,9 +208,15 @@ def _absolute(job):
 
 def _refused(job, text: str) -> dict[str, Any]:
     return {
-        "program": job.program, "machine": job.machine, "output": job.output, "status": "refused", "message": text,
-        "text": text, "seconds": 0.0, "number": job.number,
-    }  # fmt: skip
+        "program": job.program,
+        "machine": job.machine,
+        "output": job.output,
+        "status": "refused",
+        "message": text,
+        "text": text,
+        "seconds": 0.0,
+        "number": job.number,
+    }
 
 
 def _drained(told: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -173,7 +230,7 @@ def _count(word: str) -> int:
     return int(word)
 
 
-# -- what is said ------------------------------------------------------------------------------------------------------
+# -- what is said ----------------------------------------------------------------------------------
 
 
 def row(told: dict[str, Any]) -> tuple[str, ...]:
@@ -185,10 +242,17 @@ def row(told: dict[str, Any]) -> tuple[str, ...]:
         return "" if value is None else f"{value:.{digits}f}"
 
     return (
-        told["program"], Path(told["machine"]).name, told["status"], str(result.get("changed", "")), str(result.get("added", "")),
-        number(result.get("largest_correction_um"), 1), number(verified.get("uncorrected_um"), 2),
-        number(verified.get("deviation_um"), 2), number(told.get("seconds"), 2), told.get("message", ""),
-    )  # fmt: skip
+        told["program"],
+        Path(told["machine"]).name,
+        told["status"],
+        str(result.get("changed", "")),
+        str(result.get("added", "")),
+        number(result.get("largest_correction_um"), 1),
+        number(verified.get("uncorrected_um"), 2),
+        number(verified.get("deviation_um"), 2),
+        number(told.get("seconds"), 2),
+        told.get("message", ""),
+    )
 
 
 def _table(path: Path, told: list[dict[str, Any]]) -> None:
@@ -200,7 +264,8 @@ def _table(path: Path, told: list[dict[str, Any]]) -> None:
 
 
 def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespace) -> int:
-    """The table and the sum; returns the exit status: 0 all done, 2 some refused, 1 some failed for another reason."""
+    """The table and the sum; returns the exit status: 0 all done, 2 some refused, 1 some failed for
+    another reason."""
     counts = {s: sum(one["status"] == s for one in told) for s in ("done", "refused", "failed")}
     before = sum(bool(one.get("before")) for one in told)
     out = as_json.beside(options.json)
@@ -209,10 +274,16 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
         rows = [("", *COLUMNS[1:-1]), *((row(one)[0], *row(one)[1:-1]) for one in shown)]
         widths = [max(len(r[k]) for r in rows) for k in range(len(rows[0]))]
         for r in rows if len(shown) else ():
-            print("  ".join(c.ljust(w) if k < 3 else c.rjust(w) for k, (c, w) in enumerate(zip(r, widths, strict=True))).rstrip(), file=out)  # fmt: skip
+            print(
+                "  ".join(
+                    c.ljust(w) if k < 3 else c.rjust(w)
+                    for k, (c, w) in enumerate(zip(r, widths, strict=True))
+                ).rstrip(),
+                file=out,
+            )
     for one in told:
         if one["status"] != "done":
-            print(f"gcomp: {one['text']}", file=sys.stderr)
+            colour.fault(one["text"])
     if not options.quiet:
         said = f"{counts['done']} of {len(told)} corrected" + (
             f" ({before} of them in an earlier run)" if before else ""
@@ -228,7 +299,8 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
 
 @contextlib.contextmanager
 def _progress(count: int, options: argparse.Namespace):
-    """A callable that takes what came of a job: a bar with the time left on a terminal, a line for each tenth elsewhere."""
+    """A callable that takes what came of a job: a bar with the time left on a terminal, a line for
+    each tenth elsewhere."""
     if options.quiet:
         yield lambda told: None
         return

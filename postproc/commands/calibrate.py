@@ -9,35 +9,30 @@ import io
 import os
 import shutil
 import tempfile
-import tomllib
 from pathlib import Path
 from typing import Any
 
-from postproc import ports
+from postproc import intake, ports, standing
 from postproc.calibrate import (
-    LINES,
-    STEEL,
     CalibrationError,
     Options,
     figure,
     folder,
     report,
-    square,
 )
 from postproc.calibrate.calibration import Calibration, calibrate
-from postproc.commands import as_json, session, values
-from postproc.commands.recordings import files_of, read_files, reading_arguments, reading_options
+from postproc.commands import as_json, session
+from postproc.commands.calibrate_options import arguments, datum_of
+from postproc.commands.recording_files import files_of, read_files, reading_options
 from postproc.errors import MachineError, UsageError
 from postproc.machine import chain as chains
 from postproc.machine import places
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
 from postproc.recordings import Recording
-from postproc.units import URAD
 
 HELP = "make a machine folder of recordings, with its uncertainty and what looks wrong in them"
 EXAMPLE = "gcomp calibrate z.csv x.csv --like studer-s36 --squareness B0X=-382.4,2 -o machines/mine"
-LARGEST = 1 << 28
 TAKEN = ("control", "diameter", "reversal", "limits")  # of --like, beside the chain and the axes
 ITS_OWN = {
     "squareness": "measured on it",
@@ -45,148 +40,6 @@ ITS_OWN = {
     "tool": "say where yours ends, [tool] in machine.toml, or in the program",
     "offsets": "say where your zeros lie: --offset, --offsets, or [offsets] in machine.toml",
 }
-SOURCES = ("straightness", "diagonals", "ballbar")
-
-
-def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "recordings",
-        nargs="+",
-        metavar="REC",
-        help="recordings of one axis moving, of diagonals, of circles; or a session, measurement.toml",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FOLDER",
-        help="the machine folder to write; without it nothing is",
-    )
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="write over a machine folder; the old one stays as .bak",
-    )
-    as_json.argument(parser, report.FORMAT)
-    parser.add_argument(
-        "--figure",
-        metavar="FILE",
-        help="draw the components with their uncertainty (.png .svg .pdf)",
-    )
-
-    parser.add_argument(
-        "--report",
-        metavar="FILE.html",
-        help="a page with the machine that was found, and what looks wrong",
-    )
-
-    machine = parser.add_argument_group("the machine")
-    machine.add_argument(
-        "--like",
-        metavar="MACHINE",
-        help="take from it what machines of a kind share: control, chain, travels, limits",
-    )
-    machine.add_argument("--title", help="what the machine is, in words")
-    machine.add_argument("--control", help="dialect of its control")
-    machine.add_argument("--chain", help="who carries whom: w-b-Z-X-t")
-    machine.add_argument("--diameter", metavar="AXES", help="axes whose words are diameters: X")
-    machine.add_argument(
-        "--travel",
-        type=_range,
-        action="append",
-        default=[],
-        metavar="Z=-5,520",
-        help="mm an axis reaches",
-    )
-    machine.add_argument(
-        "--least-increment",
-        type=values.length,
-        metavar="LENGTH",
-        help="of the programmed word: 0.001mm",
-    )
-    machine.add_argument(
-        "--max-slope", type=float, metavar="UM_PER_MM", help="limit of a table's slope (5)"
-    )
-    machine.add_argument("--accept-slope", action="store_true", help="a steeper table is true")
-    machine.add_argument(
-        "--outside",
-        choices=("error", "clamp"),
-        help="beyond the targets: refuse, or hold the end value",
-    )
-
-    how = parser.add_argument_group("how to reckon")
-    how.add_argument(
-        "--datum",
-        metavar="Z=0|none",
-        action="append",
-        default=[],
-        help="where deviations are zero; none: zeros as recorded",
-    )
-    how.add_argument(
-        "--line", choices=LINES, default=LINES[0], help="reference line of a straightness"
-    )
-    how.add_argument(
-        "--keep-lines", action="store_true", help="leave the lines of straightnesses in"
-    )
-    how.add_argument(
-        "--squareness", type=_squareness, action="append", default=[], metavar="B0X=-382.4,2",
-        help="urad and its u, or from what: B0X=straightness, B0X=diagonals, B0X=ballbar",
-    )  # fmt: skip
-    how.add_argument(
-        "--square-error",
-        type=_two,
-        metavar="URAD,U",
-        help="angle of the square over 90 degrees, and its u: --square-error=-3,2",
-    )
-    how.add_argument(
-        "--square-at",
-        type=values.place,
-        default={},
-        metavar="X200,Y150",
-        help="mm, where the axes stood when the --squareness was measured",
-    )
-    how.add_argument("--drop-outliers", action="store_true", help="leave outliers out")
-    how.add_argument(
-        "--keep-all", action="store_true", help="write components within their uncertainty too"
-    )
-    how.add_argument(
-        "--mean",
-        action="store_true",
-        help="one column for both directions: the control takes up the play",
-    )
-    how.add_argument(
-        "--lead",
-        type=_length_of,
-        action="append",
-        default=[],
-        metavar="Z=5",
-        help="mm of a turn of the screw",
-    )
-    how.add_argument(
-        "--point",
-        type=values.place,
-        default={},
-        metavar="X0,Z120",
-        help="mm, the measured point from the last carriage",
-    )
-    how.add_argument(
-        "--u-random", action="store_true", help="u_um of the recordings is noise and averages out"
-    )
-    how.add_argument(
-        "--u-temperature",
-        type=float,
-        default=0.0,
-        metavar="K",
-        help="standard uncertainty of the scale's temperature",
-    )
-    how.add_argument(
-        "--expansion",
-        type=float,
-        default=STEEL * 1e6,
-        metavar="UM_M_K",
-        help=f"expansion ({STEEL * 1e6:g} um/(m K))",
-    )
-
-    reading_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -199,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
     if options.figure:
         _figure(options.figure, calibration)
     if options.report:
-        _page(options.report, calibration, str(head["name"]))
+        _page(options.report, calibration, texts, str(head["name"]))
     told = as_json.beside(options.json)
     print(report.table(calibration), file=told)
     for fault in [f"{r.file}:{f.line}: left out: {f.message}" for r in read for f in r.faults]:
@@ -227,90 +80,18 @@ def _not_taken(like: dict[str, Any]) -> list[str]:
     if like.get("effect"):
         names = ", ".join(f"{e.get('name')} of {e.get('axis')}" for e in like["effect"])
         told.append(
-            f"effects ({names}): they were found against its own tables, and a two-way table has the play in it"
+            f"effects ({names}): they were found against its own tables, and a two-way table has"
+            " the play in it"
         )
     if "control_table" in like:
         told.append(
-            "control_table: state anew which of the control's tables work, and in which state this was measured"
+            "control_table: state anew which of the control's tables work, and in which state this"
+            " was measured"
         )
     return told
 
 
-# -- what the user says ------------------------------------------------------------------------------------------------
-
-
-def _named(text: str) -> tuple[str, str]:
-    name, equals, rest = text.partition("=")
-    if not equals or not name.strip() or not rest.strip():
-        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
-    return name.strip().upper() if len(name.strip()) < 4 else name.strip(), rest.strip()
-
-
-def _float(text: str, whole: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not abs(value) < 1e9:
-        raise argparse.ArgumentTypeError(f"{text!r} in {whole!r} is not a number")
-    return value
-
-
-def _axis(name: str, whole: str) -> str:
-    if name not in tuple("XYZABC"):
-        raise argparse.ArgumentTypeError(f"{whole!r}: {name!r} is not one of X Y Z A B C")
-    return name
-
-
-def _range(text: str) -> tuple[str, tuple[float, float]]:
-    name, rest = _named(text)
-    low, _, high = rest.partition(",")
-    result = _float(low, text), _float(high, text)
-    if result[0] >= result[1]:
-        raise argparse.ArgumentTypeError(f"{text!r} must be two ascending numbers, mm: Z=-5,520")
-    return _axis(name, text), result
-
-
-def _length_of(text: str) -> tuple[str, float]:
-    name, rest = _named(text)
-    value = _float(rest, text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r}: a lead is above zero, mm")
-    return _axis(name, text), value
-
-
-def _two(text: str) -> tuple[float, float]:
-    first, _, second = text.partition(",")
-    return _float(first, text) * URAD, abs(_float(second or "0", text)) * URAD
-
-
-def _squareness(text: str) -> tuple[str, Any]:
-    name, rest = _named(text)
-    if name not in square.NAMES:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}"
-        )
-    if rest in SOURCES:
-        return name, rest
-    first, comma, second = rest.partition(",")
-    return name, (_float(first, text) * URAD, abs(_float(second, text)) * URAD if comma else None)
-
-
-def _datum(texts: list[str]) -> tuple[dict[str, float], bool]:
-    """Positions by axis, and whether zeros stay as recorded."""
-    places: dict[str, float] = {}
-    for text in texts:
-        if text == "none":
-            continue
-        try:
-            name, rest = _named(text)
-            places[_axis(name, text)] = _float(rest, text)
-        except argparse.ArgumentTypeError as error:
-            raise UsageError(f"--datum {error}", "--datum Z=0, or --datum none") from None
-    return places, "none" in texts
-
-
-# -- what is read ------------------------------------------------------------------------------------------------------
+# -- what is read ----------------------------------------------------------------------------------
 
 
 def like_of(name: str | None) -> dict[str, Any]:
@@ -323,13 +104,27 @@ def like_of(name: str | None) -> dict[str, Any]:
         len(path.parts) == 1 and not path.is_absolute() and name in places.every()
     ):
         path = places.every().get(name, path)
-    return tomllib.loads(ports.read_whole(path / "machine.toml", LARGEST).decode("utf-8-sig"))
+    return intake.toml(ports.read_whole(path / "machine.toml", intake.MACHINE).decode("utf-8-sig"))
+
+
+def of_single_slides(chain: chains.Chain, command: str) -> None:
+    """Raises UsageError for a chain with second slides: recordings do not say where these stood,
+    and the machine that is written would lose the errors that were measured of them."""
+    second = [x for x in chain.axes if x in "UVW"]
+    if second:
+        raise UsageError(
+            f"{command} measures X Y Z and rotary axes, and this machine has second slides too"
+            f" ({', '.join(second)})",
+            "take the machine without them (--like, --chain), and write their sections and tables"
+            " into the folder afterwards",
+        )
 
 
 def machine_of(
     options: argparse.Namespace, like: dict[str, Any]
 ) -> tuple[dict[str, Any], dict[str, Any], Options]:
-    """Keys of machine.toml, those of its axes, and how to reckon. Raises UsageError naming the option that is missing."""
+    """Keys of machine.toml, those of its axes, and how to reckon. Raises UsageError naming the
+    option that is missing."""
     head = {k: like[k] for k in TAKEN if k in like}
     said = {
         "control": options.control or head.get("control"),
@@ -348,6 +143,7 @@ def machine_of(
         chain = chains.parse(str(said["chain"]))
     except ValueError as error:
         raise UsageError(f"--chain: {error}") from None
+    of_single_slides(chain, "gcomp calibrate")
     axes = {x: dict(section) for x, section in like.get("axes", {}).items()}
     for x in chain.axes:
         section = axes.setdefault(x, {})
@@ -375,27 +171,44 @@ def machine_of(
         head["diameter"] = [x for x in options.diameter.upper() if x.isalpha()]
     name = Path(options.output).resolve().name if options.output else "unnamed"
     head |= {"name": name, "title": options.title or name, "control": control}
-    datum, keep_zero = _datum(options.datum)
+    datum, keep_zero = datum_of(options.datum)
     decided = Options(
-        chain=chain, datum=datum, keep_zero=keep_zero, line=options.line, keep_lines=options.keep_lines,
-        squareness=dict(options.squareness), square_error=options.square_error,
-        square_at=options.square_at, leads=dict(options.lead),
-        travel={x: (float(s["travel"][0]), float(s["travel"][1])) for x, s in axes.items() if "travel" in s},
-        max_slope=limits.get("max_slope", Options.max_slope), outside=limits.get("outside", "error"),
-        point=tuple(options.point.get(x, 0.0) for x in "XYZ"), u_random=options.u_random,
-        u_temperature=options.u_temperature, expansion=options.expansion * 1e-6, drop_outliers=options.drop_outliers,
-        keep_all=options.keep_all, mean=options.mean, diameter=tuple(head.get("diameter", ())),
-    )  # fmt: skip
+        chain=chain,
+        datum=datum,
+        keep_zero=keep_zero,
+        line=options.line,
+        keep_lines=options.keep_lines,
+        squareness=dict(options.squareness),
+        square_error=options.square_error,
+        square_at=options.square_at,
+        leads=dict(options.lead),
+        travel={
+            x: (float(s["travel"][0]), float(s["travel"][1]))
+            for x, s in axes.items()
+            if "travel" in s
+        },
+        max_slope=limits.get("max_slope", Options.max_slope),
+        outside=limits.get("outside", "error"),
+        point=tuple(options.point.get(x, 0.0) for x in "XYZ"),
+        u_random=options.u_random,
+        u_temperature=options.u_temperature,
+        expansion=options.expansion * 1e-6,
+        drop_outliers=options.drop_outliers,
+        keep_all=options.keep_all,
+        mean=options.mean,
+        diameter=tuple(head.get("diameter", ())),
+    )
     return head, axes, decided
 
 
 def _recordings(
     names: list[str], options: argparse.Namespace
 ) -> tuple[list[Recording], dict[str, str]]:
-    """All recordings, and the SHA-256 of each file by its name. Raises UsageError for a file that is named twice."""
+    """All recordings, and the SHA-256 of each file by its name. Raises UsageError for a file that
+    is named twice."""
     digests: dict[str, str] = {}
     for name in files_of(names):
-        digest = hashlib.sha256(ports.read_whole(Path(name), LARGEST)).hexdigest()
+        digest = hashlib.sha256(ports.read_whole(Path(name), intake.RECORDING)).hexdigest()
         if digest in digests.values():
             first = next(n for n, d in digests.items() if d == digest)
             raise UsageError(f"{name} and {first} are the same file", "name each once")
@@ -403,19 +216,18 @@ def _recordings(
     return read_files(names, options.format, reading_options(options)), digests
 
 
-# -- what is written ---------------------------------------------------------------------------------------------------
+# -- what is written -------------------------------------------------------------------------------
 
 
 def write_folder(path: Path, texts: dict[str, str], force: bool) -> Path | None:
-    """The folder in one step: whole and readable as a machine before it has its name. Returns where the old one went.
+    """The folder in one step: whole and readable as a machine before it has its name. Returns where
+    the old one went.
 
-    Raises UsageError where a folder is there already (unless `force`), CalibrationError where the machine would be refused.
+    Raises UsageError where a folder is there already (unless `force`), CalibrationError where the
+    machine would be refused.
     """
     path = Path(os.path.abspath(path))
-    if path.exists() and not force:
-        raise UsageError(
-            f"{path} is there already", "--force writes over it and keeps the old one beside it"
-        )
+    standing.kept(path, force, "--force writes over it and keeps the old one beside it")
     if path.exists() and not (path / "machine.toml").is_file():
         raise UsageError(f"{path} is no machine folder: it is not written over")
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -432,11 +244,7 @@ def write_folder(path: Path, texts: dict[str, str], force: bool) -> Path | None:
         os.chmod(temporary, 0o777 & ~mask)
         backup = None
         if path.exists():
-            backup = next(
-                b
-                for n in range(1, 1000)
-                if not (b := path.with_name(f"{path.name}.bak{n if n > 1 else ''}")).exists()
-            )
+            backup = ports.beside(path)
             os.rename(path, backup)
         try:
             os.rename(temporary, path)
@@ -463,10 +271,20 @@ def _accept(written: Path) -> None:
         ) from None
 
 
-def _page(name: str, calibration: Calibration, machine: str) -> None:
+def _page(name: str, calibration: Calibration, texts: dict[str, str], machine: str) -> None:
+    """The page of the machine as its folder would be read, with U of every component."""
     from postproc.pages import machine as pages
 
-    html = pages.calibrated_html(calibration.machine, machine, calibration.findings)
+    with tempfile.TemporaryDirectory() as place:
+        folder_ = Path(place) / "machine"
+        folder_.mkdir()
+        for file, text in texts.items():
+            (folder_ / file).write_text(text, "utf-8")
+        try:
+            found = read_machine(folder_)
+        except MachineError:  # said where the folder is written
+            found = calibration.machine
+    html = pages.calibrated_html(found, machine, calibration.findings)
     ports.replace_file(Path(name), io.BytesIO(html.encode("utf-8")), backup=False)
 
 

@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from postproc import ports
-from postproc.commands import attempts, expansion, reading
+from postproc import intake, marks, ports, standing
+from postproc.commands import attempts, reading, reading_options
 from postproc.errors import GcompError, Notice, UsageError
 from postproc.machine import lacks
 
@@ -23,7 +23,7 @@ EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    reading.arguments(parser)
+    reading_options.arguments(parser)
     out = parser.add_argument_group("where it goes")
     out.add_argument(
         "-o",
@@ -37,6 +37,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="correct FILE itself; its old content stays beside it as FILE.bak",
     )
     out.add_argument(
+        "--force",
+        action="store_true",
+        help="write over a file that gcomp did not make, FILE itself too",
+    )
+    out.add_argument(
         "--unbuffered",
         action="store_true",
         help="pass block by block, for live pipes; a refusal then comes after what is already out",
@@ -48,7 +53,10 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     say.add_argument(
         "--verify",
         action="store_true",
-        help="replay the output on the machine's model and report the largest deviation left; refuse the output if it is over the tolerance",
+        help=(
+            "replay the output on the machine's model and report the largest deviation left; refuse"
+            " the output if it is over the tolerance"
+        ),
     )
     say.add_argument(
         "--json",
@@ -56,9 +64,13 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="what was done as JSON (gcomp-program/1); - for standard output, with -o",
     )
     say.add_argument(
-        "--report", metavar="FILE.html",
-        help="a page: the path, its deviation before and after, where and in which lines (verifies too)",
-    )  # fmt: skip
+        "--report",
+        metavar="FILE.html",
+        help=(
+            "a page: the path, its deviation before and after, where and in which lines (verifies"
+            " too)"
+        ),
+    )
     say.add_argument("--quiet", action="store_true", help="no notices, no summary")
     say.add_argument(
         "--filter-progress",
@@ -79,9 +91,11 @@ def run(options: argparse.Namespace) -> int:
         options.output or options.in_place or options.dry_run or options.expand
     ):
         raise UsageError(
-            "--unbuffered writes to standard output as it goes: not with --output, --in-place, --dry-run or --expand"
+            "--unbuffered writes to standard output as it goes: not with --output, --in-place,"
+            " --dry-run or --expand"
         )
     _one_place_each(options)
+    _spares(options)
     asked = options.verify
     options.verify = asked or bool(options.report)
     machine = reading.machine_of(options)
@@ -90,7 +104,7 @@ def run(options: argparse.Namespace) -> int:
             done = attempts.Attempt.fresh(options, machine, name)
             _live(done.filter, source)
         else:
-            kept = ports.Kept(source, expansion.LARGEST)
+            kept = ports.Kept(source, intake.PROGRAM)
             with progress(size, options) as step:
                 done = attempts.best(options, machine, kept, name, ports.head(source), step)
             _put(done, options)
@@ -106,11 +120,26 @@ def run(options: argparse.Namespace) -> int:
         _put_json(done, options.json)
     if done.why:
         print(f"gcomp: {done.why}", file=sys.stderr)
+    warn_of_nothing(done.filter, name)
     if not options.quiet:
         _say(done.filter.notices)
         if not options.dry_run:
             print(f"gcomp: {summary(done.filter)}", file=sys.stderr)
     return 0
+
+
+def _spares(options: argparse.Namespace) -> None:
+    """Raises UsageError where the output would be written over what gcomp did not make."""
+    if not options.output or options.force:
+        return
+    if options.file and standing.same(options.output, options.file):
+        raise UsageError(
+            f"{options.output} is the program itself, and would be lost",
+            "--in-place corrects it and keeps it as FILE.bak; -o another name; --force",
+        )
+    # a program in which nothing was to be changed holds no mark
+    if not options.file or not standing.copy(options.output, options.file):
+        standing.result(options.output, marks.PROGRAM, "another name, or --force to write over it")
 
 
 def _one_place_each(options: argparse.Namespace) -> None:
@@ -178,12 +207,26 @@ def _put_json(done: attempts.Attempt, name: str) -> None:
     as_json.put(name, result(done, b"").as_dict())
 
 
+def warn_of_nothing(filter_: Filter, name: str) -> None:
+    """Said even with --quiet: a pipe whose begin has failed brings nothing."""
+    if filter_.summary.motions:
+        return
+    what = "no axis moves in it: nothing to correct" if filter_.summary.lines else "it is empty"
+    print(f"gcomp: warning: {name}: {what}", file=sys.stderr)
+
+
 def summary(filter_: Filter) -> str:
     """What was done, in one line."""
     s = filter_.summary
     if filter_.machine.is_zero:
-        return f"{s.lines} lines, {s.motions} motions; the map of {filter_.machine.name} is zero: nothing to change"
-    return f"{s.changed} of {s.motions} motions changed, {s.added} blocks added, largest correction {s.largest * 1000:.1f} um, tolerance {filter_.compensator.tolerance * 1000:g} um"
+        return (
+            f"{s.lines} lines, {s.motions} motions; the map of {filter_.machine.name} is zero:"
+            " nothing to change"
+        )
+    return (
+        f"{s.changed} of {s.motions} motions changed, {s.added} blocks added, largest correction"
+        f" {s.largest * 1000:.1f} um, tolerance {filter_.compensator.tolerance * 1000:g} um"
+    )
 
 
 def _say(notices: list[Notice]) -> None:
@@ -194,7 +237,8 @@ def _say(notices: list[Notice]) -> None:
 
 @contextlib.contextmanager
 def progress(size: int, options: argparse.Namespace):
-    """A callable that takes bytes done: LinuxCNC's lines, a bar on a terminal when it takes long, or nothing."""
+    """A callable that takes bytes done: LinuxCNC's lines, a bar on a terminal when it takes long,
+    or nothing."""
     if options.filter_progress:
         done = [0, -1]
 

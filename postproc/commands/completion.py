@@ -1,7 +1,8 @@
-"""`gcomp completion bash|zsh|fish`: what a shell needs to complete commands, options, choices and machines.
+"""`gcomp completion bash|zsh|fish`: what a shell needs to complete commands, options, choices and
+machines.
 
-The script is made of the commands' own options, so that it says what they say; names of machines are asked for when they are
-needed.
+The script is made of the commands' own options, so that it says what they say; names of machines
+are asked for when they are needed.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _gcomp() {{
     else COMPREPLY=($(compgen -f -- "$word")); fi
 }}
 complete -o filenames -F _gcomp gcomp
-"""
+"""  # noqa: E501
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,9 +74,13 @@ def bash() -> str:
                 )
     every = list(parsers())
     return BASH.format(
-        default=DEFAULT, names="|".join(every), cases="\n".join(cases), choices="\n".join(choices), commands=" ".join(every),
+        default=DEFAULT,
+        names="|".join(every),
+        cases="\n".join(cases),
+        choices="\n".join(choices),
+        commands=" ".join(every),
         machines=MACHINES,
-    )  # fmt: skip
+    )
 
 
 def zsh() -> str:

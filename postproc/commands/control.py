@@ -1,4 +1,5 @@
-"""`gcomp control --port P ORDER`: what is needed between jobs, so that no other program is: reset, resume, unlock, home, jog, zero, send."""
+"""`gcomp control --port P ORDER`: what is needed between jobs, so that no other program is: reset,
+resume, unlock, home, jog, zero, send."""
 
 from __future__ import annotations
 
@@ -6,39 +7,26 @@ import argparse
 import contextlib
 import sys
 import time
+from typing import TYPE_CHECKING, Any
 
+from postproc.commands import as_json, port_options
 from postproc.errors import UsageError
+
+if TYPE_CHECKING:
+    from postproc.streaming.events import Status
 
 HELP = "talk to a controller between jobs: its state, reset, resume, unlock, home, jog, zero, send"
 EXAMPLE = "gcomp control --port /dev/ttyUSB0 jog Z5 F300"
+FORMAT = "gcomp-control/1"
 STOPPED, REFUSED, LONGEST = 130, 10, 600.0  # exit statuses; s that an order may take
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     from postproc.streaming.orders import WORDS
 
-    parser.add_argument(
-        "--port",
-        metavar="PORT",
-        help="/dev/ttyUSB0, COM3, socket://host:port; auto: the only one that there is",
-    )
-    parser.add_argument(
-        "--list-ports",
-        action="store_true",
-        help="the serial ports of this computer, with what is plugged in",
-    )
+    port_options.port(parser)
+    port_options.boards(parser)
     parser.add_argument("--baud", type=int, default=115200, help="default 115200")
-    parser.add_argument(
-        "--protocol",
-        default="auto",
-        metavar="NAME",
-        help="default auto: by what the controller says",
-    )
-    parser.add_argument(
-        "--no-reset-on-open",
-        action="store_true",
-        help="keep DTR low, so that the board is not restarted",
-    )
     parser.add_argument(
         "order",
         nargs="?",
@@ -51,6 +39,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="WORD",
         help="jog X10 Y-5 F800 (mm from here, mm/min); zero X Y; send '$$'",
     )
+    as_json.argument(parser, FORMAT)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -59,12 +48,13 @@ def run(options: argparse.Namespace) -> int:
     from postproc.streaming import orders
 
     if options.list_ports:
-        print(ports_found.listed())
+        print(ports_found.listed(), file=as_json.beside(options.json))
+        ports = [{"port": p.device, "text": ports_found.words(p)} for p in ports_found.found()]
+        as_json.put(options.json, {"format": FORMAT, "ports": ports})
         return 0
     if options.order:
-        orders.line_of(
-            options.order, options.words
-        )  # before a port is opened, which restarts some boards
+        # before a port is opened, which restarts some boards
+        orders.line_of(options.order, options.words)
     url = ports_found.chosen(options.port)
     port = Port(url, options.baud, reset=not options.no_reset_on_open)
     try:
@@ -79,17 +69,20 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
     from postproc.streaming.greeting import Greeting
     from postproc.streaming.orders import Order, told
 
-    greeting = Greeting(options.protocol, state_only=True)
+    greeting = Greeting(options.protocol, state_only=True, port=url)
     loop.greet(port, greeting)
     assert greeting.protocol is not None
+    out = as_json.beside(options.json)
     if options.order is None:
         print(
             told(greeting.status, url)
             if greeting.status
-            else "this controller does not report its state"
+            else "this controller does not report its state",
+            file=out,
         )
+        as_json.put(options.json, _found(options, url, greeting.status))
         return 0
-    order = Order(greeting.protocol, options.order, options.words, greeting.status)
+    order = Order(greeting.protocol, options.order, options.words, greeting.status, url)
     try:
         _loop(port, order)
     except KeyboardInterrupt:
@@ -98,15 +91,37 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
         print("gcomp: interrupted; the controller was told to hold", file=sys.stderr)
         return STOPPED
     for text in order.said:
-        print(text)
+        print(text, file=out)
+    as_json.put(
+        options.json,
+        _found(options, url, order.status) | {"said": order.said, "fault": order.fault or None},
+    )
     if order.fault:
         print(f"gcomp: the controller refused it: {order.fault}", file=sys.stderr)
         if order.status:
             print(f"gcomp: {told(order.status, url)}", file=sys.stderr)
         return REFUSED
     if order.status:
-        print(told(order.status, url))
+        print(told(order.status, url), file=out)
     return 0
+
+
+def _found(options: argparse.Namespace, url: str, status: Status | None) -> dict[str, Any]:
+    """An order, and the controller's state behind it."""
+    from postproc.streaming.orders import told
+
+    found: dict[str, Any] = {"format": FORMAT, "port": url, "order": options.order}
+    found |= {"words": options.words, "said": [], "fault": None, "state": None}
+    if status is not None:
+        place = None if status.place is None else list(status.place)
+        found["state"] = {
+            "name": status.state,
+            "detail": status.detail,
+            "place_mm": place,
+            "feed_mm_min": status.feed,
+            "text": told(status, url),
+        }
+    return found
 
 
 def _loop(port, order) -> None:

@@ -1,4 +1,5 @@
-"""`gcomp diagnose` says where recordings and the machine's model differ, what physics was left out, and how the fit improves."""
+"""`gcomp diagnose` says where recordings and the machine's model differ, what physics was left out,
+and how the fit improves."""
 
 from __future__ import annotations
 
@@ -8,8 +9,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from postproc import ports
-from postproc.commands import as_json, reading
+from postproc import intake, ports, standing
+from postproc.commands import as_json, reading, values
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
@@ -41,20 +42,28 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         default="",
         help="the run that takes no part (default: the middle one of three or more)",
     )
-    parser.add_argument(
+    values.repeated(
+        parser,
         "--accept",
-        action="append",
-        default=[],
         metavar="EFFECT:AXIS",
-        help="write this effect although another name explains the readings as well (with --write-machine)",
+        help=(
+            "write this effect although another name explains the readings as well (with"
+            " --write-machine)"
+        ),
     )
     parser.add_argument(
         "--compensated",
         action="store_true",
-        help="recorded with a corrected program, readings against its nominal targets: what is left is looked at "
-        "(a head that says compensated = true does without)",
+        help=(
+            "recorded with a corrected program, readings against its nominal targets: what is left"
+            " is looked at (a head that says compensated = true does without)"
+        ),
     )
-    parser.add_argument("--force", action="store_true", help="overwrite files that exist")
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="write over what is there; an old machine folder stays as .bak",
+    )
     parser.add_argument("--quiet", action="store_true", help="no progress on standard error")
 
 
@@ -66,9 +75,8 @@ def run(options: argparse.Namespace) -> int:
 
     options.temperature = {}
     machine = reading.machine_of(options)
-    for path in (options.json, options.residuals, options.report):
-        if path and path != "-" and Path(path).exists() and not options.force:
-            raise UsageError(f"{path} exists", "--force overwrites it")
+    if options.write_machine:
+        standing.kept(options.write_machine, options.force)
     sources = []
     for path in options.recordings:
         file = Path(path)
@@ -76,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"{path} is a folder", f"name the recordings in it: {path}/*.csv")
         if not file.exists():
             raise UsageError(f"there is no recording {path}")
-        sources.append(formats.Source(path, file.read_bytes()))
+        sources.append(formats.Source(path, ports.read_whole(file, intake.RECORDING)))
     lenient = formats.ReadingOptions(strict=False)
     told = _Progress(options.quiet)
     read = []
@@ -92,8 +100,7 @@ def run(options: argparse.Namespace) -> int:
         )
     finally:
         told("")  # a refusal has its line to itself
-    found.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(read) for f in r.faults]
-    answer = report.as_json(found, [s.data for s in sources])
+    answer = report.of_sources(found, sources)
     if options.residuals:
         _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
     if options.write_machine:
@@ -125,23 +132,26 @@ def run(options: argparse.Namespace) -> int:
         print(report.as_text(found))
     if left and not options.quiet:
         print(
-            f"gcomp: notice: measured after compensation, against nominal targets: judged beside a machine without errors, so "
-            f"what is found is what the map of {machine.name} left (gcomp accept compares with the measurement before)",
+            "gcomp: notice: measured after compensation, against nominal targets: judged beside a"
+            f" machine without errors, so what is found is what the map of {machine.name} left"
+            " (gcomp accept compares with the measurement before)",
             file=sys.stderr,
         )
     return 0
 
 
 def corrected(read: list[Recording], said: bool) -> bool:
-    """Whether the readings hold what a correction has left, so that no map is in them. Raises UsageError where some do."""
+    """Whether the readings hold what a correction has left, so that no map is in them. Raises
+    UsageError where some do."""
     left = [
         said or (r.head.get("compensated") is True and r.head.get("against") != "commanded")
         for r in read
     ]
     if any(left) and not all(left):
         raise UsageError(
-            f"{read[left.index(True)].file} was measured after compensation, {read[left.index(False)].file} was not, or "
-            "against what the corrected program commands",
+            f"{read[left.index(True)].file} was measured after compensation,"
+            f" {read[left.index(False)].file} was not, or against what the corrected program"
+            " commands",
             "diagnose each state by itself; gcomp accept compares both",
         )
     return all(left)

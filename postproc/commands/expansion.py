@@ -1,4 +1,5 @@
-"""--expand: the program is read whole, written out as plain blocks, and errors name the line that was written by hand."""
+"""--expand: the program is read whole, written out as plain blocks, and errors name the line that
+was written by hand."""
 
 from __future__ import annotations
 
@@ -9,14 +10,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from postproc import ports
+from postproc import intake, ports
 from postproc.errors import GcompError, Notice, Place, ProgramError, UsageError
+from postproc.nc.codes import IF_IT_IS
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
     from postproc.nc.expand.written import Written
 
-LARGEST = 100_000_000  # bytes of a program that is read whole
 ENDINGS = (
     "",
     ".ngc",
@@ -39,12 +40,13 @@ ENDINGS = (
 def written_out(
     filter_: Filter, source, options: argparse.Namespace, keeps: bool = True
 ) -> Written:
-    """The program of the stream, ready to be written out. keeps: drilling cycles stay where their holes bend by less than
-    the tolerance of holes. Raises UsageError where its control has nothing to write out."""
-    text = source.read(LARGEST + 1)
-    if len(text) > LARGEST:
+    """The program of the stream, ready to be written out. keeps: drilling cycles stay where their
+    holes bend by less than the tolerance of holes. Raises UsageError where its control has nothing
+    to write out."""
+    text = source.read(intake.PROGRAM + 1)
+    if len(text) > intake.PROGRAM:
         raise UsageError(
-            f"a program of more than {LARGEST:,} bytes is not read whole",
+            f"a program of more than {intake.PROGRAM:,} bytes is not read whole",
             "without --expand any length passes",
         )
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
@@ -64,7 +66,8 @@ def of_text(
     program = Program(
         filter_.name, bare(text) if filter_.dialect.grammar.checksums else text, library
     )
-    # The tracker follows everything that is written out; what it can not follow matters only to the filter behind it.
+    # The tracker follows everything that is written out; what it can not follow matters only to the
+    # filter behind it.
     tracked, limits = (
         Interpreter(filter_.dialect, filter_.setup),
         Limits(options.max_steps, options.max_depth),
@@ -76,12 +79,13 @@ def of_text(
 
 
 def is_way_out(error: GcompError) -> bool:
-    """Whether the error's own advice is to write the program out."""
-    return "--expand" in error.advice
+    """Whether the error's own advice is to write the program out, and nothing else."""
+    return "--expand" in error.advice and IF_IT_IS not in error.advice
 
 
 def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
-    """The corrected text of the plain blocks, in portions; errors and notices name the program's own lines."""
+    """The corrected text of the plain blocks, in portions; errors and notices name the program's
+    own lines."""
     told = len(filter_.notices)
     try:
         for portion in _portions(written):
@@ -101,9 +105,8 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
             replace(n, line=written.source(n.line)[0]) if n.line else n
             for n in filter_.notices[told:]
         ]
-        known = {
-            notice.code for notice in filter_.notices
-        }  # of a block that stays a cycle both tell the same
+        # of a block that stays a cycle both tell the same
+        known = {notice.code for notice in filter_.notices}
         filter_.notices += [notice for notice in written.notices if notice.code not in known]
 
 
@@ -128,8 +131,9 @@ def _by_source(error: ProgramError, written: Written) -> ProgramError:
 
 
 def _at(error: ProgramError, written: Written, line: int, file: str) -> None:
-    """Put the error at a line of the program, or of a file that it calls ("": the program). Columns stay where the line is
-    the one that was looked at; else the block that was made of it is told."""
+    """Put the error at a line of the program, or of a file that it calls ("": the program). Columns
+    stay where the line is the one that was looked at; else the block that was made of it is
+    told."""
     assert error.place is not None
     place, own = error.place, written.own_line(line, file)
     name = file or written.program.name
@@ -142,15 +146,17 @@ def _at(error: ProgramError, written: Written, line: int, file: str) -> None:
 
 
 class Library:
-    """Subprograms in files: beside the program, then in the folders of --library. `unasked`: folders in which is looked,
-    but from which nothing is taken; `left`: whether something would have been."""
+    """Subprograms in files: beside the program, then in the folders of --library. `unasked`:
+    folders in which is looked, but from which nothing is taken; `left`: whether something would
+    have been."""
 
     def __init__(self, folders: list[Path], notices: list[Notice], unasked: tuple[Path, ...] = ()):
         self.folders, self.notices, self.unasked = folders, notices, unasked
         self.left = False
 
     def text(self, name: str) -> bytes | None:
-        """The text of a subprogram by its name or number, None if there is none. A name with a path in it is none."""
+        """The text of a subprogram by its name or number, None if there is none. A name with a path
+        in it is none."""
         if not re.fullmatch(r"[A-Za-z0-9_.-]{1,200}", name) or name.startswith("."):
             return None
         stems = (
@@ -169,5 +175,5 @@ class Library:
                 notice = Notice(f"library {name}", f"subprogram {name} is read from {path}")
                 if notice not in self.notices:
                     self.notices.append(notice)
-                return ports.read_whole(path, LARGEST)
+                return ports.read_whole(path, intake.PROGRAM)
         return None

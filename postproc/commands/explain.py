@@ -1,6 +1,8 @@
-"""`gcomp explain FILE --machine M`: what each block does, in words, and what was changed in it and why.
+"""`gcomp explain FILE --machine M`: what each block does, in words, and what was changed in it and
+why.
 
-The words are pygcode's, an interpreter of its own: where it reads other numbers than gcomp does, that is said.
+The words are pygcode's, an interpreter of its own: where it reads other numbers than gcomp does,
+that is said.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from postproc import ports
-from postproc.commands import as_json, expansion, reading
+from postproc.commands import as_json, compensate, expansion, reading, reading_options
 from postproc.machine import growth
 from postproc.machine.model import Machine
 from postproc.machine.tip import TipMachine, seen_by_tip
@@ -30,7 +32,7 @@ FORMAT = "gcomp-explain/1"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    reading.arguments(parser)
+    reading_options.arguments(parser)
     as_json.argument(parser, FORMAT)
     parser.add_argument(
         "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
@@ -68,14 +70,18 @@ def run(options: argparse.Namespace) -> int:
             ]
             became = _lines(output) if seen and output != line else None
             one = {
-                "line": number, "text": line.decode("latin-1").rstrip(), "says": sentences, "becomes": became,
+                "line": number,
+                "text": line.decode("latin-1").rstrip(),
+                "says": sentences,
+                "becomes": became,
                 "notices": [notice.message for notice in filter_.notices[said:]],
-            }  # fmt: skip
+            }
             seen.clear()
             if options.json:
                 told.append(one)
             if options.json != "-":
                 _print(one)
+        compensate.warn_of_nothing(filter_, name)
         as_json.put(
             options.json,
             {

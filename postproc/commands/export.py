@@ -1,17 +1,31 @@
-"""`gcomp export` writes a machine's map as the control's own compensation table, and reads one back."""
+"""`gcomp export` writes a machine's map as the control's own compensation table, and reads one
+back."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from postproc import control_tables, ports
-from postproc.commands import residual
+from postproc import control_tables, intake, ports
+from postproc.commands import as_json, residual
+from postproc.commands.export_files import (
+    FORMAT,
+    axis_files,
+    components,
+    controls,
+    held,
+    known_of,
+    listing,
+    of_control,
+    of_tables,
+    parted,
+    places_of,
+    report,
+    write_files,
+)
+from postproc.commands.export_options import arguments as arguments
 from postproc.control_tables import ErrorTable, Export, ExportOptions
 from postproc.errors import UsageError
 from postproc.machine import overshoot, places
@@ -23,7 +37,6 @@ from postproc.units import UM
 
 HELP = "write a machine's map as the control's own compensation table, or read such a table"
 EXAMPLE = "gcomp export --machine studer-s36 --control linuxcnc -o tables/"
-LARGEST_FILE = 1 << 24
 FROM_OPTIONS = {
     "axis",
     "axes",
@@ -31,145 +44,6 @@ FROM_OPTIONS = {
     "settings",
     "settings_name",
 }  # keys of `extra` that have an option of their own
-PAIR = re.compile(r"\s*([A-Z])\s*=\s*([-+]?[0-9]+\.?[0-9]*|[-+]?\.[0-9]+)\s*")
-
-
-def arguments(parser: argparse.ArgumentParser) -> None:
-    what = parser.add_argument_group("what")
-    what.add_argument(
-        "--list",
-        action="store_true",
-        help="the controls, their sign, and what is unverified; with --control its own keys",
-    )
-    what.add_argument("--control", metavar="NAME", help="whose table: gcomp export --list")
-    what.add_argument(
-        "--machine", metavar="M", help="name or folder of the machine whose map is written"
-    )
-    what.add_argument(
-        "--read",
-        metavar="FILE",
-        help="the opposite: say what a control's table takes out, as CSV (-o writes a file for each axis)",
-    )
-    what.add_argument(
-        "-o",
-        "--output",
-        metavar="FOLDER",
-        help="where to write: a folder, or a file where it is only one",
-    )
-    what.add_argument(
-        "--residual",
-        metavar="FOLDER",
-        help="a machine folder too, for what the control can not hold: gcomp corrects the rest",
-    )
-    what.add_argument("--force", action="store_true", help="overwrite files that are there")
-    which = parser.add_argument_group("which part of the map")
-    which.add_argument(
-        "--axis",
-        metavar="Z",
-        action="append",
-        default=[],
-        help="only this moving axis; may be repeated",
-    )
-    which.add_argument(
-        "--component",
-        metavar="EXZ",
-        action="append",
-        default=[],
-        help="only this component; may be repeated",
-    )
-    which.add_argument(
-        "--only",
-        metavar="EXX,EZZ",
-        type=lambda text: text.split(","),
-        default=[],
-        help="as --component, several at once",
-    )
-    which.add_argument(
-        "--at",
-        metavar="X=0,Y=100",
-        type=_numbers,
-        default={},
-        help="mm: where the other axes stand (rotations times arms)",
-    )
-    which.add_argument(
-        "--one-way",
-        action="store_true",
-        help="the mean of both directions, also where the control knows both",
-    )
-    how = parser.add_argument_group("how the control is set up")
-    how.add_argument(
-        "--unit", choices=("mm", "inch"), default="mm", help="of the control's basic system (mm)"
-    )
-    how.add_argument(
-        "--spacing",
-        metavar="MM",
-        type=_positive,
-        default=0.0,
-        help="mm between points, where they are even",
-    )
-    how.add_argument(
-        "--reference",
-        metavar="X=0,Z=0",
-        type=_numbers,
-        default={},
-        help="mm: reference (home) position of the axes",
-    )
-    how.add_argument(
-        "--first",
-        metavar="X=1",
-        type=_numbers,
-        default={},
-        help="number of the first or the reference point",
-    )
-    how.add_argument(
-        "--step",
-        metavar="MM",
-        type=_positive,
-        default=0.001,
-        help="mm of one detection unit (0.001)",
-    )
-    how.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        dest="extra",
-        help="what one control alone wants; may be repeated",
-    )
-    how.add_argument(
-        "--uncertainty", metavar="FILE.csv", help="write the U (95 %%) of what the tables hold beside them, node by node: no control has a place for it"
-    )  # fmt: skip
-    how.add_argument(
-        "--template",
-        metavar="FILE",
-        help="an empty table that the control has exported, to be filled",
-    )
-    how.add_argument(
-        "--settings",
-        metavar="FILE",
-        help="with --read: the control's parameters, where they are in a file of their own",
-    )
-
-
-def _numbers(text: str) -> dict[str, float]:
-    """Axis to number, from "X=0,Z=12.5"."""
-    result: dict[str, float] = {}
-    for part in text.split(","):
-        found = PAIR.fullmatch(part)
-        if not found or found[1] in result:
-            raise argparse.ArgumentTypeError(f"{text!r} is not like X=0,Z=12.5: {part.strip()!r}")
-        result[found[1]] = float(found[2])
-    return result
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 < value <= 1e5:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of mm above zero")
-    return value
 
 
 def run(options: argparse.Namespace) -> int:
@@ -178,7 +52,8 @@ def run(options: argparse.Namespace) -> int:
         *(name.strip() for name in options.only if name.strip()),
     ]
     if options.list:
-        print(listing(options.control))
+        print(listing(options.control), file=as_json.beside(options.json))
+        as_json.put(options.json, {"format": FORMAT, "controls": controls(options.control)})
         return 0
     if not options.control:
         raise UsageError(
@@ -200,7 +75,10 @@ def run(options: argparse.Namespace) -> int:
         getattr(module, "write_machine", None) if not (options.axis or options.component) else None
     )
     if options.residual and whole:
-        raise UsageError(f"{options.control} takes the whole map, so nothing is left for --residual", "leave --residual out, or --axis")  # fmt: skip
+        raise UsageError(
+            f"{options.control} takes the whole map, so nothing is left for --residual",
+            "leave --residual out, or --axis",
+        )
     export = whole(machine, told) if whole else module.write(tables, told)
     rest = (
         residual.held(options.control, machine, export, told, tables)
@@ -208,70 +86,61 @@ def run(options: argparse.Namespace) -> int:
         else ([], [])
     )
     known = {} if whole else {t.name: known_of(machine, t) for t in tables}
-    if options.uncertainty:
-        _beside(options, machine, tables, known)
-    paths = write_files(
+    beside = _uncertainty(options, machine, tables, export, bool(whole))
+    paths = places_of(
         export.files, Path(options.output), options.force, options.output.endswith(("/", "\\"))
     )
-    doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
-    notices = doubts if whole else doubts + notices
-    print(
-        report(
-            options.control, module, machine, export, [] if whole else tables, notices, paths, known
+    rest_told = (
+        residual.write(
+            options.control,
+            machine,
+            options.machine,
+            Path(options.residual),
+            export,
+            rest,
+            options.force,
         )
+        if options.residual
+        else ""
     )
-    if options.residual:
-        print(
-            residual.write(
-                options.control,
-                machine,
-                options.machine,
-                Path(options.residual),
-                export,
-                rest,
-                options.force,
-            )
-        )
+    write_files(paths)
+    write_files(beside)
+    doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
+    loud, said = parted(module, [*doubts, *([] if whole else notices), *export.notices])
+    rows = components([] if whole else tables, export, known)
+    out = as_json.beside(options.json)
+    print(report(options.control, module, machine, rows, said, loud, list(paths)), file=out)
+    if rest_told:
+        print(rest_told, file=out)
+    found = {
+        **of_control(options.control, module),
+        "machine": machine.name,
+        "map": machine.digest,
+        "components": rows,
+        "notices": said,
+        "unverified": loud,
+        "written": [str(path) for path in (*paths, *beside)],
+        "residual": options.residual,
+    }
+    as_json.put(options.json, {"format": FORMAT, **found})
     return 0
 
 
-def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
-    """(K,) mm: U (95 %) of a table at its nodes, of the component itself and of squareness and lost motion that stand in it; None where
-    the folder states none of it."""
-    axis, row = machine.axes[table.moving], XYZ.index(table.along)
-    parts = []
-    if axis.uncertainty is not None and row in axis.uncertainty.stated:
-        both = np.stack([axis.uncertainty.table.forward, axis.uncertainty.table.reverse])[:, row]
-        parts.append(np.interp(table.nodes, axis.uncertainty.table.nodes, both.max(axis=0)))
-    for name, angle in machine.square_u.items():
-        across = {x for x, r in zip(XYZ, "ABC", strict=True) if r != name[0]}
-        if name[2] == table.moving and across == {table.moving, table.along}:
-            parts.append(angle * np.abs(table.nodes))
-    for term in machine.effects:
-        for one in term.spread:
-            parts += [
-                np.interp(
-                    table.nodes,
-                    t.nodes,
-                    np.abs(np.stack([t.forward, t.reverse])[:, row]).max(axis=0),
-                )
-                for t in one.tables
-                if t.letter == table.moving and row in t.rows
-            ]
-    return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
-
-
-def _beside(
+def _uncertainty(
     options: argparse.Namespace,
     machine: Machine,
     tables: list[ErrorTable],
-    known: dict[str, np.ndarray | None],
-) -> None:
-    """The U of what is written, as a file. Raises UsageError where the folder states none, or the file is there."""
+    export: Export,
+    whole: bool,
+) -> dict[Path, bytes]:
+    """The file of the U of what is written, none where it is not asked for. Raises UsageError where
+    the folder states none, or the file is there."""
+    if not options.uncertainty:
+        return {}
     rows = [
         f"{t.name},{node:g},{value / UM:.4f}"
         for t in tables
-        if (u := known.get(t.name)) is not None
+        if (whole or held(t, export)) and (u := known_of(machine, t)) is not None
         for node, value in zip(t.nodes, u, strict=True)
     ]
     if not rows:
@@ -279,13 +148,12 @@ def _beside(
             f"--uncertainty: {machine.name} states no uncertainty of what is written",
             "gcomp machines show says what it states",
         )
-    text = f"# U, 95 % (k = 2), of the tables for {options.control}; map {machine.digest}\ncomponent,position_mm,U_um\n"
-    write_files(
-        {"U": (text + "\n".join(rows) + "\n").encode()},
-        Path(options.uncertainty),
-        options.force,
-        False,
+    text = (
+        f"# U, 95 % (k = 2), of the tables for {options.control}; map"
+        f" {machine.digest}\ncomponent,position_mm,U_um\n"
     )
+    data = (text + "\n".join(rows) + "\n").encode()
+    return places_of({"U": data}, Path(options.uncertainty), options.force, False)
 
 
 def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTable], list[str]]:
@@ -319,7 +187,8 @@ def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTa
         }
         if stand:
             notices.append(
-                f"over {x}: the other axes stand at {' '.join(f'{o} = {p:g}' for o, p in stand.items())} (--at)"
+                f"over {x}: the other axes stand at"
+                f" {' '.join(f'{o} = {p:g}' for o, p in stand.items())} (--at)"
             )
         for o in range(3):
             if (
@@ -331,7 +200,8 @@ def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTa
                 notices.append(f"E{XYZ[o]}{x} holds the squareness of {x} as a line")
         if x in machine.diameter:
             notices.append(
-                f"words of {x} are diameters; positions and values here are slide positions, radius: make sure that the table of the control is too"
+                f"words of {x} are diameters; positions and values here are slide positions,"
+                " radius: make sure that the table of the control is too"
             )
     kept = {t.name for t in tables}
     wanted = [
@@ -347,7 +217,8 @@ def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTa
 def told_of(
     options: argparse.Namespace, module: Any, machine: Machine | None = None
 ) -> ExportOptions:
-    """What the command line says, for the control's module. Raises UsageError for a --set that the control does not know."""
+    """What the command line says, for the control's module. Raises UsageError for a --set that the
+    control does not know."""
     extra: dict[str, str] = {}
     known = getattr(module, "EXTRA", {})
     patterns = [re.sub(r"_[A-Z]$", "_[A-Z]", key) for key in known]
@@ -356,7 +227,8 @@ def told_of(
         if not sign or not any(re.fullmatch(p, key) for p in patterns):
             raise UsageError(
                 f"--set {pair}: {options.control} has no such key",
-                f"keys: {', '.join(known) or 'none'} (gcomp export --list --control {options.control})",
+                f"keys: {', '.join(known) or 'none'} (gcomp export --list --control"
+                f" {options.control})",
             )
         extra[key] = value
     for key, why in getattr(module, "STATED", {}).items():
@@ -375,123 +247,44 @@ def told_of(
     if len(first) < len(options.first):
         raise UsageError("--first is the number of a point, without a fraction", "--first X=1")
     return ExportOptions(
-        unit=options.unit, spacing=options.spacing, reference=options.reference, first=first, step=options.step,
-        two_way=not options.one_way, program=machine.name if machine else "gcomp", extra=extra,
-    )  # fmt: skip
+        unit=options.unit,
+        spacing=options.spacing,
+        reference=options.reference,
+        first=first,
+        step=options.step,
+        two_way=not options.one_way,
+        program=intake.label(machine.name) if machine else "gcomp",
+        extra=extra,
+    )
 
 
 def _text(path: str) -> str:
-    return Source(path, ports.read_whole(Path(path), LARGEST_FILE)).text
-
-
-def write_files(files: dict[str, bytes], output: Path, force: bool, folder: bool) -> list[Path]:
-    """Write all files or none that would overwrite one. Raises UsageError where a file is there and `force` is not set."""
-    if len(files) > 1 or output.is_dir() or folder:
-        if output.exists() and not output.is_dir():
-            raise UsageError(
-                f"{len(files)} files are to be written, and {output} is a file", "-o FOLDER"
-            )
-        paths = [output / name for name in files]
-    else:
-        paths = [output]
-    for path in paths:
-        if path.exists() and not force:
-            raise UsageError(f"{path} is there already", "--force overwrites it, or another -o")
-    if len(files) > 1 or folder:
-        output.mkdir(parents=True, exist_ok=True)
-    for path, data in zip(paths, files.values(), strict=True):
-        with ports.spool() as spool:
-            spool.write(data)
-            ports.replace_file(path, spool, backup=False)
-    return paths
-
-
-def report(
-    control: str,
-    module: Any,
-    machine: Machine,
-    export: Export,
-    tables: list[ErrorTable],
-    notices: list[str],
-    paths: list[Path],
-    known: dict[str, np.ndarray | None],
-) -> str:
-    """What was written, for a person: component, points, largest correction, what is left; notices; what is unverified."""
-    lines = [
-        f"{machine.name} (map {machine.digest}) for {control}: {module.TITLE}",
-        f"sign: {getattr(module, 'SIGN', 'see its description')}",
-        "",
-    ]
-    by_name = {t.name: t for t in tables}
-    lines.append(
-        f"{'component':<10}{'nodes':>7}{'largest correction':>21}{'left by the table':>20}{'U (95 %)':>13}"
-    )
-    for name in [*by_name, *(n for n in export.remainder if n not in by_name)]:
-        table = by_name.get(name)
-        size = (
-            f"{max(np.abs(table.forward).max(), np.abs(table.reverse).max()) / UM:.2f} um"
-            if table
-            else ""
-        )
-        rest = (
-            f"{export.remainder[name] / UM:.3f} um" if name in export.remainder else "not written"
-        )
-        u = known.get(name)
-        stated = (
-            "" if table is None else "not stated" if u is None else f"{float(u.max()) / UM:.2f} um"
-        )
-        lines.append(
-            f"{name:<10}{len(table.nodes) if table else '':>7}{size:>21}{rest:>20}{stated:>13}".rstrip()
-        )
-    said = [*notices, *export.notices]
-    loud = [n for n in said if n.startswith("unverified")]
-    if module.UNVERIFIED and not loud:
-        loud = [f"unverified: {module.UNVERIFIED}"]
-    lines += ["", *(f"note: {n}" for n in said if n not in loud)]
-    lines += ["", *(f"UNVERIFIED: {n.split(':', 1)[1].strip()}" for n in loud)] if loud else []
-    lines += ["", *(f"wrote {path}" for path in paths)]
-    return "\n".join(lines)
-
-
-def listing(control: str | None) -> str:
-    """The controls that there are; with a name what that one alone wants."""
-    if control:
-        module = control_tables.load(control)
-        keys = getattr(module, "EXTRA", {})
-        width = max((len(k) for k in keys), default=0)
-        head = [
-            f"{control}: {module.TITLE}",
-            f"sign: {getattr(module, 'SIGN', 'see its description')}",
-            control_tables.label(module),
-        ]
-        return "\n".join([*head, *(f"  --set {k:<{width}}  {v}" for k, v in keys.items())])
-    width = max(len(n) for n in control_tables.names())
-    rows = []
-    for name in control_tables.names():
-        module = control_tables.load(name)
-        rows += [
-            f"{name:<{width}}  {module.TITLE}",
-            f"{'':<{width}}  {control_tables.label(module)}; sign: {getattr(module, 'SIGN', 'see its description')}",
-        ]
-    return "\n".join(rows)
+    return Source(path, ports.read_whole(Path(path), intake.CONTROL_TABLE)).text
 
 
 def _read(options: argparse.Namespace, module: Any) -> int:
     """What a control's table takes out, to standard output, or to a file for each axis."""
-    found = read(options, module)
-    if not options.output:
-        print("\n".join(found.values()), end="")
-        return 0
-    folder = options.output.endswith(("/", "\\"))
-    files = {f"{moving}.csv": text.encode() for moving, text in found.items()}
-    for path in write_files(files, Path(options.output), options.force, folder):
-        print(f"wrote {path}")
+    tables = read(options, module)
+    found = axis_files(tables, options.read, options.control)
+    out, paths = as_json.beside(options.json), {}
+    if options.output:
+        folder = options.output.endswith(("/", "\\"))
+        files = {f"{moving}.csv": text.encode() for moving, text in found.items()}
+        paths = places_of(files, Path(options.output), options.force, folder)
+        write_files(paths)
+        print("\n".join(f"wrote {path}" for path in paths), file=out)
+    else:
+        print("\n".join(found.values()), end="", file=out)
+    told = {**of_control(options.control, module), "read": options.read}
+    told |= {"tables": of_tables(tables), "written": [str(path) for path in paths]}
+    as_json.put(options.json, {"format": FORMAT, **told})
     return 0
 
 
-def read(options: argparse.Namespace, module: Any) -> dict[str, str]:
-    """What a control's table takes out: moving axis to its axis table (deviation, um)."""
-    source = Source(options.read, ports.read_whole(Path(options.read), LARGEST_FILE))
+def read(options: argparse.Namespace, module: Any) -> list[ErrorTable]:
+    """What a control's table takes out. Raises UsageError where it is nothing that was asked
+    for."""
+    source = Source(options.read, ports.read_whole(Path(options.read), intake.CONTROL_TABLE))
     tables = module.read(source, told_of(options, module))
     if options.axis:
         tables = [t for t in tables if t.moving in options.axis]
@@ -499,29 +292,7 @@ def read(options: argparse.Namespace, module: Any) -> dict[str, str]:
         tables = [t for t in tables if t.name in options.component]
     if not tables:
         raise UsageError(
-            f"{options.read} has no table of {' '.join([*options.axis, *options.component]) or 'any axis'}"
+            f"{options.read} has no table of"
+            f" {' '.join([*options.axis, *options.component]) or 'any axis'}"
         )
-    parts = {}
-    for moving in dict.fromkeys(t.moving for t in tables):
-        group = [t for t in tables if t.moving == moving]
-        head = f"# deviation that the table in {options.read} ({options.control}) takes out\n"
-        parts[moving] = axis_csv(moving, group, head)
-    return parts
-
-
-def axis_csv(moving: str, tables: list[ErrorTable], head: str = "") -> str:
-    """Tables of one axis in the form of a machine's axis table, on all their nodes."""
-    nodes = np.unique(np.concatenate([t.nodes for t in tables]))
-    names, columns = [f"{moving}_mm"], [nodes]
-    for table in tables:
-        ways = (("_fwd", 1.0), ("_rev", -1.0)) if table.two_way else (("", 0.0),)
-        for suffix, way in ways:
-            names.append(f"{table.name}_um{suffix}")
-            columns.append(table.at(nodes, way) / UM)
-    rows = [
-        ",".join(
-            f"{v + 0.0:.10g}" if i == 0 else f"{round(v, 6) + 0.0:.10g}" for i, v in enumerate(row)
-        )
-        for row in zip(*columns, strict=True)
-    ]
-    return head + "\n".join([",".join(names), *rows]) + "\n"
+    return tables

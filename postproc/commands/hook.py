@@ -1,4 +1,5 @@
-"""`gcomp hook install PROGRAM --machine M`: what a CAM program or slicer needs to run gcomp on what it writes."""
+"""`gcomp hook install PROGRAM --machine M`: what a CAM program or slicer needs to run gcomp on what
+it writes."""
 
 from __future__ import annotations
 
@@ -7,13 +8,18 @@ import io
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
-from postproc import hooks, ports
-from postproc.commands import reading
+from postproc import hooks, intake, ports, standing
+from postproc.commands import as_json, reading
 from postproc.errors import UsageError
 from postproc.machine import places
 
-HELP = "write what a slicer, CAM program or LinuxCNC needs to correct its programs: gcomp hook install prusaslicer"
+HELP = (
+    "write what a slicer, CAM program or LinuxCNC needs to correct its programs: gcomp hook install"
+    " prusaslicer"
+)
+FORMAT = "gcomp-hook/1"
 HANDS_ON = True  # behind --: options of gcomp
 EXAMPLE = "gcomp hook install prusaslicer --machine my-printer -- --tolerance 5um"
 
@@ -43,11 +49,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--post", metavar="NAME", default="", help="FreeCAD's own post that is corrected (linuxcnc)"
     )
     parser.add_argument("--force", action="store_true", help="write over a hook that is there")
+    as_json.argument(parser, FORMAT)
 
 
 def run(options: argparse.Namespace) -> int:
     if options.what == "list":
-        print(listed())
+        print(listed(), file=as_json.beside(options.json))
+        found = [_fact(name) for name in hooks.names()]
+        as_json.put(options.json, {"format": FORMAT, "hooks": found})
         return 0
     if not options.program:
         raise UsageError(
@@ -55,18 +64,26 @@ def run(options: argparse.Namespace) -> int:
         )
     module = hooks.load(options.program)
     _checked(options)
-    installed = module.install(_call(options))
+    call = _call(options)
+    installed = module.install(call)
     for path in installed.files:
-        if path.exists() and not options.force:
-            raise UsageError(f"{path} exists", "--force writes over it, -o names another folder")
+        standing.kept(path, options.force, "--force writes over it, -o names another folder")
     for path, (text, runs) in installed.files.items():
         path.parent.mkdir(parents=True, exist_ok=True)
         ports.replace_file(path, io.BytesIO(text.encode("utf-8")), backup=False)
         if runs:
             path.chmod(path.stat().st_mode | 0o111)
         print(f"gcomp: written: {path}", file=sys.stderr)
-    print(installed.setting)
+    print(installed.setting, file=as_json.beside(options.json))
+    told: dict[str, Any] = {**_fact(module.__name__.rpartition(".")[2]), "machine": call.machine}
+    told |= {"options": list(call.options), "written": [str(path) for path in installed.files]}
+    as_json.put(options.json, {"format": FORMAT, **told, "setting": installed.setting})
     return 0
+
+
+def _fact(name: str) -> dict[str, str]:
+    module = hooks.load(name)
+    return {"program": name, "title": module.TITLE, "tried": module.TRIED}
 
 
 def _call(options: argparse.Namespace) -> hooks.Call:
@@ -81,9 +98,16 @@ def _call(options: argparse.Namespace) -> hooks.Call:
     root = Path(__file__).resolve().parents[2]
     # The environment's own python, not what it is a link to: that one knows no numpy.
     return hooks.Call(
-        os.path.abspath(sys.executable), str(root), str(folder), folder.name, Path(os.path.abspath(target)),
-        tuple(options.handed_on), options.keep, options.post, os.name == "nt",
-    )  # fmt: skip
+        os.path.abspath(sys.executable),
+        str(root),
+        str(folder),
+        intake.label(folder.name),
+        Path(os.path.abspath(target)),
+        tuple(options.handed_on),
+        options.keep,
+        options.post,
+        os.name == "nt",
+    )
 
 
 def _checked(options: argparse.Namespace) -> None:

@@ -1,4 +1,5 @@
-"""`gcomp iso` evaluates recordings as the ISO 230 series does, and says which test it took them for."""
+"""`gcomp iso` evaluates recordings as the ISO 230 series does, and says which test it took them
+for."""
 
 from __future__ import annotations
 
@@ -10,13 +11,16 @@ from pathlib import Path
 
 from postproc import ports
 from postproc.commands import as_json, values
-from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options, Stated, choose, figure, report
 from postproc.iso.lines import LINES
 from postproc.units import UM, URAD
 
-HELP = "evaluate recordings by ISO 230: positioning, straightness, squareness, diagonals, circles, drift at rest, with uncertainty"
+HELP = (
+    "evaluate recordings by ISO 230: positioning, straightness, squareness, diagonals, circles,"
+    " drift at rest, with uncertainty"
+)
 EXAMPLE = "gcomp iso z_axis.csv --lead 10 --alpha 11.5 --u-temperature 0.5 --figure z_axis.svg"
 
 
@@ -29,8 +33,19 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         "--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib"
     )
     parser.add_argument("--report", metavar="FILE.html", help="a page with every result drawn")
-    parser.add_argument("--line", choices=LINES, default="least-squares", help="reference line of straightness and squareness (least-squares)")  # fmt: skip
-    parser.add_argument("--lead", metavar="MM", action="append", default=[], type=_lead, help="lead of the screw, of all axes or Z=10; may be repeated")  # fmt: skip
+    parser.add_argument(
+        "--line",
+        choices=LINES,
+        default="least-squares",
+        help="reference line of straightness and squareness (least-squares)",
+    )
+    values.repeated(
+        parser,
+        "--lead",
+        metavar="MM",
+        type=_lead,
+        help="lead of the screw, of all axes or Z=10",
+    )
     u = parser.add_argument_group(
         "uncertainty (ISO/TR 230-9)",
         "Standard uncertainties, k = 1. What is not stated is not in U, and is named.",
@@ -117,11 +132,16 @@ def _stated(options: argparse.Namespace) -> Stated:
         return None if value is None else value * unit
 
     return Stated(
-        device=sized(options.device, UM), device_angle=sized(options.device_angle, URAD),
-        misalignment=sized(options.misalignment, 1e-3), alpha=sized(options.alpha, 1e-6),
-        u_alpha=sized(options.u_alpha, 1e-6), temperature=options.temperature, u_temperature=options.u_temperature,
-        drift=sized(options.drift, UM), square=sized(options.u_square, URAD),
-    )  # fmt: skip
+        device=sized(options.device, UM),
+        device_angle=sized(options.device_angle, URAD),
+        misalignment=sized(options.misalignment, 1e-3),
+        alpha=sized(options.alpha, 1e-6),
+        u_alpha=sized(options.u_alpha, 1e-6),
+        temperature=options.temperature,
+        u_temperature=options.u_temperature,
+        drift=sized(options.drift, UM),
+        square=sized(options.u_square, URAD),
+    )
 
 
 def _lead(word: str) -> tuple[str, float]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from postproc.machine.chain import ROTARY, XYZ
+from postproc.machine.chain import LINEAR, ROTARY
 from postproc.machine.doubts import doubts
 from postproc.machine.lacks import lacks
 from postproc.machine.model import Axis, Machine
@@ -27,17 +27,31 @@ def of(machine: Machine) -> dict[str, Any]:
     """One machine with its numbers."""
     found = MapUncertainty(machine)
     return {
-        "name": machine.name, "title": machine.title, "control": machine.control, "map": machine.digest, "source": machine.source or None,
-        "chain": chain(machine), "diameter": list(machine.diameter), "axes": {x: _axis(axis) for x, axis in machine.axes.items()},
+        "name": machine.name,
+        "title": machine.title,
+        "control": machine.control,
+        "map": machine.digest,
+        "source": machine.source or None,
+        "chain": chain(machine),
+        "diameter": list(machine.diameter),
+        "axes": {x: _axis(axis) for x, axis in machine.axes.items()},
         "squareness_urad": {
-            f"{ROTARY[i]}0{x}": float(v / URAD) for x, lean in machine.square.items() for i, v in enumerate(lean) if v
+            f"{ROTARY[i]}0{x}": float(v / URAD)
+            for x, lean in machine.square.items()
+            for i, v in enumerate(lean)
+            if v
         },
         "squareness_U_urad": {name: float(u / URAD) for name, u in machine.square_u.items()},
-        "effects": [{"effect": t.name, "axis": t.axis or None, "parameters": dict(t.parameters)} for t in machine.effects],
+        "effects": [
+            {"effect": t.name, "axis": t.axis or None, "parameters": dict(t.parameters)}
+            for t in machine.effects
+        ],
         "offsets_mm": {name: dict(zero) for name, zero in machine.offsets.items()},
         "largest_deviation_um": 0.0 if machine.is_zero else largest(machine) / UM,
-        "U_um": largest_u(machine) / UM if found.parts else None, "in_doubt": list(doubts(machine)), "not_in_map": list(lacks(machine)),
-    }  # fmt: skip
+        "U_um": largest_u(machine) / UM if found.parts else None,
+        "in_doubt": list(doubts(machine)),
+        "not_in_map": list(lacks(machine)),
+    }
 
 
 def _axis(axis: Axis) -> dict[str, Any]:
@@ -48,12 +62,18 @@ def _axis(axis: Axis) -> dict[str, Any]:
         unit, scale = ("um", UM) if row < 3 else ("urad", URAD)
         both = np.stack([table.forward[row], table.reverse[row]]) / scale
         components[f"{COMPONENTS[row]}{axis.letter}"] = {
-            "least": float(both.min()), "largest": float(both.max()), "reversal": float(np.abs(both[0] - both[1]).max()), "unit": unit,
-        }  # fmt: skip
+            "least": float(both.min()),
+            "largest": float(both.max()),
+            "reversal": float(np.abs(both[0] - both[1]).max()),
+            "unit": unit,
+        }
     return {
-        "unit": "mm" if axis.letter in XYZ else "deg", "travel": [float(v) for v in axis.travel],
-        "least_increment": float(axis.least_increment), "nodes": 0 if table is None else len(table.nodes), "components": components,
-    }  # fmt: skip
+        "unit": "mm" if axis.letter in LINEAR else "deg",
+        "travel": [float(v) for v in axis.travel],
+        "least_increment": float(axis.least_increment),
+        "nodes": 0 if table is None else len(table.nodes),
+        "components": components,
+    }
 
 
 def largest_u(machine: Machine) -> float:
@@ -68,7 +88,10 @@ def known(machine: Machine) -> str:
     if not found.parts:
         return "the map's own uncertainty is not stated"
     worst = largest_u(machine)
-    return f"the map itself is known to +- {micrometres(worst)} um (95 %) on its nodes{unstated(found.missing)}"
+    return (
+        f"the map itself is known to +- {micrometres(worst)} um (95 %) on its"
+        f" nodes{unstated(found.missing)}"
+    )
 
 
 def chain(machine: Machine) -> list[str]:
@@ -83,7 +106,7 @@ def chain(machine: Machine) -> list[str]:
 
 
 def largest(machine: Machine) -> float:
-    """mm: largest deviation vector over the grid of all nodes, both ways."""
+    """mm: largest deviation vector over the grid of all nodes and ends, both ways."""
     grid = _grid(machine)
     return max(
         float(np.linalg.norm(machine.deviation(grid, np.full_like(grid, s)), axis=0).max())
@@ -98,7 +121,11 @@ def _grid(machine: Machine) -> np.ndarray:
 
 
 def _some(machine: Machine, letter: str) -> np.ndarray:
-    """Nodes of an axis: all of them, but where several axes make that too many, nine places spread over a turn or travel."""
+    """Nodes of an axis: all of them, but where several axes make that too many, nine places spread
+    over a turn or travel. Of a slide without a table the ends of its reach, where what leans is
+    farthest off."""
+    if letter not in machine.tables and letter in LINEAR:
+        return np.array(machine.reached[letter])
     nodes = machine.tables[letter].nodes if letter in machine.tables else np.zeros(1)
     if letter in ROTARY and nodes[-1] - nodes[0] > 360.0:
         nodes = np.arange(0.0, 360.0, 45.0)

@@ -1,4 +1,5 @@
-"""`gcomp machines new`: asks what it must know of a machine, or takes it as options, and writes its folder."""
+"""`gcomp machines new`: asks what it must know of a machine, or takes it as options, and writes its
+folder."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from postproc.calibrate import CalibrationError, circles, first, square
 from postproc.commands import values
-from postproc.commands.recordings import read_files
+from postproc.commands.recording_files import read_files
 from postproc.errors import UsageError
 from postproc.machine import chain as chains
 from postproc.machine.chain import XYZ
@@ -25,17 +26,17 @@ from postproc.units import URAD
 def arguments(parser: argparse.ArgumentParser) -> None:
     new = parser.add_argument_group(
         "new",
-        "What is not said is asked for where somebody sits at the keyboard. Lengths in mm, X of a lathe as a radius.",
+        "What is not said is asked for where somebody sits at the keyboard. Lengths in mm, X of a"
+        " lathe as a radius.",
     )
     kinds = "; ".join(f"{name}: {kind.title}" for name, kind in first.KINDS.items())
     new.add_argument("--kind", choices=[*first.KINDS], help=kinds)
     new.add_argument("--chain", help="another order: who carries whom, w-b-Y-X-Z-t")
     new.add_argument("--control", help="dialect of its control")
     new.add_argument("--title", default="", help="what the machine is, in words")
-    new.add_argument(
+    values.repeated(
+        new,
         "--travel",
-        action="append",
-        default=[],
         type=travel,
         metavar="X=0,400",
         help="where an axis can be",
@@ -47,37 +48,46 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="LENGTH",
         help="of a word (0.001mm)",
     )
-    new.add_argument(
-        "--diagonals", action="append", default=[], type=diagonals, metavar="XY=565.9,565.4,400,400",
-        help="of a rectangle that the machine made: rising (low to high in both axes), falling, side along X, along Y",
-    )  # fmt: skip
-    new.add_argument(
-        "--drift", action="append", default=[], type=drift, metavar="X/Y=0.05,300",
+    values.repeated(
+        new,
+        "--diagonals",
+        type=diagonals,
+        metavar="XY=565.9,565.4,400,400",
+        help=(
+            "of a rectangle that the machine made: rising (low to high in both axes), falling, side"
+            " along X, along Y"
+        ),
+    )
+    values.repeated(
+        new,
+        "--drift",
+        type=drift,
+        metavar="X/Y=0.05,300",
         help="along a square: X drifts by +0.05 while Y goes +300",
-    )  # fmt: skip
-    new.add_argument(
-        "--ballbar", action="append", default=[], metavar="FILE", help="circles in both senses: squareness and lost motion of their axes"
-    )  # fmt: skip
-    new.add_argument(
+    )
+    values.repeated(
+        new,
+        "--ballbar",
+        metavar="FILE",
+        help="circles in both senses: squareness and lost motion of their axes",
+    )
+    values.repeated(
+        new,
         "--squareness",
-        action="append",
-        default=[],
         type=angle,
         metavar="C0Y=120",
         help="urad, where it is known",
     )
-    new.add_argument(
+    values.repeated(
+        new,
         "--backlash",
-        action="append",
-        default=[],
         type=length_of,
         metavar="X=0.05",
         help="lost motion by a dial gauge",
     )
-    new.add_argument(
+    values.repeated(
+        new,
         "--scale",
-        action="append",
-        default=[],
         type=scale,
         metavar="X=300,300.2",
         help="commanded way and measured way",
@@ -90,12 +100,23 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="where the slides stand after homing",
     )
     new.add_argument(
-        "--u-length", type=values.length, metavar="LENGTH",
-        help="standard uncertainty (k = 1) of each length of --diagonals and --scale, like 0.2mm; --verify carries it to the path",
-    )  # fmt: skip
+        "--u-length",
+        type=values.length,
+        metavar="LENGTH",
+        help=(
+            "standard uncertainty (k = 1) of each length of --diagonals and --scale, like 0.2mm;"
+            " --verify carries it to the path"
+        ),
+    )
     new.add_argument(
-        "--u-gauge", type=values.length, metavar="LENGTH", help="standard uncertainty (k = 1) of a dial gauge's reading, of --backlash and --drift, like 5um"
-    )  # fmt: skip
+        "--u-gauge",
+        type=values.length,
+        metavar="LENGTH",
+        help=(
+            "standard uncertainty (k = 1) of a dial gauge's reading, of --backlash and --drift,"
+            " like 5um"
+        ),
+    )
     new.add_argument("-o", "--output", metavar="FOLDER", help="where to write it (machines/NAME)")
     new.add_argument(
         "--force",
@@ -135,11 +156,25 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     _ballbar(options)
     stated = _squareness(options)
     one = first.First(
-        Path(options.name).name, options.title or (f"{options.kind}: {kind.title}" if kind else options.name), control, said, reach,
-        options.least_increment, kind.diameter if kind else (), {n: one[:2] for n, one in stated.items()}, dict(options.backlash),
-        dict(options.scale), options.home, {n: u for n, (_, _, u) in stated.items() if u is not None}, _play_u(options),
-        {x: options.u_length * math.sqrt(2) for x in dict(options.scale)} if options.u_length else {},
-    )  # fmt: skip
+        Path(options.name).name,
+        options.title or (f"{options.kind}: {kind.title}" if kind else options.name),
+        control,
+        said,
+        reach,
+        options.least_increment,
+        kind.diameter if kind else (),
+        {n: one[:2] for n, one in stated.items()},
+        dict(options.backlash),
+        dict(options.scale),
+        options.home,
+        {n: u for n, (_, _, u) in stated.items() if u is not None},
+        _play_u(options),
+        (
+            {x: options.u_length * math.sqrt(2) for x in dict(options.scale)}
+            if options.u_length
+            else {}
+        ),
+    )
     for what, given in (
         ("--travel", reach),
         ("--backlash", one.backlash),
@@ -154,13 +189,17 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
                 )
     for name in stated:
         if not all(x in chain.axes for x in square.pair_of(name)):
-            raise UsageError(f"squareness {name} is between {' and '.join(square.pair_of(name))}, and the chain {said} has not both")  # fmt: skip
+            raise UsageError(
+                f"squareness {name} is between {' and '.join(square.pair_of(name))}, and the chain"
+                f" {said} has not both"
+            )
     return Path(options.output or f"machines/{one.name}"), first.folder(one)
 
 
 def _ballbar(options: argparse.Namespace) -> None:
-    """Adds what circles tell to the squareness and to the lost motion that is not stated; a lost motion within its own
-    uncertainty is none. Raises UsageError for a file of another kind, CalibrationError for what is no circle."""
+    """Adds what circles tell to the squareness and to the lost motion that is not stated; a lost
+    motion within its own uncertainty is none. Raises UsageError for a file of another kind,
+    CalibrationError for what is no circle."""
     planes: dict[str, list[Recording]] = {}
     for one in read_files(options.ballbar, "", ReadingOptions(strict=False)):
         if one.kind != "ballbar":
@@ -184,7 +223,8 @@ def _ballbar(options: argparse.Namespace) -> None:
 
 
 def _play_u(options: argparse.Namespace) -> dict[str, float]:
-    """Axis to mm: of the lost motions whose standard uncertainty is known; a gauge is read twice for one."""
+    """Axis to mm: of the lost motions whose standard uncertainty is known; a gauge is read twice
+    for one."""
     by_gauge = (
         {x: options.u_gauge * math.sqrt(2) for x in dict(options.backlash)}
         if options.u_gauge
@@ -194,8 +234,8 @@ def _play_u(options: argparse.Namespace) -> dict[str, float]:
 
 
 def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, float | None]]:
-    """Name to rad, how it was found, and its standard uncertainty, rad, None where nobody said what the lengths are worth. Raises
-    UsageError for a pair that is said twice."""
+    """Name to rad, how it was found, and its standard uncertainty, rad, None where nobody said what
+    the lengths are worth. Raises UsageError for a pair that is said twice."""
     found: dict[str, tuple[float, str, float | None]] = {}
     pairs: dict[str, str] = {}
     for name, value, how, u_of in [*options.squareness, *options.drift, *options.diagonals]:
@@ -208,7 +248,7 @@ def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, floa
     return found
 
 
-# -- words ---------------------------------------------------------------------------------------------------------------
+# -- words -----------------------------------------------------------------------------------------
 
 
 def _parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
@@ -302,7 +342,7 @@ def diagonals(text: str) -> tuple[str, float, str, Known]:
     return name, value, how, known
 
 
-# -- questions -----------------------------------------------------------------------------------------------------------
+# -- questions -------------------------------------------------------------------------------------
 
 
 def _ask(options: argparse.Namespace) -> None:
@@ -328,7 +368,10 @@ def _ask(options: argparse.Namespace) -> None:
         )
     if not (options.squareness or options.drift or options.diagonals):
         for a, b in [(a, b) for i, a in enumerate(letters) for b in letters[i + 1 :]]:
-            text = f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty: not measured): "
+            text = (
+                f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty:"
+                " not measured): "
+            )
             options.diagonals += filter(None, [_answer(text, _of(a + b, diagonals))])
     if not options.backlash:
         for x in letters:
@@ -359,7 +402,10 @@ def _answer(question: str, read: Callable[[str], Any], needed: bool = False) -> 
         try:
             text = input(question).strip()
         except EOFError:
-            raise UsageError("the questions were not answered to the end", "gcomp machines new --help lists the options") from None  # fmt: skip
+            raise UsageError(
+                "the questions were not answered to the end",
+                "gcomp machines new --help lists the options",
+            ) from None
         if not text and not needed:
             return None
         try:

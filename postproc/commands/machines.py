@@ -1,4 +1,5 @@
-"""`gcomp machines` lists the machines; `show NAME` says what one is, `new NAME` makes one, `check NAME` doubts it."""
+"""`gcomp machines` lists the machines; `show NAME` says what one is, `new NAME` makes one, `check
+NAME` doubts it."""
 
 from __future__ import annotations
 
@@ -23,7 +24,10 @@ from postproc.machine.uncertainty import micrometres
 from postproc.units import UM, URAD
 
 HELP = "list the machines, show one, make a new one, or check one: gcomp machines show NAME"
-EXAMPLE = "gcomp machines new my-router --kind router --control grbl --travel X=0,600 --travel Y=0,400 --travel Z=-80,0 --diagonals XY=500.3,499.8,400,300"
+EXAMPLE = (
+    "gcomp machines new my-router --kind router --control grbl --travel X=0,600 --travel Y=0,400"
+    " --travel Z=-80,0 --diagonals XY=500.3,499.8,400,300"
+)
 DOUBTFUL = 1  # exit status of check where something is in doubt
 
 
@@ -93,7 +97,8 @@ def _new(options: argparse.Namespace) -> int:
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     kept = f" (the old one is {backup})" if backup else ""
     print(
-        f"\nwritten: {path}{kept}; next: gcomp job.nc --machine {path if options.output else options.name} --verify",
+        f"\nwritten: {path}{kept}; next: gcomp job.nc --machine"
+        f" {path if options.output else options.name} --verify",
         file=out,
     )
     return 0
@@ -108,7 +113,8 @@ def _check(machine: Machine, out: TextIO) -> int:
         print(f"not in this map: {text}", file=out)
     if not machine.offsets:
         print(
-            "to know: no work offsets are stated: --offset G54=X..,Y..,Z.. says them, or [offsets] in machine.toml",
+            "to know: no work offsets are stated: --offset G54=X..,Y..,Z.. says them, or [offsets]"
+            " in machine.toml",
             file=out,
         )
     if not doubtful:
@@ -120,18 +126,23 @@ def show(machine: Machine) -> str:
     """What a machine is, for a person."""
     lines = [
         f"{machine.name}: {machine.title}",
-        f"control {machine.control}, chain {'-'.join(machine_facts.chain(machine))}, map {machine.digest}",
+        (
+            f"control {machine.control}, chain {'-'.join(machine_facts.chain(machine))}, map"
+            f" {machine.digest}"
+        ),
     ]
     if machine.diameter:
         lines.append(
-            f"words of {' '.join(machine.diameter)} are diameters; everything below is slide position, radius"
+            f"words of {' '.join(machine.diameter)} are diameters; everything below is slide"
+            " position, radius"
         )
     if machine.source:
         lines.append(f"source: {machine.source}")
     for letter, axis in machine.axes.items():
         unit = "degrees" if letter in ROTARY else "mm"
         lines.append(
-            f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} {unit}, least increment {axis.least_increment:g} {unit}"
+            f"\naxis {letter}  travel {axis.travel[0]:g} to {axis.travel[1]:g} {unit}, least"
+            f" increment {axis.least_increment:g} {unit}"
         )
         if letter in machine.chain.rotary:
             lines.append(
@@ -171,7 +182,8 @@ def show(machine: Machine) -> str:
                 else ""
             )
             lines.append(
-                f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {size}, largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} {unit}{ways}"
+                f"  {COMPONENTS[row]}{letter}  {both.min():+.1f} to {both.max():+.1f} {size},"
+                f" largest {both[worst]:+.1f} at {table.nodes[worst[1]]:g} {unit}{ways}"
             )
         if table.is_zero:
             lines.append("  all zero")
@@ -193,21 +205,23 @@ def show(machine: Machine) -> str:
             lines.append(f"  known to {', '.join(sizes)} (95 %)")
     for own in machine.control_tables:
         lines.append(
-            f"table of the control ({own.control}): {'on' if own.active else 'off'} at work, the map was measured with it "
-            f"{'on' if own.measured else 'off'}"
+            f"table of the control ({own.control}): {'on' if own.active else 'off'} at work, the"
+            f" map was measured with it {'on' if own.measured else 'off'}"
         )
     for name, zero in machine.offsets.items():
         lines.append(f"offset {name}: " + " ".join(f"{x}{v:g}" for x, v in zero.items()))
     limits = machine.limits
     lines.append(
-        f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables: {limits.outside}, reversal: {machine.reversal}, hysteresis {limits.hysteresis / UM:g} um"
+        f"\nlargest correction allowed {limits.max_correction:g} mm, outside the tables:"
+        f" {limits.outside}, reversal: {machine.reversal}, hysteresis {limits.hysteresis / UM:g} um"
     )
     if not machine.is_zero:
         lines.append(
-            f"largest deviation on its nodes: {machine_facts.largest(machine) / UM:.1f} um"
+            f"largest deviation in its travel: {machine_facts.largest(machine) / UM:.1f} um"
         )
         lines.append(
-            f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um at most"
+            f"products of two errors, which are left out: {machine.bounds.second_order / UM:.2f} um"
+            " at most"
         )
     lines.append(machine_facts.known(machine))
     lines += [f"in doubt: {text}" for text in doubts(machine)]
@@ -222,9 +236,11 @@ def _largest_u(axis: Axis) -> list[str]:
     u = axis.uncertainty.table
     sizes = [(i, max(u.forward[i].max(), u.reverse[i].max())) for i in axis.uncertainty.stated]
     says = [
-        f"{COMPONENTS[i]}{axis.letter} {micrometres(v)} um"
-        if i < 3
-        else f"{COMPONENTS[i]}{axis.letter} {v / URAD:.1f} urad"
+        (
+            f"{COMPONENTS[i]}{axis.letter} {micrometres(v)} um"
+            if i < 3
+            else f"{COMPONENTS[i]}{axis.letter} {v / URAD:.1f} urad"
+        )
         for i, v in sizes
     ]
     return [f"  known to +- (95 %, at most): {', '.join(says)}"]

@@ -1,4 +1,5 @@
-"""`gcomp man`: the manual page, made of the commands' own options. `gcomp man | man -l -` shows it."""
+"""`gcomp man`: the manual page, made of the commands' own options. `gcomp man | man -l -` shows
+it."""
 
 from __future__ import annotations
 
@@ -11,14 +12,24 @@ from postproc.commands import completion
 HELP = "write the manual page: gcomp man | man -l -"
 EXAMPLE = "gcomp man > ~/.local/share/man/man1/gcomp.1"
 STATUS = (
-    ("0", "done"), ("1", "the surroundings failed (a full disk, a file that can not be read), or machines check found a doubt"),
+    ("0", "done"),
+    (
+        "1",
+        (
+            "the surroundings failed (a full disk, a file that can not be read), or machines check"
+            " found a doubt"
+        ),
+    ),
     ("2", "refused: the message says where, what, and the way out; nothing was written"),
-    ("10 to 17", "a streamed job ended early: see docs/STREAMING.md"), ("130", "interrupted"), ("141", "nobody read the output any more"),
-)  # fmt: skip
+    ("10 to 17", "a streamed job ended early: see docs/STREAMING.md"),
+    ("130", "interrupted"),
+    ("141", "nobody read the output any more"),
+)
 ENVIRONMENT = (
-    ("NO_COLOR", "no colour on a terminal"), ("XDG_CONFIG_HOME", "where the folder gcomp/machines of the user's own machines lies"),
-    ("XDG_CACHE_HOME", "where gcomp/ keeps what batch has done"),
-)  # fmt: skip
+    ("NO_COLOR", "no colour on a terminal"),
+    ("XDG_CONFIG_HOME", "where the folder gcomp/machines of the user's own machines lies"),
+    ("TMPDIR", "where what is not yet whole waits, if it is larger than 4 MB"),
+)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,11 +46,23 @@ def page() -> str:
     from postproc.cli import DEFAULT
 
     lines = [
-        f'.TH GCOMP 1 "" "gcomp {__version__}" "User Commands"', ".SH NAME", "gcomp \\- make an inaccurate CNC machine cut accurately, by rewriting its programs",
-        ".SH SYNOPSIS", ".B gcomp", "[\\fIoptions\\fR] [\\fIFILE\\fR]", ".br", ".B gcomp", "\\fICOMMAND\\fR [\\fIoptions\\fR] ...", ".SH DESCRIPTION",
-        _text("Reads an NC program, follows it as the control would, looks every point up in the machine's measured error map, and writes a corrected "
-              "program. Nothing leaves before the whole program is accepted. Without a command it corrects: standard input, or FILE, to standard output."),
-    ]  # fmt: skip
+        f'.TH GCOMP 1 "" "gcomp {__version__}" "User Commands"',
+        ".SH NAME",
+        "gcomp \\- make an inaccurate CNC machine cut accurately, by rewriting its programs",
+        ".SH SYNOPSIS",
+        ".B gcomp",
+        "[\\fIoptions\\fR] [\\fIFILE\\fR]",
+        ".br",
+        ".B gcomp",
+        "\\fICOMMAND\\fR [\\fIoptions\\fR] ...",
+        ".SH DESCRIPTION",
+        _text(
+            "Reads an NC program, follows it as the control would, looks every point up in the"
+            " machine's measured error map, and writes a corrected program. Nothing leaves before"
+            " the whole program is accepted. Without a command it corrects: standard input, or"
+            " FILE, to standard output."
+        ),
+    ]
     for name, (help_, parser) in completion.parsers().items():
         lines += [
             f'.SH "{"GCOMP" if name == DEFAULT else f"GCOMP {name.upper()}"}"',
@@ -54,7 +77,14 @@ def page() -> str:
         lines += [
             part for key, text in rows for part in (".TP", f"\\fB{_text(key)}\\fR", _text(text))
         ]
-    lines += [".SH FILES", ".TP", "\\fImachines/NAME/machine.toml\\fR", _text("a machine, in the working folder, in the user's configuration, or installed with gcomp")]  # fmt: skip
+    lines += [
+        ".SH FILES",
+        ".TP",
+        "\\fImachines/NAME/machine.toml\\fR",
+        _text(
+            "a machine, in the working folder, in the user's configuration, or installed with gcomp"
+        ),
+    ]
     return "\n".join(lines) + "\n"
 
 

@@ -1,15 +1,18 @@
-"""`gcomp receive -o FILE --port P`: take a program that a control sends over RS-232, whole or not at all."""
+"""`gcomp receive -o FILE --port P`: take a program that a control sends over RS-232, whole or not
+at all."""
 
 from __future__ import annotations
 
 import argparse
+import io
 import json
-import os
 import sys
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from postproc import colour, ports, standing
+from postproc.commands import as_json, port_options
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,17 +22,14 @@ HELP = (
     "receive a program that a control sends (its PUNCH or SEND key), and check every byte's parity"
 )
 EXAMPLE = "gcomp receive --port /dev/ttyUSB0 --protocol dnc-haas -o O1234.nc"
+FORMAT = "gcomp-receive/1"
 DAMAGED, LOST, STOPPED = 16, 13, 130  # exit statuses
 WAIT, TELL = 0.1, 1.0  # s
 SILENCE = 5.0  # s without a byte, behind which a program that began will not go on
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--port",
-        metavar="PORT",
-        help="/dev/ttyUSB0, COM3, socket://host:port, rfc2217://host:port; auto: the only one",
-    )
+    port_options.port(parser)
     parser.add_argument(
         "--protocol",
         default="dnc",
@@ -51,13 +51,18 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--until-silence",
         action="store_true",
-        help=f"this control ends a program with neither %% nor DC4: {SILENCE:g} s without a byte are its end",
+        help=(
+            f"this control ends a program with neither %% nor DC4: {SILENCE:g} s without a byte are"
+            " its end"
+        ),
     )
     parser.add_argument("--quiet", action="store_true", help="no progress")
+    as_json.argument(parser, FORMAT)
 
 
 def run(options: argparse.Namespace) -> int:
-    from postproc.commands.stream import _line, ports_found
+    from postproc.commands.stream import options as stream_options
+    from postproc.commands.stream import ports_found
     from postproc.commands.stream.port import Lost, Port
     from postproc.streaming.reception import Reception
 
@@ -67,11 +72,9 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             f"--protocol {options.protocol} sends no programs", "dnc, dnc-haas, dnc-siemens"
         )
-    if Path(options.output).exists() and not options.force:
-        raise UsageError(
-            f"{options.output} is there already", "another name, or --force to replace it"
-        )
-    bits, parity, stop = _line(options)
+    standing.kept(options.output, options.force)
+    ports.writable(Path(options.output))
+    bits, parity, stop = stream_options.frame(options)
     url = ports_found.chosen(options.port)
     raw = bits == 7 and parity != "N" and "://" not in url  # each byte's parity can be looked at
     port = Port(
@@ -81,22 +84,41 @@ def run(options: argparse.Namespace) -> int:
         rtscts=options.rtscts,
     )
     reception = Reception(bits == 7, parity if raw else "N")
+    why, status = "", 0
     try:
         _take(port, reception, options)
+        why, status = reception.fault, DAMAGED if reception.fault else 0
     except KeyboardInterrupt:
-        return _ended(reception, "interrupted", STOPPED)
+        why, status = "interrupted", STOPPED
     except Lost as error:
-        return _ended(reception, f"the connection is lost: {error}", LOST)
+        why, status = f"the connection is lost: {error}", LOST
     finally:
         port.close()
-    if reception.fault:
-        return _ended(reception, reception.fault, DAMAGED)
-    _written(Path(options.output), reception.text)
-    print(
-        f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received",
-        file=sys.stderr,
-    )
-    return 0
+    if status:
+        _ended(reception, why, status)
+    else:
+        ports.replace_file(Path(options.output), io.BytesIO(reception.text), backup=False)
+        print(
+            f"gcomp: {options.output}: {reception.lines} lines, {reception.size} bytes received",
+            file=sys.stderr,
+        )
+    as_json.put(options.json, _told(options, url, reception, why))
+    return status
+
+
+def _told(
+    options: argparse.Namespace, url: str, reception: Reception, why: str
+) -> dict[str, object]:
+    return {
+        "format": FORMAT,
+        "port": url,
+        "protocol": options.protocol,
+        "baud": options.baud,
+        "bytes": reception.size,
+        "lines": reception.lines,
+        "fault": why or None,
+        "written": None if why else options.output,
+    }
 
 
 def _take(port, reception: Reception, options: argparse.Namespace) -> None:
@@ -109,7 +131,8 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
     heard, told = time.monotonic(), 0.0
     if not options.quiet:
         err.say(
-            f"gcomp: {options.port}, {options.baud} baud: waiting for the control; start the output there"
+            f"gcomp: {options.port}, {options.baud} baud: waiting for the control; start the output"
+            " there"
         )
     while not (reception.done or reception.fault):
         data = port.read(WAIT)
@@ -123,7 +146,7 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
             state = "receiving" if reception.begun else "waiting"
             if terminal:
                 err.say(f"gcomp: {state}, {reception.size} bytes, {reception.lines} lines")
-            else:
+            elif options.json != "-":
                 fields = {
                     "event": "progress",
                     "state": state,
@@ -135,28 +158,15 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
     err.close()
 
 
-def _ended(reception: Reception, why: str, status: int) -> int:
+def _ended(reception: Reception, why: str, status: int) -> None:
     """Without a program."""
-    print(
-        f"gcomp: nothing was written: {why} ({reception.size} bytes, {reception.lines} lines had come in)",
-        file=sys.stderr,
+    colour.fault(
+        f"nothing was written: {why} ({reception.size} bytes, {reception.lines} lines had come in)"
     )
     if status == DAMAGED:
         print(
-            "    compare speed, data bits, parity and stop bits with the control's (--baud, --frame), look at the cable, and send it again; "
-            "a control that ends with neither % nor DC4: --until-silence", file=sys.stderr,
-        )  # fmt: skip
-    return status
-
-
-def _written(path: Path, text: bytes) -> None:
-    """Whole or not at all. Raises UsageError."""
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_bytes(text)
-        os.replace(part, path)
-    except OSError as error:
-        part.unlink(missing_ok=True)
-        raise UsageError(
-            f"{path} can not be written: {error.strerror}", "-o FILE elsewhere"
-        ) from None
+            "    compare speed, data bits, parity and stop bits with the control's (--baud,"
+            " --frame), look at the cable, and send it again; a control that ends with neither %"
+            " nor DC4: --until-silence",
+            file=sys.stderr,
+        )

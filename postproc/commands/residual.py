@@ -1,8 +1,10 @@
-"""`gcomp export --residual FOLDER`: the control holds what it can, and a copy of the machine is corrected for the rest.
+"""`gcomp export --residual FOLDER`: the control holds what it can, and a copy of the machine is
+corrected for the rest.
 
-The copy is the machine's folder with a section [[control_table]] for each file that was written, measured "off", active.
-What such a section makes of the file is compared with what was written, before the folder has its name: a setting that
-the section can not hold would correct a program for a table that the control does not have.
+The copy is the machine's folder with a section [[control_table]] for each file that was written,
+measured "off", active. What such a section makes of the file is compared with what was written,
+before the folder has its name: a setting that the section can not hold would correct a program for
+a table that the control does not have.
 """
 
 from __future__ import annotations
@@ -20,19 +22,22 @@ from postproc.machine.model import Machine
 from postproc.recordings import Source
 from postproc.units import UM
 
-NOTE = "What the control takes out by itself: the map was measured without it, and a program is corrected for the rest."
+NOTE = (
+    "What the control takes out by itself: the map was measured without it, and a program is"
+    " corrected for the rest."
+)
 ALIKE = 0.01 * UM  # a nanometre of rounding in either direction, of several tables
 
 
-Held = tuple[
-    list[tuple[dict[str, Any], list[ErrorTable]]], list[str]
-]  # sections and what they hold; means
+# sections and what they hold; means
+Held = tuple[list[tuple[dict[str, Any], list[ErrorTable]]], list[str]]
 
 
 def held(
     control: str, machine: Machine, export: Export, told: ExportOptions, tables: list[ErrorTable]
 ) -> Held:
-    """What the files hold. Raises UsageError where they do not read back, before anything is written."""
+    """What the files hold. Raises UsageError where they do not read back, before anything is
+    written."""
     if machine.control_tables:
         raise UsageError(
             f"{machine.name} states tables of its control already",
@@ -51,7 +56,8 @@ def write(
     found: Held,
     force: bool,
 ) -> str:
-    """Writes the folder; returns what it is, for a person. Raises UsageError for a file that has its name already."""
+    """Writes the folder; returns what it is, for a person. Raises UsageError for a file that has
+    its name already."""
     sections, means = found
 
     def change(toml: str) -> str:
@@ -62,16 +68,26 @@ def write(
     files = {section["file"]: export.files[section["file"]] for section, _ in sections}
     taken = [n for n in files if (places.folder_of(folder) / n).exists()]
     if taken:
-        raise UsageError(f"{machine.name} has a file {taken[0]} of its own", "rename it there, or export under another name")  # fmt: skip
+        raise UsageError(
+            f"{machine.name} has a file {taken[0]} of its own",
+            "rename it there, or export under another name",
+        )
     ports.copy_folder(places.folder_of(folder), target, force, change, files)
-    play = f"; leave the control's own backlash of {', '.join(n[1] for n in means)} as it was while the map was measured: the reversal stays in the program" if means else ""  # fmt: skip
+    play = (
+        f"; leave the control's own backlash of {', '.join(n[1] for n in means)} as it was while"
+        " the map was measured: the reversal stays in the program"
+        if means
+        else ""
+    )
     return (
-        f"wrote {target}: {machine.name} with what {control} takes out; put {', '.join(files)} into the control, then: "
-        f"gcomp job.nc --machine {target} --verify{play}"
+        f"wrote {target}: {machine.name} with what {control} takes out; put {', '.join(files)} into"
+        f" the control, then: gcomp job.nc --machine {target} --verify{play}"
     )
 
 
-def _sections(control: str, export: Export, told: ExportOptions, machine: Machine) -> list[tuple[dict[str, Any], list[ErrorTable]]]:  # fmt: skip
+def _sections(
+    control: str, export: Export, told: ExportOptions, machine: Machine
+) -> list[tuple[dict[str, Any], list[ErrorTable]]]:
     """A section for each file that is a table, and what it holds."""
     module = control_tables.load(control)
     more = {
@@ -97,14 +113,17 @@ def _sections(control: str, export: Export, told: ExportOptions, machine: Machin
             break
     if not found:
         raise UsageError(
-            f"none of the files for {control} is a table that gcomp reads back: {', '.join(export.files)}",
-            "--residual is for controls whose table holds its own positions and units (linuxcnc, siemens-enc-comp, heidenhain ...)",
+            f"none of the files for {control} is a table that gcomp reads back:"
+            f" {', '.join(export.files)}",
+            "--residual is for controls whose table holds its own positions and units (linuxcnc,"
+            " siemens-enc-comp, heidenhain ...)",
         )
     return found
 
 
 def _compare(control: str, sections: list, export: Export, tables: list[ErrorTable]) -> list[str]:
-    """What is read back must be what was written, to what the export says is left, but for a shift of the whole axis.
+    """What is read back must be what was written, to what the export says is left, but for a shift
+    of the whole axis.
 
     Returns the components of which only the mean of both directions is held.
     """
@@ -118,18 +137,23 @@ def _compare(control: str, sections: list, export: Export, tables: list[ErrorTab
             continue
         limit = export.remainder[table.name] + ALIKE
         mine = held.get(table.name, [])
-        off = np.stack([
-            sum((t.at(table.nodes, way) for t in mine), np.zeros(len(table.nodes))) - table.at(table.nodes, way)
-            for way in (-1.0, 1.0)
-        ])  # fmt: skip
+        off = np.stack(
+            [
+                sum((t.at(table.nodes, way) for t in mine), np.zeros(len(table.nodes)))
+                - table.at(table.nodes, way)
+                for way in (-1.0, 1.0)
+            ]
+        )
         if np.ptp(off) / 2 <= limit:
             continue
         apart = float(np.ptp(off.mean(axis=0)) / 2)
         if apart > limit or any(t.two_way for t in mine):
             raise UsageError(
-                f"{table.name} reads back from the files for {control} {apart / UM:.2f} um beside what was written",
-                "a unit, a reference or a step that [[control_table]] does not hold (export in mm, without --reference, --first, "
-                "--step), or a part that the control is told by hand: --component chooses others",
+                f"{table.name} reads back from the files for {control} {apart / UM:.2f} um beside"
+                " what was written",
+                "a unit, a reference or a step that [[control_table]] does not hold (export in mm,"
+                " without --reference, --first, --step), or a part that the control is told by"
+                " hand: --component chooses others",
             )
         means.append(table.name)
     return means

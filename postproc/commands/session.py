@@ -1,4 +1,5 @@
-"""measurement.toml: which file is which component, where the other axes stood, units, signs, temperatures.
+"""measurement.toml: which file is which component, where the other axes stood, units, signs,
+temperatures.
 
     format = "gcomp-measurement/1"
 
@@ -33,15 +34,8 @@ from postproc.recordings import AXES, ReadingOptions, Recording
 
 FORMAT = "gcomp-measurement/1"
 TOP = {"format", "title", "date", "operator", "options", "all", "file"}
-WORDS = {
-    "format",
-    "axis",
-    "component",
-    "unit",
-    "layout",
-    "sheet",
-    "machine",
-}  # texts, as the options of that name
+# texts, as the options of that name
+WORDS = {"format", "axis", "component", "unit", "layout", "sheet", "machine"}
 TABLES = {"column", "set", "head", "others", "temperature"}
 KEYS = {*WORDS, *TABLES, "bidirectional", "first", "lenient", "sign"}
 
@@ -61,7 +55,8 @@ class Entry:
     session: str
 
     def completed(self, recording: Recording) -> Recording:
-        """The recording with what the session says of it. Raises UsageError where the file says otherwise."""
+        """The recording with what the session says of it. Raises UsageError where the file says
+        otherwise."""
         columns, notices = dict(recording.columns), list(recording.notices)
         n = len(recording)
         moved = [x for x in recording.axes if np.ptp(recording.position(x)) > 0]
@@ -73,8 +68,9 @@ class Entry:
                     and (x in moved or abs(recording.position(x)[0] - at) > 1e-6)
                 ):
                     raise UsageError(
-                        f"{self.session} says that {x} stood at {at:g} while {recording.file} was recorded, "
-                        f"and the file says that it {'moved' if x in moved else f'stood at {recording.position(x)[0]:g}'}",
+                        f"{self.session} says that {x} stood at {at:g} while {recording.file} was"
+                        " recorded, and the file says that it"
+                        f" {'moved' if x in moved else f'stood at {recording.position(x)[0]:g}'}",
                         f"leave {x} out of others there",
                     )
                 if x not in recording.axes:
@@ -122,7 +118,12 @@ def _opened(path: str) -> TomlFile:
         )
     toml = TomlFile(Path(path))
     if toml.data.get("format") != FORMAT:
-        raise toml.fault("", "format", f"format = {toml.data.get('format')!r}: no session of a measurement", f'format = "{FORMAT}"')  # fmt: skip
+        raise toml.fault(
+            "",
+            "format",
+            f"format = {toml.data.get('format')!r}: no session of a measurement",
+            f'format = "{FORMAT}"',
+        )
     toml.check_keys("", toml.data, TOP)
     return toml
 
@@ -166,7 +167,12 @@ def _entry(
     )
     for x in others:
         if x not in AXES:
-            raise toml.fault("file" if x in one.get("others", {}) else "all", "others", f"others names {x!r}, which is no axis", index=i)  # fmt: skip
+            raise toml.fault(
+                "file" if x in one.get("others", {}) else "all",
+                "others",
+                f"others names {x!r}, which is no axis",
+                index=i,
+            )
     sign, first = said("sign", 1), said("first", "")
     if sign not in (1, -1) or first not in ("", "+", "-"):
         key = "sign" if sign not in (1, -1) else "first"
@@ -174,17 +180,32 @@ def _entry(
             "file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i
         )
     options = replace(
-        base, axis=said("axis", base.axis), component=said("component", base.component), unit=said("unit", base.unit),
-        bidirectional=said("bidirectional", base.bidirectional), first={"+": 1, "-": -1, "": base.first}[first],
-        layout=said("layout", base.layout), sheet=said("sheet", base.sheet), machine=said("machine", base.machine),
-        columns=base.columns | {k: str(v) for k, v in said("column", {}).items()}, strict=base.strict and not said("lenient", False),
+        base,
+        axis=said("axis", base.axis),
+        component=said("component", base.component),
+        unit=said("unit", base.unit),
+        bidirectional=said("bidirectional", base.bidirectional),
+        first={"+": 1, "-": -1, "": base.first}[first],
+        layout=said("layout", base.layout),
+        sheet=said("sheet", base.sheet),
+        machine=said("machine", base.machine),
+        columns=base.columns | {k: str(v) for k, v in said("column", {}).items()},
+        strict=base.strict and not said("lenient", False),
         extra=base.extra | {k: str(v) for k, v in said("set", {}).items()},
-        head=base.head | everywhere.get("head", {}) | one.get("head", {}), others={},
-    )  # fmt: skip
+        head=base.head | everywhere.get("head", {}) | one.get("head", {}),
+        others={},
+    )
     stood = {x: v for x, v in (base.others | others).items() if x != moved.upper()}
     return Entry(
-        path, said("format", format), options, stood, frozenset(one.get("others", {})), sign, numbers("temperature"), str(toml.path)
-    )  # fmt: skip
+        path,
+        said("format", format),
+        options,
+        stood,
+        frozenset(one.get("others", {})),
+        sign,
+        numbers("temperature"),
+        str(toml.path),
+    )
 
 
 class _Words(argparse.ArgumentParser):
@@ -202,7 +223,8 @@ class _Words(argparse.ArgumentParser):
 def merged(
     options: argparse.Namespace, arguments: Callable[[argparse.ArgumentParser], None]
 ) -> argparse.Namespace:
-    """The options of a command with those of the session that it names; what the command line says goes first.
+    """The options of a command with those of the session that it names; what the command line says
+    goes first.
 
     Raises UsageError where two sessions are named, or an option is none of the command's.
     """
@@ -217,7 +239,12 @@ def merged(
         option = f"--{key.replace('_', '-')}"
         for one in value if isinstance(value, list) else [value]:
             if one is False or isinstance(one, dict):
-                raise toml.fault("options", key, f"{key} = {one!r}", "true for an option without a value, else its text as on the command line")  # fmt: skip
+                raise toml.fault(
+                    "options",
+                    key,
+                    f"{key} = {one!r}",
+                    "true for an option without a value, else its text as on the command line",
+                )
             words.append(option if one is True else f"{option}={one}")
     parser = _Words(add_help=False, allow_abbrev=False)
     parser.session = named[0]
@@ -236,17 +263,32 @@ def merged(
 
 
 def first_one(found: list[tuple[str, list[Recording], str]], folder: Path) -> str:
-    """A session for files: (name, its recordings, else why it can not be read yet), to be completed by a person."""
+    """A session for files: (name, its recordings, else why it can not be read yet), to be completed
+    by a person."""
     lines = [
-        f'format = "{FORMAT}"', "",
-        "[options]                          # of gcomp calibrate, as on its command line without --",
-        '# like = "example-mill"            # or: control, chain, least-increment, travel = ["X=0,500", ...]',
+        f'format = "{FORMAT}"',
+        "",
+        (
+            "[options]                          # of gcomp calibrate, as on its command line"
+            " without --"
+        ),
+        (
+            '# like = "example-mill"            # or: control, chain, least-increment, travel ='
+            ' ["X=0,500", ...]'
+        ),
         '# output = "machines/mine"',
-        '# squareness = ["C0Y=12.5,2"]      # urad and its u; square-at = "X200,Y150": where the square stood', "",
+        (
+            '# squareness = ["C0Y=12.5,2"]      # urad and its u; square-at = "X200,Y150": where'
+            " the square stood"
+        ),
+        "",
         "[all]                              # what holds for every file that says nothing else",
-        "# others = { X = 0.0, Y = 0.0 }    # mm, where the other axes stood: lever arms are counted from there",
+        (
+            "# others = { X = 0.0, Y = 0.0 }    # mm, where the other axes stood: lever arms are"
+            " counted from there"
+        ),
         "# temperature = { machine = 20.0 } # degrees Celsius",
-    ]  # fmt: skip
+    ]
     for name, recordings, fault in found:
         lines += ["", "[[file]]", f"name = {json.dumps(_beside(name, folder), ensure_ascii=False)}"]
         if fault:
@@ -278,8 +320,8 @@ def _of(recording: Recording) -> list[str]:
     )
     along = "about" if recording.quantity == "angle" else "along"
     lines.append(
-        f"# {moved or 'no axis'} moves, {recording.quantity} {along} {vector}: {len(values)} readings, "
-        f"{values.min():.6g} to {values.max():.6g} {unit}"
+        f"# {moved or 'no axis'} moves, {recording.quantity} {along} {vector}: {len(values)}"
+        f" readings, {values.min():.6g} to {values.max():.6g} {unit}"
     )
     if recording.head.get("unit_in_file"):
         lines.append(f'unit = "{recording.head["unit_in_file"]}"')
@@ -288,7 +330,8 @@ def _of(recording: Recording) -> list[str]:
     }
     if not still:
         lines.append(
-            "# others = { ... }                 # mm, where the other axes stood, if not as in [all]"
+            "# others = { ... }                 # mm, where the other axes stood, if not as in"
+            " [all]"
         )
     return lines + [f"# {text}" for text in recording.notices if "other axes" not in text]
 

@@ -1,4 +1,5 @@
-"""`gcomp show PROGRAM --machine M`: the program's path and what is off on it, as a page in the browser."""
+"""`gcomp show PROGRAM --machine M`: the program's path and what is off on it, as a page in the
+browser."""
 
 from __future__ import annotations
 
@@ -9,15 +10,15 @@ import tempfile
 import webbrowser
 from pathlib import Path
 
-from postproc import ports
-from postproc.commands import attempts, compensate, expansion, reading
+from postproc import intake, marks, ports, standing
+from postproc.commands import attempts, compensate, reading, reading_options
 
 HELP = "show a program's path and its deviation before and after correction, in the browser"
 EXAMPLE = "gcomp show part.nc --machine studer-s36"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    reading.arguments(parser)
+    reading_options.arguments(parser)
     parser.add_argument(
         "-o", "--output", metavar="FILE.html", help="write the page there, and open nothing"
     )
@@ -37,16 +38,19 @@ def run(options: argparse.Namespace) -> int:
         False,
     )
     options.report = options.output or "browser"
+    if options.output:
+        standing.result(options.output, marks.PAGE, "another name")
     machine = reading.machine_of(options)
     with (
         ports.opened(options.file) as (source, name, size),
         compensate.progress(size, options) as step,
     ):
         done = attempts.best(
-            options, machine, ports.Kept(source, expansion.LARGEST), name, ports.head(source), step
+            options, machine, ports.Kept(source, intake.PROGRAM), name, ports.head(source), step
         )
     done.spool.close()
     assert done.verifier is not None
+    compensate.warn_of_nothing(done.filter, name)
     data = program.html(done.filter, done.verifier, done.why).encode("utf-8")
     path = Path(options.output) if options.output else _place(name)
     ports.replace_file(path, io.BytesIO(data), backup=False)

@@ -1,18 +1,19 @@
-"""`gcomp simulate`: runs a program, or a test that it writes itself, on a machine with errors, and gives the recording."""
+"""`gcomp simulate`: runs a program, or a test that it writes itself, on a machine with errors, and
+gives the recording."""
 
 from __future__ import annotations
 
 import argparse
 import io
-import math
 import sys
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from postproc import ports
-from postproc.commands import expansion, reading, values
+from postproc import intake, marks, ports, standing
+from postproc.commands import as_json, expansion, reading, values
+from postproc.commands.simulate_options import FORMAT
+from postproc.commands.simulate_options import arguments as arguments
 from postproc.errors import GcompError, Notice, Place, UsageError
 
 if TYPE_CHECKING:
@@ -23,9 +24,11 @@ if TYPE_CHECKING:
     from postproc.simulate.program import Steps
     from postproc.simulate.timeline import Timeline
 
-HELP = "run a program on a machine with all its errors and write what an instrument would have recorded"
+HELP = (
+    "run a program on a machine with all its errors and write what an instrument would have"
+    " recorded"
+)
 EXAMPLE = "gcomp simulate --test positioning:Z --machine studer-s36 --noise 0.5 --seed 1 -o z.csv"
-LARGEST = 100_000_000  # bytes
 NOT_HERE = (
     "tolerance",
     "hole_tolerance",
@@ -39,97 +42,27 @@ NOT_HERE = (
 )
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    reading.arguments(parser)
-    parser.add_argument(
-        "file", nargs="?", metavar="PROGRAM", help="the program; - is standard input"
-    )
-    what = parser.add_argument_group("what is run and read")
-    what.add_argument("--test", metavar="NAME:AXES,...", help="a test of gcomp's own in place of PROGRAM: positioning:Z period:Z arms:Z straightness:Z angle:Z diagonal:XZ ballbar:XY staircase:X feeds:X soak:Z rest:Z volume:XYZ; like positioning:Z,step=30,even=1,runs=3,dwell=2,feed=1000")  # fmt: skip
-    what.add_argument(
-        "--program-out", metavar="FILE", help="write the test's program there; - is standard output"
-    )
-    what.add_argument("--instrument", metavar="NAME", help="laser, straightness, angle, ballbar, tracker, log or probe (a test brings its own)")  # fmt: skip
-    what.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], type=_pair, dest="settings", help="how the instrument is set; --set help=1 lists")  # fmt: skip
-    what.add_argument("--nominal", metavar="FILE", help="the program that PROGRAM was corrected from: readings against its targets, as an instrument at the machine takes them")  # fmt: skip
-    what.add_argument(
-        "-o", "--output", metavar="REC", help="write the recording there (standard output)"
-    )
-    what.add_argument(
-        "--parts",
-        type=values.count,
-        default=1,
-        help="how often the program runs, one behind the other (1)",
-    )
-    what.add_argument("--with", metavar="EFFECT:AXIS:KEY=VALUE,...", action="append", default=[], dest="terms", help="a further effect, like backlash:X:size_um=9 or laser_air::ppm_K=0.93")  # fmt: skip
-    what.add_argument("--quiet", action="store_true", help="no notices, no summary")
-    noise = parser.add_argument_group("what a reading suffers from; um, of angles urad")
-    noise.add_argument(
-        "--noise",
-        metavar="UM",
-        type=values.size,
-        default=0.0,
-        help="standard deviation of a reading (0)",
-    )
-    noise.add_argument("--tails", metavar="N", type=_tails, default=0.0, help="Student's t with so many degrees of freedom instead of Gaussian")  # fmt: skip
-    noise.add_argument("--seed", type=values.seed, default=0, help="of all that is drawn (0)")
-    noise.add_argument(
-        "--resolution",
-        metavar="UM",
-        type=values.size,
-        default=0.0,
-        help="step of a reading (0: none)",
-    )
-    noise.add_argument("--zero", metavar="UM", type=_zero, default=0.0, help="zero of the set-up, or first (the first reading is zero), or random")  # fmt: skip
-    noise.add_argument(
-        "--sensor-noise",
-        metavar="K",
-        type=values.size,
-        default=0.0,
-        help="standard deviation of temperatures",
-    )
-    noise.add_argument("--without", metavar="COLUMN,...", default="", help="channels that nobody recorded, like T_screw_Z_C; T: all temperatures")  # fmt: skip
-    control = parser.add_argument_group("how the control and the room are")
-    control.add_argument("--corner", metavar="LENGTH", type=_length, default=0.01, help="by how much corners between feeds are cut (0.01mm; 0: not at all)")  # fmt: skip
-    control.add_argument("--feed", metavar="MM_MIN", type=values.size, default=math.nan, help="of motions before the first F, mm/min")  # fmt: skip
-    control.add_argument("--cycle", metavar="S", type=values.size, default=0.001, help="in corners that are not cut an axis may change its speed by what it can do in so long (0.001)")  # fmt: skip
-    control.add_argument("--play", metavar="LENGTH", type=_length, help="an axis that goes back by less has not turned (0; of a program that gcomp corrected the machine's hysteresis_um)")  # fmt: skip
-    control.add_argument(
-        "--air", metavar="C", type=values.number, default=20.0, help="temperature of the air (20)"
-    )
-    control.add_argument(
-        "--air-drift",
-        metavar="K_H",
-        type=values.number,
-        default=0.0,
-        help="its change, K per hour (0)",
-    )
-    control.add_argument("--screw-gain", metavar="K", type=values.size, default=0.8, help="what a screw warms by at a steady 1 m/min, K (0.8)")  # fmt: skip
-    control.add_argument(
-        "--screw-time",
-        metavar="S",
-        type=values.size,
-        default=1800.0,
-        help="and how long it takes, s (1800)",
-    )
-    control.add_argument("--force", metavar="X=0:300", action="append", default=[], type=_force, help="N on an axis, in each run in turn")  # fmt: skip
-    control.add_argument("--begin", metavar="S", type=values.size, default=0.0, help="time of the experiment at which the program starts, s")  # fmt: skip
-
-
 def run(options: argparse.Namespace) -> int:
     from postproc.simulate import actual, instruments, nominal
     from postproc.simulate import limits as bounds
 
+    if options.json == "-" and options.output in (None, "-"):
+        raise UsageError("the recording goes to standard output, and --json - too", "-o FILE.csv")
     for name in NOT_HERE:
         if getattr(options, name) not in (None, False):
-            raise UsageError(f"--{name.replace('_', '-')} is for corrections, and nothing is corrected here", "gcomp corrects: gcomp --machine NAME FILE")  # fmt: skip
+            raise UsageError(
+                f"--{name.replace('_', '-')} is for corrections, and nothing is corrected here",
+                "gcomp corrects: gcomp --machine NAME FILE",
+            )
     machine = reading.machine_of(options)
     given = dict(options.settings)
     text, name, own = _program(options, machine)
     instrument = options.instrument or (own.instrument if own else "")
+    _spares(options, text if own else b"()")
     if own and options.program_out:
         _write(options.program_out, text)
         if not options.output:
+            as_json.put(options.json, _told(options, machine, name))
             return 0
     if not instrument:
         raise UsageError("which instrument?", f"--instrument {' or '.join(instruments.names())}")
@@ -143,9 +76,21 @@ def run(options: argparse.Namespace) -> int:
     limits = bounds.of(machine, _stated(options.machine))
     run_, notices, corrected = _timeline(options, machine, limits, text, name)
     if options.play is None and corrected:
-        notices.append(Notice("play", f"this program is corrected: an axis that goes back by less than {machine.limits.hysteresis * 1e3:g} um (hysteresis_um) has not turned (--play)"))  # fmt: skip
+        notices.append(
+            Notice(
+                "play",
+                "this program is corrected: an axis that goes back by less than"
+                f" {machine.limits.hysteresis * 1e3:g} um (hysteresis_um) has not turned (--play)",
+            )
+        )
     if limits.assumed:
-        notices.append(Notice("limits", f"{machine.name} states no velocity and acceleration of {' '.join(limits.assumed)}: taken as {bounds.VELOCITY * 60:g} mm/min and {bounds.ACCELERATION:g} mm/s2"))  # fmt: skip
+        notices.append(
+            Notice(
+                "limits",
+                f"{machine.name} states no velocity and acceleration of {' '.join(limits.assumed)}:"
+                f" taken as {bounds.VELOCITY * 60:g} mm/min and {bounds.ACCELERATION:g} mm/s2",
+            )
+        )
     extra = [_term(word, machine) for word in options.terms]
     terms = (*actual.terms_of(machine), *extra)
     if options.nominal:
@@ -156,7 +101,14 @@ def run(options: argparse.Namespace) -> int:
     else:
         signal = module.measure(actual.Reality(run_, terms), settings)
     notices += _held(machine, signal.state.position)
-    noise = instruments.Noise(options.noise, options.tails, options.resolution, options.zero, options.seed, options.sensor_noise)  # fmt: skip
+    noise = instruments.Noise(
+        options.noise,
+        options.tails,
+        options.resolution,
+        options.zero,
+        options.seed,
+        options.sensor_noise,
+    )
     head: dict[str, Any] = {
         "machine": machine.name,
         "program": Path(name).name,
@@ -180,45 +132,87 @@ def run(options: argparse.Namespace) -> int:
                 file=sys.stderr,
             )
         print(
-            f"gcomp: {len(recording)} rows of {module.TITLE}, {run_.duration:.1f} s of machine time",
+            f"gcomp: {len(recording)} rows of {module.TITLE}, {run_.duration:.1f} s of machine"
+            " time",
             file=sys.stderr,
         )
+    as_json.put(
+        options.json,
+        _told(options, machine, name)
+        | {
+            "instrument": instrument,
+            "title": module.TITLE,
+            "corrected": corrected,
+            "rows": len(recording),
+            "seconds": round(run_.duration, 3),
+            "columns": {
+                name: {"least": float(column.min()), "largest": float(column.max())}
+                for name, column in recording.columns.items()
+                if column.dtype.kind == "f"
+            },
+            "notices": [{"message": n.message, "line": n.line or None} for n in notices],
+        },
+    )
     return 0
+
+
+def _told(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
+    """What was run, and where what came of it stands."""
+    return {
+        "format": FORMAT,
+        "machine": machine.name,
+        "program": name,
+        "with": list(options.terms),
+        "seed": options.seed,
+        "recording": options.output,
+        "program_written": options.program_out,
+    }
 
 
 def _timeline(
     options: argparse.Namespace, machine: Machine, limits: Limits, text: bytes, name: str
 ):
-    """A program in time, notices, and whether gcomp has corrected it. Raises GcompError beyond a travel."""
+    """A program in time, notices, and whether gcomp has corrected it. Raises GcompError beyond a
+    travel."""
     from postproc.simulate import timeline
     from postproc.simulate.history import Heat
 
     steps, letters, notices, corrected = _read(options, machine, text, name)
-    play = (
-        machine.limits.hysteresis if corrected else 0.0
-    )  # by less a correction lets an axis creep back unturned
+    # by less a correction lets an axis creep back unturned
+    play = machine.limits.hysteresis if corrected else 0.0
     conditions = timeline.Conditions(
-        corner=options.corner, cycle=options.cycle, play=play if options.play is None else options.play,
-        heat=Heat(options.air, options.air_drift, options.screw_gain, max(options.screw_time, 1.0)), begin=options.begin,
+        corner=options.corner,
+        cycle=options.cycle,
+        play=play if options.play is None else options.play,
+        heat=Heat(options.air, options.air_drift, options.screw_gain, max(options.screw_time, 1.0)),
+        begin=options.begin,
         force=_forces(options.force, machine),
-    )  # fmt: skip
+    )
     run_ = timeline.of(steps, machine, limits, conditions, letters)
     wrong = run_.outside()
     if wrong:
         line, axis, at = wrong
         low, high = machine.axes[axis].travel
-        raise GcompError(f"the program takes {axis} to {at:.4f} mm, beyond its travel ({low:g} to {high:g} mm)", "is the work offset right? --offset, --offsets", Place(name, line))  # fmt: skip
+        raise GcompError(
+            f"the program takes {axis} to {at:.4f} mm, beyond its travel ({low:g} to {high:g} mm)",
+            "is the work offset right? --offset, --offsets",
+            Place(name, line),
+        )
     return run_, notices, corrected
 
 
 def _nominal(
     options: argparse.Namespace, machine: Machine, limits: Limits, corrected: bool
 ) -> Timeline:
-    """The nominal program in time, for its targets. Raises UsageError where it is not the nominal one."""
+    """The nominal program in time, for its targets. Raises UsageError where it is not the nominal
+    one."""
     if not corrected:
-        raise UsageError("--nominal is for a program that gcomp has corrected, and this one has no mark of it", "without --nominal readings are against the program's own targets")  # fmt: skip
+        raise UsageError(
+            "--nominal is for a program that gcomp has corrected, and this one has no mark of it",
+            "without --nominal readings are against the program's own targets",
+        )
     with ports.opened(options.nominal) as (source, name, _):
-        text = source.read(LARGEST + 1)
+        text = source.read(intake.PROGRAM + 1)
     run_, _, again = _timeline(options, machine, limits, text, name)
     if again:
         raise UsageError(
@@ -239,14 +233,15 @@ def _program(options: argparse.Namespace, machine: Machine):
     if options.program_out:
         raise UsageError("--program-out writes the program of a --test")
     with ports.opened(options.file) as (source, name, _):
-        text = source.read(LARGEST + 1)
-    if len(text) > LARGEST:
-        raise UsageError(f"{name} has more than {LARGEST:,} bytes")
+        text = source.read(intake.PROGRAM + 1)
+    if len(text) > intake.PROGRAM:
+        raise UsageError(f"{name} has more than {intake.PROGRAM:,} bytes")
     return text, name, None
 
 
 def _read(options: argparse.Namespace, machine: Machine, text: bytes, name: str):
-    """Steps of all parts, the axes of their rows, notices, and whether gcomp has corrected the program."""
+    """Steps of all parts, the axes of their rows, notices, and whether gcomp has corrected the
+    program."""
     from postproc.simulate.program import Reader
 
     def make(bare: Machine, start: dict[str, float]) -> Filter:
@@ -280,7 +275,11 @@ def _stated(name: str) -> dict[str, Any]:
         if len(path.parts) > 1 or path.is_absolute() or (path / "machine.toml").is_file()
         else known[name]
     )
-    return dict(tomllib.loads((folder / "machine.toml").read_text("utf-8-sig"))["axes"])
+    return dict(
+        intake.toml(ports.read_whole(folder / "machine.toml", intake.MACHINE).decode("utf-8-sig"))[
+            "axes"
+        ]
+    )
 
 
 def _term(word: str, machine: Machine) -> Term:
@@ -301,7 +300,10 @@ def _term(word: str, machine: Machine) -> Term:
     )
     if not good:
         like = {0: "", 1: "X", 2: "XZ"}[number]
-        raise UsageError(f"--with {word}: {axis!r} is not what {name} acts on", f"like {name}:{like}:...; axes: {' '.join(machine.letters)}")  # fmt: skip
+        raise UsageError(
+            f"--with {word}: {axis!r} is not what {name} acts on",
+            f"like {name}:{like}:...; axes: {' '.join(machine.letters)}",
+        )
     parameters = dict(getattr(module, "OPTIONAL", {}))
     for item in filter(None, text.split(",")):
         key, _, value = item.partition("=")
@@ -323,7 +325,13 @@ def _held(machine: Machine, position: dict) -> list[Notice]:
         if x in position and not (
             position[x].min() >= low - 1e-6 and position[x].max() <= high + 1e-6
         ):
-            result.append(Notice(f"table {x}", f"{x} is read beyond its table ({low:g} to {high:g}): its end values are held there"))  # fmt: skip
+            result.append(
+                Notice(
+                    f"table {x}",
+                    f"{x} is read beyond its table ({low:g} to {high:g}): its end values are held"
+                    " there",
+                )
+            )
     return result
 
 
@@ -332,7 +340,10 @@ def _forces(
 ) -> dict[str, tuple[float, ...]]:
     for axis, _ in given:
         if axis not in machine.axes:
-            raise UsageError(f"--force names {axis}, which is no axis of {machine.name}", f"its axes are {' '.join(machine.letters)}")  # fmt: skip
+            raise UsageError(
+                f"--force names {axis}, which is no axis of {machine.name}",
+                f"its axes are {' '.join(machine.letters)}",
+            )
     return dict(given)
 
 
@@ -349,39 +360,18 @@ def _without(text: str, channels: dict) -> tuple[str, ...]:
     return tuple(found)
 
 
+def _spares(options: argparse.Namespace, text: bytes) -> None:
+    """Raises UsageError for a recording that was not simulated, or a program of another test: the
+    comment that it begins with says which."""
+    if options.output:
+        standing.result(options.output, marks.SIMULATED, "another name")
+    if options.program_out:
+        comment = next(x for x in text.splitlines() if x[:1] in (b"(", b";"))
+        standing.result(options.program_out, marks.comment(comment), "another name")
+
+
 def _write(name: str, data: bytes) -> None:
     if name == "-":
         ports.write_standard(data)
         return
     ports.replace_file(Path(name), io.BytesIO(data), backup=False)
-
-
-def _pair(word: str) -> tuple[str, str]:
-    key, sign, value = word.partition("=")
-    if not sign or not key:
-        raise argparse.ArgumentTypeError(f"{word!r} is not like rate=500")
-    return key, value
-
-
-def _length(word: str) -> float:
-    return 0.0 if word.strip() in ("0", "0.0", "0mm", "0um") else values.length(word)
-
-
-def _tails(word: str) -> float:
-    value = values.number(word)
-    if value <= 2:
-        raise argparse.ArgumentTypeError(
-            f"{word}: with 2 degrees of freedom or less there is no standard deviation"
-        )
-    return value
-
-
-def _zero(word: str) -> float | str:
-    return word if word in ("first", "random") else values.number(word)
-
-
-def _force(word: str) -> tuple[str, tuple[float, ...]]:
-    axis, sign, text = word.partition("=")
-    if axis not in ("X", "Y", "Z") or not sign:
-        raise argparse.ArgumentTypeError(f"{word!r} is not like X=0:300 (N, in each run in turn)")
-    return axis, tuple(values.number(part) for part in text.split(":"))

@@ -1,12 +1,13 @@
-"""How lengths, places and offsets are written on the command line."""
+"""How lengths, places and offsets are written on the command line, and options that may stand there
+several times."""
 
 from __future__ import annotations
 
 import argparse
 import math
 import re
+from typing import Any
 
-from postproc.offsets import KNOWN_NAMES, canonical
 from postproc.units import LARGEST_WORD_MM
 
 LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
@@ -15,6 +16,14 @@ LONGEST, COARSEST = 10.0, 1.0  # mm
 WORD = re.compile(r"\s*([XYZABCUVWRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
+
+
+def repeated(
+    parser: argparse._ActionsContainer, *names: str, help: str, **how: Any
+) -> argparse.Action:
+    """An option that may stand several times: its values are a list."""
+    help = f"{help}; repeatable"
+    return parser.add_argument(*names, action="append", default=[], help=help, **how)
 
 
 def length(text: str) -> float:
@@ -70,11 +79,13 @@ def place(text: str) -> dict[str, float]:
 
 
 def offset(text: str) -> tuple[str, dict[str, float]]:
-    """Name and place, from "G54=X1,Z2", "G54.1P3=X1", "T0101=X0,Z80", "H1=Z120" or "D1=R5" (R: the tool's radius; Q: the
-    number of a lathe tool's orientation).
+    """Name and place, from "G54=X1,Z2", "G54.1P3=X1", "T0101=X0,Z80", "H1=Z120" or "D1=R5" (R: the
+    tool's radius; Q: the number of a lathe tool's orientation).
 
     The name comes back as offset files give it: "G54.1 P3".
     """
+    from postproc.offsets import KNOWN_NAMES, canonical
+
     name, equals, rest = text.partition("=")
     known = canonical(name)
     if not equals or not rest.strip():

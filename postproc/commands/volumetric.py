@@ -1,36 +1,42 @@
-"""`gcomp volumetric REC... --like MACHINE -o FOLDER`: readings all over the volume to a map of all errors at once."""
+"""`gcomp volumetric REC... --like MACHINE -o FOLDER`: readings all over the volume to a map of all
+errors at once."""
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from postproc import ports
-from postproc.commands import as_json
-from postproc.commands.calibrate import like_of, write_folder
-from postproc.commands.recordings import read_files, reading_arguments, reading_options
+from postproc import intake, ports
+from postproc.commands import as_json, values
+from postproc.commands.calibrate import like_of, of_single_slides, write_folder
+from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.machine import places
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 
-HELP = "make a machine folder of readings all over the volume: a laser tracker's points, lengths, diagonals, spheres"
+HELP = (
+    "make a machine folder of readings all over the volume: a laser tracker's points, lengths,"
+    " diagonals, spheres"
+)
 EXAMPLE = "gcomp volumetric cloud.csv --like example-mill -o machines/mine"
-MOST_NODES, EVEN = (
-    15,
-    11,
-)  # places of an axis that are nodes as they are; nodes where there are more of them
-LARGEST = 1 << 28
+# places of an axis that are nodes as they are; nodes where there are more of them
+MOST_NODES, EVEN = 15, 11
 SHARE = 0.1  # of the readings of either direction, so that lost motion is told
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "recordings", nargs="+", metavar="REC",
-        help="recordings of points, lengths, spheres, diagonals, lines; six-degree-of-freedom files",
-    )  # fmt: skip
+        "recordings",
+        nargs="+",
+        metavar="REC",
+        help=(
+            "recordings of points, lengths, spheres, diagonals, lines; six-degree-of-freedom files"
+        ),
+    )
     parser.add_argument(
         "--like",
         required=True,
@@ -49,14 +55,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         help="write over a machine folder; the old one stays as .bak",
     )
     as_json.argument(parser, "gcomp-volumetric/1")
-    parser.add_argument(
+    values.repeated(
+        parser,
         "--zero",
         metavar="NAME,...",
-        action="append",
-        default=[],
         help="errors that are taken as zero, like EYX,C0Y",
     )
-    parser.add_argument("--nodes", metavar="N", type=int, help="nodes of each axis (default: the places that were read, 11 where they are more than 15)")  # fmt: skip
+    parser.add_argument(
+        "--nodes",
+        metavar="N",
+        type=int,
+        help=(
+            "nodes of each axis (default: the places that were read, 11 where they are more"
+            " than 15)"
+        ),
+    )
     reading_arguments(parser)
 
 
@@ -66,6 +79,7 @@ def run(options: argparse.Namespace) -> int:
     from postproc.volumetric.unknowns import Unknowns, components, locations
 
     machine = places.load(options.like)
+    of_single_slides(machine.chain, "gcomp volumetric")
     if options.nodes is not None and not 2 <= options.nodes <= 200:
         raise UsageError(f"--nodes {options.nodes}: a component has 2 to 200 nodes")
     zero = frozenset(n.strip() for text in options.zero for n in text.split(",") if n.strip())
@@ -94,6 +108,8 @@ def run(options: argparse.Namespace) -> int:
     tool = rows[0].tool
     told = as_json.beside(options.json)
     print(written.report(fit, tool, zero), file=told)
+    for text in dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices):
+        print(f"notice: {text}", file=told)
     if options.output:
         head = {
             "name": Path(options.output).resolve().name,
@@ -118,21 +134,23 @@ def run(options: argparse.Namespace) -> int:
 def _tables(name: str) -> dict[str, str]:
     """The tables of a machine's folder, as they are."""
     folder = places.folder_of(name)
-    return {p.name: ports.read_whole(p, LARGEST).decode() for p in sorted(folder.glob("*.csv"))}
+    return {
+        p.name: ports.read_whole(p, intake.TABLE).decode() for p in sorted(folder.glob("*.csv"))
+    }
 
 
 def _of_slides_only(kinds: list[str]) -> None:
     if set(kinds) - {"sphere", "shift", "length"}:
         raise UsageError(
-            "rotary axes turn in these recordings: they are read with a sphere, an R-test or a ballbar",
+            "rotary axes turn in these recordings: they are read with a sphere, an R-test or a"
+            " ballbar",
             'kind = "sphere", or points with dx_um dy_um dz_um',
         )
 
 
 def _slides(machine: Machine) -> Machine:
-    """The machine with the errors that its slides are known to have; how its rotary axes lie is asked for."""
-    from dataclasses import replace
-
+    """The machine with the errors that its slides are known to have; how its rotary axes lie is
+    asked for."""
     axes = {x: a if x in XYZ else replace(a, location=np.zeros(6)) for x, a in machine.axes.items()}
     square = {x: lean for x, lean in machine.square.items() if x in XYZ}
     return replace(machine, axes=axes, square=square)

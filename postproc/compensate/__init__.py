@@ -1,7 +1,8 @@
 """Motions + machine -> pieces: what to command so that the actual path is the nominal one.
 
-One inverse for the sum of all effects (inverse.py), one rule for the direction of approach (approach.py), straight
-motions cut at the nodes of the tables (lines.py), arcs kept where provably within tolerance (arcs.py).
+One inverse for the sum of all effects (inverse.py), one rule for the direction of approach
+(approach.py), straight motions cut at the nodes of the tables (lines.py), arcs kept where provably
+within tolerance (arcs.py).
 """
 
 from postproc.compensate.compensator import Carry, Compensator, Options

@@ -12,7 +12,8 @@ SHALLOWEST = 1e-6  # mm
 def points(
     arcs: Arcs, start: np.ndarray, target: np.ndarray, arc: np.ndarray, t: np.ndarray
 ) -> np.ndarray:
-    """(A, K) mm: nominal points of arcs at t from 0 to 1. start, target (A, n) mm of all arcs; spirals and helices linear."""
+    """(A, K) mm: nominal points of arcs at t from 0 to 1. start, target (A, n) mm of all arcs;
+    spirals and helices linear."""
     p = start[:, arc] + (target - start)[:, arc] * t
     angle = arcs.angle[arc] + arcs.sweep[arc] * t
     radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
@@ -43,24 +44,23 @@ def quadrants(arcs: Arcs) -> tuple[np.ndarray, np.ndarray]:
 def turning_points(
     arcs: Arcs, start: np.ndarray, target: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(K,) arc and (K,) t inside arcs where a plane axis turns back; start, target (A, n) mm of the arcs.
+    """(K,) arc and (K,) t inside arcs where a plane axis turns back; start, target (A, n) mm of the
+    arcs.
 
-    An arc that is meant to begin or end at a quadrant, and misses it by the rounding of its words, turns back by less
-    than a nanometre there: that is none.
+    An arc that is meant to begin or end at a quadrant, and misses it by the rounding of its words,
+    turns back by less than a nanometre there: that is none.
     """
     arc, t = quadrants(arcs)
     inside = (t > 0) & (t < 1)
     arc, t = arc[inside], t[inside]
     index = np.rint((arcs.angle[arc] + arcs.sweep[arc] * t) / (np.pi / 2)).astype(np.int64)
-    axis = np.where(
-        index % 2 == 0, arcs.first[arc], arcs.second[arc]
-    )  # the axis that is at its extreme there
+    # the axis that is at its extreme there
+    axis = np.where(index % 2 == 0, arcs.first[arc], arcs.second[arc])
     place = points(arcs, start, target, arc, t)[axis, np.arange(len(arc))]
     deep = np.abs(place - start[axis, arc]) > SHALLOWEST
     deep &= np.abs(place - target[axis, arc]) > SHALLOWEST
-    whole = (
-        np.abs(arcs.sweep[arc]) > 1.5 * np.pi
-    )  # the far end may lie at the same place by going round
+    # the far end may lie at the same place by going round
+    whole = np.abs(arcs.sweep[arc]) > 1.5 * np.pi
     first = np.concatenate([[True], arc[1:] != arc[:-1]])
     final = np.concatenate([arc[1:] != arc[:-1], [True]]) if len(arc) else first[:0]
     deep |= whole & ~(first[: len(arc)] | final)

@@ -1,4 +1,5 @@
-"""The columns of one batch while its commands are worked out: strokes, sides of approach, where each begins and ends.
+"""The columns of one batch while its commands are worked out: strokes, sides of approach, where
+each begins and ends.
 
 A stroke is a motion, or a part of one between two places where a two-way axis turns back.
 """
@@ -24,8 +25,15 @@ if TYPE_CHECKING:
     from postproc.compensate.compensator import Carry, Compensator
 
 
+def _leashed(kept: int, own: int, most: int) -> int:
+    """Ticks at which a stroke ends along which the correction of an axis may change by `most` only;
+    as it was it would end at `kept`, and by its own at `own`."""
+    return kept + min(max(own - kept, -most), most)
+
+
 def written_centre(motions: Motions) -> np.ndarray:
-    """(2, n) ticks from the start of each arc to its centre, exactly as written where it was written as I J K."""
+    """(2, n) ticks from the start of each arc to its centre, exactly as written where it was
+    written as I J K."""
     arcs = motions.arcs
     k = np.arange(len(arcs))
     start = np.stack(
@@ -35,29 +43,35 @@ def written_centre(motions: Motions) -> np.ndarray:
 
 
 class Batch:
-    """The columns of one batch while they are worked out. S strokes; every stroke belongs to one motion."""
+    """The columns of one batch while they are worked out. S strokes; every stroke belongs to one
+    motion."""
 
-    def __init__(self, compensator: Compensator, motions: Motions, carry: Carry):
-        self.c, self.m, self.carry = compensator, motions, carry
+    def __init__(
+        self,
+        compensator: Compensator,
+        motions: Motions,
+        carry: Carry,
+        span: tuple[float, float] = (0.0, 1.0),
+    ):
+        """span: from where to where in t, of one motion that is corrected in parts."""
+        self.c, self.m, self.carry, self.span = compensator, motions, carry, span
         self.machine, self.options = compensator.machine, compensator.options
         self.rows = list(self.machine.corrected)
         self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
         self.notices: list[Notice] = []
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
-        self.free = (
-            self.known & ~motions.alone & ~self.places.idle
-        )  # motions whose end is corrected
-        self.jumped = (
-            motions.sent & motions.start_known
-        )  # (A, N) G28 has taken the axis elsewhere meanwhile
-        self.bottom = np.zeros(
-            len(motions), np.int64
-        )  # (N,) ticks commanded at the bottom of a hole
+        # motions whose end is corrected
+        self.free = self.known & ~motions.alone & ~self.places.idle
+        # (A, N) G28 has taken the axis elsewhere meanwhile
+        self.jumped = motions.sent & motions.start_known
+        # (N,) ticks commanded at the bottom of a hole
+        self.bottom = np.zeros(len(motions), np.int64)
 
     @cached_property
     def extremes(self) -> tuple[np.ndarray, np.ndarray]:
-        """(Q,) the first stroke, and (A, Q) mm the place, of where corrected arcs lead farthest along an axis of their plane."""
+        """(Q,) the first stroke, and (A, Q) mm the place, of where corrected arcs lead farthest
+        along an axis of their plane."""
         arcs = self.m.arcs
         arc, t = quadrants(arcs)
         inside = (t > 0) & (t < 1) & self.free[arcs.motion[arc]]
@@ -66,7 +80,8 @@ class Batch:
         return np.searchsorted(self.motion, arcs.motion[arc]), place
 
     def strokes(self) -> None:
-        """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A, S) ticks."""
+        """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A,
+        S) ticks."""
         m, arcs = self.m, self.m.arcs
         self.arc_of = np.full(len(m), -1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
@@ -78,6 +93,8 @@ class Batch:
         self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
             motion, t0, t1 = turning.divided(self)
+        if self.span != (0.0, 1.0):
+            motion, t0, t1 = turning.within(motion, t0, t1, self.span)
         self.motion, self.t0, self.t1 = motion, t0, t1
         self.last = t1 == 1.0
         self.begin_nominal, self.end_nominal = self.nominal(motion, t0), self.nominal(motion, t1)
@@ -104,9 +121,11 @@ class Batch:
             self.reached[m.holes.axis, self.hole] = (
                 (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
             )
-        # Strokes that begin where the last one did not end, since something else (G28) has moved the axis.
+        # Strokes that begin where the last one did not end, since something else (G28) has moved
+        # the axis.
         self.jumps = self.jumped[:, motion] & (t0 == 0)
-        # A motion that is left as it is moves the axes that it names; the others stay where they were sent last.
+        # A motion that is left as it is moves the axes that it names; the others stay where they
+        # were sent last.
         free = self.free[motion]
         self.sure_after = free & (m.code[motion] != HOLE)
         self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) & ~self.jumps.any(
@@ -124,8 +143,9 @@ class Batch:
             self.left[:, self.hole[~m.holes.place]] = True
 
     def approach(self) -> None:
-        """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm: the command of each
-        stroke's end, as if nothing were held still. `sides`: what the next batch must know."""
+        """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm:
+        the command of each stroke's end, as if nothing were held still. `sides`: what the next
+        batch must know."""
         self.twice = np.zeros(self.travel.shape, bool)
         if self.tip and self.c.follows:
             self.weight_end, self.sides = sides.of_slides(self)
@@ -172,8 +192,9 @@ class Batch:
     ) -> np.ndarray:
         """(A, K) mm: exact commands at t (of the motion) along strokes.
 
-        In mode off what differs at a stroke's begin fades along it: the reversal is spread over the block. In mode step an
-        axis whose lost motion is followed goes from its begin to its end without turning back on the way.
+        In mode off what differs at a stroke's begin fades along it: the reversal is spread over the
+        block. In mode step an axis whose lost motion is followed goes from its begin to its end
+        without turning back on the way.
         """
         if self.inside:
             weight = cutter.approach_on_arcs(self, stroke, t, weight)
@@ -184,7 +205,8 @@ class Batch:
         return self.led(stroke, exact)
 
     def led(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
-        """(A, K) mm: exact commands along strokes, an axis whose lost motion is followed not beyond its begin or end."""
+        """(A, K) mm: exact commands along strokes, an axis whose lost motion is followed not beyond
+        its begin or end."""
         if len(self.c.followed):
             exact = exact.copy()
         for row in self.c.followed:
@@ -203,9 +225,11 @@ class Batch:
         return command(self.machine, nominal + beside, weight, self.motion[stroke]) - beside
 
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
-        """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of each axis' word."""
+        """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of
+        each axis' word."""
         m, motion = self.m, self.motion[stroke]
-        # Whole increments from the nominal place, wherever a difference of two places may be written; else from zero.
+        # Whole increments from the nominal place, wherever a difference of two places may be
+        # written; else from zero.
         near = m.incremental[:, motion] | (self.travel[:, stroke] == 0)
         zero = np.where(near, m.start[:, motion], m.origin[:, motion])
         step = m.grid[:, motion]
@@ -241,7 +265,8 @@ class Batch:
             self.before = np.where(self.jumps, m.start[:, motion], self.before)
 
     def starts(self) -> None:
-        """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start may differ."""
+        """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
+        may differ."""
         motion = self.motion
         first = self.carry.sides.side.astype(float)
         ramped = self.c.reach > 0
@@ -266,8 +291,9 @@ class Batch:
         self.wanted = np.where(self.told, self.wanted, self.before)
 
     def settle_ends(self) -> None:
-        """Hold still what stands still: an axis without nominal travel moves only when its correction has changed by
-        more than half the tolerance. Sets `begin` (A, S), where each stroke is begun, and the final `before` and `end`."""
+        """Hold still what stands still: an axis without nominal travel moves only when its
+        correction has changed by more than half the tolerance. Sets `begin` (A, S), where each
+        stroke is begun, and the final `before` and `end`."""
         free, known = self.free[self.motion], self.known_before
         held = (self.travel == 0).any(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
@@ -276,7 +302,8 @@ class Batch:
             self.begin = self.before
             return
         code = self.m.code[self.motion]
-        # In a rapid the axes that rest may be left beside their places by all of the tolerance together.
+        # In a rapid the axes that rest may be left beside their places by all of the tolerance
+        # together.
         resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
         self.hold = (
             np.where(code == RAPID, self.c.inner / np.sqrt(resting), self.c.hold) * TICKS_PER_MM
@@ -310,47 +337,53 @@ class Batch:
         return self.turning & (np.abs(off) > self.enough[row]) & ~back
 
     def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
-        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the one before left it."""
+        """(K,) ticks at which strokes `still` end, one after the other, since each rests where the
+        one before left it."""
+        jumped, turning = self.jumps[row, still], self.turning[still]
         before = np.where(still > 0, end[still - 1], self.carry.issued[row])
-        jumped = self.jumps[row, still]
-        before = np.where(jumped, self.m.start[row, self.motion[still]], before).tolist()
-        value, exact = end[still].tolist(), (self.exact[row, still] * TICKS_PER_MM).tolist()
-        hold, stays, moved = (
-            self.hold[still].tolist(),
-            self.left[row, still].tolist(),
-            jumped.tolist(),
+        before = np.where(jumped, self.m.start[row, self.motion[still]], before)
+        onward = ~jumped
+        onward[:1] = False
+        onward[1:] &= still[1:] == still[:-1] + 1
+        exact, hold, stays = (
+            self.exact[row, still] * TICKS_PER_MM,
+            self.hold[still],
+            self.left[row, still],
         )
-        wanted, enough = self.wanted[row, still].tolist(), self.enough[row, still].tolist()
-        wanted = [
-            w if t else None for w, t in zip(wanted, self.turning[still].tolist(), strict=True)
-        ]
-        side = (self.bound[row, still] * self.weight_begin[row, still]).tolist()
-        most = (
-            self.leash[row, still].tolist()
-            if self.leash is not None
-            else [cutter.FREELY] * len(value)
-        )
-        way, last = self.travel[row, still].tolist(), -2
-        for k, i in enumerate(still.tolist()):
-            here = value[k - 1] if i == last + 1 and not moved[k] else before[k]
-            to = wanted[k]
-            if (
-                most[k] < cutter.FREELY and not stays[k]
-            ):  # by how much its correction may change along the stroke
-                value[k] = here + way[k] + min(max(value[k] - here - way[k], -most[k]), most[k])
-                last = i
-                continue
-            if to is not None and abs(to - here) > enough[k] and (to - here) * side[k] >= 0:
-                here = to
-            if stays[k] or abs(exact[k] - here) <= hold[k] or (exact[k] - here) * side[k] < 0:
-                value[k] = here
-            last = i
+        side = self.bound[row, still] * self.weight_begin[row, still]
+        # It rests where it is between these; what keeps its side is not moved back.
+        low = np.where(stays | (side < 0), -np.inf, exact - hold)
+        high = np.where(stays | (side > 0), np.inf, exact + hold)
+        leash = np.full(len(still), cutter.FREELY)
+        if self.leash is not None:
+            leash = self.leash[row, still]
+        leashed = (leash < cutter.FREELY) & ~stays
+        plain = ~turning & ~leashed
+        columns = onward, before, end[still], low, high, plain
+        here, value = 0, []
+        for k, (goes_on, start, own, least, most, easy) in enumerate(
+            zip(*(column.tolist() for column in columns), strict=True)
+        ):
+            if not goes_on:
+                here = start
+            if easy:
+                here = here if least <= here <= most else own
+            elif leashed[k]:
+                here = _leashed(here + int(self.travel[row, still[k]]), own, int(leash[k]))
+            else:
+                wanted = int(self.wanted[row, still[k]])
+                off, enough = wanted - here, self.enough[row, still[k]]
+                if abs(off) > enough and off * side[k] >= 0:
+                    here = wanted
+                here = here if least <= here <= most else own
+            value.append(here)
         return np.array(value, np.int64)
 
     def lead_beyond(self) -> None:
-        """`beyond` (A, S) ticks: where axes are led before a stroke is begun, `begin` where not. An axis that turns twice
-        where a stroke begins is led over its play first. A map that has forward beyond reverse holds for the direction of
-        the last command, which its take-up has contrary to the side. `way` (A,): of the last command, for the next batch."""
+        """`beyond` (A, S) ticks: where axes are led before a stroke is begun, `begin` where not. An
+        axis that turns twice where a stroke begins is led over its play first. A map that has
+        forward beyond reverse holds for the direction of the last command, which its take-up has
+        contrary to the side. `way` (A,): of the last command, for the next batch."""
         rows = self.c.followed
         self.beyond, self.way = self.begin, self.carry.way
         if not len(rows):
@@ -361,12 +394,10 @@ class Batch:
         sides = np.where(rests & (play < -self.c.chord), self.weight_begin[rows], 0).astype(
             np.int64
         )
-        ways = [
-            np.sign(self.begin - self.before)[rows],
-            sides,
-            np.sign(self.end - self.begin)[rows],
-        ]
-        course = np.stack(ways, axis=2).reshape(len(rows), -1)
+        course = np.empty((len(rows), 3 * self.end.shape[1]), np.int64)
+        course[:, ::3] = np.sign(self.begin - self.before)[rows]
+        course[:, 1::3] = sides
+        course[:, 2::3] = np.sign(self.end - self.begin)[rows]
         course = hold_last(course, course != 0, self.carry.way[rows])
         out = ((sides != 0) & (course[:, ::3] != sides)) | (self.twice[rows] & cutting)
         self.way = self.carry.way.copy()
@@ -387,7 +418,8 @@ class Batch:
         )
 
     def spread_reversals(self) -> None:
-        """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it needs."""
+        """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it
+        needs."""
         if self.c.mode == "off":
             which = (self.known_before & self.free[self.motion]).nonzero()[0]
             exact = command(

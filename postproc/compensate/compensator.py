@@ -1,18 +1,22 @@
 """One batch of motions to its pieces; what the next batch must know goes along as a Carry.
 
-In order: refuse what can not be trusted, cut motions where an axis turns back, follow the side of approach with the command
-of every end, take up the lost motion, keep still what stands still, cut the ways between, check the limits.
+In order: refuse what can not be trusted, cut motions where an axis turns back, follow the side of
+approach with the command of every end, take up the lost motion, keep still what stands still, cut
+the ways between, check the limits.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
 
 from postproc.compensate import approach, cut, cutter, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
+from postproc.compensate.known import known
 from postproc.errors import MachineError, MotionFault, Notice
 from postproc.machine import growth, poses, tip
 from postproc.machine.chain import XYZ
@@ -25,21 +29,26 @@ from postproc.units import TICKS_PER_MM
 # mm: half of what the closest positional tolerance in common use, a zone of 0.02 mm diameter
 # (ISO 5458), leaves to one side.
 HOLE_TOLERANCE = 0.005
-HEAT_SHARE = 1 / 8  # of the tolerance, which whole steps of heat may leave (heat/follow.py)
+# of the tolerance, which whole steps of heat may leave, and heat within one spell (heat/follow.py)
+HEAT_SHARE = 1 / 4
+WHOLE = (0.0, 1.0)  # of a motion, from begin to end
 MOST_KEPT = 200  # machines with a tool, in a space, at a temperature
 FEW = 32  # motions that are worked out at once behind one that is left as it is
 
 
 @dataclass(frozen=True)
 class Options:
-    """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5 um at least);
-    outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids: cut G0 too;
+    """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5
+    um at least);
+    outside: "error" or "clamp"; reversal: a mode of approach.py; ramp: mm of travel; cut_rapids:
+    cut G0 too;
     holes_written_out: whether --expand writes a canned cycle of this control out;
     arc_mismatch: mm that radii of start and end may come to differ by; hole_tolerance: mm that a
     hole's axis may bend while its cycle holds its place (None: HOLE_TOLERANCE; the tolerance at
     least); hysteresis: mm that the wanted place of a slide may turn back before its lost motion is
     taken up (None: as the machine says); orientation: whether rotary words are corrected for the
-    tool's lean; heat_step (D,): unit of the whole steps in which heat is told, of machines that grow; passes_unknown: whether feeds whose place can not be known are left as they are, and
+    tool's lean; heat_step (D,): unit of the whole steps in which heat is told, of machines that
+    grow; passes_unknown: whether feeds whose place can not be known are left as they are, and
     counted, rather than refused."""
 
     tolerance: float | None = None
@@ -62,7 +71,8 @@ class Carry:
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal
     position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the
     last motion inside it ended; largest: mm, the largest correction so far; told: the space and the
-    tool's length (A,) ticks in which `issued` is told; heat (D,): steps of the machine's growth for which it was."""
+    tool's length (A,) ticks in which `issued` is told; heat (D,): steps of the machine's growth for
+    which it was."""
 
     sides: approach.Sides
     issued: np.ndarray
@@ -78,9 +88,8 @@ class Compensator:
     """A machine and the options, ready to correct batches. Holds no state."""
 
     def __init__(self, machine: Machine, options: Options = Options()):
-        if (
-            options.outside and options.outside != machine.limits.outside
-        ):  # what can be reached, and so every bound
+        # what can be reached, and so every bound
+        if options.outside and options.outside != machine.limits.outside:
             machine = replace(machine, limits=replace(machine.limits, outside=options.outside))
         self.machine, self.options = machine, options
         least = [axis.least_increment for axis in machine.axes.values()]
@@ -100,7 +109,8 @@ class Compensator:
         self.mode = (options.reversal or machine.reversal) if machine.two_way.any() else "mean"
         self.outside = options.outside or machine.limits.outside
         n = max(1, len(machine.corrected))
-        # Rounding may take half a least increment in one axis beyond the tolerance; several axes together take more.
+        # Rounding may take half a least increment in one axis beyond the tolerance; several axes
+        # together take more.
         beyond = (
             max(0.0, float(np.linalg.norm(rounding[list(machine.corrected)] / 2)) - max(least) / 2)
             if machine.corrected
@@ -108,7 +118,7 @@ class Compensator:
         )
         # What heat does between two of its whole steps is paid for out of the tolerance too.
         kept = HEAT_SHARE * self.tolerance if options.heat_step else 0.0
-        inner = max(self.tolerance - beyond - kept, self.tolerance / 2)
+        inner = max(self.tolerance - beyond, self.tolerance / 2) - kept
         self.slack = inner / 8
         self.chord = (inner - self.slack) / np.sqrt(n)
         self.plane = (inner - self.slack) * (1.0 if n == 2 else np.sqrt(2 / n))
@@ -120,12 +130,11 @@ class Compensator:
         self._directions()
 
     def _directions(self) -> None:
-        """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes that never turn back
-        within a stroke but by a take-up."""
+        """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes
+        that never turn back within a stroke but by a take-up."""
         m = self.machine
-        if isinstance(
-            m, tip.TipMachine
-        ):  # sides by the slides' own way, block by block (sides.of_slides)
+        # sides by the slides' own way, block by block (sides.of_slides)
+        if isinstance(m, tip.TipMachine):
             self.mode = "step" if self.mode in ("step", "ramp") else "mean"
         self.follows = self.mode != "mean"
         slides = np.array([x in XYZ for x in m.letters]) & m.two_way
@@ -156,15 +165,15 @@ class Compensator:
         return max(10 * largest, 0.5)
 
     def initial(self, stands: np.ndarray | None = None) -> Carry:
-        """Before the first motion. stands (A,): ticks, where the slides stand (0 where nobody knows), which is their
-        last command: distances count from there."""
+        """Before the first motion. stands (A,): ticks, where the slides stand (0 where nobody
+        knows), which is their last command: distances count from there."""
         zero = np.zeros(len(self.machine.axes), np.int64)
         return Carry(approach.initial(len(zero)), zero if stands is None else stands, zero)
 
     def run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """Pieces of a batch. Raises MotionFault for the first motion that must not be written."""
         if not len(motions):
-            return _untouched(motions), carry, []
+            return _none(len(self.machine.axes)), carry, []
         if self.machine.is_zero:
             return _untouched(motions), carry, []
         turned = self.machine.turns and bool(motions.length.any())
@@ -173,27 +182,18 @@ class Compensator:
         return self._run(motions, carry)
 
     def _by_tool(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
-        """The same where tools have lengths: every run of motions on the machine with its own tool, in its own space."""
-        both = np.concatenate(
-            [motions.length, motions.space[None], *([motions.heat] if len(motions.heat) else [])]
-        )
-        edges = [
-            0,
-            *(np.flatnonzero((both[:, 1:] != both[:, :-1]).any(axis=0)) + 1).tolist(),
-            len(motions),
-        ]
+        """The same where tools have lengths: every run of motions on the machine with its own tool,
+        in its own space."""
         parts, notices = [], []
-        for first, stop in pairwise(edges):
+        for first, stop, span, heat in self._alike(motions):
             one = motions.part(first, stop)
             space, length = one.spaces[int(one.space[0])], one.length[:, 0]
-            heat = tuple(one.heat[:, 0].tolist()) if len(one.heat) else ()
             try:
                 carry = self._retold(carry, space, length)
-                if (
-                    carry.heat != heat
-                ):  # where the machine stands is no longer what the nominal position needs
-                    carry = replace(carry, heat=heat, sure=False)
-                pieces, carry, more = self._of_tool(length, space, heat)._run(one, carry)
+                # where the machine stands is no longer what the nominal position needs
+                if carry.heat != heat:
+                    carry = replace(carry, heat=heat, sure=carry.sure and span[0] > 0.0)
+                pieces, carry, more = self._of_tool(length, space, heat)._run(one, carry, span)
             except MotionFault as fault:
                 fault.motion += first
                 raise
@@ -210,8 +210,38 @@ class Compensator:
             notices += [replace(n, line=n.line + first) for n in more]
         return joined(parts), carry, notices
 
+    def _alike(
+        self, motions: Motions
+    ) -> Iterator[tuple[int, int, tuple[float, float], tuple[int, ...]]]:
+        """Runs of motions of one tool, in one space, equally warm: the first and the one behind the
+        last, from where to where in t, and how warm. A motion that lasts long is one by itself for
+        each of its spells."""
+        both = np.concatenate([motions.length, motions.space[None], *_told(motions.heat)])
+        spells = motions.spells
+        edges = (both[:, 1:] != both[:, :-1]).any(axis=0)
+        long = np.zeros(len(motions), bool)
+        long[spells.motion] = True
+        edges |= long[1:] | long[:-1]
+        places = [0, *(np.flatnonzero(edges) + 1).tolist(), len(motions)]
+        for first, stop in pairwise(places):
+            heat = tuple(motions.heat[:, first].tolist()) if len(motions.heat) else ()
+            if not long[first] or not self._corrects(motions.part(first, stop)):
+                yield first, stop, WHOLE, heat
+                continue
+            begin = 0.0
+            for k in np.flatnonzero(spells.motion == first):
+                end = float(spells.until[k])
+                yield first, stop, (begin, end), tuple(spells.heat[:, k].tolist())
+                begin = end
+
+    def _corrects(self, one: Motions) -> bool:
+        """Whether this motion is corrected at all: one that is not stays as it is written."""
+        places = known(self.machine, one)
+        return bool((places.end & places.start & ~places.idle)[0])
+
     def _retold(self, carry: Carry, space: Space | None, length: np.ndarray) -> Carry:
-        """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides are the slides' own."""
+        """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides are
+        the slides' own."""
         one, had = carry.told
         told = (space, tuple(length.tolist()))
         if one is None and space is None:
@@ -227,7 +257,8 @@ class Compensator:
     def _of_tool(
         self, length: np.ndarray, space: Space | None = None, heat: tuple[int, ...] = ()
     ) -> Compensator:
-        """The machine with a tool of this `length` (A,), ticks, in a space, as warm as these whole steps (D,) say."""
+        """The machine with a tool of this `length` (A,), ticks, in a space, as warm as these whole
+        steps (D,) say."""
         key = (space, tuple(length.tolist()), heat)
         if key not in self.by_tool:
             machine = self.machine
@@ -245,8 +276,9 @@ class Compensator:
         return self.by_tool[key]
 
     def keeps(self, motions: Motions) -> bool:
-        """Whether the holes among these motions of one tool can stay with their cycles under --expand:
-        each bends by less than the tolerance of holes, as it was asked for, so that 0 keeps none."""
+        """Whether the holes among these motions of one tool can stay with their cycles under
+        --expand: each bends by less than the tolerance of holes, as it was asked for, so that 0
+        keeps none."""
         if self.machine.is_zero or not len(motions.holes):
             return self.straightness > 0
         turned = self.machine.turns and motions.length.any()
@@ -256,27 +288,32 @@ class Compensator:
         except MotionFault:  # said where the motions themselves are corrected
             return False
 
-    def _run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
-        b = self._worked_out(motions, carry)
+    def _run(
+        self, motions: Motions, carry: Carry, span: tuple[float, float] = WHOLE
+    ) -> tuple[Pieces, Carry, list[Notice]]:
+        """span: from where to where in t, of one motion."""
+        b = self._worked_out(motions, carry, span)
         if self.options.passes_unknown and limits.at_stop(b).any():
-            return self._with_stops(motions, carry)
+            return self._with_stops(motions, carry, span)
         return self._finished(b, carry)
 
-    def _with_stops(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
-        """The same where motions begin or end at the end of an axis' travel: those that lead beyond are left as they are,
-        one after the other, since each changes where the next one begins."""
+    def _with_stops(
+        self, motions: Motions, carry: Carry, span: tuple[float, float]
+    ) -> tuple[Pieces, Carry, list[Notice]]:
+        """The same where motions begin or end at the end of an axis' travel: those that lead beyond
+        are left as they are, one after the other, since each changes where the next one begins."""
         parts, notices, first, size = [], [], 0, FEW
         while first < len(motions):
             one = motions.part(first, min(first + size, len(motions)))
-            b = self._worked_out(one, carry)
+            b = self._worked_out(one, carry, span)
             hit = limits.at_stop(b)
             if hit[0]:
                 one = one.part(0, 1)
-                b = self._worked_out(replace(one, alone=one.alone | True), carry)
+                b = self._worked_out(replace(one, alone=one.alone | True), carry, span)
                 b.notices.append(Notice("stop", limits.AT_STOP, 0, counts=(1,)))
             elif hit.any():
                 one = one.part(0, int(hit.argmax()))
-                b = self._worked_out(one, carry)
+                b = self._worked_out(one, carry, span)
             pieces, carry, more = self._finished(b, carry)
             arcs = int(np.searchsorted(motions.arcs.motion, first))
             parts.append(
@@ -306,9 +343,9 @@ class Compensator:
         )
         return pieces, after, b.notices
 
-    def _worked_out(self, motions: Motions, carry: Carry) -> Batch:
+    def _worked_out(self, motions: Motions, carry: Carry, span: tuple[float, float]) -> Batch:
         """The batch with where every stroke begins and ends."""
-        b = Batch(self, motions, carry)
+        b = Batch(self, motions, carry, span)
         limits.refuse(b)
         limits.refuse_turning_arcs(b)
         limits.check_unknown(b)
@@ -331,6 +368,10 @@ class Compensator:
         return b
 
 
+def _told(heat: np.ndarray) -> list[np.ndarray]:
+    return [heat] if len(heat) else []
+
+
 def _bottoms(motions: Motions) -> np.ndarray:
     bottom = np.zeros(len(motions), np.int64)
     bottom[motions.holes.motion] = motions.holes.bottom
@@ -343,12 +384,33 @@ def _radii(motions: Motions) -> np.ndarray:
     return radius
 
 
+@cache
+def _none(axes: int) -> Pieces:
+    """No pieces."""
+    i, places, no = np.zeros(0, np.int64), np.zeros((axes, 0), np.int64), np.zeros(0, bool)
+    centre, share = np.zeros((2, 0), np.int64), np.zeros(0)
+    return Pieces(i, i, places, places, share, i, centre, i, places, no, no, i)
+
+
 def _untouched(motions: Motions) -> Pieces:
     n = len(motions)
     arc = np.full(n, -1)
     arc[motions.arcs.motion] = np.arange(len(motions.arcs))
     return Pieces(
-        motion=np.arange(n), code=motions.code, start=motions.start, end=motions.target, share=np.ones(n), arc=arc,
-        centre=written_centre(motions)[:, np.maximum(arc, 0)] if len(motions.arcs) else np.zeros((2, n), np.int64),
-        radius=_radii(motions), nominal=motions.target, take_up=np.zeros(n, bool), corrected=np.zeros(n, bool), bottom=_bottoms(motions),
-    )  # fmt: skip
+        motion=np.arange(n),
+        code=motions.code,
+        start=motions.start,
+        end=motions.target,
+        share=np.ones(n),
+        arc=arc,
+        centre=(
+            written_centre(motions)[:, np.maximum(arc, 0)]
+            if len(motions.arcs)
+            else np.zeros((2, n), np.int64)
+        ),
+        radius=_radii(motions),
+        nominal=motions.target,
+        take_up=np.zeros(n, bool),
+        corrected=np.zeros(n, bool),
+        bottom=_bottoms(motions),
+    )

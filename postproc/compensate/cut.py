@@ -1,4 +1,5 @@
-"""From strokes to pieces: take-ups where an axis turns back, straight strokes cut at nodes, arcs kept or halved."""
+"""From strokes to pieces: take-ups where an axis turns back, straight strokes cut at nodes, arcs
+kept or halved."""
 
 from __future__ import annotations
 
@@ -15,7 +16,8 @@ from postproc.units import TICKS_PER_MM
 
 
 def take_ups(b: Batch):
-    """A piece for every stroke that must be begun elsewhere than the last one ended, or two (Batch.lead_beyond)."""
+    """A piece for every stroke that must be begun elsewhere than the last one ended, or two
+    (Batch.lead_beyond)."""
     over = (b.beyond != b.begin).any(axis=0)
     which = ((b.turning & (b.begin != b.before).any(axis=0)) | over).nonzero()[0]
     if not len(which):
@@ -49,11 +51,19 @@ def pack(
 ):
     n = len(stroke)
     pieces = Pieces(
-        motion=b.motion[stroke], code=np.asarray(code, np.int8), start=start, end=end, share=share,
-        arc=np.full(n, -1) if arc is None else arc, centre=np.zeros((2, n), np.int64) if centre is None else centre,
+        motion=b.motion[stroke],
+        code=np.asarray(code, np.int8),
+        start=start,
+        end=end,
+        share=share,
+        arc=np.full(n, -1) if arc is None else arc,
+        centre=np.zeros((2, n), np.int64) if centre is None else centre,
         radius=np.zeros(n, np.int64) if radius is None else radius,
-        nominal=nominal, take_up=np.full(n, take_up), corrected=b.free[b.motion[stroke]], bottom=b.bottom[b.motion[stroke]],
-    )  # fmt: skip
+        nominal=nominal,
+        take_up=np.full(n, take_up),
+        corrected=b.free[b.motion[stroke]],
+        bottom=b.bottom[b.motion[stroke]],
+    )
     return np.stack([stroke, order], axis=1), pieces
 
 
@@ -88,8 +98,16 @@ def straight_pieces(b: Batch):
             b.nominal_end,
         )
     if not len(owner):
-        return pack(b, straight, np.zeros(len(straight), np.int64), code[straight], b.begin[:, straight], b.end[:, straight],
-                         (b.t1 - b.t0)[straight], b.nominal_end[:, straight])  # fmt: skip
+        return pack(
+            b,
+            straight,
+            np.zeros(len(straight), np.int64),
+            code[straight],
+            b.begin[:, straight],
+            b.end[:, straight],
+            (b.t1 - b.t0)[straight],
+            b.nominal_end[:, straight],
+        )
     # Cuts come before the end of their own stroke; both are in order already.
     cut = chosen[owner]
     of = np.searchsorted(straight, cut)
@@ -128,7 +146,8 @@ def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """(A, K) ticks at which pieces begin: where the one before ended, or where their stroke is begun."""
+    """(A, K) ticks at which pieces begin: where the one before ended, or where their stroke is
+    begun."""
     start = np.empty_like(end)
     start[:, 1:] = end[:, :-1]
     start[:, first] = b.begin[:, stroke[first]]
@@ -136,7 +155,8 @@ def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) ->
 
 
 def _cuts(b: Batch, chosen: np.ndarray):
-    """(K,) index into chosen, (K,) t, (A, K) exact command mm of every cut inside the chosen strokes."""
+    """(K,) index into chosen, (K,) t, (A, K) exact command mm of every cut inside the chosen
+    strokes."""
     if not len(chosen):
         return np.zeros(0, np.int64), np.zeros(0), np.zeros((len(b.machine.axes), 0))
     start, target = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
@@ -192,8 +212,9 @@ def _cuts(b: Batch, chosen: np.ndarray):
 
 
 def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> np.ndarray:
-    """(A, K) mm to be added to exact commands along strokes, in order, so that no slide turns back inside a stroke by less
-    than the hysteresis (what turns back by more has been made a stroke of its own)."""
+    """(A, K) mm to be added to exact commands along strokes, in order, so that no slide turns back
+    inside a stroke by less than the hysteresis (what turns back by more has been made a stroke of
+    its own)."""
     more = np.zeros_like(exact)
     inner = (t > 0) & (t < 1)
     which = np.cumsum(np.concatenate([[True], stroke[1:] != stroke[:-1]])) - 1
@@ -215,7 +236,8 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
 def _on_increments(
     b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray, exact: np.ndarray
 ):
-    """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one is 2 um at 200 mm."""
+    """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one
+    is 2 um at 200 mm."""
     rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
     way = (b.end_nominal - b.begin_nominal)[:, chosen[owner]]
     row = (
@@ -261,7 +283,8 @@ def _ramp_ends(b: Batch, chosen: np.ndarray) -> list[tuple[np.ndarray, np.ndarra
 
 
 def _plain(b: Batch) -> np.ndarray:
-    """(n,) bool: arcs along which nothing but the map bends the command (postproc.compensate.samples)."""
+    """(n,) bool: arcs along which nothing but the map bends the command
+    (postproc.compensate.samples)."""
     arcs = b.m.arcs
     if b.tip or b.machine.chain.rotary or b.c.mode == "off" or b.c.reach.any():
         return np.zeros(len(arcs), bool)
@@ -287,10 +310,16 @@ def arc_pieces(b: Batch):
             "move every axis to an absolute position first, or say --start",
         )
     rows = Rows(
-        arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which], begin=b.begin[:, which],
-        end=b.end[:, which], centre=np.zeros((2, len(which)), np.int64), radius=np.zeros(len(which), np.int64),
+        arc=b.arc_of[motion[which]],
+        stroke=which,
+        t0=b.t0[which],
+        t1=b.t1[which],
+        begin=b.begin[:, which],
+        end=b.end[:, which],
+        centre=np.zeros((2, len(which)), np.int64),
+        radius=np.zeros(len(which), np.int64),
         chord=np.zeros(len(which), bool),
-    )  # fmt: skip
+    )
     written = written_centre(m)
     single = np.zeros(len(arcs), bool)
     single[b.arc_of[motion[which]]] = (b.begin == b.before).all(axis=0)[which]
@@ -311,10 +340,19 @@ def arc_pieces(b: Batch):
         points(arcs, b.arc_start, b.arc_target, rows.arc, rows.t1) * TICKS_PER_MM
     ).astype(np.int64)
     none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
-    key, pieces = pack(b,
-        rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,
-        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre, radius=np.where(rows.chord, 0, rows.radius),
-    )  # fmt: skip
+    key, pieces = pack(
+        b,
+        rows.stroke,
+        order,
+        code,
+        rows.begin,
+        rows.end,
+        rows.t1 - rows.t0,
+        nominal,
+        arc=np.where(rows.chord, -1, rows.arc),
+        centre=rows.centre,
+        radius=np.where(rows.chord, 0, rows.radius),
+    )
     if none.any():
         fields = Pieces.__dataclass_fields__
         pieces = Pieces(**{f: getattr(pieces, f)[..., ~none] for f in fields})

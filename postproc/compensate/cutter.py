@@ -1,16 +1,20 @@
-"""Inside cutter radius compensation: where the tool's centre stands, and how little a block may turn by its correction.
+"""Inside cutter radius compensation: where the tool's centre stands, and how little a block may
+turn by its correction.
 
-The control shifts every block sideways by the radius and joins the shifted blocks: outside corners by an arc around the
-corner, inside corners where the shifted blocks meet, which lies `radius / tan(half the angle)` before the corner
-(LinuxCNC, src/emc/rs274ngc/interp_convert.cc, convert_straight_comp2 and convert_arc_comp2). So
+The control shifts every block sideways by the radius and joins the shifted blocks: outside corners
+by an arc around the corner, inside corners where the shifted blocks meet, which lies `radius /
+tan(half the angle)` before the corner (LinuxCNC, src/emc/rs274ngc/interp_convert.cc,
+convert_straight_comp2 and convert_arc_comp2). So
 
-- a block that rests in the plane must not move there at all: a motion of 1 um has a direction of its own, and the tool
-  swings by its radius; and one that moves may turn but little, by SLANT at most. What can not be followed is held.
-- a piece that is shorter than the way from the corner to where the shifted blocks meet would be run backwards, or end
-  the program: a cut keeps clear of the corner behind it, which is known, and MARGIN radii from the one ahead. Where the
-  radius is not stated nothing is cut.
-- the map holds for the centre. Its place beside a block follows from the block alone, so that no look ahead is needed.
-  At a corner the place of the block before it is taken: the centre swings on from there by two radii at most.
+- a block that rests in the plane must not move there at all: a motion of 1 um has a direction of
+  its own, and the tool swings by its radius; and one that moves may turn but little, by SLANT at
+  most. What can not be followed is held.
+- a piece that is shorter than the way from the corner to where the shifted blocks meet would be run
+  backwards, or end the program: a cut keeps clear of the corner behind it, which is known, and
+  MARGIN radii from the one ahead. Where the radius is not stated nothing is cut.
+- the map holds for the centre. Its place beside a block follows from the block alone, so that no
+  look ahead is needed. At a corner the place of the block before it is taken: the centre swings on
+  from there by two radii at most.
 """
 
 from __future__ import annotations
@@ -26,12 +30,15 @@ from postproc.units import TICKS_PER_MM, UM
 if TYPE_CHECKING:
     from postproc.compensate.batch import Batch
 
-SLANT = 0.02  # rad: two neighbours then stay below the 0.05 rad from which LinuxCNC takes a bend for a corner
-# LinuxCNC: TOLERANCE_CONCAVE_CORNER. Straight blocks meet 1 / tan(half the angle) radii before their corner, a line and an
+# rad: two neighbours then stay below the 0.05 rad from which LinuxCNC takes a bend for a corner
+SLANT = 0.02
+# LinuxCNC: TOLERANCE_CONCAVE_CORNER. Straight blocks meet 1 / tan(half the angle) radii before
+# their corner, a line and an
 # arc at most twice that: four radii hold for corners down to 28 degrees, with an arc down to 53.
 MARGIN = 4.0
 BACK = 0.1  # rad
-BEND = 1e-4  # mm/mm: by how much the ends of an arc may move apart where the tool may hardly be smaller than it
+# mm/mm: by how much the ends of an arc may move apart where the tool may hardly be smaller than it
+BEND = 1e-4
 FREELY = np.iinfo(np.int64).max
 
 
@@ -41,7 +48,8 @@ def reads_beside(b: Batch) -> bool:
 
 
 def centre(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """(A, K) mm from the contour at t of strokes to the point that the slides carry; 0 where it is not known."""
+    """(A, K) mm from the contour at t of strokes to the point that the slides carry; 0 where it is
+    not known."""
     m, motion = b.m, b.motion[stroke]
     result = np.zeros((len(b.machine.axes), len(stroke)))
     which = np.flatnonzero(
@@ -75,7 +83,8 @@ def normal(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """(A, K) weight of approach where arcs are not cut at the places at which an axis turns back: by the tangent."""
+    """(A, K) weight of approach where arcs are not cut at the places at which an axis turns back:
+    by the tangent."""
     arc = b.arc_of[b.motion[stroke]]
     on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion[stroke]] != FREE))
     if len(on) and b.c.follows:
@@ -90,7 +99,8 @@ def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.nda
 
 
 def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
-    """(A, S) travel whose sign is that of the last part of arcs that are not cut where an axis turns back."""
+    """(A, S) travel whose sign is that of the last part of arcs that are not cut where an axis
+    turns back."""
     arc = b.arc_of[b.motion]
     on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion] != FREE))
     if len(on):
@@ -105,7 +115,8 @@ def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
 
 
 def leash(b: Batch) -> np.ndarray | None:
-    """(A, S) ticks by which the correction of an axis may change along a stroke, in whole increments; None: freely."""
+    """(A, S) ticks by which the correction of an axis may change along a stroke, in whole
+    increments; None: freely."""
     m, motion = b.m, b.motion
     inside = np.flatnonzero((m.cutter[motion] != FREE) & (m.plane[:, motion] >= 0).all(axis=0))
     if not len(inside):
@@ -127,7 +138,8 @@ def leash(b: Batch) -> np.ndarray | None:
 
 
 def _room(b: Batch, arc: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """(K,) ticks by which the ends of arcs may move apart, so that a tool on their inside that fits still fits."""
+    """(K,) ticks by which the ends of arcs may move apart, so that a tool on their inside that fits
+    still fits."""
     arcs, radius = b.m.arcs, b.m.radius[b.m.arcs.motion[arc]]
     wide = (np.minimum(arcs.radius, arcs.radius_end)[arc] - np.abs(radius)) / 2 * TICKS_PER_MM
     wide = np.where(radius * arcs.sweep[arc] > 0, np.maximum(wide, 0.0), np.inf)
@@ -148,14 +160,16 @@ def heading(b: Batch) -> tuple[float, float]:
 
 
 def _headings(b: Batch, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(2, S) unit tangents of strokes in the plane at t, and (S,) bool whether they move there inside compensation."""
+    """(2, S) unit tangents of strokes in the plane at t, and (S,) bool whether they move there
+    inside compensation."""
     left = normal(b, np.arange(len(b.motion)), t)
     along = np.stack([left[1], -left[0]])
     return along, (b.m.cutter[b.motion] != FREE) & along.any(axis=0)
 
 
 def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
-    """(K,) mm from the begin of strokes to where their shifted way begins, behind an inside corner."""
+    """(K,) mm from the begin of strokes to where their shifted way begins, behind an inside
+    corner."""
     ends, moves = _headings(b, np.ones(len(b.motion)))
     begins = _headings(b, np.zeros(len(b.motion)))[0][:, chosen]
     last = np.maximum.accumulate(np.where(moves, np.arange(len(moves)), -1))
@@ -164,15 +178,18 @@ def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
     radius = b.m.radius[b.motion[chosen]]
     across = before[0] * begins[1] - before[1] * begins[0]
     along = (before * begins).sum(axis=0)
-    # One that turns right back counts as an inside corner on either side: behind an arc LinuxCNC takes it for one.
+    # One that turns right back counts as an inside corner on either side: behind an arc LinuxCNC
+    # takes it for one.
     inner = (across * radius > 0) | (along < -np.cos(BACK))
     turn = np.where(inner, np.arctan2(np.abs(across), along), 0.0)
-    # A line and an arc meet at most twice as far away as two lines; no block is shorter than the map is steep.
+    # A line and an arc meet at most twice as far away as two lines; no block is shorter than the
+    # map is steep.
     return np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
 
 
 def arcs_inside(b: Batch) -> dict[str, np.ndarray]:
-    """What Fitter must know of arcs: which are inside, the shortest piece of one, and the tool that must fit."""
+    """What Fitter must know of arcs: which are inside, the shortest piece of one, and the tool that
+    must fit."""
     motion = b.m.arcs.motion
     inside, radius = b.m.cutter[motion] != FREE, b.m.radius[motion]
     tool = np.where(
@@ -182,7 +199,8 @@ def arcs_inside(b: Batch) -> dict[str, np.ndarray]:
 
 
 def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
-    """(K,) mm from the ends of motions within which they are not cut; inf where the radius is not stated."""
+    """(K,) mm from the ends of motions within which they are not cut; inf where the radius is not
+    stated."""
     radius = np.abs(b.m.radius[motion])
     away = np.where(np.isfinite(radius), MARGIN * radius, np.inf)
     return np.where(
@@ -210,7 +228,8 @@ def _way(b: Batch, chosen: np.ndarray) -> np.ndarray:
 
 
 def edges(b: Batch, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(K,) index into chosen and (K,) t of the places nearest to their ends at which strokes inside may be cut."""
+    """(K,) index into chosen and (K,) t of the places nearest to their ends at which strokes inside
+    may be cut."""
     away, behind_, way = margin(b, b.motion[chosen]), behind(b, chosen), _way(b, chosen)
     which = np.flatnonzero((away > 0) & (way > away + behind_))
     return np.concatenate([which, which]), np.concatenate(
@@ -226,27 +245,42 @@ def tell(b: Batch) -> None:
     steep = b.machine.bounds.steepest
     unknown = inside[~np.isfinite(b.m.radius[inside])]
     if len(unknown):
-        b.notices.append(Notice(
-            "cutter", f"inside G41 G42 the tool's radius is not stated: the map is read at the programmed contour, wrong by {steep / UM:.2f} um "
-            "per mm of radius at most, and blocks are not cut; give the control's tool table with --offsets", int(unknown[0]),
-        ))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "cutter",
+                "inside G41 G42 the tool's radius is not stated: the map is read at the programmed"
+                f" contour, wrong by {steep / UM:.2f} um per mm of radius at most, and blocks are"
+                " not cut; give the control's tool table with --offsets",
+                int(unknown[0]),
+            )
+        )
     known = inside[np.isfinite(b.m.radius[inside]) & (b.m.radius[inside] != 0)]
     if len(known):
         radius = float(np.abs(b.m.radius[known[0]]))
-        b.notices.append(Notice(
-            "centre", f"inside G41 G42 the map is read at the tool's centre, {radius:g} mm beside each block; at corners, around which "
-            f"it swings, wrong by {2 * radius * steep / UM:.2f} um at most", int(known[0]),
-        ))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "centre",
+                f"inside G41 G42 the map is read at the tool's centre, {radius:g} mm beside each"
+                " block; at corners, around which it swings, wrong by"
+                f" {2 * radius * steep / UM:.2f} um at most",
+                int(known[0]),
+            )
+        )
     if b.machine.two_way.any():
         half = max((float(np.abs(t.half[:3]).max()) for _, t in b.machine.every_table), default=0.0)
-        b.notices.append(Notice(
-            "beside", f"inside G41 G42 nothing is put in: where an axis turns back its reversal of up to {2 * half / UM:.1f} um is spread over the block",
-            int(inside[0]),
-        ))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "beside",
+                "inside G41 G42 nothing is put in: where an axis turns back its reversal of up to"
+                f" {2 * half / UM:.1f} um is spread over the block",
+                int(inside[0]),
+            )
+        )
 
 
 def tell_held(b: Batch, limits: np.ndarray) -> None:
-    """Say how much of a correction is not made because the blocks that would need it do not move in the plane."""
+    """Say how much of a correction is not made because the blocks that would need it do not move in
+    the plane."""
     m, motion = b.m, b.motion
     inside = np.flatnonzero(
         (m.cutter[motion] != FREE) & (m.plane[:, motion] >= 0).all(axis=0) & b.free[motion] & b.last
@@ -258,7 +292,11 @@ def tell_held(b: Batch, limits: np.ndarray) -> None:
     over = left > b.c.tolerance
     if over.any():
         k = int(np.argmax(left))
-        b.notices.append(Notice(
-            "held", f"inside G41 G42 the correction of an axis changes only along blocks that move in the plane: up to {left[k] / UM:.2f} um "
-            "are not made here", int(motion[inside[k]]),
-        ))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "held",
+                "inside G41 G42 the correction of an axis changes only along blocks that move in"
+                f" the plane: up to {left[k] / UM:.2f} um are not made here",
+                int(motion[inside[k]]),
+            )
+        )

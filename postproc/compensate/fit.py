@@ -119,7 +119,7 @@ class Cutting:
     def __init__(self, f: Fitter, rows: Rows, samples: Samples, done: list[Rows], rest: list[Rows]):
         self.f, self.rows, self.samples = f, rows, samples
         self.done, self.rest = done, rest
-        self.low = np.zeros(len(rows), np.int64)
+        self.low = samples.begin
 
     def pick(self, which: np.ndarray) -> None:
         """Go on with some rows alone."""
@@ -161,21 +161,19 @@ class Cutting:
         rows, samples = self.rows, self.samples
         if not isinstance(which, slice):
             rows, samples = rows.pick(which), samples.pick(which)
-        column = np.arange(len(rows))
-        begins, ends = low > self.low[which], high < samples.last
+        begins, ends = low > samples.begin, high < samples.last
         begin, end = rows.begin, rows.end
         if begins.any():
-            begin = np.where(begins, self._ticks(rows, samples, low), begin)
+            begin = np.where(begins, self._ticks(rows, low), begin)
         if ends.any():
-            end = np.where(ends, self._ticks(rows, samples, high), end)
-        t0, t1 = samples.t[low, column], np.where(ends, samples.t[high, column], rows.t1)
+            end = np.where(ends, self._ticks(rows, high), end)
+        t0, t1 = samples.t[low], np.where(ends, samples.t[high], rows.t1)
         proof = Proof(self.f, replace(rows, t0=t0, t1=t1, begin=begin, end=end), samples, low, high)
         return proof.run(), proof
 
-    def _ticks(self, rows: Rows, samples: Samples, at: np.ndarray) -> np.ndarray:
-        """(A, R) ticks commanded at samples."""
-        column = np.arange(len(rows))
-        return self.f.round_to(rows, column, samples.commanded(at))
+    def _ticks(self, rows: Rows, at: np.ndarray) -> np.ndarray:
+        """(A, R) ticks commanded at samples (R,) of rows."""
+        return self.f.round_to(rows, np.arange(len(rows)), self.samples.command[:, at])
 
     def _halve_inside(self) -> None:
         """Inside cutter radius compensation pieces have a least length: both halves are looked at
@@ -183,8 +181,8 @@ class Cutting:
         inside = self.f.inside[self.rows.arc]
         if inside.any():
             rows, samples = self.rows.pick(inside), self.samples.pick(inside)
-            half = samples.last // 2
-            ticks, t = self._ticks(rows, samples, half), samples.t[half, np.arange(len(rows))]
+            half = (samples.begin + samples.last) // 2
+            ticks, t = self._ticks(rows, half), samples.t[half]
             self.rest += [replace(rows, t1=t, end=ticks), replace(rows, t0=t, begin=ticks)]
             self.pick(~inside)
 
@@ -199,20 +197,20 @@ class Cutting:
         """Take both halves of a row where both will do. Of the others: the longest first run that
         is known to do, the samples (R,) that it reaches and that it does not, and how much too
         far from the path (R,) a run to there is, 0: not known."""
-        column, low, last = np.arange(len(self.rows)), self.low, self.samples.last
-        middle = (self.samples.t[low, column] + self.rows.t1) / 2
-        half = np.clip((self.samples.t < middle).sum(axis=0), low + 1, last - 1)
-        before, one = self.tried(low, half)
-        which = np.flatnonzero(before)
-        both = np.zeros(len(low), bool)
-        if len(which):
-            behind, two = self.tried(half[which], last[which], which)
-            both[which] = behind
-            self.done += [one.rows.pick(both), two.rows.pick(behind)]
-        rest = ~both
+        s, low, last, n = self.samples, self.low, self.samples.last, len(self.rows)
+        half = s.until(low + 1, last - 1, (s.t[low] + self.rows.t1) / 2)
+        every = np.arange(n)
+        good, proof = self.tried(
+            np.concatenate([low, half]),
+            np.concatenate([half, last]),
+            np.concatenate([every, every]),
+        )
+        before, both = good[:n], good[:n] & good[n:]
+        self.done.append(proof.rows.pick(np.concatenate([both, both])))
+        rest = np.flatnonzero(~both)
         reach, over = np.where(before, half, low)[rest], np.where(before, last, half)[rest]
         self.pick(rest)
-        return one.rows.pick(rest), reach, over, np.where(before, 0.0, one.excess)[rest]
+        return proof.rows.pick(rest), reach, over, np.where(before, 0.0, proof.excess[:n])[rest]
 
     def _longest(self, best: Rows, reach: np.ndarray, over: np.ndarray, excess: np.ndarray) -> None:
         """Take the longest first run of each row that will do, which ends between two samples
@@ -223,10 +221,10 @@ class Cutting:
             if not len(which):
                 break
             low, least, most = self.low[which], reach[which], over[which]
-            t, column = self.samples.t[:, which], np.arange(len(which))
-            begin, way = t[low, column], t[most, column] - t[low, column]
-            far = begin + way / np.sqrt(np.maximum(excess[which], 1.0))
-            middle = np.where(excess[which] > 1.0, (t <= far).sum(axis=0) - 1, (least + most) // 2)
+            t = self.samples.t
+            far = t[low] + (t[most] - t[low]) / np.sqrt(np.maximum(excess[which], 1.0))
+            near = self.samples.until(low, most, np.nextafter(far, 2.0)) - 1
+            middle = np.where(excess[which] > 1.0, near, (least + most) // 2)
             middle = np.clip(middle, least + 1, most - 1)
             good, proof = self.tried(low, middle, which)
             reach[which], over[which] = np.where(good, middle, least), np.where(good, most, middle)
@@ -236,6 +234,6 @@ class Cutting:
         found = reach > self.low
         self.done.append(best.pick(found))
         at = np.maximum(reach, self.low + 1)
-        ticks, t = self._ticks(self.rows, self.samples, at), self.samples.t[at, np.arange(len(at))]
+        ticks, t = self._ticks(self.rows, at), self.samples.t[at]
         self.rest.append(replace(self.rows, end=ticks, t1=t).pick(~found))
         self.rows, self.low = replace(self.rows, begin=ticks, t0=t), at

@@ -1,9 +1,10 @@
-"""Holes of canned cycles: X and Y are corrected for the middle of the hole's axis, the bottom for the bottom.
+"""Holes of canned cycles: X and Y are corrected for the middle of the hole's axis, the bottom for
+the bottom.
 
-A hole stays one block as long as its axis, which the machine drills with X and Y held, stays within the tolerance of holes
-of the nominal one over the whole depth: deviations are linear between the nodes, so ends and nodes tell. A tap can not be
-written out, since its feed is the spindle's: what bends stays, and is said. The level R and the way back are rapids, and
-stay as written.
+A hole stays one block as long as its axis, which the machine drills with X and Y held, stays within
+the tolerance of holes of the nominal one over the whole depth: deviations are linear between the
+nodes, so ends and nodes tell. A tap can not be written out, since its feed is the spindle's: what
+bends stays, and is said. The level R and the way back are rapids, and stay as written.
 """
 
 from __future__ import annotations
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
 
 
 class Axis(NamedTuple):
-    """A hole's axis. across: rows of the axes that are held; middle (len(across),): mm that corrects
-    them for the middle; bend: mm that the axis stays off that middle; depth: mm that corrects the
-    bottom."""
+    """A hole's axis. across: rows of the axes that are held; middle (len(across),): mm that
+    corrects them for the middle; bend: mm that the axis stays off that middle; depth: mm that
+    corrects the bottom."""
 
     across: list[int]
     middle: np.ndarray
@@ -40,7 +41,8 @@ class Axis(NamedTuple):
 
 
 def settle(b: Batch) -> None:
-    """Set end, exact and bottom of every stroke that is a hole. Raises MotionFault for a hole that bends too much."""
+    """Set end, exact and bottom of every stroke that is a hole. Raises MotionFault for a hole that
+    bends too much."""
     holes = b.m.holes
     if not len(holes):
         return
@@ -71,7 +73,8 @@ def settle(b: Batch) -> None:
         ) and bottom != holes.level[k]:
             raise MotionFault(
                 int(holes.motion[k]),
-                f"the hole is {abs(holes.bottom[k] - holes.level[k]) / TICKS_PER_MM:g} mm deep, and its corrected bottom lies beyond R",
+                f"the hole is {abs(holes.bottom[k] - holes.level[k]) / TICKS_PER_MM:g} mm deep, and"
+                " its corrected bottom lies beyond R",
                 "set R farther from the bottom than the correction is large",
             )
         b.bottom[holes.motion[k]] = bottom
@@ -85,7 +88,8 @@ def settle(b: Batch) -> None:
 
 
 def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
-    """Say that the axis of hole k bends by `bend` mm over `depth` (K,) mm, or raise MotionFault where that is too much."""
+    """Say that the axis of hole k bends by `bend` mm over `depth` (K,) mm, or raise MotionFault
+    where that is too much."""
     motion, letter = int(b.m.holes.motion[k]), b.machine.letters[int(b.m.holes.axis[k])]
     where = f"between {letter} = {depth[0]:.3f} and {depth[-1]:.3f} mm"
     how = (
@@ -95,7 +99,10 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
     )
     limit = f"tolerance of holes {b.c.hole_tolerance / UM:g} um"
     if bend <= b.c.hole_tolerance:
-        what = f"a hole's axis bends by up to {bend / UM:.2f} um while its cycle holds its place ({limit})"
+        what = (
+            f"a hole's axis bends by up to {bend / UM:.2f} um while its cycle holds its place"
+            f" ({limit})"
+        )
         b.notices.append(Notice("hole", what, motion, bend))
     elif b.m.holes.tap[k]:
         what = f"a tapped hole's axis bends by {bend / UM:.2f} um {where} ({limit}); {how}"

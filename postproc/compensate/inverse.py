@@ -14,11 +14,13 @@ ROUNDS = 12
 def command(
     machine: Machine, target: np.ndarray, approach: np.ndarray, motion: np.ndarray | None = None
 ) -> np.ndarray:
-    """(A, N) mm: the command p - e(command) for each target p, with the direction of approach held fixed.
+    """(A, N) mm: the command p - e(command) for each target p, with the direction of approach held
+    fixed.
 
-    target, approach: (A, N). Each point is repeated until it is within CLOSE by its own step, never by its neighbours',
-    so that the batch does not matter. The deviation changes by `machine.bounds.steepest` per mm (0.003 on a real grinder): two
-    rounds do. Raises MotionFault (with `motion` (N,) naming it) where it does not settle: such a map is a data fault.
+    target, approach: (A, N). Each point is repeated until it is within CLOSE by its own step, never
+    by its neighbours', so that the batch does not matter. The deviation changes by
+    `machine.bounds.steepest` per mm (0.003 on a real grinder): two rounds do. Raises MotionFault
+    (with `motion` (N,) naming it) where it does not settle: such a map is a data fault.
     """
     if not target.shape[1]:
         return target
@@ -38,6 +40,7 @@ def command(
     worst = int(np.argmax(step))
     raise MotionFault(
         int(motion[worst]) if motion is not None else 0,
-        f"the correction does not settle: it still changes by {step[worst] * 1000:.3f} um after {ROUNDS} rounds",
+        f"the correction does not settle: it still changes by {step[worst] * 1000:.3f} um after"
+        f" {ROUNDS} rounds",
         "the error map is too steep here to be true: look at its nodes",
     )

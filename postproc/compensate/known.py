@@ -1,8 +1,9 @@
-"""Which motions can be corrected where positions are not known: only what a correction depends on must be.
+"""Which motions can be corrected where positions are not known: only what a correction depends on
+must be.
 
-An axis matters in a motion if its correction may change there, since it moves or one that it depends
-on does. A motion is known if all that the corrections of those axes depend on is; the other axes stay
-where they are.
+An axis matters in a motion if its correction may change there, since it moves or one that it
+depends on does. A motion is known if all that the corrections of those axes depend on is; the other
+axes stay where they are.
 """
 
 from __future__ import annotations
@@ -17,9 +18,10 @@ from postproc.motions import HOLE, Motions
 
 @dataclass(frozen=True)
 class Known:
-    """end, start (N,): whether all that matters is known at a motion's end, at its start. rows (A, N): whether an axis'
-    correction can be told at the end. idle (N,): whether nothing can change, so that unknown places do not matter. wanting
-    (A, N): axes whose place is not known at the end, and needed."""
+    """end, start (N,): whether all that matters is known at a motion's end, at its start. rows (A,
+    N): whether an axis' correction can be told at the end. idle (N,): whether nothing can change,
+    so that unknown places do not matter. wanting (A, N): axes whose place is not known at the end,
+    and needed."""
 
     end: np.ndarray
     start: np.ndarray
@@ -32,7 +34,7 @@ def known(machine: Machine, m: Motions) -> Known:
     """What is known of a batch of motions."""
     chained = list(machine.chained)
     shape = m.target_known.shape
-    if m.target_known[chained].all() and m.start_known[chained].all():
+    if not np.count_nonzero(~(m.target_known & m.start_known)[chained]):
         yes, no = np.ones(shape[1], bool), np.zeros(shape[1], bool)
         return Known(yes, yes, np.ones(shape, bool), no, np.zeros(shape, bool))
     needs = machine.depends.astype(np.int64)

@@ -1,4 +1,5 @@
-"""What is refused: motions that can not be trusted, places outside the tables or the travel, corrections too large."""
+"""What is refused: motions that can not be trusted, places outside the tables or the travel,
+corrections too large."""
 
 from __future__ import annotations
 
@@ -13,10 +14,14 @@ from postproc.units import TICKS_PER_MM, UM
 
 LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
 UNKNOWN = (
-    "motions left as they are: {0} (feeds: {1}); feeds corrected at their ends alone: {2}; where the axes stand there "
-    "is not known (--start, or home in machine.toml, says where a program begins and where G28 goes)"
+    "motions left as they are: {0} (feeds: {1}); feeds corrected at their ends alone: {2}; where"
+    " the axes stand there is not known (--start, or home in machine.toml, says where a program"
+    " begins and where G28 goes)"
 )
-AT_STOP = "motions left as they are, since an axis stands at the end of its travel and its correction leads beyond: {0}"
+AT_STOP = (
+    "motions left as they are, since an axis stands at the end of its travel and its correction"
+    " leads beyond: {0}"
+)
 EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
 
@@ -27,7 +32,8 @@ def refuse(b: Batch) -> None:
 
 
 def refuse_turning_arcs(b: Batch) -> None:
-    """An arc while a rotary axis turns is no arc of the tool's path on the part; its correction bends all along."""
+    """An arc while a rotary axis turns is no arc of the tool's path on the part; its correction
+    bends all along."""
     rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
     arcs = b.m.arcs.motion
     if not rows or not len(arcs):
@@ -42,9 +48,10 @@ def refuse_turning_arcs(b: Batch) -> None:
 
 
 def check_unknown(b: Batch) -> None:
-    """What can not be corrected since a place is not known: a rapid is left as it is, and a feed where a program begins
-    like that (printers, routers); elsewhere it is refused. All that is left is counted, and said."""
-    if b.known.all() and b.start_known.all():
+    """What can not be corrected since a place is not known: a rapid is left as it is, and a feed
+    where a program begins like that (printers, routers); elsewhere it is refused. All that is left
+    is counted, and said."""
+    if not np.count_nonzero(~(b.known & b.start_known)):
         return
     lost = ~b.known & ~b.m.alone
     feeds = lost & (b.m.code != RAPID)
@@ -55,7 +62,8 @@ def check_unknown(b: Batch) -> None:
         fault = MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
-            f"move {axes} to an absolute position first, or say where it is: --start {','.join(f'{x}100' for x in axes.split())}",
+            f"move {axes} to an absolute position first, or say where it is: --start"
+            f" {','.join(f'{x}100' for x in axes.split())}",
         )
         if refused.any():  # an arc from a corrected place to one that is not would miss its end
             raise fault
@@ -94,13 +102,16 @@ def check_inside(b: Batch) -> None:
             if low <= worst <= high:
                 worst = extent[0, i] if extent[0, i] < low else extent[1, i]
             raise MotionFault(
-                int(b.motion[i]), f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter} ({first:g} to {last:g} {unit_of(letter)})",
+                int(b.motion[i]),
+                f"{letter} = {worst:.4f} {unit_of(letter)} lies outside the error table of {letter}"
+                f" ({first:g} to {last:g} {unit_of(letter)})",
                 "stay inside it, measure further out, or hold the end value with --outside clamp",
-            )  # fmt: skip
+            )
 
 
 def check_poses(b: Batch) -> None:
-    """The slides that hold the tip must stay within their travels and tables all along; rapids count by their ends."""
+    """The slides that hold the tip must stay within their travels and tables all along; rapids
+    count by their ends."""
     if not isinstance(b.machine, TipMachine):
         return
     base = b.machine.base
@@ -123,15 +134,18 @@ def check_poses(b: Batch) -> None:
                 (low, high), what = (max(low, first), min(high, last)), "travel or the error table"
             for i in ((slides[row] < low - EDGE) | (slides[row] > high + EDGE)).nonzero()[0][:1]:
                 raise MotionFault(
-                    int(b.motion[stroke[i]]), f"to hold the tip there {letter} goes to {slides[row, i]:.4f} {unit_of(letter)}, beyond the {what} of {letter} "
-                    f"({low:g} to {high:g} {unit_of(letter)})",
-                    "check the work offset, the tool's length, and the centres of the rotary axes in machine.toml",
-                )  # fmt: skip
+                    int(b.motion[stroke[i]]),
+                    f"to hold the tip there {letter} goes to {slides[row, i]:.4f}"
+                    f" {unit_of(letter)}, beyond the {what} of {letter} ({low:g} to {high:g}"
+                    f" {unit_of(letter)})",
+                    "check the work offset, the tool's length, and the centres of the rotary axes"
+                    " in machine.toml",
+                )
 
 
 def tell_play(b: Batch) -> None:
-    """Say that no lost motion is taken up in blocks of the tip where the mean of both directions is asked for by
-    --reversal off: nothing is spread there."""
+    """Say that no lost motion is taken up in blocks of the tip where the mean of both directions is
+    asked for by --reversal off: nothing is spread there."""
     if (
         not isinstance(b.machine, TipMachine)
         or not b.machine.base.two_way.any()
@@ -151,15 +165,22 @@ def tell_play(b: Batch) -> None:
     axes = " ".join(x for x, row in half.items() if row)
     left = float(np.linalg.norm(list(half.values())))
     for i in b.free.nonzero()[0][:1]:
-        said = f"lost motion of {axes} is corrected by the mean of both directions where X Y Z are places of the tool tip or of a tilted plane: up to {left / UM:.1f} um of it stay"
+        said = (
+            f"lost motion of {axes} is corrected by the mean of both directions where X Y Z are"
+            f" places of the tool tip or of a tilted plane: up to {left / UM:.1f} um of it stay"
+        )
         b.notices.append(Notice("lost motion of the tip", said, int(i)))
 
 
 def tell_orientation(b: Batch) -> None:
-    """Say once that feeds between places of the slides keep their lean, where orientation was asked for."""
+    """Say once that feeds between places of the slides keep their lean, where orientation was asked
+    for."""
     if b.options.orientation and not (isinstance(b.machine, TipMachine) and b.machine.oriented):
         for i in (b.free & (b.m.code == FEED)).nonzero()[0][:1]:
-            said = "--orientation holds where the control holds the tool tip; elsewhere the tip is corrected, and the tool leans as it did"
+            said = (
+                "--orientation holds where the control holds the tool tip; elsewhere the tip is"
+                " corrected, and the tool leans as it did"
+            )
             b.notices.append(Notice("orientation", said, int(i)))
 
 
@@ -168,7 +189,8 @@ def unit_of(letter: str) -> str:
 
 
 def _check_arcs(b: Batch) -> None:
-    """No arc may lead beyond the travel on its way: no slide goes there, and a circle of a kilometre would be cut for hours."""
+    """No arc may lead beyond the travel on its way: no slide goes there, and a circle of a
+    kilometre would be cut for hours."""
     for row in b.rows if len(b.m.arcs) else ():
         letter = b.machine.letters[row]
         if letter not in b.machine.tables:
@@ -178,13 +200,16 @@ def _check_arcs(b: Batch) -> None:
         for i in ((extent[0] < low - EDGE) | (extent[1] > high + EDGE)).nonzero()[0][:1]:
             worst = extent[0, i] if extent[0, i] < low - EDGE else extent[1, i]
             raise MotionFault(
-                int(b.motion[i]), f"the arc leads to {letter} = {worst:.4f} mm, beyond the travel of {letter} ({low:g} to {high:g} mm)",
+                int(b.motion[i]),
+                f"the arc leads to {letter} = {worst:.4f} mm, beyond the travel of {letter}"
+                f" ({low:g} to {high:g} mm)",
                 "check its centre, and the work offset",
-            )  # fmt: skip
+            )
 
 
 def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
-    """(2, S) lowest and highest place on each stroke that is part of an arc; `neutral` elsewhere."""
+    """(2, S) lowest and highest place on each stroke that is part of an arc; `neutral`
+    elsewhere."""
     result = np.full((2, len(b.motion)), neutral)
     first, place = b.extremes
     np.minimum.at(result[0], first, place[row])
@@ -193,8 +218,8 @@ def _arc_extent(b: Batch, row: int, neutral: float) -> np.ndarray:
 
 
 def at_stop(b: Batch) -> np.ndarray:
-    """(N,) bool: motions that begin or end with an axis at the very end of its travel, where homing leaves it, and would
-    lead it beyond."""
+    """(N,) bool: motions that begin or end with an axis at the very end of its travel, where homing
+    leaves it, and would lead it beyond."""
     result = np.zeros(len(b.m), bool)
     free = (b.free & (b.m.code <= FEED))[b.motion]
     for row in b.rows:
@@ -211,18 +236,25 @@ def at_stop(b: Batch) -> np.ndarray:
 
 
 def check_limits(b: Batch) -> float:
-    """Corrections and corrected ends must stay within their limits. Returns the largest correction, mm."""
+    """Corrections and corrected ends must stay within their limits. Returns the largest correction,
+    mm."""
     free = b.free[b.motion]
     correction = np.where(b.told, np.abs(b.exact - b.end_nominal), 0.0)[b.rows]
     largest = b.machine.limits.max_correction
     over = (free & (correction > largest).any(axis=0)).nonzero()[0]
     faults = [(int(i), "over") for i in over[:1]]
-    for row in b.rows:
-        low, high = b.machine.axes[b.machine.letters[row]].travel
-        value = b.end[row] / TICKS_PER_MM
-        beyond = ((value < low - EDGE) | (value > high + EDGE)) & b.m.target_known[row, b.motion]
-        if beyond.any():
-            faults += [(int(i), b.machine.letters[row]) for i in (free & beyond).nonzero()[0][:1]]
+    letters = [b.machine.letters[row] for row in b.rows]
+    travel = np.array([b.machine.axes[x].travel for x in letters]).reshape(-1, 2, 1)
+    low, high = travel[:, 0], travel[:, 1]
+    value = b.end[b.rows] / TICKS_PER_MM
+    beyond = ((value < low - EDGE) | (value > high + EDGE)) & free
+    if np.count_nonzero(beyond):
+        beyond &= b.m.target_known[b.rows][:, b.motion]
+        faults += [
+            (int(i), x)
+            for x, row in zip(letters, beyond, strict=True)
+            for i in row.nonzero()[0][:1]
+        ]
     if not faults:
         return float((correction if free.all() else correction[:, free]).max(initial=0.0))
     i, what = min(faults)
@@ -231,13 +263,16 @@ def check_limits(b: Batch) -> float:
         letter = b.machine.letters[b.rows[row]]
         raise MotionFault(
             int(b.motion[i]),
-            f"the correction of {letter} is {correction[row, i]:.4f} {unit_of(letter)} (limit max_correction = {largest:g} mm)",
-            "is the map in the right unit, and the work offset right? else raise max_correction in machine.toml",
+            f"the correction of {letter} is {correction[row, i]:.4f} {unit_of(letter)} (limit"
+            f" max_correction = {largest:g} mm)",
+            "is the map in the right unit, and the work offset right? else raise max_correction in"
+            " machine.toml",
         )
     axis = b.machine.axes[what]
     value = b.end[b.machine.letters.index(what), i] / TICKS_PER_MM
     raise MotionFault(
         int(b.motion[i]),
-        f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what} ({axis.travel[0]:g} to {axis.travel[1]:g} mm)",
+        f"{what} = {value:.4f} mm (nominal and correction) is beyond the travel of {what}"
+        f" ({axis.travel[0]:g} to {axis.travel[1]:g} mm)",
         "the slide can not go there: move the part or the work offset",
     )

@@ -1,8 +1,9 @@
 """Where to cut straight motions: at the nodes of the tables, merged greedily under one tolerance.
 
-A table that is linear between nodes makes the correction along a straight motion linear between the places where an axis
-passes a node, up to product terms (angle times arm), which bend it by at most twist * a * b / 4. So these places, and
-equal parts where the product terms ask for them, are all that can matter; most of them do not, and are merged.
+A table that is linear between nodes makes the correction along a straight motion linear between the
+places where an axis passes a node, up to product terms (angle times arm), which bend it by at most
+twist * a * b / 4. So these places, and equal parts where the product terms ask for them, are all
+that can matter; most of them do not, and are merged.
 """
 
 from __future__ import annotations
@@ -15,9 +16,11 @@ from postproc.machine.model import Machine
 def candidates(
     machine: Machine, start: np.ndarray, target: np.ndarray, slack: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) motion, (K,) t and (K,) axis of every place where motions (A, M), mm, could be cut; t between 0 and 1.
+    """(K,) motion, (K,) t and (K,) axis of every place where motions (A, M), mm, could be cut; t
+    between 0 and 1.
 
-    The axis is the one that passes a node there, or -1: equal parts, between which product terms bend the correction by `slack` mm at most. In no order.
+    The axis is the one that passes a node there, or -1: equal parts, between which product terms
+    bend the correction by `slack` mm at most. In no order.
     """
     way = target - start
     owners: list[np.ndarray] = []
@@ -43,12 +46,12 @@ def candidates(
 def may_bend(
     machine: Machine, start: np.ndarray, target: np.ndarray, slack: float, clamped: bool
 ) -> np.ndarray:
-    """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the end of a table where it is
-    held beyond (`clamped`), or product terms."""
+    """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the
+    end of a table where it is held beyond (`clamped`), or product terms."""
     result = machine.bounds.parts(start, target, slack) > 1
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
-        before, after = table.place(np.stack((start[row], target[row])))[0]
+        before, after = table.place(np.array((start[row], target[row])))[0]
         result |= before != after
         if clamped:  # held beyond the ends, it bends there
             for end in (table.nodes[0], table.nodes[-1]):
@@ -61,13 +64,15 @@ def may_bend(
 
 
 def spread(count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Owner and index within the owner of `count` (M,) things each: [2, 0, 1] gives [0, 0, 2] and [0, 1, 0]."""
+    """Owner and index within the owner of `count` (M,) things each: [2, 0, 1] gives [0, 0, 2] and
+    [0, 1, 0]."""
     owner = np.repeat(np.arange(len(count)), count)
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(count) - count, count)
 
 
 def tidy(owner: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Indices that put candidates in order, without those closer than a millionth of the motion; both ends stay."""
+    """Indices that put candidates in order, without those closer than a millionth of the motion;
+    both ends stay."""
     order = np.lexsort((t, owner))
     owner, t = owner[order], t[order]
     same = owner[1:] == owner[:-1]
@@ -86,9 +91,9 @@ def worthless(
     axis: np.ndarray,
     spare: float,
 ) -> np.ndarray:
-    """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to that
-    end misses what is there by more than `spare` mm: slopes differ by at most `bounds.kink`, so it
-    misses by kink times the distance at most."""
+    """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to
+    that end misses what is there by more than `spare` mm: slopes differ by at most `bounds.kink`,
+    so it misses by kink times the distance at most."""
     near = np.minimum(t, 1 - t) * np.linalg.norm(way, axis=0)[owner]
     result: np.ndarray = (axis >= 0) & (near * machine.bounds.kink < spare)
     return result

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,6 +34,7 @@ EXACT = 1e-9  # mm: what a square root leaves of half a turn
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 FLAT = 16  # least increments of bow: half of one at both ends changes the radius by a sixteenth
 LARGEST_SWEEP = np.radians(300.0)  # of an arc inside cutter radius compensation
+BESIDE = 2  # samples beside a run that tell how much the command bends at its ends
 NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
 
@@ -52,26 +54,37 @@ Most = float | np.ndarray
 
 class Proof:
     """R runs of samples, from `low` to `high` (R,), to be written as arcs `rows`. All places are
-    mm from the nominal centre: begin, end (2, R) as written. excess (R,): the farthest place of
-    what was tried last, as a share of the limit."""
+    mm from the nominal centre: begin, end (2, R) as written. The samples stand run behind run,
+    each with BESIDE more on both sides. excess (R,): the farthest place of what was tried,
+    as a share of the limit, 0: not known."""
 
     def __init__(self, f: Fitter, rows: Rows, samples: Samples, low: np.ndarray, high: np.ndarray):
-        self.f, self.rows, self.s, self.low, self.high = f, rows, samples, low, high
-        arcs, arc, column = f.arcs, rows.arc, np.arange(len(rows))
+        self.f, self.rows, self.low, self.high = f, rows, low, high
+        arcs, arc = f.arcs, rows.arc
         self.arc, self.centre = arc, arcs.centre[:, arc]
         axes = [samples.first, samples.second]
         self.begin = rows.begin[axes] / TICKS_PER_MM - self.centre
         self.end = rows.end[axes] / TICKS_PER_MM - self.centre
-        self.unit0, self.unit1 = samples.unit[:, low, column], samples.unit[:, high, column]
+        self.unit0, self.unit1 = samples.unit[:, low], samples.unit[:, high]
         self.sweep = arcs.sweep[arc] * (rows.t1 - rows.t0)
-        self.share = (samples.t - rows.t0) * (1.0 / (rows.t1 - rows.t0))
-        self.within: np.ndarray | None = None
-        if low.any() or (high < samples.last).any():
-            nth = np.arange(len(samples.t))[:, None]
-            self.within = ((nth >= low) & (nth <= high)).astype(float)
+        self.count = high - low + 1 + 2 * BESIDE
+        behind = np.cumsum(self.count)
+        begin = behind - self.count
+        self.edges = np.stack([begin + BESIDE, behind - BESIDE], axis=1).ravel()
+        at = np.arange(behind[-1]) + self._each(low - BESIDE - begin)
+        for k in range(BESIDE):
+            at[begin + k] = np.maximum(low - BESIDE + k, samples.begin)
+            at[behind - 1 - k] = np.minimum(high + BESIDE - k, samples.last)
+        self.s = samples.at(at)
+        self.s.smooth[begin] = self.s.smooth[behind - 1] = 0.0  # these lie beside another run
+        self.share = (self.s.t - self._each(rows.t0)) * self._each(1.0 / (rows.t1 - rows.t0))
         self.half = arcs.grid[:, arc].min(axis=0) / TICKS_PER_MM / 2
         self.limit = f.total + self.half - samples.rest
-        self.excess = np.ones(len(rows))
+        self.excess = np.zeros(len(rows))
+
+    def _each(self, value: np.ndarray) -> np.ndarray:
+        """(..., N) the value (..., R) of its run for each sample."""
+        return np.repeat(value, self.count, axis=-1)
 
     def run(self) -> np.ndarray:
         """(R,) whether an arc will do; `rows` then have its centre and its R word."""
@@ -79,6 +92,8 @@ class Proof:
         good, radius = np.zeros(len(rows), bool), np.zeros(len(rows), np.int64)
         centre = np.zeros((2, len(rows)), np.int64)
         for there, word, most, kept in self._candidates():
+            if not (~good & np.isfinite(there[0])).any():
+                continue
             holds = ~good & self._holds(there, most, kept)
             way = np.where(holds, there - self.begin, 0.0)
             ticks = np.rint(way * TICKS_PER_MM).astype(np.int64)
@@ -96,7 +111,7 @@ class Proof:
         """(R,) whether every axis stays near enough to the straight line between its ends for a
         chord."""
         straight, s = np.ones(len(self.rows), bool), self.s
-        in_plane = zip((s.first, s.second), s.place + self.centre[:, None], strict=True)
+        in_plane = zip((s.first, s.second), s.place + self._each(self.centre), strict=True)
         for axis, command in (*in_plane, *zip(s.beside, s.across, strict=True)):
             half = self.f.step[axis, self.arc] / TICKS_PER_MM / 2  # the ends are rounded already
             bow = self._largest(np.abs(self._bow(axis, command)))
@@ -104,24 +119,22 @@ class Proof:
         return straight
 
     def _bow(self, axis: int, command: np.ndarray) -> np.ndarray:
-        """(K, R) mm by which the command (K, R) of an axis leaves the straight line between its
+        """(N,) mm by which the command (N,) of an axis leaves the straight line between its
         ends."""
         begin, end = self.rows.begin[axis] / TICKS_PER_MM, self.rows.end[axis] / TICKS_PER_MM
-        bow = self.share * (begin - end)
+        bow = self.share * self._each(begin - end)
         bow += command
-        bow -= begin
+        bow -= self._each(begin)
         return bow
 
     def _total(self, value: np.ndarray) -> np.ndarray:
         """(R,) sums over the samples of each run."""
-        value = value if self.within is None else value * self.within
-        result: np.ndarray = value.sum(axis=0)
+        result: np.ndarray = np.add.reduceat(value, self.edges)[::2]
         return result
 
     def _largest(self, value: np.ndarray) -> np.ndarray:
-        """(R,) largest of (K, R) sizes over each run."""
-        value = value if self.within is None else value * self.within
-        result: np.ndarray = value.max(axis=0)
+        """(R,) largest of (N,) sizes over each run."""
+        result: np.ndarray = np.maximum.reduceat(value, self.edges)[::2]
         return result
 
     def _candidates(self) -> Iterator[tuple[np.ndarray, np.ndarray, Most, np.ndarray]]:
@@ -180,20 +193,19 @@ class Proof:
         safe = np.where(open_, length, 1.0)
         along = np.where(open_, (self.unit1 - self.unit0) / safe, np.array([[1.0], [0.0]]))
         across = np.stack([-along[1], along[0]])
-        g = across[0] * s.unit[0] + across[1] * s.unit[1]
-        g -= dot(across, self.unit0)
+        g = dot(self._each(across), s.unit)
+        g -= self._each(dot(across, self.unit0))
         gg = self._total(g * g)
         move_along = (ends[1] - ends[0]) / safe
         if not open_.all():
-            f = along[0] * s.unit[0] + along[1] * s.unit[1] - dot(along, self.unit0)
-            h, which = s.radial - ends[0], ~open_
+            f = dot(self._each(along), s.unit) - self._each(dot(along, self.unit0))
+            h, which = s.radial - self._each(ends[0]), ~open_
             ff, fg, fh, gh = (self._total(product) for product in (f * f, f * g, f * h, g * h))
             free = ff * gg - fg**2
             move_along[which] = ((fh * gg - gh * fg) / np.where(free > 0, free, 1.0))[which]
         moved = along * move_along
-        left = s.radial - moved[0] * s.unit[0]
-        left -= moved[1] * s.unit[1]
-        left += dot(moved, self.unit0) - ends[0]
+        left = s.radial - dot(self._each(moved), s.unit)
+        left += self._each(dot(moved, self.unit0) - ends[0])
         left *= g
         result: np.ndarray = moved + across * (self._total(left) / np.where(gg > 0, gg, 1.0))
         return result
@@ -263,9 +275,13 @@ class Proof:
         tolerance, and `most` mm in the plane, or are `kept` (R,) whatever that leaves, and are
         arcs to a control."""
         f, arcs = self.f, self.f.arcs
+        there = np.isfinite(centre[0])
+        centre = np.where(there, centre, 0.0)  # one run must not reach into the next
         radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
         turned, closed = self._turned(centre)
-        good = self._near(centre, radius0, radius1, turned, most) | kept
+        good, excess = self._near(centre, radius0, radius1, turned, most)
+        self.excess = np.where(there, excess, 0.0)
+        good = (good | kept) & there
         # Rounding must not turn a sliver into a circle, nor a circle into a sliver.
         good &= np.abs(turned - self.sweep) < np.minimum(0.5 * np.abs(self.sweep), np.pi)
         full = np.abs(self.sweep / TURN - np.rint(self.sweep / TURN)) < SAME_ANGLE
@@ -290,17 +306,17 @@ class Proof:
         radius1: np.ndarray,
         turned: np.ndarray,
         most: Most,
-    ) -> np.ndarray:
+    ) -> tuple[np.ndarray, np.ndarray]:
         """(R,) whether what is drawn stays within the tolerance of what is wanted, between
-        samples too."""
-        s = self.s
-        x, y = s.place[0] - centre[0], s.place[1] - centre[1]
-        radius = self.share * (radius1 - radius0)
-        radius += radius0
-        helix = self._helix()
+        samples too, and (R,) the farthest place as a share of the limit."""
+        s, helix = self.s, self._helix()
+        x, y = s.place - self._each(centre)
+        radius = self.share * self._each(radius1 - radius0)
+        radius += self._each(radius0)
         if helix.any():
             # The other axes are tied to the angle: being ahead is as wrong as being beside.
-            angle = np.arctan2(*(self.begin - centre)[::-1]) + turned * self.share
+            begin = np.arctan2(*(self.begin - centre)[::-1])
+            angle = self._each(begin) + self._each(turned) * self.share
             ahead = np.hypot(x - radius * np.cos(angle), y - radius * np.sin(angle))
         x *= x
         y *= y
@@ -308,32 +324,35 @@ class Proof:
         off = np.sqrt(x, out=x)
         off -= radius
         if helix.any():
-            off = np.where(helix, ahead, off)
+            off = np.where(self._each(helix), ahead, off)
         between = bend(off, s.smooth)
         np.abs(off, out=off)
         off += between
-        bows = []
-        for axis, command, between in zip(s.beside, s.across, s.bow, strict=True):
-            bow = self._bow(axis, command)
-            np.abs(bow, out=bow)
-            bow += between
-            bows.append(bow)
         good = np.ones(len(self.rows), bool)
         if np.ndim(most) or most < np.inf:
             good &= self._largest(off) <= most
         if len(self.f.followed):
             good &= self._largest(off) <= self.f.tolerance + self.half
-            for axis, bow in zip(s.beside, bows, strict=True):
+            for axis, bow in zip(s.beside, self._bows, strict=True):
                 half = self.f.step[axis, self.arc] / TICKS_PER_MM / 2
                 good &= self._largest(bow) <= self.f.tolerance_across + half
         off *= off
-        for bow in bows:
-            bow *= bow
-            off += bow
-        self.excess = np.sqrt(self._largest(off)) / self.limit
-        near = self.excess <= 1.0
-        good &= near
-        return good
+        for bow in self._bows:
+            off += bow * bow
+        excess = np.sqrt(self._largest(off)) / self.limit
+        return good & (excess <= 1.0), excess
+
+    @cached_property
+    def _bows(self) -> list[np.ndarray]:
+        """(N,) mm by which each axis beside the plane leaves its straight line at most, between
+        samples too."""
+        found = []
+        for axis, command, between in zip(self.s.beside, self.s.across, self.s.bow, strict=True):
+            bow = self._bow(axis, command)
+            np.abs(bow, out=bow)
+            bow += between
+            found.append(bow)
+        return found
 
     def _turned(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(R,) rad that a control turns about `centre`, and whether it ends where it begins: then

@@ -1,7 +1,7 @@
 """What the slides must do along arcs, as samples that lie where postproc.compensate.stretches says.
 
-Each arc is looked at once, all arcs of a batch together: rows of as many samples and of the same
-plane share one table (K samples, R rows), whose size does not depend on what else is in the batch.
+Each arc is looked at once, all arcs of a batch together, the samples of one behind those of the
+other.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.compensate.inverse import command
-from postproc.compensate.stretches import SHARE, stretches
+from postproc.compensate.nodes import spread
+from postproc.compensate.stretches import SHARE, Stretches, stretches
 
 if TYPE_CHECKING:
     from postproc.compensate.fit import Fitter, Rows
@@ -23,201 +24,177 @@ MOST_SAMPLES = 80_000  # worked on at once: more leave the processor's cache, an
 
 @dataclass(frozen=True)
 class Samples:
-    """K samples of R rows, all in one plane of the axes `first` and `second`; behind a row's last
-    one it is repeated. t (K, R): on the arc; unit (2, K, R): outwards from the nominal centre;
-    place (2, K, R): mm from that centre, the exact command in the plane; radial (K, R): mm, how
-    far outside the nominal path it lies; across (C, K, R) mm: the command of the other corrected
-    axes `beside` (C,), and bow (C, K, R) mm how far it can lie beyond two samples between them;
-    command (A, K, every) mm: in all axes, this row's in `column` (R,); last (R,): the last
-    sample; smooth (K, R): 0.125 at samples whose neighbours on both sides lie as far away and on
-    the same smooth stretch, else 0; rest (R,): mm that can hide beyond what second differences
-    tell."""
+    """N samples of R rows, all in one plane of the axes `first` and `second`, row behind row. t
+    (N,): on the arc; unit (2, N): outwards from the nominal centre; place (2, N): mm from that
+    centre, the exact command in the plane; radial (N,): mm, how far outside the nominal path it
+    lies; across (C, N) mm: the command of the other corrected axes `beside` (C,), and bow (C, N)
+    mm how far it can lie beyond two samples between them; command (A, N) mm: in all axes; smooth
+    (N,): 0.125 at samples whose neighbours on both sides lie as far away and on the same smooth
+    stretch, else 0. begin, last (R,): the first and the last sample of each row; rest (R,): mm
+    that can hide beyond what second differences tell."""
 
     first: int
     second: int
     beside: tuple[int, ...]
     command: np.ndarray
-    column: np.ndarray
     t: np.ndarray
     unit: np.ndarray
     place: np.ndarray
     radial: np.ndarray
     across: np.ndarray
     bow: np.ndarray
-    last: np.ndarray
     smooth: np.ndarray
+    begin: np.ndarray
+    last: np.ndarray
     rest: np.ndarray
 
     def pick(self, which: np.ndarray) -> Samples:
-        """Some rows alone."""
-        columns = {name: getattr(self, name)[..., which] for name in _COLUMNS}
-        return replace(self, **columns)
+        """Those of some rows alone."""
+        begin, last, rest = self.begin[which], self.last[which], self.rest[which]
+        return replace(self, begin=begin, last=last, rest=rest)
 
-    def commanded(self, at: np.ndarray) -> np.ndarray:
-        """(A, R) mm commanded at sample `at` (R,) of each row."""
-        result: np.ndarray = self.command[:, at, self.column]
-        return result
+    def at(self, which: np.ndarray) -> Samples:
+        """Some samples (N,) alone, whatever rows they are of."""
+        return replace(self, **{name: getattr(self, name).take(which, axis=-1) for name in EACH})
+
+    def until(self, low: np.ndarray, high: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """(R,) the first sample from `low` on that lies at t (R,) or behind it, `high` at most."""
+        low, high = low.copy(), high.copy()
+        while (low < high).any():
+            middle = (low + high) // 2
+            before = (self.t[middle] < t) & (low < high)
+            low, high = np.where(before, middle + 1, low), np.where(before, high, middle)
+        return low
 
 
-_COLUMNS = ("column", "t", "unit", "place", "radial", "across", "bow", "last", "smooth", "rest")
+EACH = ("t", "unit", "place", "radial", "across", "bow", "smooth")  # what a proof asks for
 
 
 def bend(value: np.ndarray, smooth: np.ndarray) -> np.ndarray:
-    """(K, R) how far (K, R) values can lie beyond the larger of two neighbours between these."""
+    """(..., N) how far values can lie beyond the larger of two neighbours between these."""
     bow = np.zeros_like(value)
-    inner = bow[1:-1]
-    np.add(value[:-2], value[2:], out=inner)
-    inner -= value[1:-1]
-    inner -= value[1:-1]
+    inner = bow[..., 1:-1]
+    np.add(value[..., :-2], value[..., 2:], out=inner)
+    inner -= value[..., 1:-1]
+    inner -= value[..., 1:-1]
     np.abs(inner, out=inner)
     bow *= smooth
     wide = bow.copy()
-    np.maximum(wide[1:], bow[:-1], out=wide[1:])
-    np.maximum(wide[:-1], bow[1:], out=wide[:-1])
+    np.maximum(wide[..., 1:], bow[..., :-1], out=wide[..., 1:])
+    np.maximum(wide[..., :-1], bow[..., 1:], out=wide[..., :-1])
     return wide
 
 
 def taken(f: Fitter, rows: Rows) -> Iterator[tuple[np.ndarray, Samples]]:
-    """Rows in sets, by their numbers, with their samples."""
-    way = stretches(f, rows)
-    row = np.repeat(way.row, way.parts)
-    index = np.arange(len(row)) - np.repeat(np.cumsum(way.parts) - way.parts, way.parts)
-    t = np.repeat(way.t, way.parts) + np.repeat(way.step, way.parts) * index
-    last = np.bincount(way.row, weights=way.parts, minlength=len(rows)).astype(np.int64)
-    nth = np.arange(len(row)) - np.repeat(np.cumsum(last) - last, last)
-    size = _size(last + 1)
-    plain = f.plain[rows.arc]
-    arc, begin = rows.arc, 0
-    kind = (f.arcs.first[arc] * len(f.start) + f.arcs.second[arc]) * 2 + plain
-    order = np.lexsort((size, kind))
-    size, kind = size[order], kind[order]
-    # Where the t of each row goes: columns of sets that lie one behind the other.
-    edges = _sets(size, kind)
-    at, wide = np.zeros(len(rows), np.int64), np.zeros(len(rows), np.int64)
-    offsets = []
-    for low, high in edges:
-        at[order[low:high]] = begin + np.arange(high - low)
-        wide[order[low:high]] = high - low
-        offsets.append(begin)
-        begin += int(size[low]) * (high - low)
-    every, smooth = np.empty(begin), np.zeros(begin)
-    for (low, high), offset in zip(edges, offsets, strict=True):
-        stop = offset + int(size[low]) * (high - low)
-        every[offset:stop].reshape(-1, high - low)[:] = rows.t1[order[low:high]]
-    to = at[row] + nth * wide[row]
-    every[to] = t
-    smooth[to[(index > 0) & plain[row]]] = 0.125
-    for (low, high), offset in zip(edges, offsets, strict=True):
-        which, shape = order[low:high], (int(size[low]), high - low)
-        part = slice(offset, offset + shape[0] * shape[1])
-        one = rows.pick(which)
-        yield (
-            which,
-            _samples(
-                f,
-                one,
-                every[part].reshape(shape),
-                smooth[part].reshape(shape),
-                last[which],
-                way.rest[which],
-                way.steep[which],
-                way.shift[..., which],
-            ),
-        )
+    """Rows in sets of one plane, by their numbers, with their samples."""
+    way, arc = stretches(f, rows), rows.arc
+    count = np.bincount(way.row, weights=way.parts, minlength=len(rows)).astype(np.int64) + 1
+    kind = (f.arcs.first[arc] * len(f.start) + f.arcs.second[arc]) * 2 + f.plain[arc]
+    order = np.argsort(kind, kind="stable")
+    part = np.cumsum(count[order]) // MOST_SAMPLES
+    edges = (np.diff(kind[order]) != 0) | (np.diff(part) != 0)
+    for which in np.split(order, np.flatnonzero(edges) + 1):
+        yield which, _samples(f, rows.pick(which), which, count[which], way)
 
 
-def _size(count: np.ndarray) -> np.ndarray:
-    """(R,) counts, rounded up so that rows of similar length share one table, whatever else is in
-    the batch."""
-    power: np.ndarray = 2 ** np.maximum(np.ceil(np.log2(count - 1)).astype(np.int64), 4)
-    return power + 1
-
-
-def _sets(size: np.ndarray, kind: np.ndarray) -> list[tuple[int, int]]:
-    """First and last row of each set: of one size and kind, MOST_SAMPLES at most."""
-    edges = np.flatnonzero((size[1:] != size[:-1]) | (kind[1:] != kind[:-1])) + 1
-    found = []
-    for low, high in zip([0, *edges.tolist()], [*edges.tolist(), len(size)], strict=True):
-        each = max(1, MOST_SAMPLES // int(size[low]))
-        found += [(k, min(k + each, high)) for k in range(low, high, each)]
-    return found
+def _placed(
+    rows: Rows, which: np.ndarray, count: np.ndarray, way: Stretches
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) t of the samples of rows `which`, `count` (R,) each, and (N,) whether a sample lies
+    inside its stretch."""
+    begin = way.row.searchsorted(which)
+    owner, nth = spread(way.row.searchsorted(which, side="right") - begin)
+    stretch = begin[owner] + nth
+    parts = way.parts[stretch]
+    parts[np.append(np.flatnonzero(np.diff(owner)), len(owner) - 1)] += 1  # the end of the row
+    owner, index = spread(parts)
+    t = (way.t[stretch])[owner] + way.step[stretch][owner] * index
+    last = np.cumsum(count) - 1
+    t[last] = rows.t1
+    inside = index > 0
+    inside[last] = False
+    return t, inside
 
 
 def _samples(
-    f: Fitter,
-    rows: Rows,
-    t: np.ndarray,
-    smooth: np.ndarray,
-    last: np.ndarray,
-    rest: np.ndarray,
-    steep: np.ndarray,
-    shift: np.ndarray,
+    f: Fitter, rows: Rows, which: np.ndarray, count: np.ndarray, way: Stretches
 ) -> Samples:
-    """Samples of rows of one plane at t (K, R)."""
+    """The samples of rows of one plane, which are those numbered `which` (R,) of `way`, `count`
+    (R,) each."""
     arcs, arc = f.arcs, rows.arc
     first, second = int(arcs.first[arc[0]]), int(arcs.second[arc[0]])
-    angle = arcs.angle[arc] + arcs.sweep[arc] * t
+    t, inside = _placed(rows, which, count, way)
+    plain = f.plain[arc[0]]
+    smooth = np.where(inside & plain, 0.125, 0.0)
+    last = np.cumsum(count) - 1
+    begin = last - count + 1
+
+    def each(value: np.ndarray) -> np.ndarray:
+        return np.repeat(value, count, axis=-1)
+
+    angle = each(arcs.angle[arc]) + each(arcs.sweep[arc]) * t
     unit = np.stack([np.cos(angle), np.sin(angle)])
-    radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
+    radius = each(arcs.radius[arc]) + each((arcs.radius_end - arcs.radius)[arc]) * t
+    centre = each(arcs.centre[:, arc])
     start, target = f.start[:, arc], f.target[:, arc]
-    nominal = start[:, None] + (target - start)[:, None] * t
-    begun, over = t[0] == 0.0, t == 1.0
-    for axis, which in ((first, 0), (second, 1)):  # ends stay as programmed, to the bit
-        round_ = arcs.centre[which, arc] + radius * unit[which]
-        round_[0] = np.where(begun, start[axis], round_[0])
-        nominal[axis] = np.where(over, target[axis], round_)
-    if f.plain[arc[0]]:
-        exact, miss = _commands(f, rows, t, nominal, shift)
-        rest = rest + f.total * SHARE / 8 + 2 * steep * miss
+    nominal = each(start) + each(target - start) * t
+    begun, over = rows.t0 == 0.0, rows.t1 == 1.0
+    for k, axis in enumerate((first, second)):  # ends stay as programmed, to the bit
+        nominal[axis] = centre[k] + radius * unit[k]
+        nominal[axis, begin[begun]] = start[axis, begun]
+        nominal[axis, last[over]] = target[axis, over]
+    rest = way.rest[which]
+    if plain:
+        exact, miss = _commands(f, rows, t, nominal, way.shift[..., which], count)
+        miss = np.maximum.reduceat(miss, begin)
+        rest = rest + f.total * SHARE / 8 + 2 * way.steep[which] * miss
     else:
-        row = np.broadcast_to(np.arange(len(rows)), t.shape).ravel()
-        every = nominal.reshape(len(nominal), -1)
-        exact = f.needed(rows, row, t.ravel(), every).reshape(nominal.shape)
-    place = exact[[first, second]] - arcs.centre[:, arc][:, None]
+        exact = f.needed(rows, each(np.arange(len(rows))), t, nominal)
+    place = exact[[first, second]] - centre
     radial = unit[0] * place[0] + unit[1] * place[1] - radius
     beside = tuple(k for k in f.machine.corrected if k not in (first, second))
-    bow = np.stack([bend(exact[k], smooth) for k in beside]) if beside else np.zeros((0, *t.shape))
-    column = np.arange(len(rows))
+    across = exact[list(beside)]
     return Samples(
         first,
         second,
         beside,
         exact,
-        column,
         t,
         unit,
         place,
         radial,
-        exact[list(beside)],
-        bow,
-        last,
+        across,
+        bend(across, smooth),
         smooth,
+        begin,
+        last,
         rest,
     )
 
 
 def _commands(
-    f: Fitter, rows: Rows, t: np.ndarray, nominal: np.ndarray, shift: np.ndarray
+    f: Fitter,
+    rows: Rows,
+    t: np.ndarray,
+    nominal: np.ndarray,
+    shift: np.ndarray,
+    count: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(A, K, R) mm exact commands of nominal places, and (R,) mm by which they were foreseen
-    wrongly at most.
+    """(A, N) mm exact commands of nominal places, `count` (R,) of each row, and (N,) mm by which
+    they were foreseen wrongly.
 
     Between the ends, whose commands are known, the shift is nearly linear, so one look at the map
     tells it: looked up beside the true place by d, it is wrong by `steepest` d."""
     machine = f.machine
-    share = (t - rows.t0) / (rows.t1 - rows.t0)
-    guess = shift[0][:, None] + (shift[1] - shift[0])[:, None] * share
-    weight = np.broadcast_to(f.weight(rows)[:, None], nominal.shape)
-    flat = (len(nominal), -1)
-    found = -machine.deviation((nominal + guess).reshape(flat), weight.reshape(flat))
-    found = found.reshape(nominal.shape)
+    row = np.repeat(np.arange(len(rows)), count)
+    share = (t - rows.t0[row]) / (rows.t1 - rows.t0)[row]
+    guess = shift[0][:, row] + (shift[1] - shift[0])[:, row] * share
+    weight = f.weight(rows)[:, row]
+    found = -machine.deviation(nominal + guess, weight)
     miss = np.abs(found - guess).max(axis=0)
     exact = nominal + found
     again = miss * machine.bounds.steepest > f.total * SHARE / 8
     if again.any():
-        motion = np.broadcast_to(f.arcs.motion[rows.arc], t.shape)[again]
+        motion = f.arcs.motion[rows.arc][row[again]]
         exact[:, again] = command(machine, nominal[:, again], weight[:, again], motion)
-    if len(f.followed):
-        row = np.broadcast_to(np.arange(len(rows)), t.shape).ravel()
-        exact = f.led(rows, row, exact.reshape(flat)).reshape(nominal.shape)
-    return exact, miss.max(axis=0)
+    return (f.led(rows, row, exact) if len(f.followed) else exact), miss

@@ -1,10 +1,12 @@
-"""The side on which each slide bears, stroke by stroke, and where the lost motion of the machine then wants its command.
+"""The side on which each slide bears, stroke by stroke, and where the lost motion of the machine
+then wants its command.
 
-The wanted place of a slide is where the nominal path asks for it, all errors taken off but its own lost motion; approach.py
-turns its course into sides. It depends a little on the sides themselves, because the straightness and the angles of an axis
-may have been measured both ways. So each stroke is decided in steps from what was before it: with the sides that the nominal
-motion alone gives, then with the sides that follow from that. A whole batch is repeated until nothing changes; since a stroke
-depends on earlier ones only, the answer is the same however the input is cut.
+The wanted place of a slide is where the nominal path asks for it, all errors taken off but its own
+lost motion; approach.py turns its course into sides. It depends a little on the sides themselves,
+because the straightness and the angles of an axis may have been measured both ways. So each stroke
+is decided in steps from what was before it: with the sides that the nominal motion alone gives,
+then with the sides that follow from that. A whole batch is repeated until nothing changes; since a
+stroke depends on earlier ones only, the answer is the same however the input is cut.
 """
 
 from __future__ import annotations
@@ -26,10 +28,11 @@ NOWHERE = np.int64(2**61)  # ticks: no place to look at
 
 
 class Course:
-    """How the two-way axes (T of them) of one batch are led: which strokes say their side by themselves, and which leave
-    an axis where it is. `side` and `middle` (T, S) of approach.py; `exact` (A, S) mm, commands for these sides; `behind`
-    (T, S) ticks, by how much a slide is held beside its wanted place because it has not turned by the hysteresis; `twice`
-    (T, S): it turns one way where the stroke begins, since another axis changes its side, and back along it."""
+    """How the two-way axes (T of them) of one batch are led: which strokes say their side by
+    themselves, and which leave an axis where it is. `side` and `middle` (T, S) of approach.py;
+    `exact` (A, S) mm, commands for these sides; `behind` (T, S) ticks, by how much a slide is held
+    beside its wanted place because it has not turned by the hysteresis; `twice` (T, S): it turns
+    one way where the stroke begins, since another axis changes its side, and back along it."""
 
     def __init__(self, b: Batch):
         self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
@@ -42,26 +45,28 @@ class Course:
         self.carry = self._begin()
 
     def _given(self) -> None:
-        """Where a side is known whatever was before: a hole's axis has come up last; what comes from nowhere has none."""
+        """Where a side is known whatever was before: a hole's axis has come up last; what comes
+        from nowhere has none."""
         b, m = self.b, self.b.m
         sense, given = np.zeros_like(b.travel), b.forget | b.jumps
         if len(m.holes):
             sense[m.holes.axis, b.hole] = np.sign(m.holes.level - m.holes.bottom)
             given = given.copy()
             given[m.holes.axis, b.hole] = True
-        led = (
-            b.turns != b.travel
-        )  # arcs inside G41 G42, not cut where an axis turns back: as their last part
+        # arcs inside G41 G42, not cut where an axis turns back: as their last part
+        led = b.turns != b.travel
         sense = np.where(b.jumps | led, np.sign(b.turns), sense)
         given = given | led
         unknown = ~b.m.target_known[:, b.motion]
         self.sense, self.given = sense[self.rows], given[self.rows]
-        # Where forward lies beyond reverse an axis turns by being led beyond its place and back, which no rapid does.
+        # Where forward lies beyond reverse an axis turns by being led beyond its place and back,
+        # which no rapid does.
         rests = (b.travel == 0) & (m.code[b.motion] == RAPID) & b.c.overshoots[:, None]
         self.stays = (unknown | b.left | rests)[self.rows] & ~self.given
 
     def _begin(self) -> Sides:
-        """The carry of these rows; an axis that has not stood anywhere yet begins where its first stroke does."""
+        """The carry of these rows; an axis that has not stood anywhere yet begins where its first
+        stroke does."""
         whole, rows = self.b.carry.sides, self.rows
         carry = Sides(whole.side[rows], whole.middle[rows], whole.taken[rows], whole.begun[rows])
         if carry.begun.all():
@@ -76,7 +81,8 @@ class Course:
         return np.concatenate([first[:, None], column[:, :-1]], axis=1)
 
     def nominal(self, before: np.ndarray | None) -> np.ndarray:
-        """(T, S) sides that the nominal motion alone gives; the others keep what was before (T, S), or before the batch."""
+        """(T, S) sides that the nominal motion alone gives; the others keep what was before (T, S),
+        or before the batch."""
         moves = (np.abs(self.travel) > self.band[:, None]) & ~self.stays
         sign = np.where(self.given, self.sense, np.sign(self.travel))
         if before is None:
@@ -92,7 +98,8 @@ class Course:
     def commands(
         self, side: np.ndarray, known: tuple[np.ndarray, np.ndarray] | None = None
     ) -> np.ndarray:
-        """(A, S) mm for sides (T, S); known: other sides and their commands, to be taken where they are the same."""
+        """(A, S) mm for sides (T, S); known: other sides and their commands, to be taken where they
+        are the same."""
         b = self.b
         which, result = b.free[b.motion], b.end_nominal.copy()
         if known is not None:
@@ -106,10 +113,10 @@ class Course:
         return result
 
     def wanted(self, side: np.ndarray, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each stroke, which is the command
-        without their own lost motion. Where no axis changes its side, or all of them can not move one another, the begin is
-        the end before, and not looked at, but for where nothing was corrected before; nor is it in rapids, which take
-        nothing up."""
+        """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each
+        stroke, which is the command without their own lost motion. Where no axis changes its side,
+        or all of them can not move one another, the begin is the end before, and not looked at, but
+        for where nothing was corrected before; nor is it in rapids, which take nothing up."""
         end = self._without_play(side, exact)
         turned = ~self.b.sure
         if self.couples:
@@ -184,8 +191,9 @@ class Course:
 
 
 def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
-    """(A, S) sides where words are places of the tool tip, and what the next batch must know: each slide's own way, its
-    errors taken off but its lost motion, as `follow` has it of words that are places of slides."""
+    """(A, S) sides where words are places of the tool tip, and what the next batch must know: each
+    slide's own way, its errors taken off but its lost motion, as `follow` has it of words that are
+    places of slides."""
     assert isinstance(b.machine, TipMachine)
     ends = b.known[b.motion]
     given = ~(b.known_before & ends) | b.jumps.any(axis=0)
@@ -209,7 +217,8 @@ def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
 
 
 def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
-    """(A, S) sides from the nominal motion alone, without hysteresis, and what the next batch must know (mode off)."""
+    """(A, S) sides from the nominal motion alone, without hysteresis, and what the next batch must
+    know (mode off)."""
     course = Course(b)
     place = np.rint(b.end_nominal[course.rows] * TICKS_PER_MM).astype(np.int64)
     course.band = np.zeros_like(course.band)
@@ -228,8 +237,9 @@ def carried(b: Batch, course: Course, side: np.ndarray, middle: np.ndarray, take
 
 
 def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
-    """Of each stroke: (A, S) share of the lost motion at its begin and at its end, -1 to +1, and (A, S) mm the command
-    of its end, as if nothing were held still; and what the next batch must know."""
+    """Of each stroke: (A, S) share of the lost motion at its begin and at its end, -1 to +1, and
+    (A, S) mm the command of its end, as if nothing were held still; and what the next batch must
+    know."""
     course = Course(b)
     course.settle()
     side = course.spread(course.side)
@@ -242,7 +252,8 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         exact[:, which] = b.command(which, b.t1[which], nominal, end[:, which])
         course.exact = exact
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
-    # Where nothing was corrected before, the way to the first corrected place turns an axis too that the stroke moves.
+    # Where nothing was corrected before, the way to the first corrected place turns an axis too
+    # that the stroke moves.
     b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
     holds = (b.c.reach[course.rows] == 0)[:, None] & b.free[b.motion]
     exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
@@ -250,8 +261,9 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
 
 
 def _ramps(b: Batch, course: Course, side: np.ndarray):
-    """Shares of the axes that take lost motion up over some travel of their own. Where the option alone asks for a ramp, an
-    axis that rests is taken up at once: there its motor moves alone, and nothing is cut."""
+    """Shares of the axes that take lost motion up over some travel of their own. Where the option
+    alone asks for a ramp, an axis that rests is taken up at once: there its motor moves alone, and
+    nothing is cut."""
     rows, reach = course.rows, b.c.reach[course.rows]
     rests = (course.travel == 0) & ~course.stays & (b.c.mode == "ramp")
     value = np.where(rests, course.side, course.sense) * reach[:, None]

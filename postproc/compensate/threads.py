@@ -1,8 +1,9 @@
-"""Threads: what of a correction a motion tied to the spindle can take, and what it can not, with its numbers.
+"""Threads: what of a correction a motion tied to the spindle can take, and what it can not, with
+its numbers.
 
-Across the lead a thread is corrected along the way where its control goes through several blocks in step; elsewhere at its
-ends. Along the lead the axis follows the spindle, lead times turns, whatever the words say: only where it begins and ends is
-corrected, and the map's slope stays in the lead.
+Across the lead a thread is corrected along the way where its control goes through several blocks in
+step; elsewhere at its ends. Along the lead the axis follows the spindle, lead times turns, whatever
+the words say: only where it begins and ends is corrected, and the map's slope stays in the lead.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from postproc.units import TICKS_PER_MM, UM
 
 
 def say(b: Batch) -> None:
-    """One notice of what bends between the ends of a thread that stays one block, one of what its lead is off by."""
+    """One notice of what bends between the ends of a thread that stays one block, one of what its
+    lead is off by."""
     stroke = ((b.m.code[b.motion] == THREAD) & b.free[b.motion] & b.known_before).nonzero()[0]
     if not len(stroke):
         return
@@ -39,10 +41,15 @@ def say(b: Batch) -> None:
     lead = b.m.lead[b.motion[stroke]]
     for worst in np.argsort(-np.where(b.m.whole[b.motion[stroke]], bend, 0.0))[:1]:
         if b.m.whole[b.motion[stroke[worst]]] and bend[worst] > b.c.tolerance:
-            b.notices.append(Notice(
-                "thread", "a thread that stays one block is corrected at its ends only: between them "
-                f"it stays off by up to {bend[worst] / UM:.1f} um",
-                int(b.motion[stroke[worst]]), float(bend[worst])))  # fmt: skip
+            b.notices.append(
+                Notice(
+                    "thread",
+                    "a thread that stays one block is corrected at its ends only: between them "
+                    f"it stays off by up to {bend[worst] / UM:.1f} um",
+                    int(b.motion[stroke[worst]]),
+                    float(bend[worst]),
+                )
+            )
     worst = int(np.argmax(drift))
     if drift[worst] > b.c.tolerance:
         turn = (
@@ -50,13 +57,21 @@ def say(b: Batch) -> None:
             if lead[worst]
             else ""
         )
-        b.notices.append(Notice(
-            "lead", "along a thread the axis follows the spindle: its lead stays off by up to "
-            f"{slope[worst] * 1e6:.0f} um/m{turn}, which adds up to {drift[worst] / UM:.1f} um over its length", int(b.motion[stroke[worst]]), float(drift[worst])))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "lead",
+                "along a thread the axis follows the spindle: its lead stays off by up to"
+                f" {slope[worst] * 1e6:.0f} um/m{turn}, which adds up to {drift[worst] / UM:.1f} um"
+                " over its length",
+                int(b.motion[stroke[worst]]),
+                float(drift[worst]),
+            )
+        )
 
 
 def _say_begin(b: Batch, stroke: np.ndarray) -> None:
-    """One notice of threads that begin where nothing was corrected before, since no feed is put in before a thread."""
+    """One notice of threads that begin where nothing was corrected before, since no feed is put in
+    before a thread."""
     stroke = stroke[~b.sure[stroke]]
     if not len(stroke):
         return
@@ -65,13 +80,20 @@ def _say_begin(b: Batch, stroke: np.ndarray) -> None:
     beside = np.linalg.norm((wanted - b.begin[:, stroke] / TICKS_PER_MM)[b.rows], axis=0)
     worst = int(np.argmax(beside))
     if beside[worst] > b.c.tolerance:
-        b.notices.append(Notice(
-            "unled", "a thread begins where no motion was corrected before it: it begins "
-            f"{beside[worst] / UM:.1f} um off; lead to its start by a motion of its own", int(b.motion[stroke[worst]]), float(beside[worst])))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "unled",
+                "a thread begins where no motion was corrected before it: it begins "
+                f"{beside[worst] / UM:.1f} um off; lead to its start by a motion of its own",
+                int(b.motion[stroke[worst]]),
+                float(beside[worst]),
+            )
+        )
 
 
 def _along(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) index into stroke, (K,) t from 0 to 1 with every place where the map bends, (rows, K) mm correction there."""
+    """(K,) index into stroke, (K,) t from 0 to 1 with every place where the map bends, (rows, K) mm
+    correction there."""
     start, target = b.begin_nominal[:, stroke], b.end_nominal[:, stroke]
     owner, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
     every = np.arange(len(stroke))

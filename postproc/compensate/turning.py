@@ -1,7 +1,9 @@
-"""Where a two-way axis turns back inside a motion: at the quadrants of an arc, and where corrections alone turn it.
+"""Where a two-way axis turns back inside a motion: at the quadrants of an arc, and where
+corrections alone turn it.
 
-An axis that rests on the nominal path follows the errors of the others, up and down along a long cut. Where its wanted
-place turns back by more than the hysteresis its lost motion has to be taken up, so the motion is divided there.
+An axis that rests on the nominal path follows the errors of the others, up and down along a long
+cut. Where its wanted place turns back by more than the hysteresis its lost motion has to be taken
+up, so the motion is divided there.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
 from postproc.machine.chain import LINEAR
 from postproc.machine.tip import TipMachine
-from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE
+from postproc.motions import COUNTER, FEED, FREE
 from postproc.units import TICKS_PER_MM
 
 if TYPE_CHECKING:
@@ -41,9 +43,19 @@ def divided(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return motion, t0, np.where(goes_on, np.concatenate([t0[1:], [1.0]]), 1.0)
 
 
+def within(
+    motion: np.ndarray, t0: np.ndarray, t1: np.ndarray, span: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Those strokes of one motion, and parts of them, that lie within a span of t."""
+    t0, t1 = np.maximum(t0, span[0]), np.minimum(t1, span[1])
+    inside = t1 - t0 >= min(APART, (span[1] - span[0]) / 2)
+    return motion[inside], t0[inside], t1[inside]
+
+
 def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Per two-way slide (K,) motion and t of the places where it turns back by more than the hysteresis while the tip goes
-    straight: looked for at LOOKS places, and put where a parabola through three of them turns."""
+    """Per two-way slide (K,) motion and t of the places where it turns back by more than the
+    hysteresis while the tip goes straight: looked for at LOOKS places, and put where a parabola
+    through three of them turns."""
     assert isinstance(b.machine, TipMachine)
     m = b.m
     chosen = ((m.code == FEED) & b.free & b.start_known & (m.cutter == FREE)).nonzero()[0]
@@ -87,26 +99,24 @@ def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Per axis (K,) motion and t of the places where its wanted place turns back by more than half the hysteresis: what it
-    goes to and fro by inside a stroke is not seen."""
+    """Per axis (K,) motion and t of the places where its wanted place turns back by more than half
+    the hysteresis: what it goes to and fro by inside a stroke is not seen."""
     m, rows = b.m, b.c.followed
     if not len(rows):
         return []
-    cutting = (
-        np.isin(m.code, (FEED, CLOCKWISE, COUNTER)) & b.free & b.start_known & (m.cutter == FREE)
-    )
+    cutting = (m.code >= FEED) & (m.code <= COUNTER) & b.free & b.start_known & (m.cutter == FREE)
     way = np.abs(m.target - m.start) / TICKS_PER_MM
     slides = [row for row in b.machine.chained if b.machine.letters[row] in LINEAR]
     length = np.sqrt((way[slides] ** 2).sum(axis=0))
     length[m.arcs.motion] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
     turns = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
-    # mm that any deviation changes along the motion; one that turns is looked at whatever its length
+    # mm that any deviation changes along the motion; one that turns is looked at whatever its
+    # length
     most = np.where((way[turns] > 0).any(axis=0), np.inf, b.machine.bounds.steepest * length)
     slow = (way[rows] < most).any(axis=0)
     slow[m.arcs.motion] = True
-    least = max(
-        b.c.hysteresis / 2, b.c.hold
-    )  # what a resting axis is held still by is not seen either
+    # what a resting axis is held still by is not seen either
+    least = max(b.c.hysteresis / 2, b.c.hold)
     chosen = (cutting & slow & (most > 2 * least)).nonzero()[0]
     if not len(chosen):
         return []
@@ -120,7 +130,8 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same places, moved to where the rotary axis that turns most stands on a whole increment of its word."""
+    """The same places, moved to where the rotary axis that turns most stands on a whole increment
+    of its word."""
     rows = np.array([b.machine.letters.index(x) for x in b.machine.chain.rotary], np.int64)
     if not len(rows) or not len(motion):
         return motion, t
@@ -136,7 +147,8 @@ def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndar
 def _places(
     b: Batch, chosen: np.ndarray, most: np.ndarray, least: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) motion, (K,) t and (A, K) mm of places along motions, in order, between which no deviation turns unseen."""
+    """(K,) motion, (K,) t and (A, K) mm of places along motions, in order, between which no
+    deviation turns unseen."""
     m = b.m
     straight = chosen[m.code[chosen] == FEED]
     start, target = m.start[:, straight] / TICKS_PER_MM, m.target[:, straight] / TICKS_PER_MM
@@ -161,7 +173,8 @@ def _places(
 def _turns(
     owner: np.ndarray, t: np.ndarray, wanted: np.ndarray, least: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(K,) motion and t where `wanted` (K,) mm, along each motion, turns back by more than `least`."""
+    """(K,) motion and t where `wanted` (K,) mm, along each motion, turns back by more than
+    `least`."""
     ticks = np.rint(wanted * TICKS_PER_MM).astype(np.int64)
     first = np.concatenate([[True], owner[1:] != owner[:-1]])
     which = np.cumsum(first) - 1
@@ -180,8 +193,8 @@ def _turns(
 
 
 def _pivots(base: np.ndarray, begin: int, stop: int, least: float) -> list[int]:
-    """Indices of the highest and lowest places behind which `base` turns back by more than `least`; before the first one
-    it has gone half as far."""
+    """Indices of the highest and lowest places behind which `base` turns back by more than `least`;
+    before the first one it has gone half as far."""
     value = base[begin:stop].tolist()
     low = high = sense = 0
     pivots: list[int] = []

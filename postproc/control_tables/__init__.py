@@ -1,11 +1,13 @@
 """The tables with which controls correct themselves: written from a machine's map, and read back.
 
-A control is a module here, found by its name. It holds TITLE; VERIFIED, whether its format is known from a manual or
-code (a source is named in its docstring) or only from general knowledge; write(tables, options) -> Export; and
-read(source, options) -> list of ErrorTable. UNVERIFIED says what of it no source gives, "" where all is known: then every file that is
-written comes with a notice that says so too. Inside there is one sign: deviation = actual - commanded. Each module turns it
-into its control's own, says so in its docstring, and in SIGN in a few words. A notice that begins with "unverified: " is
-shown loudly. A module whose name begins with an underscore is no control.
+A control is a module here, found by its name. It holds TITLE; VERIFIED, whether its format is known
+from a manual or code (a source is named in its docstring) or only from general knowledge;
+write(tables, options) -> Export; and read(source, options) -> list of ErrorTable. UNVERIFIED says
+what of it no source gives, "" where all is known: then every file that is written comes with a
+notice that says so too. Inside there is one sign: deviation = actual - commanded. Each module turns
+it into its control's own, says so in its docstring, and in SIGN in a few words. A notice that
+begins with "unverified: " is shown loudly. A module whose name begins with an underscore is no
+control.
 """
 
 from __future__ import annotations
@@ -29,9 +31,9 @@ class TableError(GcompError):
 class ErrorTable:
     """One deviation over the position of one axis, as the control would have to take it out.
 
-    moving: the axis that moves (Z); along: the axis along which the tool is off (X for EXZ; Z for EZZ). nodes (K,) mm,
-    ascending; forward, reverse (K,) mm: deviation for targets approached in + and in -; equal for one-way tables. Linear
-    between nodes, held beyond.
+    moving: the axis that moves (Z); along: the axis along which the tool is off (X for EXZ; Z for
+    EZZ). nodes (K,) mm, ascending; forward, reverse (K,) mm: deviation for targets approached in +
+    and in -; equal for one-way tables. Linear between nodes, held beyond.
     """
 
     moving: str
@@ -56,11 +58,12 @@ class ErrorTable:
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """What a control must be told. unit: "mm" or "inch", of the control's basic system; spacing: mm between points where
-    they must be even, 0: as dense as the map's nodes ask for; reference: axis to mm, the reference (home) position; first:
-    axis to the number of the first or the reference point; step: mm of one detection unit; two_way: whether the table of
-    both directions is written where the control knows one; program: name for files and comments; extra: what one control
-    alone wants, by its name."""
+    """What a control must be told. unit: "mm" or "inch", of the control's basic system; spacing: mm
+    between points where they must be even, 0: as dense as the map's nodes ask for; reference: axis
+    to mm, the reference (home) position; first: axis to the number of the first or the reference
+    point; step: mm of one detection unit; two_way: whether the table of both directions is written
+    where the control knows one; program: name for files and comments; extra: what one control alone
+    wants, by its name."""
 
     unit: str = "mm"
     spacing: float = 0.0
@@ -74,8 +77,10 @@ class ExportOptions:
 
 @dataclass(frozen=True)
 class Export:
-    """files: name to bytes; notices: what the control can not hold, by how much it rounds, what to set beside it;
-    remainder: name of component to mm, the largest deviation that the written table leaves between and beyond its points."""
+    """files: name to bytes; notices: what the control can not hold, by how much it rounds, what to
+    set beside it;
+    remainder: name of component to mm, the largest deviation that the written table leaves between
+    and beyond its points."""
 
     files: dict[str, bytes]
     notices: tuple[str, ...] = ()
@@ -92,7 +97,8 @@ def names() -> list[str]:
 
 
 def label(module: ModuleType) -> str:
-    """What is known of a control's table, in the words of every list: verified, or what of it is not."""
+    """What is known of a control's table, in the words of every list: verified, or what of it is
+    not."""
     if not module.UNVERIFIED:
         return "verified"
     return f"{'format verified, ' if module.VERIFIED else ''}UNVERIFIED: {module.UNVERIFIED}"
@@ -112,17 +118,20 @@ def correction_of(
     position: dict[str, np.ndarray],
     approach: dict[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
-    """What active tables add to the command: axis letter to (N,) mm, for every axis that a table corrects.
+    """What active tables add to the command: axis letter to (N,) mm, for every axis that a table
+    corrects.
 
-    position: axis to (N,) mm, commanded slide positions in the control's machine coordinates; approach: axis to (N,) -1 to
-    +1, the direction of its last move, 0 (or left out) the mean. A map that was measured without the tables is, with them
-    active, larger by what this returns. Raises TableError where a table's axis has no position.
+    position: axis to (N,) mm, commanded slide positions in the control's machine coordinates;
+    approach: axis to (N,) -1 to +1, the direction of its last move, 0 (or left out) the mean. A map
+    that was measured without the tables is, with them active, larger by what this returns. Raises
+    TableError where a table's axis has no position.
     """
     result: dict[str, np.ndarray] = {}
     for table in tables:
         if table.moving not in position:
             raise TableError(
-                f"{table.name} is a table over {table.moving}, and no position of {table.moving} is given",
+                f"{table.name} is a table over {table.moving}, and no position of {table.moving} is"
+                " given",
                 f"positions are given of {', '.join(position) or 'no axis'}",
             )
         way = (approach or {}).get(table.moving, 0.0)

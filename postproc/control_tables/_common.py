@@ -1,4 +1,5 @@
-"""What the controls share: even points, zero at the reference, thinning, and the comparison of a written table with its map.
+"""What the controls share: even points, zero at the reference, thinning, and the comparison of a
+written table with its map.
 
 No control: it knows no format and no sign.
 """
@@ -21,7 +22,8 @@ NICE = (1.0, 2.0, 5.0)
 
 
 def mm_per_unit(options: ExportOptions) -> float:
-    """mm of one length unit of the control. Raises UsageError for a unit that is neither mm nor inch."""
+    """mm of one length unit of the control. Raises UsageError for a unit that is neither mm nor
+    inch."""
     if options.unit not in ("mm", "inch"):
         raise UsageError(
             f"the unit {options.unit!r} is neither mm nor inch", "--unit mm, or --unit inch"
@@ -62,7 +64,8 @@ def whole(options: ExportOptions, key: str, default: int, low: int, high: int) -
 
 
 def checked(tables: Sequence[ErrorTable]) -> list[ErrorTable]:
-    """The tables, if they can be written at all. Raises TableError for none, one twice, or values that are not finite."""
+    """The tables, if they can be written at all. Raises TableError for none, one twice, or values
+    that are not finite."""
     if not tables:
         raise TableError(
             "there is nothing to write: no component is left",
@@ -83,20 +86,23 @@ def checked(tables: Sequence[ErrorTable]) -> list[ErrorTable]:
 
 
 def own_axis(tables: Sequence[ErrorTable], control: str) -> tuple[list[ErrorTable], list[str]]:
-    """Tables of axes along themselves, and a notice for each other one, that this control has no place for.
+    """Tables of axes along themselves, and a notice for each other one, that this control has no
+    place for.
 
     Raises TableError where nothing is left.
     """
     tables = checked(tables)
     kept = [t for t in tables if t.moving == t.along]
     notices = [
-        f"{t.name} is not written: {control} has no table of {t.moving} that corrects {t.along}; {largest(t) / UM:.2f} um stay"
+        f"{t.name} is not written: {control} has no table of {t.moving} that corrects {t.along};"
+        f" {largest(t) / UM:.2f} um stay"
         for t in tables
         if t.moving != t.along
     ]
     if not kept:
         raise TableError(
-            f"{control} only holds tables along the moving axis, and there is none among {', '.join(t.name for t in tables)}",
+            f"{control} only holds tables along the moving axis, and there is none among"
+            f" {', '.join(t.name for t in tables)}",
             "correct the rest in the program: gcomp --machine M FILE",
         )
     return kept, notices
@@ -114,7 +120,8 @@ def mean(table: ErrorTable) -> ErrorTable:
 
 
 def play(table: ErrorTable) -> float:
-    """mm: the lost motion that a control without tables by direction is told, positive where the axis stops short in both.
+    """mm: the lost motion that a control without tables by direction is told, positive where the
+    axis stops short in both.
 
     The middle between the largest and the smallest, so that the worst that stays is least.
     """
@@ -131,7 +138,10 @@ def reference(table: ErrorTable, options: ExportOptions, notices: list[str]) -> 
     """mm: the moving axis' reference position; 0 with a notice where it is not stated."""
     if table.moving in options.reference:
         return float(options.reference[table.moving])
-    text = f"the reference position of {table.moving} is not stated: taken as {table.moving} = 0 (--reference {table.moving}=0)"
+    text = (
+        f"the reference position of {table.moving} is not stated: taken as {table.moving} = 0"
+        f" (--reference {table.moving}=0)"
+    )
     if text not in notices:
         notices.append(text)
     return 0.0
@@ -140,12 +150,14 @@ def reference(table: ErrorTable, options: ExportOptions, notices: list[str]) -> 
 def zeroed(
     table: ErrorTable, at: float, approach: float, notices: list[str]
 ) -> tuple[ErrorTable, float]:
-    """The table with zero at a position, for an approach (0: the mean), and the constant in mm that was taken off."""
+    """The table with zero at a position, for an approach (0: the mean), and the constant in mm that
+    was taken off."""
     by = float(table.at(np.array([at]), approach)[0])
     if abs(by) > 1e-9:
         notices.append(
-            f"{table.name}: {-by / UM:+.2f} um is added throughout, so that it is zero at the reference {table.moving} = {at:g}; "
-            f"that moves the zero of {table.along}, not the shape"
+            f"{table.name}: {-by / UM:+.2f} um is added throughout, so that it is zero at the"
+            f" reference {table.moving} = {at:g}; that moves the zero of {table.along}, not the"
+            " shape"
         )
     return shifted(table, by), by
 
@@ -160,9 +172,9 @@ def even_nodes(
 ) -> np.ndarray:
     """Evenly spaced positions, mm, of which one would be `anchor`, that cover the table's nodes.
 
-    The spacing is options.spacing, or the largest that meets every node; where that takes more than `most` points, the
-    smallest of 1, 2, 5, 10 ... that does not. Spacings are whole multiples of `multiple` mm. Raises TableError where the
-    spacing asked for needs more points than there are.
+    The spacing is options.spacing, or the largest that meets every node; where that takes more than
+    `most` points, the smallest of 1, 2, 5, 10 ... that does not. Spacings are whole multiples of
+    `multiple` mm. Raises TableError where the spacing asked for needs more points than there are.
     """
     low, high = float(table.nodes[0]), float(table.nodes[-1])
 
@@ -178,8 +190,10 @@ def even_nodes(
         if count(step) > most:
             least = (high - low) / max(1, most - 2)
             raise TableError(
-                f"{table.name}: {high - low:g} mm in steps of {step:g} mm are {count(step)} points, and the control has {most}",
-                f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has more",
+                f"{table.name}: {high - low:g} mm in steps of {step:g} mm are {count(step)} points,"
+                f" and the control has {most}",
+                f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has"
+                " more",
             )
     else:
         ticks = np.append((table.nodes - anchor) / multiple, 0.0)
@@ -202,7 +216,8 @@ def _nice(multiple: float) -> Iterable[float]:
 
 
 def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
-    """At most `most` of the table's nodes, and the largest deviation in mm that straight lines between them miss."""
+    """At most `most` of the table's nodes, and the largest deviation in mm that straight lines
+    between them miss."""
     if len(table.nodes) <= most:
         return table, 0.0
     values = np.stack([table.forward, table.reverse])
@@ -220,7 +235,8 @@ def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
 
 
 def _chords(nodes: np.ndarray, values: np.ndarray, bound: float) -> list[int]:
-    """Indices of nodes between which straight lines miss no node by more than `bound`, each as far as it goes."""
+    """Indices of nodes between which straight lines miss no node by more than `bound`, each as far
+    as it goes."""
     keep, first, last = [0], 0, len(nodes) - 1
     while first < last:
         reach = first + 1
@@ -241,7 +257,8 @@ def _chords(nodes: np.ndarray, values: np.ndarray, bound: float) -> list[int]:
 
 
 def left(table: ErrorTable, written: ErrorTable) -> float:
-    """mm: the largest deviation, of either direction, that a written table leaves of the map it was made from.
+    """mm: the largest deviation, of either direction, that a written table leaves of the map it was
+    made from.
 
     Exact: both are straight between their nodes and held beyond, so that no place between is worse.
     """
@@ -263,7 +280,8 @@ def place(value: float) -> str:
 
 
 def numbered(source: Source) -> list[tuple[int, str]]:
-    """Line number from 1 and text of every line. Raises TableError for an empty file or text that is not UTF-8."""
+    """Line number from 1 and text of every line. Raises TableError for an empty file or text that
+    is not UTF-8."""
     if not source.data.strip():
         raise TableError("the file is empty", "", Place(source.name, 1))
     return list(enumerate(source.text.splitlines(), 1))
@@ -286,7 +304,8 @@ def finite(source: Source, line: int, word: str, what: str, text: str = "") -> f
 
 
 def letter_of(name: str, options: ExportOptions) -> str:
-    """The axis letter of a control's axis name: as --set axis_Z=NAME says, or its own first letter (Z1 is Z)."""
+    """The axis letter of a control's axis name: as --set axis_Z=NAME says, or its own first letter
+    (Z1 is Z)."""
     for key, value in options.extra.items():
         if key.startswith("axis_") and value.upper() == name.upper():
             return key[5:].upper()

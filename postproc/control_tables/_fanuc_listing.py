@@ -1,4 +1,5 @@
-"""Fanuc's parameters and compensation numbers as text: CSV, G10 programs, and the N..P.. records of a memory card.
+"""Fanuc's parameters and compensation numbers as text: CSV, G10 programs, and the N..P.. records of
+a memory card.
 
 Knows numbers and where they stand; what they do is said in fanuc.py. No control.
 """
@@ -35,9 +36,9 @@ WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 
 @dataclass
 class Listing:
-    """settings: axis to parameter number to value; pitch: compensation number to increment; owner: the axis that the file
-    itself states for it; line: compensation number to its line; points: parameters whose value bore a decimal point, so that
-    it is a length and not a count."""
+    """settings: axis to parameter number to value; pitch: compensation number to increment; owner:
+    the axis that the file itself states for it; line: compensation number to its line; points:
+    parameters whose value bore a decimal point, so that it is a length and not a count."""
 
     source: Source
     settings: dict[str, dict[int, float]] = field(default_factory=dict)
@@ -54,9 +55,12 @@ class Listing:
         if not pitch:
             if number not in MEANING:
                 raise common.fault(
-                    source, line, f"parameter {number} is none of pitch error or backlash compensation",
-                    f"parameters: {', '.join(map(str, sorted(MEANING)))}", text,
-                )  # fmt: skip
+                    source,
+                    line,
+                    f"parameter {number} is none of pitch error or backlash compensation",
+                    f"parameters: {', '.join(map(str, sorted(MEANING)))}",
+                    text,
+                )
             known = self.settings.setdefault(axis, {})
             if number in known:
                 raise common.fault(
@@ -166,7 +170,8 @@ def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]
 def _words(
     listing: Listing, source: Source, lines: list[tuple[int, str]], options: ExportOptions
 ) -> None:
-    """N10051 R1 and N3620 P1 R100 between G10 L50 (or L52) and G11; N10051 P1 and N3620 A1 P100 A2 P200 between %."""
+    """N10051 R1 and N3620 P1 R100 between G10 L50 (or L52) and G11; N10051 P1 and N3620 A1 P100 A2
+    P200 between %."""
     axes = axis_order(options)
     entering = False
     program = any(
@@ -195,9 +200,13 @@ def _words(
             or (program and not entering)
         ):
             raise common.fault(
-                source, line, "this is no parameter or compensation number" + (" between G10 and G11" if program else ""),
-                "like N10051 R1 in G10 L50, or N10051 P1", text,
-            )  # fmt: skip
+                source,
+                line,
+                "this is no parameter or compensation number"
+                + (" between G10 and G11" if program else ""),
+                "like N10051 R1 in G10 L50, or N10051 P1",
+                text,
+            )
         number = int(float(words[0][1]))
         rest = words[1:]
         if number >= PITCH:
@@ -270,7 +279,8 @@ def g10(
     options: ExportOptions,
     form: str,
 ) -> bytes:
-    """A program that enters the numbers: G10 L50 (0i 16i 18i), or L52 for parameters and L50 for pitch numbers (30i, 0i-F)."""
+    """A program that enters the numbers: G10 L50 (0i 16i 18i), or L52 for parameters and L50 for
+    pitch numbers (30i, 0i-F)."""
     axes = axis_order(options)
     lines = ["%", f"O{common.whole(options, 'program_number', 7900, 1, 9999):04d}"]
     lines += [f"({re.sub('[^A-Z0-9 .,:=+/-]', ' ', text.upper())})" for text in comments]
@@ -281,7 +291,8 @@ def g10(
         for axis, known in settings.items():
             if number in known:
                 lines.append(
-                    f"N{number} P{axes.index(axis) + 1} R{_value(number, known[number], form, options)}"
+                    f"N{number} P{axes.index(axis) + 1}"
+                    f" R{_value(number, known[number], form, options)}"
                 )
     if form == "l52":
         lines += ["G11", "G10 L50"]
@@ -318,6 +329,7 @@ def records(
 
 
 def increment(options: ExportOptions) -> float:
-    """mm of the least input increment, in which 3624 is counted: 0.001 mm or 0.0001 inch, or --set increment_mm=."""
+    """mm of the least input increment, in which 3624 is counted: 0.001 mm or 0.0001 inch, or --set
+    increment_mm=."""
     usual = 0.001 if options.unit == "mm" else 0.0001 * common.mm_per_unit(options)
     return common.number(options, "increment_mm", usual, 1e-6, 0.1)

@@ -1,4 +1,5 @@
-"""Tables that a control only takes at its keyboard: a list to key in, one row a point, and its reader. No control."""
+"""Tables that a control only takes at its keyboard: a list to key in, one row a point, and its
+reader. No control."""
 
 from __future__ import annotations
 
@@ -22,7 +23,8 @@ def written(remarks: Sequence[str], columns: Sequence[str], rows: Sequence[Seque
 def by_axis(
     source: Source, columns: Sequence[str], whole: Sequence[int] = ()
 ) -> dict[str, list[list[float]]]:
-    """Axis letter to rows of numbers, in the order of the columns behind `axis`; `whole`: columns without a fraction.
+    """Axis letter to rows of numbers, in the order of the columns behind `axis`; `whole`: columns
+    without a fraction.
 
     The first of those columns ascends or descends steadily. Raises TableError with file and line.
     """

@@ -1,6 +1,8 @@
-"""A sheet of evenly spaced values, for controls whose values are typed in and whose file is not known.
+"""A sheet of evenly spaced values, for controls whose values are typed in and whose file is not
+known.
 
-`name = value` lines, then a heading of columns, then rows between commas; `#` begins a comment. It is gcomp's own layout.
+`name = value` lines, then a heading of columns, then rows between commas; `#` begins a comment. It
+is gcomp's own layout.
 """
 
 from __future__ import annotations
@@ -21,8 +23,8 @@ def text(
     columns: tuple[str, str],
     comments: list[str],
 ) -> bytes:
-    """The sheet of a table with even nodes; sign times deviation under both columns, or under the first alone where the
-    table is the same for both directions."""
+    """The sheet of a table with even nodes; sign times deviation under both columns, or under the
+    first alone where the table is the same for both directions."""
     unit, decimals = common.mm_per_unit(options), 5 if options.unit == "mm" else 7
     nodes = table.nodes / unit
     values = [table.forward, table.reverse] if table.two_way else [table.forward]

@@ -1,9 +1,11 @@
-"""What the firmwares of printers share: three skew factors and lost motion, from one-axis tables and back.
+"""What the firmwares of printers share: three skew factors and lost motion, from one-axis tables
+and back.
 
-A skew factor says how far an axis moves sideways per mm: the tool stands at x + xy y + xz z, y + yz z for a command x, y, z.
-So xy is the slope of EXY, xz that of EXZ, yz that of EYZ. With squareness of gcomp: xy = -C0Y, xz = B0Z, yz = -A0Z. An axis
-that leans the other way round (EYX, EZX, EZY: C0X, -B0X, A0Y) makes the same angle between both, only that the part is
-turned as a whole; its slope is added to the factor, and the turn is told.
+A skew factor says how far an axis moves sideways per mm: the tool stands at x + xy y + xz z, y + yz
+z for a command x, y, z. So xy is the slope of EXY, xz that of EXZ, yz that of EYZ. With squareness
+of gcomp: xy = -C0Y, xz = B0Z, yz = -A0Z. An axis that leans the other way round (EYX, EZX, EZY:
+C0X, -B0X, A0Y) makes the same angle between both, only that the part is turned as a whole; its
+slope is added to the factor, and the turn is told.
 """
 
 from __future__ import annotations
@@ -33,8 +35,9 @@ class Settings:
 
 
 def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings:
-    """Factors and lost motion of the tables, least squares over the nodes, and what they leave. backlash: whether the
-    control takes up lost motion. Raises TableError for no tables, or one twice."""
+    """Factors and lost motion of the tables, least squares over the nodes, and what they leave.
+    backlash: whether the control takes up lost motion. Raises TableError for no tables, or one
+    twice."""
     result = Settings()
     for table in common.checked(tables):
         mean = common.mean(table).forward
@@ -42,7 +45,8 @@ def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings
             lost = float(np.mean(table.reverse - table.forward)) if backlash else 0.0
             if lost < 0:
                 result.notices.append(
-                    f"{table.name}: the deviation in - is {-lost / UM:.2f} um below that in +, the opposite of lost motion: not written"
+                    f"{table.name}: the deviation in - is {-lost / UM:.2f} um below that in +, the"
+                    " opposite of lost motion: not written"
                 )
                 lost = 0.0
             elif lost:
@@ -61,7 +65,8 @@ def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings
         result.skew[plane] += slope
         if table.along > table.moving and slope:
             result.notices.append(
-                f"{table.name} leans by {slope / URAD:.1f} urad: corrected as skew {plane}; the part lies turned by as much"
+                f"{table.name} leans by {slope / URAD:.1f} urad: corrected as skew {plane}; the"
+                " part lies turned by as much"
             )
         line = slope * table.nodes
         off = max(np.abs(table.forward - line).max(), np.abs(table.reverse - line).max())
@@ -70,7 +75,8 @@ def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings
     if large:
         sizes = ", ".join(f"{name} {size / UM:.2f} um" for name, size in sorted(large.items()))
         result.notices.append(
-            f"{control} holds straight leaning{' and lost motion' if backlash else ''} only; it leaves: {sizes}"
+            f"{control} holds straight leaning{' and lost motion' if backlash else ''} only; it"
+            f" leaves: {sizes}"
         )
     return result
 
@@ -90,7 +96,8 @@ def tables(skew: dict[str, float], lost: dict[str, float]) -> list[ErrorTable]:
 
 
 def lines_of(source: Source) -> list[tuple[int, str, list[str]]]:
-    """Line number, line, and words of every line that holds more than a comment. Raises TableError for an empty file."""
+    """Line number, line, and words of every line that holds more than a comment. Raises TableError
+    for an empty file."""
     rows = [
         (number, text, text.split(";", 1)[0].upper().split())
         for number, text in common.numbered(source)
@@ -99,7 +106,8 @@ def lines_of(source: Source) -> list[tuple[int, str, list[str]]]:
 
 
 def words(source: Source, line: int, text: str, parts: list[str], lawful: str) -> dict[str, float]:
-    """Letter to number of a block's words. Raises TableError for a letter that is not lawful, or stands twice."""
+    """Letter to number of a block's words. Raises TableError for a letter that is not lawful, or
+    stands twice."""
     found: dict[str, float] = {}
     for part in parts:
         letter = part[0]

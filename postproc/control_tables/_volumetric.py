@@ -1,4 +1,5 @@
-"""What the two volumetric texts share: names of parameters, what a file has said so far, one-axis tables to a map and back.
+"""What the two volumetric texts share: names of parameters, what a file has said so far, one-axis
+tables to a map and back.
 
 No control: ISG CSV and Etalon exchange hold the same parameters in different letters.
 """
@@ -30,12 +31,19 @@ EXTRA = {
     "workpiece_axes": "reading: how many of them, from the first, carry the workpiece, 0",
 }
 SIGN_NOTICE = (
-    "unverified: that a component is taken as a deviation (actual - commanded), and from where arms count, follows from the ISO "
-    "230-1 names; the manual's pages on the format do not say it. Measure one place with the compensation on: where the "
-    "deviation has doubled, set `negate XYZ` in the control's list"
+    "unverified: that a component is taken as a deviation (actual - commanded), and from where arms"
+    " count, follows from the ISO 230-1 names; the manual's pages on the format do not say it."
+    " Measure one place with the compensation on: where the deviation has doubled, set `negate XYZ`"
+    " in the control's list"
 )
-ENDS = "what the control does beyond the first and last node is not documented: the tables must be as long as the travel"
-FLANGE = "positions count from machine zero with tool length 0; the control adds the tool's length where N0X N0Y N0Z are set"
+ENDS = (
+    "what the control does beyond the first and last node is not documented: the tables must be as"
+    " long as the travel"
+)
+FLANGE = (
+    "positions count from machine zero with tool length 0; the control adds the tool's length where"
+    " N0X N0Y N0Z are set"
+)
 
 
 def plain(value: float) -> str:
@@ -62,7 +70,8 @@ def value_of(source: Source, line: int, word: str, text: str) -> float:
 
 
 def map_of(tables: list[ErrorTable]) -> tuple[VolumetricMap, dict[str, float]]:
-    """One-axis tables as a map without rotations, and component to mm that the mean of both directions leaves.
+    """One-axis tables as a map without rotations, and component to mm that the mean of both
+    directions leaves.
 
     Raises TableError for no table, or one that is given twice.
     """
@@ -77,7 +86,8 @@ def map_of(tables: list[ErrorTable]) -> tuple[VolumetricMap, dict[str, float]]:
 
 
 def tables_of(found: VolumetricMap, name: str) -> list[ErrorTable]:
-    """A map without rotations as one-axis tables. Raises TableError for any other: they would lose it."""
+    """A map without rotations as one-axis tables. Raises TableError for any other: they would lose
+    it."""
     more = [COMPONENTS[i] + x for x, t in found.axes.items() for i in t.rows if i >= 3]
     more += [f"{g.letter} over {g.other}" for g in found.grids] + [
         n for n, a in found.square.items() if a
@@ -100,7 +110,8 @@ def loss(left: dict[str, float]) -> list[str]:
         return []
     sizes = ", ".join(f"{name} {size / UM:.2f} um" for name, size in sorted(left.items()))
     return [
-        f"the format holds one value for both directions, straight between nodes; that leaves up to: {sizes}"
+        "the format holds one value for both directions, straight between nodes; that leaves up"
+        f" to: {sizes}"
     ]
 
 
@@ -160,7 +171,8 @@ class Collected:
         self.grids.append(GridTable(name[2], other, nodes, others, full, full))
 
     def map(self, options: ExportOptions) -> VolumetricMap:
-        """The map. Raises TableError for a chain that is none, or that lacks an axis of the file."""
+        """The map. Raises TableError for a chain that is none, or that lacks an axis of the
+        file."""
         chain, count = options.extra.get("chain", "XYZ"), options.extra.get("workpiece_axes", "0")
         good = (
             chain
@@ -181,7 +193,8 @@ class Collected:
         notices = list(self.notices)
         if "chain" not in options.extra:
             notices.append(
-                f"the file does not tell the order of the axes: taken as {chain}, {count} of them on the workpiece's side"
+                f"the file does not tell the order of the axes: taken as {chain}, {count} of them"
+                " on the workpiece's side"
             )
         axes = {x: merged(x, parts) for x, parts in self.parts.items()}
         return VolumetricMap(

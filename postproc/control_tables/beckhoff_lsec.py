@@ -1,11 +1,14 @@
-"""Leadscrew error compensation of Beckhoff TwinCAT CNC and ISG kernels: the list kw.ssfk.* of one axis.
+"""Leadscrew error compensation of Beckhoff TwinCAT CNC and ISG kernels: the list kw.ssfk.* of one
+axis.
 
-Lengths are whole tenths of a micrometre (unit 1). interval 0: every point has its setpoint; else points stand evenly from
-kw_startpos on. bilateral 1: .pos for motion in +, .neg in -; the control spreads a reversal over lr_param.n_backlash_cyc
-cycles. Linear between points. Source: Beckhoff TF5200 axis compensation, "Overview" (management data), "Example -
-Non-equidistant bilateral SSFK", P-COMP-00017 to -00025, -00059.
+Lengths are whole tenths of a micrometre (unit 1). interval 0: every point has its setpoint; else
+points stand evenly from kw_startpos on. bilateral 1: .pos for motion in +, .neg in -; the control
+spreads a reversal over lr_param.n_backlash_cyc cycles. Linear between points. Source: Beckhoff
+TF5200 axis compensation, "Overview" (management data), "Example - Non-equidistant bilateral SSFK",
+P-COMP-00017 to -00025, -00059.
 
-Sign: the manual's example computes the value as actual - setpoint (19856.5 um reached for 19866.7 um is -102): +e.
+Sign: the manual's example computes the value as actual - setpoint (19856.5 um reached for 19866.7
+um is -102): +e.
 """
 
 from __future__ import annotations
@@ -59,11 +62,18 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         left[table.name] = common.left(table, _parsed(Source(name, data), options, table.moving))
         if table.two_way and not options.two_way:
             notices.append(
-                f"{table.name}: one table for both directions; the control's backlash must stay as it is"
+                f"{table.name}: one table for both directions; the control's backlash must stay as"
+                " it is"
             )
     notices += [
-        "activate with lr_param.ssfk 1 in the axis' parameters; with both directions in the list its own backlash must be 0",
-        "what the control does beyond the first and last point is not documented: the table must be as long as the travel",
+        (
+            "activate with lr_param.ssfk 1 in the axis' parameters; with both directions in the"
+            " list its own backlash must be 0"
+        ),
+        (
+            "what the control does beyond the first and last point is not documented: the table"
+            " must be as long as the travel"
+        ),
     ]
     return Export(files, tuple(notices), left)
 
@@ -101,7 +111,8 @@ def _text(table: ErrorTable, options: ExportOptions, notices: list[str]) -> byte
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """The list's one table; the axis by its name in the list. Raises TableError with file and line."""
+    """The list's one table; the axis by its name in the list. Raises TableError with file and
+    line."""
     return [_parsed(source, options)]
 
 

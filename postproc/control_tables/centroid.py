@@ -1,11 +1,14 @@
-"""Centroid's ballscrew ("laser") compensation: a sheet of values, and the table of the oldest software, cnc7x.tab.
+"""Centroid's ballscrew ("laser") compensation: a sheet of values, and the table of the oldest
+software, cnc7x.tab.
 
-The control keeps a .tab file per axis: a header with axis, length, interval and unit, then the correction at every point; from
-CNC7 v7.50 on two corrections, for motion forward and back. Of these only version 1 (CNC7 v6.00) is known to the letter: a
-header of two numbers, `24 -1448819`, and 24 corrections in encoder counts. With 40,000 counts per inch that travel is 920.00 mm,
-23 intervals of 40 mm: so the header is taken as the number of points and the place of the last one, counted from home.
-Source: CNC Services Northwest, "Laser Compensation on Centroid Controls". What newer controls keep is not known: for
-them a sheet is written, in gcomp's own layout, never a .tab file.
+The control keeps a .tab file per axis: a header with axis, length, interval and unit, then the
+correction at every point; from CNC7 v7.50 on two corrections, for motion forward and back. Of these
+only version 1 (CNC7 v6.00) is known to the letter: a header of two numbers, `24 -1448819`, and 24
+corrections in encoder counts. With 40,000 counts per inch that travel is 920.00 mm,
+23 intervals of 40 mm: so the header is taken as the number of points and the place of the last one,
+counted from home.
+Source: CNC Services Northwest, "Laser Compensation on Centroid Controls". What newer controls keep
+is not known: for them a sheet is written, in gcomp's own layout, never a .tab file.
 
 Sign: "the amount of correction to apply": -deviation. Unverified; --set sign=+ turns it.
 """
@@ -32,8 +35,8 @@ EXTRA = {
 }
 COLUMNS = ("correction_forward", "correction_reverse")
 NOTICE = (
-    "unverified: the sign, and all of the layout but version 1. Enter one axis, move to a place with a large error and measure: "
-    "where it has doubled, write again with --set sign=+"
+    "unverified: the sign, and all of the layout but version 1. Enter one axis, move to a place"
+    " with a large error and measure: where it has doubled, write again with --set sign=+"
 )
 
 
@@ -70,16 +73,19 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         left[table.name] = common.left(table, back)
         if single and table.two_way:
             notices.append(
-                f"{table.name}: the mean of both directions is written; backlash stays a setting of the control"
+                f"{table.name}: the mean of both directions is written; backlash stays a setting of"
+                " the control"
             )
     notices.append(
-        "what the control does beyond the ends of a table is not documented: it must be as long as the travel"
+        "what the control does beyond the ends of a table is not documented: it must be as long as"
+        " the travel"
     )
     return Export(files, (NOTICE, *notices), left)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """The file's one table. Raises TableError with file and line, UsageError where counts or axis are not told."""
+    """The file's one table. Raises TableError with file and line, UsageError where counts or axis
+    are not told."""
     if common.setting(options, "version", "sheet", ("sheet", "1")) == "sheet":
         return [_sheet.parsed(source, _sign(options), COLUMNS)]
     axis = options.extra.get("axis", "").upper()

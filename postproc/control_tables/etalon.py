@@ -1,11 +1,14 @@
-"""Etalon exchange text, variant "Vendor": what TRAC-CAL and LineCal write, and ISG and Beckhoff VolComp read.
+"""Etalon exchange text, variant "Vendor": what TRAC-CAL and LineCal write, and ISG and Beckhoff
+VolComp read.
 
-A parameter is a section: `[EXY]` with `Gridpoints = { argument value ... }`, `[C0B]` with `VALUE = `; `//` begins a comment.
-Lengths are mm, angles rad; a component has its own axis as its only argument. Source: Beckhoff TF5280, "Etalon Exchange
-Format", "Units of measure", "Constancy in the case of modulo passages".
+A parameter is a section: `[EXY]` with `Gridpoints = { argument value ... }`, `[C0B]` with `VALUE =
+`; `//` begins a comment. Lengths are mm, angles rad; a component has its own axis as its only
+argument. Source: Beckhoff TF5280, "Etalon Exchange Format", "Units of measure", "Constancy in the
+case of modulo passages".
 
-Sign: as in isg_csv. A component is the deviation, actual - commanded, as its ISO 230-1 name says (+e); squareness is the
-right-handed rotation of its name, gcomp's own meaning: B0X > 0 leans X towards -Z.
+Sign: as in isg_csv. A component is the deviation, actual - commanded, as its ISO 230-1 name says
+(+e); squareness is the right-handed rotation of its name, gcomp's own meaning: B0X > 0 leans X
+towards -Z.
 """
 
 from __future__ import annotations
@@ -33,13 +36,15 @@ EXTRA = volumetric.EXTRA
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
-    """The tables as translations of each axis. Two-way tables are written as their mean. Raises TableError."""
+    """The tables as translations of each axis. Two-way tables are written as their mean. Raises
+    TableError."""
     found, left = volumetric.map_of(tables)
     return _export(found, options, left)
 
 
 def write_machine(machine: Machine, options: ExportOptions) -> Export:
-    """All components and squareness. What depends on a second axis is written as its middle over that axis.
+    """All components and squareness. What depends on a second axis is written as its middle over
+    that axis.
 
     Raises TableError where there is nothing to write, MachineError for rotary axes.
     """
@@ -49,7 +54,8 @@ def write_machine(machine: Machine, options: ExportOptions) -> Export:
 
 
 def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> VolumetricMap:
-    """The map with each grid as its middle over the second axis; adds to `left` what that leaves, mm."""
+    """The map with each grid as its middle over the second axis; adds to `left` what that leaves,
+    mm."""
     axes = dict(found.one_way().axes)
     notices = list(found.notices)
     for grid in found.one_way().grids:
@@ -62,7 +68,8 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
             ),
         )
         notices.append(
-            f"the format has one argument: errors of {grid.letter} over {grid.other} are written as their middle"
+            f"the format has one argument: errors of {grid.letter} over {grid.other} are written as"
+            " their middle"
         )
         parts = [(i, grid.nodes, middle[i], middle[i]) for i in range(6)]
         own = axes.get(grid.letter)
@@ -92,9 +99,13 @@ def _export(found: VolumetricMap, options: ExportOptions, left: dict[str, float]
         raise TableError("there is no deviation to write", "all tables of the machine are zero")
     order = f"{''.join(found.chain)}, {found.workpiece_axes} of them on the workpiece's side"
     notices = (
-        volumetric.SIGN_NOTICE, *found.notices, *volumetric.loss(left), volumetric.ENDS, volumetric.FLANGE,
+        volumetric.SIGN_NOTICE,
+        *found.notices,
+        *volumetric.loss(left),
+        volumetric.ENDS,
+        volumetric.FLANGE,
         f"the order of the axes is not in the file, tell the control: {order}",
-    )  # fmt: skip
+    )
     return Export({f"{options.program}.txt": ("\n".join(lines) + "\n").encode()}, notices, left)
 
 
@@ -106,12 +117,14 @@ def _section(table: AxisTable, row: int, name: str) -> list[str]:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """The translations of each axis. Raises TableError for rotations or squareness: see read_machine."""
+    """The translations of each axis. Raises TableError for rotations or squareness: see
+    read_machine."""
     return volumetric.tables_of(read_machine(source, options), source.name)
 
 
 def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
-    """A map. The order of the axes is not in the file: options.extra "chain" ("XYZ") and "workpiece_axes" ("0") tell it.
+    """A map. The order of the axes is not in the file: options.extra "chain" ("XYZ") and
+    "workpiece_axes" ("0") tell it.
 
     Raises TableError with file, line and reason for what is no such file.
     """

@@ -1,9 +1,10 @@
 """Fagor 8055 leadscrew error compensation, as a list to key in.
 
-Each point: position referred to machine zero, error in the positive direction, error in the negative direction; up to 1000
-points an axis (NPOINTS, P16), active with LSCRWCOM (P15). Where the error in the negative direction is zero at all points, the
-control takes that of the positive direction for both. Source: CNC 8055 installation manual, page 328. The amount of error
-is entered, so +deviation; that sign, and the file, are unverified (`fagor_sign=-` flips it).
+Each point: position referred to machine zero, error in the positive direction, error in the
+negative direction; up to 1000 points an axis (NPOINTS, P16), active with LSCRWCOM (P15). Where the
+error in the negative direction is zero at all points, the control takes that of the positive
+direction for both. Source: CNC 8055 installation manual, page 328. The amount of error is entered,
+so +deviation; that sign, and the file, are unverified (`fagor_sign=-` flips it).
 """
 
 from __future__ import annotations
@@ -37,7 +38,10 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     sign = 1.0 if common.setting(options, "fagor_sign", "+", ("-", "+")) == "+" else -1.0
     most = common.whole(options, "points", 1000, 2, 1000)
     kept, notices = common.own_axis(tables, "the Fagor leadscrew table")
-    remark = "unverified: the sign, and how the list is entered; set LSCRWCOM (P15) = ON and NPOINTS (P16)"
+    remark = (
+        "unverified: the sign, and how the list is entered; set LSCRWCOM (P15) = ON and NPOINTS"
+        " (P16)"
+    )
     notices.insert(0, remark)
     rows: list[list[str]] = []
     for table in kept:
@@ -49,13 +53,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         chosen, lost = common.thinned(chosen, most)
         if lost:
             notices.append(
-                f"{table.name}: thinned out to {len(chosen.nodes)} points, which loses {lost / UM:.3f} um"
+                f"{table.name}: thinned out to {len(chosen.nodes)} points, which loses"
+                f" {lost / UM:.3f} um"
             )
         up, down = (np.round(sign * v / unit, decimals) for v in (chosen.forward, chosen.reverse))
         if not np.any(down) and np.any(up):
             down[-1] = 10.0**-decimals
             notices.append(
-                f"{table.name}: the errors for travel in - are all zero, which the control reads as 'like in +': the last is {down[-1]:g} {options.unit}"
+                f"{table.name}: the errors for travel in - are all zero, which the control reads as"
+                f" 'like in +': the last is {down[-1]:g} {options.unit}"
             )
         rows += [
             [table.moving, *(common.fixed(float(v), decimals) for v in row)]

@@ -1,15 +1,18 @@
-"""Fanuc stored pitch error compensation: parameters 3620 to 3627, 1851, and the numbered increments.
+"""Fanuc stored pitch error compensation: parameters 3620 to 3627, 1851, and the numbered
+increments.
 
-Number n is the increment between the points n-1 and n; point n stands at reference + (n - 3620) * 3624. Read from the - side
-to the +: what is added at a point is the running sum, zero at the reference. Unit: detection unit times 3623. A positive
-increment is more travel in +, so -deviation is written, by carry: K_n = round(c_n) - round(c_n-1), which keeps the running
-sum within half a unit. 3621 = number of the reference - stroke in - / 3624 + 1. With 3605#0 the numbers from 3626 on are for
-travel in -, and 3627 is what is added at the reference when it is reached from the other side; without it 1851 is the
-backlash: added once at a reversal.
+Number n is the increment between the points n-1 and n; point n stands at reference + (n - 3620) *
+3624. Read from the - side to the +: what is added at a point is the running sum, zero at the
+reference. Unit: detection unit times 3623. A positive increment is more travel in +, so -deviation
+is written, by carry: K_n = round(c_n) - round(c_n-1), which keeps the running sum within half a
+unit. 3621 = number of the reference - stroke in - / 3624 + 1. With 3605#0 the numbers from 3626 on
+are for travel in -, and 3627 is what is added at the reference when it is reached from the other
+side; without it 1851 is the backlash: added once at a reversal.
 
-Source: 0i-PB parameter manual B-63980EN page 100 (numbering, increments, its example 33 to 49 is a test), technical report
-A-77810E (both directions). General knowledge, so unverified in the output: the sign (it agrees with one machine's table),
-the G10 lines, that the increments for travel in - are read from the - side too, straightness.
+Source: 0i-PB parameter manual B-63980EN page 100 (numbering, increments, its example 33 to 49 is a
+test), technical report A-77810E (both directions). General knowledge, so unverified in the output:
+the sign (it agrees with one machine's table), the G10 lines, that the increments for travel in -
+are read from the - side too, straightness.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ import numpy as np
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
 from postproc.control_tables import _fanuc_listing as listings
+from postproc.control_tables._fanuc_reading import pitch_table, straightness
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -46,8 +50,8 @@ LARGEST_NUMBER = 1023
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
-    """Pitch tables in the form asked for, straightness beside it. Raises TableError where numbers do not suffice or an
-    increment can not be held by any magnification."""
+    """Pitch tables in the form asked for, straightness beside it. Raises TableError where numbers
+    do not suffice or an increment can not be held by any magnification."""
     form = common.setting(options, "form", "l50", ("l50", "l52", "records", "csv"))
     tables = common.checked(tables)
     notices: list[str] = []
@@ -71,7 +75,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             _straightness(cross, options, notices, shifts),
         )
         files[name] = data
-        back += _read_straightness(Source(name, data), options)
+        back += straightness(Source(name, data), options)
     got = {t.name: t for t in back}
     remainder = {
         t.name: common.left(common.shifted(t, shifts[t.name]), got[t.name]) for t in tables
@@ -81,9 +85,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 @dataclass(frozen=True)
 class _Points:
-    """One axis on its even points. table: zero at the reference; by: mm that were taken off; step: mm between points; below:
-    intervals on the - side of the reference; up, down: increments for travel in + and in -; opposite: 3627, detection
-    units."""
+    """One axis on its even points. table: zero at the reference; by: mm that were taken off; step:
+    mm between points; below: intervals on the - side of the reference; up, down: increments for
+    travel in + and in -; opposite: 3627, detection units."""
 
     table: ErrorTable
     by: float
@@ -109,7 +113,8 @@ def _axis(
         low, high = _range(axis, options, low, high)
     elif axis not in options.first:
         notices.append(
-            f"{axis}: numbers {low} to {high} were chosen, the reference is {first}: make sure they are free (--first {axis}={first})"
+            f"{axis}: numbers {low} to {high} were chosen, the reference is {first}: make sure they"
+            f" are free (--first {axis}={first})"
         )
     if low < 0 or high > LARGEST_NUMBER:
         raise TableError(
@@ -136,7 +141,8 @@ def _axis(
         start = common.whole(options, f"negative_{axis}", high + 1, 0, LARGEST_NUMBER)
         if start + high - low > LARGEST_NUMBER or low <= start <= high:
             raise TableError(
-                f"{axis}: numbers from {start} on for travel in - overlap, or end beyond {LARGEST_NUMBER}",
+                f"{axis}: numbers from {start} on for travel in - overlap, or end beyond"
+                f" {LARGEST_NUMBER}",
                 f"--set negative_{axis}=N",
             )
         shift = start - low
@@ -157,8 +163,8 @@ def _axis(
 
 
 def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list[str]) -> _Points:
-    """The axis on even points. Where no spacing is asked for, it is halved before a magnification is used: that halves the
-    increments, and keeps the running sum within half a detection unit."""
+    """The axis on even points. Where no spacing is asked for, it is halved before a magnification
+    is used: that halves the increments, and keeps the running sum within half a detection unit."""
     home = common.reference(table, options, notices)
     way = (
         (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
@@ -193,8 +199,10 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
     notices += told
     if magnification > 1:
         notices.append(
-            f"{even.name}: 3623 = {magnification} keeps the increments within {options.extra.get('largest', '7')}, so the table is in steps of "
-            f"{options.step * magnification / UM:g} um; --set largest=127 if the control takes that, or a smaller --spacing"
+            f"{even.name}: 3623 = {magnification} keeps the increments within"
+            f" {options.extra.get('largest', '7')}, so the table is in steps of"
+            f" {options.step * magnification / UM:g} um; --set largest=127 if the control takes"
+            " that, or a smaller --spacing"
         )
     below = round((home - float(even.nodes[0])) / step)
     return _Points(
@@ -212,8 +220,8 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
 def _increments(
     even: ErrorTable, options: ExportOptions, home: float, way: float
 ) -> tuple[int, np.ndarray, np.ndarray]:
-    """The magnification, and the increments for travel in + and in -: the differences of rounded running sums, each
-    counted from what is added at the reference (0, or 3627)."""
+    """The magnification, and the increments for travel in + and in -: the differences of rounded
+    running sums, each counted from what is added at the reference (0, or 3627)."""
     starts = [
         0.0 if direction * way >= 0 else _opposite(even, options, home, way) * options.step
         for direction in (1.0, -1.0)
@@ -233,7 +241,8 @@ def _increments(
 
 
 def _opposite(even: ErrorTable, options: ExportOptions, home: float, way: float) -> int:
-    """3627 in detection units: what is added at the reference when it is reached from the other side."""
+    """3627 in detection units: what is added at the reference when it is reached from the other
+    side."""
     return round(-float(even.at(np.array([home]), -way)[0]) / options.step)
 
 
@@ -264,7 +273,8 @@ def _files(
     name = options.program
     said = {t.split(":", 1)[1].strip() for t in notices if t.startswith("unverified")}
     notices.append(
-        "unverified: the sign (a positive number is more travel in +); enter one number, and look with a gauge"
+        "unverified: the sign (a positive number is more travel in +); enter one number, and look"
+        " with a gauge"
     )
     if form == "csv":
         files = listings.csv_files(settings, pitch, name)
@@ -282,7 +292,8 @@ def _files(
         file, data = f"{name}_fanuc.txt", listings.records(settings, pitch, options)
     else:
         notices.append(
-            f"unverified: G10 L50 and L52 lines are from general knowledge; axes are numbered {listings.axis_order(options)}"
+            "unverified: G10 L50 and L52 lines are from general knowledge; axes are numbered"
+            f" {listings.axis_order(options)}"
         )
         comments = [
             "gcomp pitch error compensation",
@@ -298,31 +309,38 @@ def _advice(
 ) -> None:
     if any(3605 in known for known in settings.values()):
         notices.append(
-            "set 3605#0 = 1 by hand (its other bits are not known here); it is an option of the control; then 1851 is 0"
+            "set 3605#0 = 1 by hand (its other bits are not known here); it is an option of the"
+            " control; then 1851 is 0"
         )
         notices.append(
-            "unverified: increments for travel in - are taken as read from the - side, like those for travel in +"
+            "unverified: increments for travel in - are taken as read from the - side, like those"
+            " for travel in +"
         )
     if any(known[1851] for known in settings.values()):
         notices.append(
-            "1851 is the backlash; 1852 (rapid) counts where 1800#4 is 1: --set rapid_backlash=same writes it too"
+            "1851 is the backlash; 1852 (rapid) counts where 1800#4 is 1: --set rapid_backlash=same"
+            " writes it too"
         )
     spacing = min(known[3624] for known in settings.values()) * listings.increment(options)
     notices.append(
-        f"an interval of {spacing:g} mm is enough up to about {spacing * 7500:g} mm/min (general knowledge)"
+        f"an interval of {spacing:g} mm is enough up to about {spacing * 7500:g} mm/min (general"
+        " knowledge)"
     )
     notices.append(
-        "clear what stood in these numbers, write, switch the control off and on, and return to the reference"
+        "clear what stood in these numbers, write, switch the control off and on, and return to the"
+        " reference"
     )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """What the numbers take out: a table per axis. CSV needs its settings in options.extra["settings"], or in the same file.
+    """What the numbers take out: a table per axis. CSV needs its settings in
+    options.extra["settings"], or in the same file.
 
-    Raises TableError with file and line for numbers outside the ranges of all axes, gaps, or missing parameters.
+    Raises TableError with file and line for numbers outside the ranges of all axes, gaps, or
+    missing parameters.
     """
     if source.data.lstrip().lower().startswith(b"moving,"):
-        return _read_straightness(source, options)
+        return straightness(source, options)
     listing = listings.parse(source, options)
     if not listing.settings:
         raise TableError(
@@ -331,7 +349,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         )
     used: set[int] = set()
     tables = [
-        t for axis in listing.settings if (t := _table(listing, axis, options, used)) is not None
+        t
+        for axis in listing.settings
+        if (t := pitch_table(listing, axis, options, used)) is not None
     ]
     for number, line in listing.line.items():
         if number not in used:
@@ -347,98 +367,14 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     return tables
 
 
-def _table(
-    listing: listings.Listing, axis: str, options: ExportOptions, used: set[int]
-) -> ErrorTable | None:
-    known = listing.settings[axis]
-    source = listing.source
-    for number in (3620, 3621, 3622, 3623, 3624):
-        if number not in known:
-            raise TableError(
-                f"{source.name}: parameter {number} of {axis} is missing",
-                "3620 to 3624 say where the numbers stand",
-            )
-    first, low, high, magnification = (int(known[n]) for n in (3620, 3621, 3622, 3623))
-    unit = (
-        common.mm_per_unit(options)
-        if (axis, 3624) in listing.lengths
-        else listings.increment(options)
-    )
-    step = known[3624] * unit
-    if step <= 0 or high < low:
-        raise TableError(
-            f"{source.name}: 3624 = {known[3624]:g}, 3621 = {low}, 3622 = {high} of {axis} make no table"
-        )
-    if known.get(3625, 0):
-        raise TableError(
-            f"{source.name}: 3625 of {axis} is {known[3625]:g}: a rotary axis, not read"
-        )
-    both = 3626 in known and bool(int(known.get(3605, 1)) & 1)
-    way = (
-        (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
-        if both
-        else 0.0
-    )
-    home = options.reference.get(axis, 0.0)
-    columns = []
-    starts = [low, int(known[3626])] if both else [low]
-    for start, direction in zip(starts, (1.0, -1.0), strict=False):
-        numbers = [n for n in sorted(listing.pitch) if start <= n <= start + high - low]
-        for n in numbers:
-            if listing.owner.get(n, axis) != axis or n in used:
-                raise common.fault(
-                    source,
-                    listing.line[n],
-                    f"compensation number {n} lies in the range of {axis} and of another axis",
-                )
-        if numbers and numbers != list(range(numbers[0], numbers[-1] + 1)):
-            gap = next(n for n in range(numbers[0], numbers[-1]) if n not in listing.pitch)
-            raise common.fault(
-                source,
-                listing.line[numbers[0]],
-                f"{axis}: compensation number {gap} is missing between {numbers[0]} and {numbers[-1]}",
-            )
-        used.update(numbers)
-        offset = known.get(3627, 0.0) * options.step if both and direction != way else 0.0
-        columns.append(
-            _sums(
-                numbers,
-                [listing.pitch[n] for n in numbers],
-                start + first - low,
-                magnification * options.step,
-                offset,
-            )
-        )
-    play = known.get(1851, 0.0) * options.step
-    if not any(len(points) for points, _ in columns) and not play and 3627 not in known:
-        return None
-    points = (
-        np.unique(np.concatenate([p for p, _ in columns]))
-        if any(len(p) for p, _ in columns)
-        else np.zeros(1)
-    )
-    added = [np.interp(points, p, v) if len(p) else np.full(len(points), v[0]) for p, v in columns]
-    up, down = added[0] + play / 2, added[-1] - play / 2
-    return ErrorTable(axis, axis, np.round(home + points * step, 9), -up, -down)
-
-
-def _sums(
-    numbers: list[int], increments: list[int], first: int, unit: float, offset: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points counted from the reference, and what is added there, mm: the running sum, `offset` at the reference."""
-    if not numbers:
-        return np.zeros(0), np.array([offset])
-    points = np.arange(numbers[0] - 1, numbers[-1] + 1) - first
-    total = np.concatenate([[0.0], np.cumsum(increments)])
-    return points.astype(float), (total - np.interp(0.0, points, total)) * unit + offset
-
-
 def _straightness(
     cross: list[ErrorTable], options: ExportOptions, notices: list[str], shifts: dict[str, float]
 ) -> bytes:
-    """moving,compensated,position_mm,increment: increments like those of a pitch table, zero at the reference."""
+    """moving,compensated,position_mm,increment: increments like those of a pitch table, zero at the
+    reference."""
     notices.append(
-        "unverified: straightness is written as a list; where the control holds it (5711 on, or its 128 points) is yours to enter"
+        "unverified: straightness is written as a list; where the control holds it (5711 on, or its"
+        " 128 points) is yours to enter"
     )
     lines = ["moving,compensated,position_mm,increment"]
     for table in cross:
@@ -457,29 +393,3 @@ def _straightness(
         if table.two_way:
             notices.append(f"{table.name}: the mean of both directions is written")
     return ("\n".join(lines) + "\n").encode()
-
-
-def _read_straightness(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    rows: dict[tuple[str, str], list[tuple[float, float]]] = {}
-    for line, text in common.numbered(source)[1:]:
-        cells = [c.strip() for c in text.split(",")]
-        if len(cells) != 4 or not all(len(c) == 1 and c.isalpha() for c in cells[:2]):
-            raise common.fault(
-                source, line, "not moving, compensated, position and increment", "Z,X,20,-1", text
-            )
-        place, count = (common.finite(source, line, c, "the value", text) for c in cells[2:])
-        known = rows.setdefault((cells[0].upper(), cells[1].upper()), [])
-        if known and place <= known[-1][0]:
-            raise common.fault(
-                source, line, f"position {place:g} does not ascend after {known[-1][0]:g}", "", text
-            )
-        known.append((place, count))
-    tables = []
-    for (moving, along), pairs in rows.items():
-        nodes, counts = np.array(pairs).T
-        total = np.cumsum(counts)
-        total -= np.interp(options.reference.get(moving, 0.0), nodes, total)
-        tables.append(
-            ErrorTable(moving, along, nodes, -total * options.step, -total * options.step)
-        )
-    return tables

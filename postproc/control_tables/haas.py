@@ -1,9 +1,11 @@
 """Haas lead screw compensation, as a list to key in.
 
-Values every 0.5 inch of machine coordinates, the first at machine zero, the next ones towards minus; in inches, resolution
-0.0001 inch; the control interpolates them into 256 entries and limits them to 127 encoder steps. The same for both
-directions. Source: VF series manual 96-8000, page 305, which also says that a user should never need to change them.
-Unverified: the sign. -deviation is written (a value is added to the command), `haas_sign=+` flips it.
+Values every 0.5 inch of machine coordinates, the first at machine zero, the next ones towards
+minus; in inches, resolution 0.0001 inch; the control interpolates them into 256 entries and limits
+them to 127 encoder steps. The same for both directions. Source: VF series manual 96-8000, page 305,
+which also says that a user should never need to change them.
+Unverified: the sign. -deviation is written (a value is added to the command), `haas_sign=+` flips
+it.
 """
 
 from __future__ import annotations
@@ -30,33 +32,42 @@ COLUMNS = ("axis", "point", "position_in", "value_in")
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
-    """One list, positions in inches of machine coordinates. Raises TableError beyond 256 points or 127 encoder steps."""
+    """One list, positions in inches of machine coordinates. Raises TableError beyond 256 points or
+    127 encoder steps."""
     sign = 1.0 if common.setting(options, "haas_sign", "-", ("-", "+")) == "+" else -1.0
     encoder = common.number(options, "encoder_step_mm", 0.0, 0.0, 1.0)
     kept, notices = common.own_axis(tables, "the Haas lead screw compensation")
-    remark = "unverified: the sign, and how the values are entered; Haas' manual says a user should not need to change them"
+    remark = (
+        "unverified: the sign, and how the values are entered; Haas' manual says a user should not"
+        " need to change them"
+    )
     notices.insert(0, remark)
     rows: list[list[str]] = []
     for table in kept:
         home = common.reference(table, options, notices)
         if table.nodes[0] > home - 1e-9:
             raise TableError(
-                f"{table.name} begins at {table.nodes[0]:g} mm, and machine zero is {table.moving} = {home:g}: entries only go down from there",
-                f"--reference {table.moving}={table.nodes[-1]:g} if machine zero is at the upper end",
+                f"{table.name} begins at {table.nodes[0]:g} mm, and machine zero is {table.moving}"
+                f" = {home:g}: entries only go down from there",
+                f"--reference {table.moving}={table.nodes[-1]:g} if machine zero is at the"
+                " upper end",
             )
         count = max(2, int(np.ceil((home - table.nodes[0]) / SPACING - 1e-9)) + 1)
         if count > POINTS:
             raise TableError(
-                f"{table.name} reaches {count} points of 0.5 inch below machine zero, and there are {POINTS}"
+                f"{table.name} reaches {count} points of 0.5 inch below machine zero, and there are"
+                f" {POINTS}"
             )
         if table.nodes[-1] > home + 1e-9:
             notices.append(
-                f"{table.name}: nothing stands above machine zero {table.moving} = {home:g}: the value there is held up to {table.nodes[-1]:g}"
+                f"{table.name}: nothing stands above machine zero {table.moving} = {home:g}: the"
+                f" value there is held up to {table.nodes[-1]:g}"
             )
         values = common.mean(table).at(home - SPACING * np.arange(count)) * sign / MM_PER_INCH
         if encoder and np.abs(values).max() * MM_PER_INCH > STEPS * encoder:
             raise TableError(
-                f"{table.name}: {np.abs(values).max() * MM_PER_INCH / UM:.1f} um are more than {STEPS} encoder steps of {encoder / UM:g} um"
+                f"{table.name}: {np.abs(values).max() * MM_PER_INCH / UM:.1f} um are more than"
+                f" {STEPS} encoder steps of {encoder / UM:g} um"
             )
         rows += [
             [table.moving, str(i), common.fixed(-0.5 * i, 1), common.fixed(float(v), DECIMALS)]
@@ -64,11 +75,13 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         ]
         if table.two_way:
             notices.append(
-                f"{table.name}: the mean of both directions is written; lost motion of {common.play(table) / UM:+.1f} um is a parameter of its own"
+                f"{table.name}: the mean of both directions is written; lost motion of"
+                f" {common.play(table) / UM:+.1f} um is a parameter of its own"
             )
     if not encoder:
         notices.append(
-            f"values are limited to {STEPS} encoder steps: not checked (--set encoder_step_mm=0.001)"
+            f"values are limited to {STEPS} encoder steps: not checked (--set"
+            " encoder_step_mm=0.001)"
         )
     name = f"{options.program}_haas.csv"
     data = lists.written([remark], COLUMNS, rows)
@@ -79,14 +92,16 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """The list's tables. Machine zero stands at options.reference. Raises TableError with file and line."""
+    """The list's tables. Machine zero stands at options.reference. Raises TableError with file and
+    line."""
     sign = 1.0 if common.setting(options, "haas_sign", "-", ("-", "+")) == "+" else -1.0
     tables = []
     for axis, rows in lists.by_axis(source, COLUMNS, whole=(0,)).items():
         point, position, value = np.array(rows).T
         if not np.allclose(position, -0.5 * point) or point[0] != 0:
             raise TableError(
-                f"{source.name}: positions of {axis} are not 0, -0.5, -1.0 ... inch from machine zero"
+                f"{source.name}: positions of {axis} are not 0, -0.5, -1.0 ... inch from machine"
+                " zero"
             )
         nodes = (options.reference.get(axis, 0.0) + position * MM_PER_INCH)[::-1]
         column = (sign * value * MM_PER_INCH)[::-1]

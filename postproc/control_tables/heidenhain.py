@@ -1,14 +1,17 @@
-"""Heidenhain nonlinear axis error compensation: .COM value tables and the .CMA table that assigns them.
+"""Heidenhain nonlinear axis error compensation: .COM value tables and the .CMA table that assigns
+them.
 
-A .COM file belongs to the axis that moves: AXISPOS (referred to the machine datum), a column for each axis that is corrected,
-and BACKLASH, the moving axis' own values for travel in -. A .CMA row names, in the column of the moving axis, its .COM:
-"[axis in column from .com] = F(axis in column from .cma, in which .com is entered)" (MANUALplus 620 technical manual, pages
-716 to 718). A value is positive where the axis travels too far (TNC 407 technical manual, page 151, of MP720), so
-+deviation. At most 256 entries. form=legacy: evenly spaced by a power of two x 0.1 um, neighbours at most spacing / 64
-apart (TNC 407, pages 153 to 156).
+A .COM file belongs to the axis that moves: AXISPOS (referred to the machine datum), a column for
+each axis that is corrected, and BACKLASH, the moving axis' own values for travel in -. A .CMA row
+names, in the column of the moving axis, its .COM: "[axis in column from .com] = F(axis in column
+from .cma, in which .com is entered)" (MANUALplus 620 technical manual, pages 716 to 718). A value
+is positive where the axis travels too far (TNC 407 technical manual, page 151, of MP720), so
++deviation. At most 256 entries. form=legacy: evenly spaced by a power of two x 0.1 um, neighbours
+at most spacing / 64 apart (TNC 407, pages 153 to 156).
 
-The lines that frame such a file were not found. With the control's own exported empty table as template its frame and
-column widths are kept and filled; without, a frame from general knowledge is written and called unverified.
+The lines that frame such a file were not found. With the control's own exported empty table as
+template its frame and column widths are kept and filled; without, a frame from general knowledge is
+written and called unverified.
 """
 
 from __future__ import annotations
@@ -43,8 +46,8 @@ NAMES = {"mm": "MM", "inch": "INCH"}
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
-    """AXIS_Z.COM for each moving axis, and config.CMA without a template. Raises TableError where a template has no column
-    for a value, or is too narrow, and where the legacy limits are broken."""
+    """AXIS_Z.COM for each moving axis, and config.CMA without a template. Raises TableError where a
+    template has no column for a value, or is too narrow, and where the legacy limits are broken."""
     tables = common.checked(tables)
     form = common.setting(options, "form", "free", ("free", "legacy"))
     template = options.extra.get("template", "")
@@ -55,7 +58,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         notices.append("the frame and the columns are those of your template")
     else:
         notices.append(
-            "unverified: the lines that frame the file; export an empty table from the control and give it with --template FILE"
+            "unverified: the lines that frame the file; export an empty table from the control and"
+            " give it with --template FILE"
         )
     files: dict[str, bytes] = {}
     remainder: dict[str, float] = {}
@@ -74,7 +78,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         remainder |= {t.name: common.left(t, back[t.name]) for t in group}
         if form == "legacy":
             notices.append(
-                f"{name}: datum {nodes[0]:g} mm, spacing 2^{round(math.log2((nodes[1] - nodes[0]) / TICK))} x 0.1 um"
+                f"{name}: datum {nodes[0]:g} mm, spacing"
+                f" 2^{round(math.log2((nodes[1] - nodes[0]) / TICK))} x 0.1 um"
             )
     if not template:
         width = max(len(f"AXIS_{letter}.COM") for letter in moving) + 2
@@ -140,7 +145,8 @@ def _nodes(
     if len(nodes) > most:
         even = common.even_nodes(span, options, float(nodes[0]), most)
         notices.append(
-            f"{span.moving}: {len(nodes)} nodes are more than {most} entries: every {even[1] - even[0]:g} mm instead"
+            f"{span.moving}: {len(nodes)} nodes are more than {most} entries: every"
+            f" {even[1] - even[0]:g} mm instead"
         )
         return even
     return nodes
@@ -153,8 +159,9 @@ def _gentle(table: ErrorTable) -> None:
         worst = int(np.argmax(rise))
         if rise[worst] > step / 64:
             raise TableError(
-                f"{table.name} changes by {rise[worst] / UM:.1f} um between {table.nodes[worst]:g} and {table.nodes[worst + 1]:g} mm; "
-                f"spacing / 64 = {step / 64 / UM:.1f} um is the limit",
+                f"{table.name} changes by {rise[worst] / UM:.1f} um between {table.nodes[worst]:g}"
+                f" and {table.nodes[worst + 1]:g} mm; spacing / 64 = {step / 64 / UM:.1f} um is the"
+                " limit",
                 "a larger --spacing, or form=free",
             )
 
@@ -212,7 +219,8 @@ def _filled(
                 cell = common.fixed(float(values[column][i]) / unit, decimals)
             if k + 1 < len(columns) and len(cell) >= columns[k + 1][1] - start:
                 raise TableError(
-                    f"{cell} does not fit the column {column} of the template, {columns[k + 1][1] - start} wide"
+                    f"{cell} does not fit the column {column} of the template,"
+                    f" {columns[k + 1][1] - start} wide"
                 )
             row = row.ljust(start) + cell
         rows.append(row.rstrip())
@@ -230,8 +238,8 @@ def _filled(
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """A .COM file's tables. The moving axis: options.extra["axis"], or a name like AXIS_Z.COM. Raises TableError with file
-    and line."""
+    """A .COM file's tables. The moving axis: options.extra["axis"], or a name like AXIS_Z.COM.
+    Raises TableError with file and line."""
     letter = options.extra.get("axis", "").upper()
     if not letter:
         named = re.search(r"(?:^|[/\\]|AXIS[-_]?)([XYZUVW])\.COM$", source.name, re.IGNORECASE)

@@ -1,13 +1,16 @@
-"""ISG CSV: the volumetric compensation of ISG kernels and of Beckhoff TwinCAT CNC (VolComp, TF5280).
+"""ISG CSV: the volumetric compensation of ISG kernels and of Beckhoff TwinCAT CNC (VolComp,
+TF5280).
 
-A header names arguments (X Y Z, mm) and parameters (EXX .. ECZ, B0Z ..), rows of numbers follow, blanks between; `//` begins
-a comment, `#` a new table. Lengths are mm, angles rad. Source: Beckhoff TF5280, "ISG CSV format", "Units of measure", "List
-of parameters supported", "General configuration", P-VOLC-00007 (chain), -00008 (workpiece_axes), -00014 (interpolation).
+A header names arguments (X Y Z, mm) and parameters (EXX .. ECZ, B0Z ..), rows of numbers follow,
+blanks between; `//` begins a comment, `#` a new table. Lengths are mm, angles rad. Source: Beckhoff
+TF5280, "ISG CSV format", "Units of measure", "List of parameters supported", "General
+configuration", P-VOLC-00007 (chain), -00008 (workpiece_axes), -00014 (interpolation).
 
-Sign: names are those of ISO 230-1, so a component is the deviation, actual - commanded: written as it is (+e). Squareness
-B0Z is a right-handed rotation about Y of axis Z, gcomp's own meaning: B0X > 0 leans X towards -Z, B0Z > 0 leans Z towards
-+X, C0Y > 0 leans Y towards -X, A0Z > 0 leans Z towards -Y; written as it is. The chain is told from the workpiece to the
-tool, the first workpiece_axes of it carry the workpiece, exactly as the surveyor counted them.
+Sign: names are those of ISO 230-1, so a component is the deviation, actual - commanded: written as
+it is (+e). Squareness B0Z is a right-handed rotation about Y of axis Z, gcomp's own meaning: B0X >
+0 leans X towards -Z, B0Z > 0 leans Z towards +X, C0Y > 0 leans Y towards -X, A0Z > 0 leans Z
+towards -Y; written as it is. The chain is told from the workpiece to the tool, the first
+workpiece_axes of it carry the workpiece, exactly as the surveyor counted them.
 """
 
 from __future__ import annotations
@@ -36,26 +39,30 @@ OTHERS = re.compile(r"[PN]0[XYZ]|[PV][XYZ][XYZABC]|ID[XYZ]|LN[XYZABC]")
 LONE = 0.5  # mm to either side of the one place at which a component was measured
 
 
-# -- writing ------------------------------------------------------------------------------------------------------------
+# -- writing ---------------------------------------------------------------------------------------
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
-    """The tables as translations of each axis. Two-way tables are written as their mean. Raises TableError."""
+    """The tables as translations of each axis. Two-way tables are written as their mean. Raises
+    TableError."""
     found, left = volumetric.map_of(tables)
     return _export(found, options, left, [])
 
 
 def write_machine(machine: Machine, options: ExportOptions) -> Export:
-    """All components, squareness, the chain. Raises TableError or MachineError for what VolComp can not hold."""
+    """All components, squareness, the chain. Raises TableError or MachineError for what VolComp can
+    not hold."""
     found, left = of_machine(machine)
     missing = [x for x in XYZ if x not in found.chain]
     if missing:
         raise TableError(
             f"{machine.name} has no axis {' '.join(missing)}: VolComp needs X, Y and Z",
-            "state the missing axis in the machine's chain, or write one-axis tables (beckhoff-lsec)",
+            "state the missing axis in the machine's chain, or write one-axis tables"
+            " (beckhoff-lsec)",
         )
     notices = [
-        f"{x} travels from {machine.axes[x].travel[0]:g} to {machine.axes[x].travel[1]:g} mm, its table only from {t.nodes[0]:g} to {t.nodes[-1]:g} mm"
+        f"{x} travels from {machine.axes[x].travel[0]:g} to {machine.axes[x].travel[1]:g} mm, its"
+        f" table only from {t.nodes[0]:g} to {t.nodes[-1]:g} mm"
         for x, t in found.axes.items()
         if machine.axes[x].travel[0] < t.nodes[0] or machine.axes[x].travel[1] > t.nodes[-1]
     ]
@@ -89,9 +96,17 @@ def _export(
         "file_format[0]           ISG_CSV",
     ]
     notices = [
-        volumetric.SIGN_NOTICE, *found.notices, *notices, *volumetric.loss(left), volumetric.ENDS, volumetric.FLANGE,
-        f"the list gives X, Y, Z the logical axes 1, 2, 3: set yours; vol_comp[0].max_records must be {records} or more",
-    ]  # fmt: skip
+        volumetric.SIGN_NOTICE,
+        *found.notices,
+        *notices,
+        *volumetric.loss(left),
+        volumetric.ENDS,
+        volumetric.FLANGE,
+        (
+            "the list gives X, Y, Z the logical axes 1, 2, 3: set yours; vol_comp[0].max_records"
+            f" must be {records} or more"
+        ),
+    ]
     files = {f"{name}.csv": "\n".join(lines) + "\n", f"{name}.lis": "\n".join(listing) + "\n"}
     return Export({n: text.encode() for n, text in files.items()}, tuple(notices), left)
 
@@ -101,8 +116,8 @@ def _location(square: dict[str, float]) -> list[str]:
 
 
 def _groups(found: VolumetricMap) -> dict[tuple[str, str], list[int]]:
-    """(axis, second axis or "") to the components that depend on just these. A parameter may stand only once, so what has
-    a grid is written there with its table added."""
+    """(axis, second axis or "") to the components that depend on just these. A parameter may stand
+    only once, so what has a grid is written there with its table added."""
     others: dict[tuple[str, int], str] = {}
     for grid in found.grids:
         for row in grid.rows:
@@ -138,9 +153,8 @@ def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[
         np.concatenate([g.nodes for g in grids] + ([own.nodes] if own is not None else []))
     )
     others = np.unique(np.concatenate([g.others for g in grids]))
-    q, p = (
-        v.ravel() for v in np.meshgrid(nodes, others)
-    )  # the second axis turns slowest, as in the manual's example
+    # the second axis turns slowest, as in the manual's example
+    q, p = (v.ravel() for v in np.meshgrid(nodes, others))
     none = np.zeros(len(q))
     values = np.zeros((6, len(q)))
     parts = [g.evaluate(q, p, none) for g in grids] + (
@@ -156,7 +170,7 @@ def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[
     ]
 
 
-# -- reading ------------------------------------------------------------------------------------------------------------
+# -- reading ---------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -170,12 +184,14 @@ class _Block:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """The translations of each axis. Raises TableError for rotations, squareness or two arguments: see read_machine."""
+    """The translations of each axis. Raises TableError for rotations, squareness or two arguments:
+    see read_machine."""
     return volumetric.tables_of(read_machine(source, options), source.name)
 
 
 def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
-    """A map. The order of the axes is not in the file: options.extra "chain" ("XYZ") and "workpiece_axes" ("0") tell it.
+    """A map. The order of the axes is not in the file: options.extra "chain" ("XYZ") and
+    "workpiece_axes" ("0") tell it.
 
     Raises TableError with file, line and reason for what is no such file.
     """
@@ -272,7 +288,8 @@ def _component(
             others.append(i)
         elif i != own:
             found.notices.append(
-                f"{name} is given at {block.names[i]} = {data[0, i]:g} only: taken for all {block.names[i]}"
+                f"{name} is given at {block.names[i]} = {data[0, i]:g} only: taken for all"
+                f" {block.names[i]}"
             )
     if len(others) > 1 or (others and block.names[others[0]] in ROTARY):
         by = " and ".join(block.names[i] for i in others)

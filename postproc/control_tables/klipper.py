@@ -1,13 +1,17 @@
-"""Klipper: SET_SKEW, which takes the lengths of a measured parallelogram and makes skew factors of them.
+"""Klipper: SET_SKEW, which takes the lengths of a measured parallelogram and makes skew factors of
+them.
 
-SET_SKEW XY=AC,BD,AD: both diagonals and the side along the first axis; side = sqrt(2 AC^2 + 2 BD^2 - 4 AD^2) / 2, factor =
-tan(pi/2 - acos((AC^2 - side^2 - AD^2) / (2 side AD))), the cotangent of the angle at A. The tool is sent to x - y xy - z (xz -
-xy yz), y - z yz. Written are the lengths that a square of 100 mm would have had on this machine. Source: Klipper3d/klipper,
-klippy/extras/skew_correction.py (calc_skew_factor, PrinterSkew.calc_skew, cmd_SET_SKEW), docs/Skew_Correction.md.
+SET_SKEW XY=AC,BD,AD: both diagonals and the side along the first axis; side = sqrt(2 AC^2 + 2 BD^2
+- 4 AD^2) / 2, factor = tan(pi/2 - acos((AC^2 - side^2 - AD^2) / (2 side AD))), the cotangent of the
+angle at A. The tool is sent to x - y xy - z (xz - xy yz), y - z yz. Written are the lengths that
+a square of 100 mm would have had on this machine. Source: Klipper3d/klipper,
+klippy/extras/skew_correction.py (calc_skew_factor, PrinterSkew.calc_skew, cmd_SET_SKEW),
+docs/Skew_Correction.md.
 
-Sign: Klipper subtracts factor times position, so a factor is the slope of the deviation: +e (xy = -C0Y, xz = B0Z, yz = -A0Z).
-Klipper takes up no lost motion. Its [axis_twist_compensation] is not written: klippy/extras/axis_twist_compensation.py adds
-it to what the probe has read (probe:update_results), not to where the tool goes.
+Sign: Klipper subtracts factor times position, so a factor is the slope of the deviation: +e (xy =
+-C0Y, xz = B0Z, yz = -A0Z). Klipper takes up no lost motion. Its [axis_twist_compensation] is not
+written: klippy/extras/axis_twist_compensation.py adds it to what the probe has read
+(probe:update_results), not to where the tool goes.
 """
 
 from __future__ import annotations
@@ -42,12 +46,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     ]
     two_way = [t.name for t in tables if t.two_way]
     notices = [
-        "printer.cfg needs [skew_correction]; run this in the start of a job, after homing, and SET_SKEW CLEAR=1 at its end, or keep "
-        "it with SKEW_PROFILE SAVE=name and SAVE_CONFIG",
+        (
+            "printer.cfg needs [skew_correction]; run this in the start of a job, after homing, and"
+            " SET_SKEW CLEAR=1 at its end, or keep it with SKEW_PROFILE SAVE=name and SAVE_CONFIG"
+        ),
         *found.notices,
         *(
             [
-                f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both directions"
+                f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both"
+                " directions"
             ]
             if two_way
             else []
@@ -59,7 +66,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """Commands as tables. Raises TableError with file and line for lengths that are no parallelogram's."""
+    """Commands as tables. Raises TableError with file and line for lengths that are no
+    parallelogram's."""
     skew = dict.fromkeys(skews.PLANES, 0.0)
     seen = False
     for number, text, parts in skews.lines_of(source):
@@ -100,9 +108,8 @@ def _factor(source: Source, line: int, value: str, text: str) -> float:
             text,
         )
     ac, bd, ad = (common.finite(source, line, w, "a length", text) for w in words)
-    square = (
-        ac * ac + bd * bd
-    ) / 2 - ad * ad  # the other side's: both diagonals' squares are twice both sides'
+    # the other side's: both diagonals' squares are twice both sides'
+    square = (ac * ac + bd * bd) / 2 - ad * ad
     if min(ac, bd, ad) <= 0 or square <= 0:
         raise common.fault(
             source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text

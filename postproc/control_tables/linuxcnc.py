@@ -1,11 +1,12 @@
 """LinuxCNC's screw compensation: [JOINT_n] COMP_FILE and COMP_FILE_TYPE.
 
-Three numbers a line: nominal, forward, reverse, in joint coordinates and machine units. Type 0: forward and reverse are
-the actual positions, so nominal + deviation is written; the control adds trim = nominal - actual. Any other type: they
-are the trims that are added to the command, so -deviation is written. Reading stops in silence at the first line without
-three numbers: no header, no comment, no blank line. At most 256 entries, strictly ascending; linear between, held beyond.
-With any entry loaded BACKLASH is ignored. Source: LinuxCNC's usrmotintf (reading), command (entries and slopes), control
-(direction by the sign of the joint's commanded velocity).
+Three numbers a line: nominal, forward, reverse, in joint coordinates and machine units. Type 0:
+forward and reverse are the actual positions, so nominal + deviation is written; the control adds
+trim = nominal - actual. Any other type: they are the trims that are added to the command, so
+-deviation is written. Reading stops in silence at the first line without three numbers: no header,
+no comment, no blank line. At most 256 entries, strictly ascending; linear between, held beyond.
+With any entry loaded BACKLASH is ignored. Source: LinuxCNC's usrmotintf (reading), command (entries
+and slopes), control (direction by the sign of the joint's commanded velocity).
 """
 
 from __future__ import annotations
@@ -50,12 +51,14 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         thin, lost = common.thinned(chosen, ENTRIES)
         if lost > bound:
             raise TableError(
-                f"{table.name} has {len(chosen.nodes)} entries, LinuxCNC holds {ENTRIES}, and thinning them out loses {lost / UM:.2f} um",
+                f"{table.name} has {len(chosen.nodes)} entries, LinuxCNC holds {ENTRIES}, and"
+                f" thinning them out loses {lost / UM:.2f} um",
                 f"--spacing for fewer, or --set max_loss_um={lost / UM:.1f} to accept it",
             )
         if len(thin.nodes) < len(chosen.nodes):
             notices.append(
-                f"{table.name}: {len(chosen.nodes)} entries thinned out to {len(thin.nodes)}, which loses {lost / UM:.3f} um at most"
+                f"{table.name}: {len(chosen.nodes)} entries thinned out to {len(thin.nodes)}, which"
+                f" loses {lost / UM:.3f} um at most"
             )
         base = thin.nodes if kind == "0" else np.zeros_like(thin.nodes)
         sign = 1.0 if kind == "0" else -1.0
@@ -71,8 +74,9 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             table, _parsed(Source(name, data), table.moving, kind, unit)
         )
         notices.append(
-            f"{table.moving}: in the INI file, under the [JOINT_n] of {table.moving}: COMP_FILE = {name} and COMP_FILE_TYPE = {kind}; "
-            f"positions are joint coordinates in {options.unit}"
+            f"{table.moving}: in the INI file, under the [JOINT_n] of {table.moving}: COMP_FILE ="
+            f" {name} and COMP_FILE_TYPE = {kind}; positions are joint coordinates in"
+            f" {options.unit}"
         )
     notices.append(
         "LinuxCNC ignores BACKLASH of a joint that has a COMP_FILE: it is in the two columns"
@@ -86,9 +90,11 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """The file's one table. The axis: options.extra["axis"], or the first letter of a file named like Z.comp.
+    """The file's one table. The axis: options.extra["axis"], or the first letter of a file named
+    like Z.comp.
 
-    Raises TableError where LinuxCNC would stop reading, or refuse an entry; UsageError where the axis is open.
+    Raises TableError where LinuxCNC would stop reading, or refuse an entry; UsageError where the
+    axis is open.
     """
     kind = common.setting(options, "type", "0", ("0", "1"))
     axis = options.extra.get("axis", "")
@@ -114,15 +120,22 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
         if len(words) < 3 or not all(_is_number(w) for w in words[:3]):
             below = lines[-1][0] - line
             raise common.fault(
-                source, line, f"not three numbers: LinuxCNC stops reading here and says nothing; {below} lines below are not loaded",
-                "take out comments, headings and blank lines", text,
-            )  # fmt: skip
+                source,
+                line,
+                f"not three numbers: LinuxCNC stops reading here and says nothing; {below} lines"
+                " below are not loaded",
+                "take out comments, headings and blank lines",
+                text,
+            )
         row = [common.finite(source, line, w, "the entry", text) * unit for w in words[:3]]
         if rows and row[0] <= rows[-1][0]:
             raise common.fault(
-                source, line, f"nominal {row[0] / unit:g} does not ascend after {rows[-1][0] / unit:g}",
-                "LinuxCNC refuses such an entry: order them, each once", text,
-            )  # fmt: skip
+                source,
+                line,
+                f"nominal {row[0] / unit:g} does not ascend after {rows[-1][0] / unit:g}",
+                "LinuxCNC refuses such an entry: order them, each once",
+                text,
+            )
         if len(rows) == ENTRIES:
             raise common.fault(
                 source, line, f"more than {ENTRIES} entries: LinuxCNC refuses the rest", "", text
@@ -130,9 +143,13 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
         off = max(abs(v - (row[0] if kind == "0" else 0.0)) for v in row[1:])
         if off > FARTHEST:
             raise common.fault(
-                source, line, f"a deviation of {off:g} mm is no screw's: this is not a file of type {kind}, or not in this unit",
-                f"--set type={1 - int(kind)}, or another --unit", text,
-            )  # fmt: skip
+                source,
+                line,
+                f"a deviation of {off:g} mm is no screw's: this is not a file of type {kind}, or"
+                " not in this unit",
+                f"--set type={1 - int(kind)}, or another --unit",
+                text,
+            )
         rows.append(row)
     if not rows:
         raise common.fault(

@@ -1,13 +1,16 @@
 """Marlin: M852, skew factors, and M425, lost motion.
 
-M852 I (XY), J (XZ), K (YZ); the planner moves to x - y I - z (J - I K), y - z K. M425 F1 X Y Z: mm of lost motion that is added
-in the new direction at every reversal; at power-on the last motion is taken to have been in +. Both read lengths in the
-unit in force, so G21 stands before them. Source: MarlinFirmware/Marlin, Marlin/src/module/planner.h (Planner::skew,
-Planner::unskew), Marlin/src/gcode/calibrate/M852.cpp, M425.cpp, Marlin/src/feature/backlash.cpp
-(Backlash::add_correction_steps, get_applied_steps), Marlin/src/inc/Conditionals_post.h (_SKEW_FACTOR, limits of +-1).
+M852 I (XY), J (XZ), K (YZ); the planner moves to x - y I - z (J - I K), y - z K. M425 F1 X Y Z: mm
+of lost motion that is added in the new direction at every reversal; at power-on the last motion is
+taken to have been in +. Both read lengths in the unit in force, so G21 stands before them. Source:
+MarlinFirmware/Marlin, Marlin/src/module/planner.h (Planner::skew, Planner::unskew),
+Marlin/src/gcode/calibrate/M852.cpp, M425.cpp, Marlin/src/feature/backlash.cpp
+(Backlash::add_correction_steps, get_applied_steps), Marlin/src/inc/Conditionals_post.h
+(_SKEW_FACTOR, limits of +-1).
 
-Sign: Marlin subtracts factor times position, so a factor is the slope of the deviation: +e (xy = -C0Y, xz = B0Z, yz = -A0Z).
-Lost motion is positive where the tool stays behind: the deviation of - is larger than that of +.
+Sign: Marlin subtracts factor times position, so a factor is the slope of the deviation: +e (xy =
+-C0Y, xz = B0Z, yz = -A0Z). Lost motion is positive where the tool stays behind: the deviation of -
+is larger than that of +.
 """
 
 from __future__ import annotations
@@ -36,9 +39,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             + " ".join(f"{x}{common.fixed(size, 6)}" for x, size in sorted(found.lost.items()))
         )
     notices = [
-        "the firmware must be built with SKEW_CORRECTION and SKEW_CORRECTION_GCODE, for Z with SKEW_CORRECTION_FOR_Z, and with "
-        "BACKLASH_COMPENSATION and BACKLASH_GCODE; M500 keeps the values, M503 shows them",
-        "Marlin corrects no skew within 1 mm of the lower ends of X and Y, nor where the corrected place lies outside of travel",
+        (
+            "the firmware must be built with SKEW_CORRECTION and SKEW_CORRECTION_GCODE, for Z with"
+            " SKEW_CORRECTION_FOR_Z, and with BACKLASH_COMPENSATION and BACKLASH_GCODE; M500 keeps"
+            " the values, M503 shows them"
+        ),
+        (
+            "Marlin corrects no skew within 1 mm of the lower ends of X and Y, nor where the"
+            " corrected place lies outside of travel"
+        ),
         *found.notices,
     ]
     return Export(
@@ -47,7 +56,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """Commands, or a report of M503, as tables. Raises TableError with file and line for any other command."""
+    """Commands, or a report of M503, as tables. Raises TableError with file and line for any other
+    command."""
     skew, lost, fraction = dict.fromkeys(skews.PLANES, 0.0), dict.fromkeys("XYZ", 0.0), 1.0
     seen = False
     for number, text, parts in skews.lines_of(source):

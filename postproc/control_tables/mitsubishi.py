@@ -1,9 +1,10 @@
 """Mitsubishi memory-type relative error compensation in increments, as a list to key in.
 
-The value between two division points is (division interval - actual movement) x 2 in output units, -128 to 127, so positive
-where the axis moved too little: the increments of -deviation, read from the - side, in half output units (times the scale
-factor). Source: E68 manual page 292, C64 manual section 9.2. The same for both directions. The numbers of the parameters that
-place the points (reference, first, last, interval) are not written, so the file is unverified.
+The value between two division points is (division interval - actual movement) x 2 in output units,
+-128 to 127, so positive where the axis moved too little: the increments of -deviation, read from
+the - side, in half output units (times the scale factor). Source: E68 manual page 292, C64 manual
+section 9.2. The same for both directions. The numbers of the parameters that place the points
+(reference, first, last, interval) are not written, so the file is unverified.
 """
 
 from __future__ import annotations
@@ -19,7 +20,10 @@ from postproc.units import UM
 TITLE = "Mitsubishi relative error compensation in increments, a list to key in"
 VERIFIED = False
 UNVERIFIED = "how the list is entered, and where its points stand"
-SIGN = "-deviation, as increments of half output units (values from the manual; the list is unverified)"
+SIGN = (
+    "-deviation, as increments of half output units (values from the manual; the list is"
+    " unverified)"
+)
 EXTRA = {"points": "points of one axis, 1024", "scale": "compensation scale factor, 1"}
 COLUMNS = ("axis", "point", "position_mm", "increment")
 
@@ -28,7 +32,10 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One list, point 0 at the reference. Raises TableError for increments beyond -128 to 127."""
     unit = options.step / 2 * common.whole(options, "scale", 1, 1, 99)
     kept, notices = common.own_axis(tables, "the Mitsubishi relative error table")
-    remark = "unverified: how the list is entered, and where its points stand (machine error parameters of the axis)"
+    remark = (
+        "unverified: how the list is entered, and where its points stand (machine error parameters"
+        " of the axis)"
+    )
     notices.insert(0, remark)
     rows: list[list[str]] = []
     shifts: dict[str, float] = {}
@@ -44,7 +51,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         steps = np.diff(counts, prepend=counts[0])
         if steps.min() < -128 or steps.max() > 127:
             raise TableError(
-                f"{table.name} has increments from {steps.min()} to {steps.max()}, and -128 to 127 can be held",
+                f"{table.name} has increments from {steps.min()} to {steps.max()}, and -128 to 127"
+                " can be held",
                 "--set scale=N, or a smaller --spacing",
             )
         first = int(np.argmin(np.abs(even.nodes - home)))
@@ -54,7 +62,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         ]
         if table.two_way:
             notices.append(
-                f"{table.name}: the mean of both directions is written; lost motion of {common.play(table) / UM:+.1f} um is a parameter of its own"
+                f"{table.name}: the mean of both directions is written; lost motion of"
+                f" {common.play(table) / UM:+.1f} um is a parameter of its own"
             )
     name = f"{options.program}_mitsubishi.csv"
     data = lists.written([remark], COLUMNS, rows)
@@ -74,7 +83,8 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         point, nodes, steps = np.array(rows).T
         if steps.min() < -128 or steps.max() > 127:
             raise TableError(
-                f"{source.name}: increments of {axis} go from {steps.min():g} to {steps.max():g}, beyond -128 to 127"
+                f"{source.name}: increments of {axis} go from {steps.min():g} to {steps.max():g},"
+                " beyond -128 to 127"
             )
         total = np.cumsum(steps)
         total -= np.interp(0.0, point, total)

@@ -1,12 +1,14 @@
 """NcStudio (Weihong): axeserr.dat, screw error and backlash of all axes.
 
-`unit = mm`, then for each axis `[X]` and rows `nominal, forward error, backward error`, ascending, machine coordinates from the
-reference point by the nominal pitch; `;` begins a comment line. A control applies it by its parameter "Screw error
-compensation" = 2 (both directions). Source: Weihong NK200 manual, "Screw Error Compensation File", tables 3-1 and 3-2;
-EasyRoute manufacturer's manual, page 68.
+`unit = mm`, then for each axis `[X]` and rows `nominal, forward error, backward error`, ascending,
+machine coordinates from the reference point by the nominal pitch; `;` begins a comment line. A
+control applies it by its parameter "Screw error compensation" = 2 (both directions). Source:
+Weihong NK200 manual, "Screw Error Compensation File", tables 3-1 and 3-2; EasyRoute manufacturer's
+manual, page 68.
 
-Sign: unverified. The manuals only say "error"; their example of an axis with nothing but 0.03 mm of backlash has forward 0
-and backward +0.030, and a tool that stays behind in - stands at actual - commanded = +0.030: so +deviation is written.
+Sign: unverified. The manuals only say "error"; their example of an axis with nothing but 0.03 mm of
+backlash has forward 0 and backward +0.030, and a tool that stays behind in - stands at actual -
+commanded = +0.030: so +deviation is written.
 """
 
 from __future__ import annotations
@@ -27,8 +29,8 @@ SIGN = "+deviation, unverified: by the manual's example of backlash"
 NAME = "axeserr.dat"
 DECIMALS = 4
 NOTICE = (
-    "unverified: the sign, which follows from the manual's example of backlash only. Load one axis, move to a place with a large "
-    "error and measure: it must be gone, not doubled"
+    "unverified: the sign, which follows from the manual's example of backlash only. Load one axis,"
+    " move to a place with a large error and measure: it must be gone, not doubled"
 )
 
 
@@ -73,9 +75,8 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     axis, unit, last = "", "", 1
     for number, line in common.numbered(source):
         text = line.strip()
-        told = re.fullmatch(
-            r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE
-        )  # the manual's example has the ; before it
+        # the manual's example has the ; before it
+        told = re.fullmatch(r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE)
         if not text or (text.startswith(";") and not told):
             continue
         last = number

@@ -1,12 +1,14 @@
 """RepRapFirmware (Duet): M556, axis skew, and M425, lost motion.
 
-M556 S X Y Z: tangents X/S (XY), Y/S (YZ) and Z/S (XZ), S at least 10; before any other transform the tool is sent to x + XY y +
-XZ z, y + YZ z. P0: the XY angle is taken out of X (P1: out of Y). M425 X Y Z: mm of lost motion, never negative. Source:
-Duet3D/RepRapFirmware, src/Movement/Move.cpp (Move::AxisTransform, SetAxisCompensation, ConfigureBacklashCompensation),
-src/GCodes/GCodes2.cpp (case 556).
+M556 S X Y Z: tangents X/S (XY), Y/S (YZ) and Z/S (XZ), S at least 10; before any other transform
+the tool is sent to x + XY y + XZ z, y + YZ z. P0: the XY angle is taken out of X (P1: out of Y).
+M425 X Y Z: mm of lost motion, never negative. Source: Duet3D/RepRapFirmware, src/Movement/Move.cpp
+(Move::AxisTransform, SetAxisCompensation, ConfigureBacklashCompensation), src/GCodes/GCodes2.cpp
+(case 556).
 
-Sign: the tangents are added, so they are the negative of the deviation's slope: -e. XZ is less by the product of both other
-slopes, because Y is corrected beside it. Lost motion is positive where the tool stays behind in -.
+Sign: the tangents are added, so they are the negative of the deviation's slope: -e. XZ is less by
+the product of both other slopes, because Y is corrected beside it. Lost motion is positive where
+the tool stays behind in -.
 """
 
 from __future__ import annotations
@@ -21,7 +23,10 @@ VERIFIED = True
 UNVERIFIED = "which way M425 adds the lost motion"
 SIGN = "tangent = -slope of the deviation; lost motion = deviation in - less that in +"
 HEIGHT = 100.0  # mm, S
-NOTICE = "unverified: that M425 adds the lost motion in the new direction was not read in the firmware; test with an indicator"
+NOTICE = (
+    "unverified: that M425 adds the lost motion in the new direction was not read in the firmware;"
+    " test with an indicator"
+)
 LEAST_HEIGHT = 10.0  # below, the firmware ignores the block
 
 
@@ -33,7 +38,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     skew = " ".join(f"{x}{common.fixed(v, 8)}" for x, v in zip("XYZ", values, strict=True))
     lines = [f"; {options.program}: axis skew and lost motion", f"M556 S{HEIGHT:g} {skew} P0"]
     notices = [
-        "put the lines into config.g; M556 without words shows what is in force; M425 needs a firmware that has it"
+        "put the lines into config.g; M556 without words shows what is in force; M425 needs a"
+        " firmware that has it"
     ]
     if found.lost:
         sizes = " ".join(f"{x}{common.fixed(size, 6)}" for x, size in sorted(found.lost.items()))
@@ -46,7 +52,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """Commands as tables. Raises TableError with file and line for any other command, or what the firmware ignores."""
+    """Commands as tables. Raises TableError with file and line for any other command, or what the
+    firmware ignores."""
     tangent, lost = dict.fromkeys("XYZ", 0.0), dict.fromkeys("XYZ", 0.0)
     seen = False
     for number, text, parts in skews.lines_of(source):

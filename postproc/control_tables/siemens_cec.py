@@ -1,10 +1,13 @@
-"""Siemens 840D, 828D: cross error compensation $AN_CEC (sag, squareness, straightness; with DIRECTION position by direction).
+"""Siemens 840D, 828D: cross error compensation $AN_CEC (sag, squareness, straightness; with
+DIRECTION position by direction).
 
-A table adds its value to the compensation axis over the position of the base axis; DIRECTION 1 and -1 make a pair for the
-two directions of travel, 0 is for both. A product of two tables (MULT_BY_TABLE: the number of the other, its index + 1)
-is neither written nor read. Points, STEP, MIN, MAX, DIRECTION: function manual K3, pages 249 and 264, and 802D sl, page
-222. The SIGN is not in the pages found: one public generator writes -deviation, so does this; `cec_sign=+` flips it. The
-dial-gauge test in the notices tells, at a tenth of the weight, which is right.
+A table adds its value to the compensation axis over the position of the base axis; DIRECTION 1 and
+-1 make a pair for the two directions of travel, 0 is for both. A product of two tables
+(MULT_BY_TABLE: the number of the other, its index + 1) is neither written nor read. Points, STEP,
+MIN, MAX, DIRECTION: function manual K3, pages 249 and 264, and 802D sl, page
+222. The SIGN is not in the pages found: one public generator writes -deviation (`cec_sign=-`);
+`cec_sign=+` writes the opposite, and one of both has to be said. The dial-gauge test in the notices
+tells, at a tenth of the weight, which is right.
 """
 
 from __future__ import annotations
@@ -16,19 +19,26 @@ import numpy as np
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
 from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head
+from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
 
 TITLE = "Siemens 840D 828D cross error compensation ($AN_CEC)"
 VERIFIED = False
 UNVERIFIED = "the sign, which has to be said"
-SIGN = "-deviation with --set cec_sign=-, +deviation with +; no source says which (unverified), so it has to be said"
+SIGN = (
+    "-deviation with --set cec_sign=-, +deviation with +; no source says which (unverified), so it"
+    " has to be said"
+)
 STATED = {  # what no source gives, so the user must: key to why and how it is found
-    "cec_sign": "the sign of $AN_CEC is in no source that we know: --set cec_sign=- writes -deviation, as one public generator "
-    "does, + the opposite; try it at SD41310 = 0.1 with a dial gauge, the deviation has to become a tenth less",
+    "cec_sign": (
+        "the sign of $AN_CEC is in no source that we know: --set cec_sign=- writes -deviation, as"
+        " one public generator does, + the opposite; try it at SD41310 = 0.1 with a dial gauge, the"
+        " deviation has to become a tenth less"
+    ),
 }
 EXTRA = {
-    "cec_sign": "- or +, -",
+    "cec_sign": "- or +, which has to be said",
     "points": "points of one table (MD18342), 200",
     "tables": "tables there are, 8",
     "first_table": "index of the first, 0",
@@ -47,16 +57,24 @@ KEYS = (
 )
 
 
+def _sign(options: ExportOptions) -> float:
+    """Of the deviation in the table. Raises UsageError where nobody said it."""
+    if "cec_sign" not in options.extra:
+        raise UsageError("cec_sign is not said, - or +", STATED["cec_sign"])
+    return 1.0 if common.setting(options, "cec_sign", "", ("-", "+")) == "+" else -1.0
+
+
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One file with all tables. Raises TableError where tables or points do not suffice."""
     unit, decimals = common.mm_per_unit(options), DECIMALS[options.unit]
-    sign = 1.0 if common.setting(options, "cec_sign", "-", ("-", "+")) == "+" else -1.0
+    sign = _sign(options)
     most = common.whole(options, "points", 200, 2, 10000)
     first = common.whole(options, "first_table", 0, 0, 100)
     room = common.whole(options, "tables", 8, 1, 100)
     tables = common.checked(tables)
     notices = [
-        "unverified: the sign of $AN_CEC is from one public generator, not from the manual; run the dial-gauge test first"
+        "unverified: the sign of $AN_CEC is from one public generator, not from the manual; run the"
+        " dial-gauge test first"
     ]
     lines: list[str] = []
     used = first
@@ -79,7 +97,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     if used - first > room:
         raise TableError(
             f"{used - first} tables are needed, and the control has {room}",
-            "--component for fewer, --one-way for one instead of two, or --set tables=N if your control has more",
+            "--component for fewer, --one-way for one instead of two, or --set tables=N if your"
+            " control has more",
         )
     note = "; unverified sign: dial-gauge test at SD41310 = 0.1 before use"
     file = "NC_CEC.INI"
@@ -130,20 +149,35 @@ def _advice(tables: list[ErrorTable], options: ExportOptions, most: int) -> list
         float(table.at(np.array([high]), 1.0)[0]) - float(table.at(np.array([low]), 1.0)[0])
     ) / UM
     weight = "0.1"
+    other = "-" if _sign(options) > 0 else "+"
     return [
-        f"dial-gauge test: set SD41310 = {weight} (weight), gauge along {table.along}, move {table.moving} in + from {low:g} to {high:g}; "
-        f"without tables the gauge shows a deviation of {rise:+.1f} um, with them {0.9 * rise:+.1f} um if the sign is right and "
-        f"{1.1 * rise:+.1f} um if it is wrong (then --set cec_sign=+)",
-        f"MD18342 must hold {most} points (changing it formats the memory), MD32710 = 1, SD41300 = 1 for each table, then SD41310 = 1",
-        "axis names in the file: " + ", ".join(f"{x} is {_name(x, options)}" for x in sorted({t.moving for t in tables} | {t.along for t in tables})),
-        "what depends on two axes (a rotation times an arm) needs MULT_BY_TABLE, which is not written: see the notices on what stays",
-    ]  # fmt: skip
+        (
+            f"dial-gauge test: set SD41310 = {weight} (weight), gauge along {table.along}, move"
+            f" {table.moving} in + from {low:g} to {high:g}; without tables the gauge shows a"
+            f" deviation of {rise:+.1f} um, with them {0.9 * rise:+.1f} um if the sign is right and"
+            f" {1.1 * rise:+.1f} um if it is wrong (then --set cec_sign={other})"
+        ),
+        (
+            f"MD18342 must hold {most} points (changing it formats the memory), MD32710 = 1,"
+            " SD41300 = 1 for each table, then SD41310 = 1"
+        ),
+        "axis names in the file: "
+        + ", ".join(
+            f"{x} is {_name(x, options)}"
+            for x in sorted({t.moving for t in tables} | {t.along for t in tables})
+        ),
+        (
+            "what depends on two axes (a rotation times an arm) needs MULT_BY_TABLE, which is not"
+            " written: see the notices on what stays"
+        ),
+    ]
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """One table per pair of axes. Raises TableError with the line for gaps, products, modulo, or tables that overlap."""
+    """One table per pair of axes. Raises TableError with the line for gaps, products, modulo, or
+    tables that overlap."""
     unit = common.mm_per_unit(options)
-    sign = 1.0 if common.setting(options, "cec_sign", "-", ("-", "+")) == "+" else -1.0
+    sign = _sign(options)
     values: dict[int, dict[int, float]] = {}
     heads: dict[int, dict[str, tuple[float, int]]] = {}
     axes: dict[tuple[int, str], str] = {}
@@ -235,7 +269,8 @@ def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTab
             raise common.fault(
                 source,
                 places[t],
-                f"table {t} acts from {pair[0]} on {pair[1]} in a direction that another has already",
+                f"table {t} acts from {pair[0]} on {pair[1]} in a direction that another has"
+                " already",
                 "give their sum",
             )
         known[way] = nodes, np.array([points[i] for i in range(len(points))])

@@ -1,8 +1,10 @@
-"""Siemens 840D, 828D, 808D: interpolatory compensation of an encoder, $AA_ENC_COMP (leadscrew and measuring system errors).
+"""Siemens 840D, 828D, 808D: interpolatory compensation of an encoder, $AA_ENC_COMP (leadscrew and
+measuring system errors).
 
-A positive value moves the axis in the negative direction, so +deviation is written. N = (MAX - MIN) / STEP + 1 values without
-a gap; the first and the last hold over the rest of the travel; zero at the reference point. Not direction dependent: the
-mean of both directions is written, and MD32450 (backlash) is stated. Source: function manual K3, pages 238 to 242.
+A positive value moves the axis in the negative direction, so +deviation is written. N = (MAX - MIN)
+/ STEP + 1 values without a gap; the first and the last hold over the rest of the travel; zero at
+the reference point. Not direction dependent: the mean of both directions is written, and MD32450
+(backlash) is stated. Source: function manual K3, pages 238 to 242.
 """
 
 from __future__ import annotations
@@ -62,7 +64,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             f"$AA_ENC_COMP_IS_MODULO[{encoder},{name}]=0",
         ]
         notices.append(
-            f"{name}: MD38000 must be at least {len(written.nodes)}; load with MD32700 = 0, then set MD32700 = 1 and reference the axis"
+            f"{name}: MD38000 must be at least {len(written.nodes)}; load with MD32700 = 0, then"
+            " set MD32700 = 1 and reference the axis"
         )
         _held(written, notices)
     lines.append("M17")
@@ -79,13 +82,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 got.moving, got.along, got.nodes, got.forward - play / 2, got.reverse + play / 2
             )
             notices.append(
-                f"{table.name}: the table is the mean of both directions; set MD32450 (backlash) = {common.fixed(play / unit, decimals)} "
-                f"{options.unit}: without it up to {plain / UM:.2f} um stay, with it {common.left(target, got) / UM:.2f} um; "
-                "tables by direction: --control siemens-cec"
+                f"{table.name}: the table is the mean of both directions; set MD32450 (backlash) ="
+                f" {common.fixed(play / unit, decimals)} {options.unit}: without it up to"
+                f" {plain / UM:.2f} um stay, with it {common.left(target, got) / UM:.2f} um; tables"
+                " by direction: --control siemens-cec"
             )
         remainder[table.name] = common.left(target, got)
     notices.append(
-        f"values are in {options.unit}, the unit of MD10240; the size of a value is not watched by the control"
+        f"values are in {options.unit}, the unit of MD10240; the size of a value is not watched by"
+        " the control"
     )
     return Export({file: data}, tuple(notices), remainder)
 
@@ -97,12 +102,14 @@ def _held(written: ErrorTable, notices: list[str]) -> None:
     )
     if said:
         notices.append(
-            f"{written.name}: the first and last values are held over the rest of the travel: {said}"
+            f"{written.name}: the first and last values are held over the rest of the travel:"
+            f" {said}"
         )
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """One table per axis. Raises TableError with the line for gaps, a STEP that does not fit, modulo tables or no M17."""
+    """One table per axis. Raises TableError with the line for gaps, a STEP that does not fit,
+    modulo tables or no M17."""
     unit = common.mm_per_unit(options)
     values: dict[str, dict[int, tuple[float, int]]] = {}
     heads: dict[str, dict[str, tuple[float, int]]] = {}
@@ -186,7 +193,8 @@ def even_head(
     line: int,
     unit: float,
 ) -> np.ndarray:
-    """(count,) mm: the positions that STEP, MIN and MAX give. Raises TableError where they do not fit the points."""
+    """(count,) mm: the positions that STEP, MIN and MAX give. Raises TableError where they do not
+    fit the points."""
     for key in ("_STEP", "_MIN", "_MAX"):
         if key not in head:
             raise common.fault(source, line, f"{key[1:]} of {name} is missing")
@@ -197,7 +205,10 @@ def even_head(
         )
     if count > 1 and (step <= 0 or abs((high - low) / step + 1 - count) > 1e-3):
         raise common.fault(
-            source, at, f"{name}: MIN {low:g} to MAX {high:g} in steps of {step:g} does not give {count} points",
+            source,
+            at,
+            f"{name}: MIN {low:g} to MAX {high:g} in steps of {step:g} does not give {count}"
+            " points",
             "points = (MAX - MIN) / STEP + 1",
-        )  # fmt: skip
+        )
     return np.asarray(np.round(np.linspace(low, high, count) * unit, 9))

@@ -1,1 +1,2 @@
-"""Where recordings and the machine's model differ, what physics was left out, and by how much the fit improves with it."""
+"""Where recordings and the machine's model differ, what physics was left out, and by how much the
+fit improves with it."""

@@ -1,7 +1,8 @@
 """The whole question: recordings and a machine in, findings out.
 
-In order: rows, data faults, what is held out; noise; locate without names; the most probable set of effects; equivalent
-names, what could not have been seen; the fit on what took no part; what no name explains.
+In order: rows, data faults, what is held out; noise; locate without names; the most probable set of
+effects; equivalent names, what could not have been seen; the fit on what took no part; what no name
+explains.
 """
 
 from __future__ import annotations
@@ -13,19 +14,20 @@ from pathlib import Path
 import numpy as np
 
 from postproc.diagnose import (
-    blind,
     drive,
     findings,
     held_out,
     judge,
     library,
-    likeness,
     locate,
+    map_agreement,
     noise,
     nuisances,
+    plausibility,
     shared_jump,
-    sound,
-)  # fmt: skip
+    telegraph,
+    unobservable,
+)
 from postproc.diagnose.answer import Diagnosis
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.noise import Unit
@@ -35,6 +37,7 @@ from postproc.diagnose.search import Found, Search
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 
+MOST = 2.0  # times what repetitions and neighbours scatter by: more is no white noise
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
 SEED = 20131
 FEW_TERMS = 3  # of a curve over the place: more could be the map of another machine
@@ -45,8 +48,8 @@ SHORTEST = 1.0  # mm: over less nothing leans
 
 @dataclass(frozen=True)
 class Options:
-    """held_out: "run=3", or "" for the middle run of every recording that has three at least; told: called with a word on each
-    step."""
+    """held_out: "run=3", or "" for the middle run of every recording that has three at least; told:
+    called with a word on each step."""
 
     held_out: str = ""
     told: Callable[[str], None] = field(default=lambda word: None)
@@ -58,20 +61,24 @@ def diagnose(
     """Raises RecordingError or UsageError for what can not be compared."""
     options = options or Options()
     options.told("reading")
-    usable = sound.checked(recordings, machine)
+    recordings, left_out = plausibility.connected(recordings)
+    usable = plausibility.checked(recordings, machine)
     rows = of(usable.recordings, machine)
-    doubted = likeness.doubts(usable.recordings, rows, machine)
+    doubted = map_agreement.doubts(usable.recordings, rows, machine)
     rows, units, faults = _cleaned(rows)
     held, held_name = held_out.of(rows, options.held_out, recordings)
-    # What was asked to be kept apart is not looked at; else all readings name, and a run that is left out of the fit judges the sizes.
+    # What was asked to be kept apart is not looked at; else all readings name, and a run that is
+    # left out of the fit judges the sizes.
     train = ~held if options.held_out else np.ones(len(rows), bool)
     jumps = _jumps(rows, units, train)
     options.told("building the dictionary")
     blocks = _shown(library.blocks(rows), train)
     if not blocks and not np.any(rows.sees == "part"):
         raise RecordingError(
-            f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and nothing that could drive one was recorded",
-            "record at several places, from both sides; gcomp simulate --test writes such a program",
+            f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and"
+            " nothing that could drive one was recorded",
+            "record at several places, from both sides; gcomp simulate --test writes such a"
+            " program",
         )
     options.told("learning the noise")
     evidence = _learned(rows, machine, units, train, jumps)
@@ -90,9 +97,8 @@ def diagnose(
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     if held.any() and train.all():
         before[held], after[held] = _foretold(search, state, held)
-    at = evidence.shared.shape[1] - sum(
-        columns.shape[1] for _, columns in jumps
-    )  # they stand behind the map's terms
+    # they stand behind the map's terms
+    at = evidence.shared.shape[1] - sum(columns.shape[1] for _, columns in jumps)
     for jump, columns in jumps:
         own = slice(at, at + columns.shape[1])
         at, value = own.stop, state.fit.mean[own]
@@ -100,17 +106,40 @@ def diagnose(
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
     places = locate.measured(places, rows, before)
-    spots = blind.spots(rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed])
+    spots = unobservable.spots(
+        rows, [b for k, b in enumerate(evidence.blocks) if k not in evidence.fixed]
+    )
     unseen = {f"{name}:{axis}" for name, axis, _ in spots}
     limits = {
         key: size for key, size in findings.limits(search, state).items() if key not in unseen
     }
     sigma = np.hypot(said["noise"], findings.form(search, state))
     diagnosis = Diagnosis(
-        machine, recordings, rows, held, held_name, before, after, sigma, found, places, limits, spots,
-        usable.faults + faults, search.least, said["noise"], notices=[*usable.notices, *_notices(machine, state.fit, evidence), *_leaning(rows, evidence, found)],
-        doubts=likeness.remaining(doubted, rows, _formed(rows, found)), scatter=evidence.scatter(last, said),
-    )  # fmt: skip
+        machine,
+        recordings,
+        rows,
+        held,
+        held_name,
+        before,
+        after,
+        sigma,
+        found,
+        places,
+        limits,
+        spots,
+        usable.faults + faults,
+        search.least,
+        said["noise"],
+        notices=[
+            *left_out,
+            *usable.notices,
+            *telegraph.notices(rows, units),
+            *_notices(machine, state.fit, evidence),
+            *_leaning(rows, evidence, found),
+        ],
+        doubts=map_agreement.remaining(doubted, rows, _formed(rows, found)),
+        scatter=evidence.scatter(last, said),
+    )
     diagnosis.unknown = judge.judged(diagnosis, search, state)
     options.told("forces and currents")
     diagnosis.drives = drive.drives(usable.recordings)
@@ -118,8 +147,9 @@ def diagnose(
 
 
 def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(H,) mm, (H,) mm: what is left of the readings that are held out without and with the effects that were found, everything fitted
-    to the others; what no other run foretells (its own jumps, the phase of an oscillation) as it was found."""
+    """(H,) mm, (H,) mm: what is left of the readings that are held out without and with the effects
+    that were found, everything fitted to the others; what no other run foretells (its own jumps,
+    the phase of an oscillation) as it was found."""
     whole, fit = search.evidence, state.fit
     y = whole.y.copy()
     own = np.zeros(len(y))
@@ -136,9 +166,8 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
             stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
     said = rest.explained(rest.learn(tuple(chosen), None, on, STEPS))
-    plain = (
-        Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest
-    )  # zeros that know of no name
+    # zeros that know of no name
+    plain = Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest
     alone = plain.explained(plain.learn((), None, steps=0)) | {"map": said["map"]}
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
@@ -149,7 +178,8 @@ def _shown(blocks, train: np.ndarray) -> list:
 
 
 def _fixed(said: dict[str, np.ndarray]) -> np.ndarray:
-    """(N,) mm: what is the same in a run that took no part: zeros, set-ups, the map's error and jumps."""
+    """(N,) mm: what is the same in a run that took no part: zeros, set-ups, the map's error and
+    jumps."""
     return sum(
         (said[name] for name in ("zero", "set-up", "map", "feature") if name in said),
         np.zeros(len(said["noise"])),
@@ -179,8 +209,8 @@ def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, fl
 
 
 def _jumps(rows: Rows, units: list[Unit], train: np.ndarray):
-    """Where several readings leave their lines together each target has a value of its own: no smooth shape is asked to bend
-    so. The jump and its columns (N, K)."""
+    """Where several readings leave their lines together each target has a value of its own: no
+    smooth shape is asked to bend so. The jump and its columns (N, K)."""
     sigma = np.empty(len(rows))
     for unit in units:
         sigma[unit.rows] = unit.r
@@ -193,7 +223,8 @@ def _jumps(rows: Rows, units: list[Unit], train: np.ndarray):
 
 
 def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray, jumps) -> Evidence:
-    """The model of the readings; what scatters in each unit told from what wanders and from what comes back."""
+    """The model of the readings; what scatters in each unit told from what wanders and from what
+    comes back."""
     y = rows.residual.copy()
     for unit in units:
         if unit.sees != "part":
@@ -206,6 +237,7 @@ def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray,
         *nuisances.of_map(rows, machine),
         *(Group("jump", columns, FREE) for _, columns in jumps),
     ]
+    most = [MOST * float(np.median(unit.r)) for unit in units]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, own, shared, train)
         on = frozenset(
@@ -216,13 +248,16 @@ def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray,
         )
         said = evidence.explained(evidence.learn((), None, on, STEPS))
         left = y - sum((v for name, v in said.items() if name != "noise"), np.zeros(len(y)))
-        for unit in units:
-            noise.learned(unit, left[unit.rows], rows.rounding[unit.rows], train[unit.rows])
+        for unit, at_most in zip(units, most, strict=True):
+            noise.learned(
+                unit, left[unit.rows], rows.rounding[unit.rows], train[unit.rows], at_most
+            )
     return Evidence(y, units, own, shared, train)
 
 
 def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list[locate.Place]:
-    """Where measured and simulated differ, beside zeros, set-ups, the map's error and the slowest wander."""
+    """Where measured and simulated differ, beside zeros, set-ups, the map's error and the slowest
+    wander."""
     own = np.flatnonzero(train)
     columns, sd = [evidence.shared], [fit.shared[evidence.shared_of]]
     for k, part in enumerate(evidence.parts):
@@ -248,7 +283,8 @@ def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
     if worse < MAP_WORSE:
         return []
     return [
-        f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small effects hide behind that"
+        f"the map of {machine.name} is about {worse:.1f} times as wrong as maps usually are; small"
+        " effects hide behind that"
     ]
 
 
@@ -261,7 +297,8 @@ def _formed(rows: Rows, found) -> np.ndarray:
 
 
 def _leaning(rows: Rows, evidence: Evidence, found) -> list[str]:
-    """One line for each file of straightness readings in which what was named leans: its line counts as the machine's."""
+    """One line for each file of straightness readings in which what was named leans: its line
+    counts as the machine's."""
     named = sum((f.contribution for f in found), np.zeros(len(rows)))
     lines = []
     for own in (
@@ -274,7 +311,8 @@ def _leaning(rows: Rows, evidence: Evidence, found) -> list[str]:
             if abs(lean) > 2 * nuisances.ALIGNED:
                 name = Path(rows.files[rows.file[own[0]]]).name
                 lines.append(
-                    f"{name}: what was named leans by {lean * 1e6:.0f} urad along {axis}; if nothing squares the line of this "
-                    "optic to an axis, take the line out of the readings and diagnose again"
+                    f"{name}: what was named leans by {lean * 1e6:.0f} urad along {axis}; if"
+                    " nothing squares the line of this optic to an axis, take the line out of the"
+                    " readings and diagnose again"
                 )
     return lines

@@ -17,8 +17,9 @@ from postproc.recordings import Recording
 
 @dataclass
 class Finding:
-    """One accepted effect. names: how probable it and each name that explains the readings as well is, by what the readings
-    tell and what is believed beforehand, if it is one of these; they sum to 1."""
+    """One accepted effect. names: how probable it and each name that explains the readings as well
+    is, by what the readings tell and what is believed beforehand, if it is one of these; they sum
+    to 1."""
 
     block: Block
     value: dict[str, float]
@@ -36,10 +37,12 @@ class Finding:
 
 @dataclass
 class Diagnosis:
-    """All that was found. rows: every reading that was used; held (N,) bool: took no part; before, after (N,) mm; sigma (N,)
-    mm; places: where the mismatch is; limits: effect:axis to mm; blind: effects that can not be seen here; faults: (file,
-    line, what, mm); noise (N,) mm: standard deviation of a reading by white noise, wander and zeros of runs; unknown: None or what is left; drives: what
-    forces and currents ask for; scatter (N,) mm: the noise of these readings themselves."""
+    """All that was found. rows: every reading that was used; held (N,) bool: took no part; before,
+    after (N,) mm; sigma (N,) mm; places: where the mismatch is; limits: effect:axis to mm; blind:
+    effects that can not be seen here; faults: (file, line, what, mm); noise (N,) mm: standard
+    deviation of a reading by white noise, wander and zeros of runs; unknown: None or what is left;
+    drives: what forces and currents ask for; scatter (N,) mm: the noise of these readings
+    themselves."""
 
     machine: Machine
     recordings: list[Recording]
@@ -70,7 +73,8 @@ class Diagnosis:
 
 
 def felt(d: Diagnosis) -> Iterator[tuple[drive.Drive, drive.Fitted]]:
-    """What forces and currents show of the effects that the contract knows, where the positions do not say it already."""
+    """What forces and currents show of the effects that the contract knows, where the positions do
+    not say it already."""
     said = {f.block.key for f in d.findings if f.status == "accepted"}
     for one in d.drives:
         for term in one.fitted:

@@ -1,10 +1,12 @@
-"""What a drive has to push against, from its recorded force or current: inertia, friction, and what else the signal asks for.
+"""What a drive has to push against, from its recorded force or current: inertia, friction, and what
+else the signal asks for.
 
-The response is `force_<axis>_N`, or `<axis>_current_A` where no force was recorded; the motion is that which the axis really
-made. Both go through the same low-pass, so that a derivative and the force are late alike (parallel filtering: Gautier,
-Khalil, IEEE ICRA 1992). Samples at rest are left out: there friction is whatever it needs to be. A term is let in if chi squared
-falls by what the selection of effects asks for, counted in samples that are not alike, and if either half of the recording,
-fitted alone, tells the other half better with it than without.
+The response is `force_<axis>_N`, or `<axis>_current_A` where no force was recorded; the motion is
+that which the axis really made. Both go through the same low-pass, so that a derivative and the
+force are late alike (parallel filtering: Gautier, Khalil, IEEE ICRA 1992). Samples at rest are left
+out: there friction is whatever it needs to be. A term is let in if chi squared falls by what the
+selection of effects asks for, counted in samples that are not alike, and if either half of the
+recording, fitted alone, tells the other half better with it than without.
 """
 
 from __future__ import annotations
@@ -23,19 +25,16 @@ REST = 0.004  # of the highest speed
 LEAST = 28.0  # fall of chi squared beyond ln(samples) a column, as for effects
 GAIN = 0.02  # of the rms: by so much each half must be told better
 MOST = 8
-NAMES = (
-    "inertia",
-    "viscous_friction",
-    "coulomb_friction",
-    "friction_asymmetry",
-)  # what is an effect of its own
+# what is an effect of its own
+NAMES = ("inertia", "viscous_friction", "coulomb_friction", "friction_asymmetry")
 FAR = 1e6  # mm
 
 
 @dataclass(frozen=True)
 class Fitted:
-    """One term: its parameters and their 95 % intervals by name, what it contributes (rms, in the unit of the response), by how
-    much chi squared falls, and what the held-out halves are told by before and after it came in."""
+    """One term: its parameters and their 95 % intervals by name, what it contributes (rms, in the
+    unit of the response), by how much chi squared falls, and what the held-out halves are told by
+    before and after it came in."""
 
     term: Term
     value: dict[str, float]
@@ -48,9 +47,10 @@ class Fitted:
 
 @dataclass(frozen=True)
 class Drive:
-    """One axis' force or current. signal: its column; unit; files; fitted: the terms in the order in which they came; raw: rms
-    of the response in motion; plain: rms of the halves that took no part with inertia, viscous and Coulomb friction alone
-    (those of them that the signal asks for); after: with all terms; refused: terms that did not help."""
+    """One axis' force or current. signal: its column; unit; files; fitted: the terms in the order
+    in which they came; raw: rms of the response in motion; plain: rms of the halves that took no
+    part with inertia, viscous and Coulomb friction alone (those of them that the signal asks for);
+    after: with all terms; refused: terms that did not help."""
 
     axis: str
     signal: str
@@ -65,7 +65,8 @@ class Drive:
 
 
 def drives(recordings: Sequence[Recording]) -> list[Drive]:
-    """The drive of every axis whose force or current was recorded while it moved, all traces together."""
+    """The drive of every axis whose force or current was recorded while it moved, all traces
+    together."""
     result = []
     letters = sorted({x for r in recordings if r.kind == "trace" for x in r.axes if x in "XYZ"})
     for axis in letters:
@@ -117,9 +118,11 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
                 _low(response[part], wide)[every],
                 time[part][every],
                 _low(
-                    asked[part]
-                    if asked is not None
-                    else np.gradient(recording.position(axis)[part], time[part]),
+                    (
+                        asked[part]
+                        if asked is not None
+                        else np.gradient(recording.position(axis)[part], time[part])
+                    ),
                     wide,
                 )[every],
             )
@@ -128,7 +131,8 @@ def _motions(recording: Recording, axis: str, signal: str) -> list[Motion]:
 
 
 def _gone(place: np.ndarray, sign: np.ndarray) -> np.ndarray:
-    """(N,) mm that the axis has gone since it turned back; far at the beginning, where nobody knows."""
+    """(N,) mm that the axis has gone since it turned back; far at the beginning, where nobody
+    knows."""
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(place)))])
     turn = np.concatenate([[False], sign[1:] * sign[:-1] < 0])
     last = np.maximum.accumulate(np.where(turn, np.arange(len(place)), -1))
@@ -149,7 +153,8 @@ def _fit(
 ) -> Drive | None:
     whole = Motion.joined(parts)
     fastest = float(np.abs(whole.velocity).max())
-    # At rest friction is whatever it needs to be: neither where the axis hardly moves nor where it is not told to.
+    # At rest friction is whatever it needs to be: neither where the axis hardly moves nor where it
+    # is not told to.
     moving = (np.abs(whole.velocity) > REST * fastest) & (np.abs(whole.asked) > REST * fastest)
     if (
         moving.sum() < FEWEST
@@ -164,9 +169,17 @@ def _fit(
     chosen = fit.grown(plain)
     refused = sorted({t.name for t, _ in fit.possible} - {fit.possible[k][0].name for k in chosen})
     return Drive(
-        axis, signal, unit, files, len(y), fit.told(chosen), float(np.sqrt(np.mean(y**2))), _rms(fit.across(plain)),
-        _rms(fit.across(chosen)), tuple(refused),
-    )  # fmt: skip
+        axis,
+        signal,
+        unit,
+        files,
+        len(y),
+        fit.told(chosen),
+        float(np.sqrt(np.mean(y**2))),
+        _rms(fit.across(plain)),
+        _rms(fit.across(chosen)),
+        tuple(refused),
+    )
 
 
 def _halves(motion: Motion) -> np.ndarray:
@@ -209,7 +222,8 @@ def _rms(values) -> float:
 
 
 class _Fit:
-    """A response (N,), which samples are the second half, and the terms that there may be with their columns."""
+    """A response (N,), which samples are the second half, and the terms that there may be with
+    their columns."""
 
     def __init__(self, y: np.ndarray, second: np.ndarray, possible: list[tuple[Term, np.ndarray]]):
         self.y, self.second, self.possible = y, second, possible
@@ -230,8 +244,8 @@ class _Fit:
         ]
 
     def gain(self, rest: list[int], k: int) -> float:
-        """By how much chi squared falls when a term joins the rest; 0 where it does not tell both halves better, or has a
-        sign that it can not have."""
+        """By how much chi squared falls when a term joins the rest; 0 where it does not tell both
+        halves better, or has a sign that it can not have."""
         term, columns = self.possible[k]
         design = self._columns(rest)
         wider = np.concatenate([design, columns], axis=1)
@@ -250,7 +264,8 @@ class _Fit:
         return fall
 
     def beside(self, chosen: list[int], k: int) -> float:
-        """The gain of a term that leaves the plain ones their own: what does away with dry friction only renames it."""
+        """The gain of a term that leaves the plain ones their own: what does away with dry friction
+        only renames it."""
         gain = self.gain(chosen, k)
         plain = [c for c in chosen if self.possible[c][0].plain]
         if gain <= 0 or all(self.gain([*(c for c in chosen if c != p), k], p) > 0 for p in plain):
@@ -267,7 +282,8 @@ class _Fit:
         return chosen
 
     def grown(self, chosen: list[int]) -> list[int]:
-        """With what else tells the response better, the best first; then once more without what that made needless."""
+        """With what else tells the response better, the best first; then once more without what
+        that made needless."""
         while len(chosen) < MOST:
             names = {self.possible[k][0].name for k in chosen}
             gains = [

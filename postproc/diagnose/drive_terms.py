@@ -17,9 +17,10 @@ ROWS = ("place", "velocity", "acceleration", "jerk", "sense", "gone", "response"
 
 @dataclass(frozen=True)
 class Motion:
-    """N samples of an axis: place mm, velocity mm/s, acceleration mm/s2, jerk mm/s3, sense -1..1 (the sign of the speed
-    through the same low-pass), gone mm since the axis turned back, response N or A, time s, asked mm/s
-    (the commanded speed), passage (N,) numbers of unbroken recordings."""
+    """N samples of an axis: place mm, velocity mm/s, acceleration mm/s2, jerk mm/s3, sense -1..1
+    (the sign of the speed through the same low-pass), gone mm since the axis turned back, response
+    N or A, time s, asked mm/s (the commanded speed), passage (N,) numbers of unbroken
+    recordings."""
 
     place: np.ndarray
     velocity: np.ndarray
@@ -53,8 +54,9 @@ class Motion:
 
 @dataclass(frozen=True)
 class Term:
-    """name: of an effect; label: what it is; parameters: name to meaning; of: columns (N, K) over a motion; shape: what does not
-    enter linearly; siblings: how many shapes could have been taken; plain: inertia, viscous and Coulomb friction."""
+    """name: of an effect; label: what it is; parameters: name to meaning; of: columns (N, K) over a
+    motion; shape: what does not enter linearly; siblings: how many shapes could have been taken;
+    plain: inertia, viscous and Coulomb friction."""
 
     name: str
     label: str
@@ -91,31 +93,53 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
         lambda m: [m.acceleration * M], plain=True, positive=True,
     )  # fmt: skip
     yield Term(
-        "viscous_friction", "friction that grows with the speed", (f"{unit}_per_m_s",),
-        "Friction grows with the speed: lubrication, screw and motor.", lambda m: [m.velocity * M], plain=True, positive=True,
-    )  # fmt: skip
+        "viscous_friction",
+        "friction that grows with the speed",
+        (f"{unit}_per_m_s",),
+        "Friction grows with the speed: lubrication, screw and motor.",
+        lambda m: [m.velocity * M],
+        plain=True,
+        positive=True,
+    )
     yield Term(
-        "coulomb_friction", "friction against the sense of motion", (f"size_{unit}",),
-        "Dry friction: guideways, seals and preload. Friction compensation in the drive.", lambda m: [m.sense], plain=True, positive=True,
-    )  # fmt: skip
+        "coulomb_friction",
+        "friction against the sense of motion",
+        (f"size_{unit}",),
+        "Dry friction: guideways, seals and preload. Friction compensation in the drive.",
+        lambda m: [m.sense],
+        plain=True,
+        positive=True,
+    )
     yield Term(
-        "force_offset", "a constant force", (f"size_{unit}",),
-        "A constant: weight, a balance that does not balance, or the zero of the signal.", lambda m: [np.ones(len(m.place))],
-    )  # fmt: skip
+        "force_offset",
+        "a constant force",
+        (f"size_{unit}",),
+        "A constant: weight, a balance that does not balance, or the zero of the signal.",
+        lambda m: [np.ones(len(m.place))],
+    )
     yield Term(
-        "friction_asymmetry", "friction that differs with the sense of motion, by the speed", (f"{unit}_per_m_s",),
-        "Friction grows with the speed more one way than the other: cover, wiper, cable chain or a nut that leans.",
+        "friction_asymmetry",
+        "friction that differs with the sense of motion, by the speed",
+        (f"{unit}_per_m_s",),
+        "Friction grows with the speed more one way than the other: cover, wiper, cable chain or a"
+        " nut that leans.",
         lambda m: [np.abs(m.velocity) * M],
-    )  # fmt: skip
+    )
     speeds = (0.02, 0.05, 0.1, 0.2, 0.4)
     fastest = float(np.abs(motion.velocity).max())
     for share in speeds:
         at = share * fastest
         yield Term(
-            "stribeck_friction", "more friction at low speed", (f"size_{unit}",),
-            "Friction falls with the speed at first (Stribeck): mixed lubrication; the cause of stick-slip.",
-            partial(_slow, at), (("speed_mm_s", at),), len(speeds), positive=True,
-        )  # fmt: skip
+            "stribeck_friction",
+            "more friction at low speed",
+            (f"size_{unit}",),
+            "Friction falls with the speed at first (Stribeck): mixed lubrication; the cause of"
+            " stick-slip.",
+            partial(_slow, at),
+            (("speed_mm_s", at),),
+            len(speeds),
+            positive=True,
+        )
     for power in (0.5, 2.0):
         yield Term(
             "viscous_curve", "friction that is not in proportion to the speed", (f"curve_{unit}",),
@@ -125,35 +149,55 @@ def terms(motion: Motion, unit: str) -> Iterator[Term]:
     step = float(np.median(np.abs(np.diff(motion.place)))) if len(motion.place) > 1 else 0.0
     for way in (w for w in (0.05, 0.2, 0.8, 3.0) if 4 * w > step):
         yield Term(
-            "presliding", "friction that builds up after a turn", (f"missing_{unit}",),
-            "After a turn friction builds up over some way (pre-sliding, wind-up of the screw): the cause of quadrant glitches.",
-            partial(_build_up, way), (("way_mm", way),), 4, positive=True,
-        )  # fmt: skip
+            "presliding",
+            "friction that builds up after a turn",
+            (f"missing_{unit}",),
+            "After a turn friction builds up over some way (pre-sliding, wind-up of the screw): the"
+            " cause of quadrant glitches.",
+            partial(_build_up, way),
+            (("way_mm", way),),
+            4,
+            positive=True,
+        )
     yield Term(
-        "friction_position", "friction that differs along the travel", (f"first_{unit}", f"second_{unit}"),
-        "Dry friction differs along the travel: preload, guideways that are not parallel, a worn stretch.",
+        "friction_position",
+        "friction that differs along the travel",
+        (f"first_{unit}", f"second_{unit}"),
+        "Dry friction differs along the travel: preload, guideways that are not parallel, a worn"
+        " stretch.",
         lambda m: [m.sense * m.share, m.sense * (1.5 * m.share**2 - 0.5)],
-    )  # fmt: skip
+    )
     yield Term(
-        "force_position", "a force that differs along the travel", (f"first_{unit}", f"second_{unit}"),
-        "A spring along the travel: cable chain, cover, balance.", lambda m: [m.share, 1.5 * m.share**2 - 0.5],
-    )  # fmt: skip
+        "force_position",
+        "a force that differs along the travel",
+        (f"first_{unit}", f"second_{unit}"),
+        "A spring along the travel: cable chain, cover, balance.",
+        lambda m: [m.share, 1.5 * m.share**2 - 0.5],
+    )
     yield Term(
         "load_friction", "friction that grows with the load", (f"{unit}_per_m_s2",),
         "Friction grows with the force that is transmitted: the efficiency of the screw.",
         lambda m: [m.sense * np.abs(m.acceleration) * M],
     )  # fmt: skip
     yield Term(
-        "force_delay", "force and motion were not sampled at once", (f"{unit}_per_m_s3",),
-        "The force is late or early against the motion: a filter of the drive, or the order of sampling.", lambda m: [m.jerk * M],
-    )  # fmt: skip
+        "force_delay",
+        "force and motion were not sampled at once",
+        (f"{unit}_per_m_s3",),
+        "The force is late or early against the motion: a filter of the drive, or the order of"
+        " sampling.",
+        lambda m: [m.jerk * M],
+    )
     for lead in _leads(motion):
         yield Term(
-            "force_ripple", "a force that swings with the place", (f"amplitude_{unit}",),
-            "The force swings with the place: cogging of the motor, balls that come into the nut, an eccentric screw.",
+            "force_ripple",
+            "a force that swings with the place",
+            (f"amplitude_{unit}",),
+            "The force swings with the place: cogging of the motor, balls that come into the nut,"
+            " an eccentric screw.",
             partial(_swing, lead),
-            (("period_mm", lead),), len(LEADS),
-        )  # fmt: skip
+            (("period_mm", lead),),
+            len(LEADS),
+        )
 
 
 def _slow(at: float, motion: Motion) -> list[np.ndarray]:
@@ -161,7 +205,8 @@ def _slow(at: float, motion: Motion) -> list[np.ndarray]:
 
 
 def _power(power: float, fastest: float, motion: Motion) -> list[np.ndarray]:
-    """A curve of the speed less its line over these samples, so that dry and viscous friction stay what they are."""
+    """A curve of the speed less its line over these samples, so that dry and viscous friction stay
+    what they are."""
     curve = motion.sense * (np.abs(motion.velocity) / fastest) ** power
     line = np.stack([motion.sense, motion.velocity / fastest], axis=1)
     return [curve - line @ np.linalg.lstsq(line, curve, rcond=None)[0]]
@@ -195,7 +240,8 @@ LEADS = (
 
 
 def _leads(motion: Motion) -> list[float]:
-    """Periods that the samples tell apart: three of them within the travel, four samples in each."""
+    """Periods that the samples tell apart: three of them within the travel, four samples in
+    each."""
     span = float(np.ptp(motion.place))
     step = float(np.median(np.abs(np.diff(motion.place)))) if len(motion.place) > 1 else span
     return [p for p in LEADS if 4 * step < p < span / 3]

@@ -1,9 +1,12 @@
-"""One likelihood for noise, nuisances and effects: how much more probable are the readings with a set of effects than without.
+"""One likelihood for noise, nuisances and effects: how much more probable are the readings with a
+set of effects than without.
 
-Readings of every unit are y = F c + B b + e: columns F that all units share (the map's error and the effects), B that are its own
-(zeros, set-ups, wander), e its white noise after the autoregression is taken out. All coefficients are normal with mean zero, so
-the evidence is closed form for given standard deviations; these are learned beside every set by MacKay's fixed point
-(Bayesian interpolation, Neural Computation 4, 1992, 415), so that wander and drift, map and effect compete as equals.
+Readings of every unit are y = F c + B b + e: columns F that all units share (the map's error and
+the effects), B that are its own (zeros, set-ups, wander), e its white noise after the
+autoregression is taken out. All coefficients are normal with mean zero, so the evidence is closed
+form for given standard deviations; these are learned beside every set by MacKay's fixed point
+(Bayesian interpolation, Neural Computation 4, 1992, 415), so that wander and drift, map and effect
+compete as equals.
 
 Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of the dictionary. mm.
 """
@@ -19,11 +22,11 @@ from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.parts import SURE, Part, Reduced, cholesky, inverted, solved, surprise
 
-SLAB = 8e-3  # mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to 50 um)
-MAP_SURE, MAP_MOST = (
-    60.0,
-    3.0,
-)  # a map's uncertainty is stated, or usual: a few terms do not overrule it
+# mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to
+# 50 um)
+SLAB = 8e-3
+# a map's uncertainty is stated, or usual: a few terms do not overrule it
+MAP_SURE, MAP_MOST = 60.0, 3.0
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
@@ -37,9 +40,9 @@ On = frozenset[tuple[int, str]]  # units that have a process of their own, and o
 
 @dataclass
 class Fit:
-    """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean (f,), covariance (f, f) of
-    the shared coefficients; shared: learned standard deviations of the map's groups; scale: of each block, what its usual size is
-    multiplied by; parts: its units."""
+    """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean
+    (f,), covariance (f, f) of the shared coefficients; shared: learned standard deviations of the
+    map's groups; scale: of each block, what its usual size is multiplied by; parts: its units."""
 
     chosen: tuple[int, ...]
     on: On
@@ -84,11 +87,11 @@ class Evidence:
         self._indexed = 0
         self._pairs: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
 
-    # -- the dictionary ------------------------------------------------------------------------------------------------
+    # -- the dictionary ----------------------------------------------------------------------------
 
     def add(self, blocks: list[Block], sd: float = 0.0) -> list[int]:
-        """Let blocks in; their numbers. sd: stated standard deviation of each coefficient; 0: learned, from that of which SLAB is
-        what it explains at its largest reading."""
+        """Let blocks in; their numbers. sd: stated standard deviation of each coefficient; 0:
+        learned, from that of which SLAB is what it explains at its largest reading."""
         begin = len(self.blocks)
         for b in blocks:
             self.first.append(self.width)
@@ -124,9 +127,8 @@ class Evidence:
             at[part.columns] = np.arange(len(part.columns))
             here = np.flatnonzero(at[first] >= 0)
             one, other = at[first[here]], at[second[here]]
-            old = (
-                self._pairs[number][3] if known else np.zeros(0)
-            )  # blocks are only ever added behind
+            # blocks are only ever added behind
+            old = self._pairs[number][3] if known else np.zeros(0)
             fresh = part.own_products(one[len(old) :], other[len(old) :])
             pair = (here, one, other, np.concatenate([old, fresh]))
             self._pairs[number : number + 1] = [pair]
@@ -142,16 +144,22 @@ class Evidence:
             ]
         )
 
-    # -- a set of blocks -----------------------------------------------------------------------------------------------
+    # -- a set of blocks ---------------------------------------------------------------------------
 
     def learn(
-        self, chosen: tuple[int, ...], like: Fit | None, on: On = frozenset(), steps: int = STEPS, least: np.ndarray | None = None,
+        self,
+        chosen: tuple[int, ...],
+        like: Fit | None,
+        on: On = frozenset(),
+        steps: int = STEPS,
+        least: np.ndarray | None = None,
         afresh: bool = False,
-    ) -> Fit:  # fmt: skip
-        """The evidence of a set of blocks, with what is learned beside it. like: a fit that differs by little, of which units
-        that see no difference are kept; on: units with a process of their own; least: variance of each
-        unit that is there in any case (1: of its white noise), for want of the exact form of what is explained; afresh: the
-        others begin at what is usual, not at what was learned before."""
+    ) -> Fit:
+        """The evidence of a set of blocks, with what is learned beside it. like: a fit that differs
+        by little, of which units that see no difference are kept; on: units with a process of their
+        own; least: variance of each unit that is there in any case (1: of its white noise), for
+        want of the exact form of what is explained; afresh: the others begin at what is usual, not
+        at what was learned before."""
         least = np.full(len(self.parts), QUIETEST) if least is None else least
         shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
@@ -257,11 +265,12 @@ class Evidence:
             )
         return new
 
-    # -- the whole dictionary beside a set -----------------------------------------------------------------------------
+    # -- the whole dictionary beside a set ---------------------------------------------------------
 
     def scan(self, fit: Fit, draws: np.ndarray | None = None):
-        """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the Bayes factor, (K,)
-        coefficients and their standard deviations. With draws (N, R) of readings instead: (B, R), None, None."""
+        """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the
+        Bayes factor, (K,) coefficients and their standard deviations. With draws (N, R) of readings
+        instead: (B, R), None, None."""
         many = 1 if draws is None else draws.shape[1]
         sd = self._sd(fit.chosen, fit.shared, fit.scale)
         f = len(sd)
@@ -332,8 +341,8 @@ class Evidence:
         return (result[:, 0], coefficients, spread) if values else (result, None, None)
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
-        """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of the fit taken out, but for
-        one of its members."""
+        """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
+        the fit taken out, but for one of its members."""
         sd = self._sd(fit.chosen, fit.shared, fit.scale)
         if but >= 0:
             sd[
@@ -362,11 +371,11 @@ class Evidence:
             xy -= half[:, 1:].T @ half[:, 0]
         return xx, xy
 
-    # -- what a fit says of the readings -------------------------------------------------------------------------------
+    # -- what a fit says of the readings -----------------------------------------------------------
 
     def explained(self, fit: Fit) -> dict[str, np.ndarray]:
-        """(N,) mm of the readings: "effects", "map", and each kind of own group; "noise": the standard deviation of a
-        reading by white noise, wander and zeros of runs."""
+        """(N,) mm of the readings: "effects", "map", and each kind of own group; "noise": the
+        standard deviation of a reading by white noise, wander and zeros of runs."""
         n = len(self.y)
         z = self.shared.shape[1]
         result = {"map": self.shared @ fit.mean[:z], "noise": np.zeros(n)}
@@ -409,8 +418,8 @@ class Evidence:
         return result
 
     def scatter(self, fit: Fit, said: dict[str, np.ndarray]) -> np.ndarray:
-        """(N,) mm: the noise of the readings as these have it: white noise, and what wandered and what zeros of runs did in each
-        unit, not what they do in others. said: of `explained`."""
+        """(N,) mm: the noise of the readings as these have it: white noise, and what wandered and
+        what zeros of runs did in each unit, not what they do in others. said: of `explained`."""
         result = self.white(fit)
         moved = sum(
             (said[kind] for kind in ("wander", "run") if kind in said), np.zeros(len(self.y))
@@ -421,7 +430,8 @@ class Evidence:
         return result
 
     def drawn(self, fit: Fit, rng: np.random.Generator, count: int) -> np.ndarray:
-        """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs' zeros, the map's error."""
+        """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs'
+        zeros, the map's error."""
         z = self.shared.shape[1]
         y = (
             self.shared * np.where(self.shared_free, 0.0, fit.shared[self.shared_of])

@@ -1,4 +1,5 @@
-"""Which experiment shows an effect, or tells two of them apart: what to run, in the words of `gcomp simulate --test`."""
+"""Which experiment shows an effect, or tells two of them apart: what to run, in the words of `gcomp
+simulate --test`."""
 
 from __future__ import annotations
 
@@ -38,7 +39,10 @@ SHOWS = {  # effect: (experiment, what about it matters)
     "vibration": ("feeds:{a}", "{a} at two feeds: the frequency stays, a cyclic error's does not"),
     "cyclic": (
         "period:{a}",
-        "laser along {a} at close targets that are no part of a pitch, over three turns of the screw",
+        (
+            "laser along {a} at close targets that are no part of a pitch, over three turns of the"
+            " screw"
+        ),
     ),
     "encoder_cyclic": (
         "feeds:{a}",
@@ -60,7 +64,10 @@ SHOWS = {  # effect: (experiment, what about it matters)
     "bow": ("straightness:{a}", "straightness of {a} with a straightedge that is turned over"),
     "abbe": (
         "arms:{a}",
-        "laser along {a} at the same targets on lines as far apart across {a} as the machine allows; the angle of {a} does as well",
+        (
+            "laser along {a} at the same targets on lines as far apart across {a} as the machine"
+            " allows; the angle of {a} does as well"
+        ),
     ),
     "sag": (
         "positioning:{a}",
@@ -89,10 +96,15 @@ SHOWS = {  # effect: (experiment, what about it matters)
 
 
 NO_CIRCLES = ("heidenhain-iso",)  # their circles hang on a pole
-WITHOUT_CIRCLES = {  # for a control whose circles gcomp can not read back: what shows the most of the same at rest or in a log
+# for a control whose circles gcomp can not read back: what shows the most of the same at rest or in
+# a log
+WITHOUT_CIRCLES = {
     "servo_mismatch": (
         "diagonal:{p}",
-        "both diagonals of {p}, read at rest: what is left of it then is squareness; two feeds of each axis tell the lag",
+        (
+            "both diagonals of {p}, read at rest: what is left of it then is squareness; two feeds"
+            " of each axis tell the lag"
+        ),
     ),
     "reversal_spike": (
         "feeds:{a}",
@@ -107,8 +119,16 @@ APART = (  # names of one set, two of them at least, and the one whose experimen
     (("structure_drift", "screw_heat", "laser_air", "dead_path"), 2, "structure_drift"),
 )
 FIRST = (
-    "structure_drift", "screw_heat", "windup", "cyclic", "servo_lag", "abbe", "squareness", "spindle_growth", "step_loss",
-)  # fmt: skip
+    "structure_drift",
+    "screw_heat",
+    "windup",
+    "cyclic",
+    "servo_lag",
+    "abbe",
+    "squareness",
+    "spindle_growth",
+    "step_loss",
+)
 
 
 def showing(effect: str, axis: str, machine: Machine) -> str:
@@ -124,16 +144,22 @@ def showing(effect: str, axis: str, machine: Machine) -> str:
     if not name:
         return words.format(a=single, p=pair)
     file = name.partition(",")[0].replace(":", "_")
-    return f"{words.format(a=single, p=pair)}: gcomp simulate --test {name} --machine {machine.name} --program-out {file}.nc"
+    return (
+        f"{words.format(a=single, p=pair)}: gcomp simulate --test {name} --machine {machine.name}"
+        f" --program-out {file}.nc"
+    )
 
 
 def separating(key: str, others: list[str], machine: Machine) -> str:
-    """The experiment that tells a name from those that explain as well: the one for this set of them, else one that shows
-    the first of them by itself."""
+    """The experiment that tells a name from those that explain as well: the one for this set of
+    them, else one that shows the first of them by itself."""
     name, _, axis = key.partition(":")
     candidates = [(name, axis), *((n, a) for n, _, a in (o.partition(":") for o in others))]
     if any(n == name for n, _ in candidates[1:]):
-        return f"the same with each axis alone: {showing('step_loss' if name == 'step_loss' else 'servo_lag', axis, machine)}"
+        return (
+            "the same with each axis alone:"
+            f" {showing('step_loss' if name == 'step_loss' else 'servo_lag', axis, machine)}"
+        )
     for names, least, shown in APART:
         alike = [c for c in candidates if c[0] in names]
         if name in names and len({n for n, _ in alike}) >= least:

@@ -1,4 +1,5 @@
-"""From what was chosen to findings: sizes with their intervals, other names for the same, what would have been seen."""
+"""From what was chosen to findings: sizes with their intervals, other names for the same, what
+would have been seen."""
 
 from __future__ import annotations
 
@@ -38,10 +39,17 @@ def of_jump(
     )
     causes = shared_jump.causes(jump)
     return Finding(
-        Block(shared_jump, jump.axis, (), columns), named, ci, contribution, score, fall, causes,
-        text=shared_jump.words(jump, (first, second)), next_test=shared_jump.next_test(jump, machine.name),
+        Block(shared_jump, jump.axis, (), columns),
+        named,
+        ci,
+        contribution,
+        score,
+        fall,
+        causes,
+        text=shared_jump.words(jump, (first, second)),
+        next_test=shared_jump.next_test(jump, machine.name),
         names={cause: 1 / len(causes) for cause in causes},
-    )  # fmt: skip
+    )
 
 
 def of_member(search: Search, state: Found, k: int) -> Finding:
@@ -58,13 +66,13 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
         (key for key, c in others.items() if key != block.key and c.score >= enough),
         key=lambda key: -others[key].score,
     )
-    # What explains something else besides is no other name for this: with it this must lose most of what it is worth.
+    # What explains something else besides is no other name for this: with it this must lose most of
+    # what it is worth.
     alike = [key for key in alike if _needless(search, rest, search.new(others[key], rest), k, own)]
     contribution = block.columns @ value
     if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in alike:
-        alike.insert(
-            0, "delay:"
-        )  # of a log that is late by more than a control's cycle nobody can tell
+        # of a log that is late by more than a control's cycle nobody can tell
+        alike.insert(0, "delay:")
     alike = alike + [
         n for n in unrecorded.names(search.rows, block, contribution) if n not in alike
     ]
@@ -80,8 +88,9 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
 
 
 def probable(own: str, less: dict[str, float]) -> dict[str, float]:
-    """Names to probabilities. less: by how much less each other name's score is, beyond what errors of form may make of it; a
-    score is twice the logarithm of a probability, and what no reading parts is as probable."""
+    """Names to probabilities. less: by how much less each other name's score is, beyond what errors
+    of form may make of it; a score is twice the logarithm of a probability, and what no reading
+    parts is as probable."""
     weight = {own: 1.0} | {name: float(np.exp(-fall / 2)) for name, fall in less.items()}
     whole = sum(weight.values())
     return {name: w / whole for name, w in sorted(weight.items(), key=lambda item: -item[1])}
@@ -103,7 +112,8 @@ def form(search: Search, state: Found) -> np.ndarray:
 
 
 def limits(search: Search, state: Found) -> dict[str, float]:
-    """effect:axis to mm: from which size on it would have been seen: where its worth reaches the threshold and twice its root."""
+    """effect:axis to mm: from which size on it would have been seen: where its worth reaches the
+    threshold and twice its root."""
     _, _, spread = search.evidence.scan(state.fit)
     result: dict[str, float] = {}
     wanted = search.least + 2 * np.sqrt(search.least)

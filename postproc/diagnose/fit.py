@@ -1,7 +1,8 @@
 """Weighted least squares in which the nuisances are known by their size only.
 
-With W = 1 / sigma^2 and nuisance columns U of prior variance L, P = W - W U (1/L + U'W U)^-1 U'W is what is left of W when
-the nuisances are taken out. For a first look (locate); names are chosen by their evidence.
+With W = 1 / sigma^2 and nuisance columns U of prior variance L, P = W - W U (1/L + U'W U)^-1 U'W is
+what is left of W when the nuisances are taken out. For a first look (locate); names are chosen by
+their evidence.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import numpy as np
 
 @dataclass
 class Projector:
-    """What is left of columns when the nuisances, and what was chosen before, are taken out. w (N,) 1/sigma^2; u (N, Q);
-    inner (Q, Q) the inverse in P."""
+    """What is left of columns when the nuisances, and what was chosen before, are taken out. w (N,)
+    1/sigma^2; u (N, Q); inner (Q, Q) the inverse in P."""
 
     w: np.ndarray
     u: np.ndarray

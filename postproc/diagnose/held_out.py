@@ -1,4 +1,5 @@
-"""Which readings take no part in naming and fitting: a run that was asked for, or the middle one of those that were repeated."""
+"""Which readings take no part in naming and fitting: a run that was asked for, or the middle one of
+those that were repeated."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
         held = rows.run == int(value)
         if not held.any() or held.all():
             raise UsageError(
-                f"--holdout {wanted}: there is {'nothing' if not held.any() else 'no other run than'} {wanted}"
+                f"--holdout {wanted}: there is"
+                f" {'nothing' if not held.any() else 'no other run than'} {wanted}"
             )
         return held, f"run {int(value)}"
     said = []
@@ -32,15 +34,15 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
                 held |= again
                 said.append("the last reading of every feature")
         elif len(runs) >= 3:
-            held |= which & (
-                rows.run == runs[len(runs) // 2]
-            )  # in the middle: heat and wear lie between what is known
+            # in the middle: heat and wear lie between what is known
+            held |= which & (rows.run == runs[len(runs) // 2])
             said.append("the middle run of every recording that has three at least")
     return held, ", ".join(dict.fromkeys(said))
 
 
 def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:
-    """(N,) bool: the last reading of features that were all read three times on each part; none else."""
+    """(N,) bool: the last reading of features that were all read three times on each part; none
+    else."""
     reading = recording.columns.get("reading")
     own = np.flatnonzero(rows.file == file)
     result = np.zeros(len(rows), bool)

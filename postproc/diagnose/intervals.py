@@ -1,5 +1,6 @@
-"""How sure a named parameter is: 95 % intervals that carry the noise, the map's own error, the other members, values of a
-shape between those of the grid, and the choice among shapes that explain nearly as well.
+"""How sure a named parameter is: 95 % intervals that carry the noise, the map's own error, the
+other members, values of a shape between those of the grid, and the choice among shapes that explain
+nearly as well.
 
 Shapes are averaged by their likelihood (Hoeting et al. 1999).
 """
@@ -25,7 +26,8 @@ Ends = dict[str, tuple[float, float]]
 
 
 def of(search: Search, state: Found, k: int, scores: np.ndarray) -> tuple[dict[str, float], Ends]:
-    """Named parameters of a member and their intervals. scores (B,): of all blocks given the other members."""
+    """Named parameters of a member and their intervals. scores (B,): of all blocks given the other
+    members."""
     block = search.blocks[k]
     named, sd = _spread(search, state, k)
     parts = [(1.0, named, sd)]
@@ -60,8 +62,8 @@ def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dic
 
 
 def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool) -> float:
-    """Standard deviation of a parameter for want of the exact form: a size to a few percent, a period to some of what the readings
-    resolve, a moment to the readings beside it."""
+    """Standard deviation of a parameter for want of the exact form: a size to a few percent, a
+    period to some of what the readings resolve, a moment to the readings beside it."""
     rows = search.rows
     shown = np.any(block.columns != 0, axis=1)
     if name in ("t_s", "second_s", "third_s"):
@@ -127,7 +129,8 @@ def _derivatives(
 def _others(
     search: Search, state: Found, k: int, scores: np.ndarray, sd: dict[str, float]
 ) -> list[tuple[float, dict[str, float], dict[str, float]]]:  # fmt: skip
-    """Weight, parameters and their standard deviations of other shapes of the same effect and axis."""
+    """Weight, parameters and their standard deviations of other shapes of the same effect and
+    axis."""
     block, own, result = search.blocks[k], float(scores[k]), []
     chosen_now = block.module.parameters(search.value(state.fit, k), dict(block.shape))
     for number, (other, score) in enumerate(zip(search.blocks, scores, strict=True)):
@@ -168,8 +171,8 @@ def _others(
 
 
 def _ends(parts: list[tuple[float, float, float]]) -> tuple[float, float]:
-    """The interval that holds 95 % of a mixture of normal distributions (weight, mean, standard deviation), half of the rest on
-    either side."""
+    """The interval that holds 95 % of a mixture of normal distributions (weight, mean, standard
+    deviation), half of the rest on either side."""
     total = sum(w for w, _, _ in parts)
     low, high = min(m - 5 * s for _, m, s in parts), max(m + 5 * s for _, m, s in parts)
     if len(parts) == 1 or high <= low:

@@ -1,34 +1,30 @@
-"""When names are no answer: something comes back that none explains, or the recordings can not be trusted."""
+"""When names are no answer: something comes back that none explains, or the recordings can not be
+trusted."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from postproc.diagnose import telegraph
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.nuisances import PROCESSES
 from postproc.diagnose.search import Found, Search
 from postproc.diagnose.unknown import Unknown, mapped
 
-LEAST_MM = {
-    "laser": 5e-4,
-    "angle": 5e-7,
-    "tool": 5e-4,
-    "scale": 4e-4,
-}  # smaller is not worth a word
+# smaller is not worth a word
+LEAST_MM = {"laser": 5e-4, "angle": 5e-7, "tool": 5e-4, "scale": 4e-4}
 OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
-FEWEST, FOLDS, FORETELLS = (
-    6,
-    5,
-    0.95,
-)  # readings; parts into which targets are cut; of the squares without a curve
+# readings; parts into which targets are cut; of the squares without a curve
+FEWEST, FOLDS, FORETELLS = 6, 5, 0.95
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
 
 def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
-    """What no name explains, with its map. Names become tentative where the recordings can not be trusted,
-    where runs that took no part do not bear them out, and where more of what they explain comes back than they explain."""
+    """What no name explains, with its map. Names become tentative where the recordings can not be
+    trusted, where runs that took no part do not bear them out, and where more of what they explain
+    comes back than they explain."""
     for f in d.findings:
         if d.doubts:
             f.status = "tentative"
@@ -39,6 +35,7 @@ def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
         if any(sizes[unit] == max(sizes) < rms for _, rms, unit in left):
             f.status = "tentative"
     _borne_out(d)
+    _electronics(d, search)
     _curves(d)
     if not left:
         return None
@@ -49,9 +46,22 @@ def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
     return mapped(d, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
 
 
+def _electronics(d: Diagnosis, search: Search) -> None:
+    """A lost step is tentative where an instrument of the same recording switches between levels:
+    one change of its reading may be of that kind too."""
+    units = [part.whole for part in search.evidence.parts]
+    files = telegraph.switching(d.rows, units, telegraph.levels(d.rows, units))
+    files |= telegraph.switching(d.rows, units, telegraph.steps(d.rows, units))
+    for f in d.findings:
+        own = [f.contribution[d.rows.file == file] for file in files]
+        if f.block.name == "step_loss" and any(np.ptp(values) > 0 for values in own):
+            f.status = "tentative"
+
+
 def _curves(d: Diagnosis) -> None:
-    """A curve over the place that does not foretell the places that are left out of its fit is what it says at the targets, no more:
-    as many terms as targets go through all of them and say nothing of what lies between. It goes into no machine unasked."""
+    """A curve over the place that does not foretell the places that are left out of its fit is what
+    it says at the targets, no more: as many terms as targets go through all of them and say nothing
+    of what lies between. It goes into no machine unasked."""
     for f in d.findings:
         rest = d.rows.state.passage < 0
         own = np.flatnonzero(np.any(f.block.columns != 0, axis=1) & rest & ~d.held)
@@ -64,8 +74,9 @@ def _curves(d: Diagnosis) -> None:
 
 
 def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> tuple[float, float]:
-    """Sums of squares (mm2, over the noise) at targets that were left out, each in its turn with a fifth of the others: with the curve
-    fitted to the rest, and without it. own: rows; target: their numbers."""
+    """Sums of squares (mm2, over the noise) at targets that were left out, each in its turn with a
+    fifth of the others: with the curve fitted to the rest, and without it. own: rows; target: their
+    numbers."""
     signals = (d.rows.signal[own][:, None] == np.unique(d.rows.signal[own])).astype(float)
     curve = f.block.columns[own]
     y, w = d.after[own] + f.contribution[own], 1.0 / d.noise[own]
@@ -103,7 +114,8 @@ def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float
 
 
 def _borne_out(d: Diagnosis) -> None:
-    """A name is tentative where runs that took no part are no better off with it, though it is larger there than their noise."""
+    """A name is tentative where runs that took no part are no better off with it, though it is
+    larger there than their noise."""
     ground = float(np.sqrt(np.mean(d.noise[d.held] ** 2))) if d.held.any() else 0.0
     for f in d.findings:
         own = d.held & (f.contribution != 0)

@@ -1,5 +1,5 @@
-"""Every effect of the library, on every axis that can show it, at every value of what does not enter linearly: blocks of
-columns as the readings would show them."""
+"""Every effect of the library, on every axis that can show it, at every value of what does not
+enter linearly: blocks of columns as the readings would show them."""
 
 from __future__ import annotations
 
@@ -11,20 +11,26 @@ from types import ModuleType
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import spectra
+from postproc.diagnose import spectra, telegraph
 from postproc.diagnose.rows import XYZ, Rows, second_place
 
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
-    "tool": ("laser", "tool"), "scale": ("scale",), "part": ("part",), "laser": ("laser",), "trace": ("tool",), "gauge": (),
-}  # fmt: skip
-MOST_STEPS, MOST_JUMPS = 200, 60
+    "tool": ("laser", "tool"),
+    "scale": ("scale",),
+    "part": ("part",),
+    "laser": ("laser",),
+    "trace": ("tool",),
+    "gauge": (),
+}
+MOST_STEPS, MOST_JUMPS, MOST_ABRUPT = 200, 60, 24
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
 
 
 @dataclass(frozen=True)
 class Block:
-    """One way to explain: an effect, its axis, its shape, and the (N, K) mm that it would add to the readings."""
+    """One way to explain: an effect, its axis, its shape, and the (N, K) mm that it would add to
+    the readings."""
 
     module: ModuleType
     axis: str
@@ -46,9 +52,8 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     """(N,) bool: rows in which the effect can show."""
     kinds = [kind for sees in module.SEES for kind in SIGNALS[sees]]
     seen = rows.seen(kinds)
-    if (
-        "gauge" in module.SEES
-    ):  # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
+    # the edge's own wear is on the workpiece, not on what a mandrel or a mirror shows
+    if "gauge" in module.SEES:
         seen = seen | (rows.seen(SIGNALS["tool"]) & (rows.state.channels["gauged"] > 0))
     if "trace" in module.SEES or ("laser" in module.SEES and module.USE == "recording"):
         files = np.array(
@@ -67,7 +72,8 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "velocity" and not any(np.any(state.velocity[x]) for x in letters):
             return False
-        # Two axes are compared where both move at once: a circle in another plane says nothing of the pair.
+        # Two axes are compared where both move at once: a circle in another plane says nothing of
+        # the pair.
         if (
             need == "velocity"
             and module.PER == "pair"
@@ -163,8 +169,9 @@ def _shapes(rows: Rows, name: str, module: ModuleType, axis: str) -> Iterator[di
 
 
 def _steps(rows: Rows) -> list[float]:
-    """s: between two readings at rest, and at some moments of motions that were sampled. Of many the pauses, where most of the
-    time is, those over which readings differ most, and some of the others."""
+    """s: between two readings at rest, and at some moments of motions that were sampled. Of many
+    the pauses, where most of the time is, those over which readings differ most, and some of the
+    others."""
     rest = (rows.state.passage < 0) & (rows.sees != "part")
     t = np.unique(rows.state.time[rest])
     middle, wait = (t[1:] + t[:-1]) / 2, np.diff(t)
@@ -183,20 +190,37 @@ def _steps(rows: Rows) -> list[float]:
         gaps = list(
             middle[np.unique(np.concatenate([np.flatnonzero(pause)[:MOST_STEPS], jumps, some]))]
         )
+    return [float(g) for g in [*gaps, *_steps_moving(rows)]]
+
+
+def _steps_moving(rows: Rows) -> list[float]:
+    """s: moments of motions that were sampled: where a signal changes most abruptly, and some of
+    the others."""
+    moments, abrupt = [], []
     for passage in np.unique(rows.state.passage[rows.state.passage >= 0]):
-        moment = rows.state.time[rows.state.passage == passage]
-        gaps += [float(v) for v in np.linspace(moment.min(), moment.max(), 12)[1:-1]]
-    return [float(g) for g in gaps]
+        here = np.flatnonzero(rows.state.passage == passage)
+        time = rows.state.time[here]
+        moments += list(np.linspace(time.min(), time.max(), 12)[1:-1])
+        for signal in np.unique(rows.signal[here]):
+            own = here[rows.signal[here] == signal]
+            own = own[np.argsort(rows.state.time[own], kind="stable")]
+            at, size = telegraph.changes(rows.residual[own])
+            scale = max(float(np.median(size)), 1e-9) if len(size) else 1.0
+            t = rows.state.time[own]
+            abrupt += [(-s / scale, (t[k - 1] + t[k]) / 2) for k, s in zip(at, size, strict=True)]
+    return moments + [t for _, t in sorted(abrupt)[:MOST_ABRUPT]]
 
 
 def swings(columns: np.ndarray) -> np.ndarray:
-    """(K,) bool: columns (N, K) of the waves that show, a cosine and its sine together: one of them alone has no phase."""
+    """(K,) bool: columns (N, K) of the waves that show, a cosine and its sine together: one of them
+    alone has no phase."""
     shows = (np.abs(columns).max(axis=0, initial=0.0) > 1e-9).reshape(-1, 2).all(axis=1)
     return np.repeat(shows, 2)
 
 
 def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
-    """Blocks of what is periodic in what is left. weighted (N,): P y, what is left over the square of the noise."""
+    """Blocks of what is periodic in what is left. weighted (N,): P y, what is left over the square
+    of the noise."""
     result = []
     for name in FOUND:
         module = effects.load(name)

@@ -1,9 +1,11 @@
-"""Where measured and simulated differ, before anything has a name: places, directions, runs and times that stand out.
+"""Where measured and simulated differ, before anything has a name: places, directions, runs and
+times that stand out.
 
-Every signal is cut into cells along position, by direction of approach, and along time; the window of cells whose mean
-departs most from zero is found, and the chance that noise alone makes one as large is counted on draws of the noise and of
-the nuisances (Kulldorff's scan statistic, in one dimension). A stretch of the way is narrowed to a stretch of the time where
-that is told by more than noise would: what comes with heat stands out at one place, and not always.
+Every signal is cut into cells along position, by direction of approach, and along time; the window
+of cells whose mean departs most from zero is found, and the chance that noise alone makes one as
+large is counted on draws of the noise and of the nuisances (Kulldorff's scan statistic, in one
+dimension). A stretch of the way is narrowed to a stretch of the time where that is told by more
+than noise would: what comes with heat stands out at one place, and not always.
 """
 
 from __future__ import annotations
@@ -26,9 +28,10 @@ TIE = 1e-3  # of the highest score
 
 @dataclass(frozen=True)
 class Place:
-    """One region of one signal: file, axis, from, to mm; approach "+", "-" or "both"; runs, times and lines of its rows;
-    rms and peak of the readings there in mm; p; program: first and last line of the
-    program, where it was recorded; timed: whether it stands out then, and not at other times at the same place."""
+    """One region of one signal: file, axis, from, to mm; approach "+", "-" or "both"; runs, times
+    and lines of its rows; rms and peak of the readings there in mm; p; program: first and last line
+    of the program, where it was recorded; timed: whether it stands out then, and not at other times
+    at the same place."""
 
     file: int
     signal: int
@@ -48,7 +51,8 @@ class Place:
 
 def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> list[Place]:
     """The region of every signal that noise does not explain, the clearest first."""
-    # Zeros are nobody's fault; what the map may be wrong by is among the draws: more than that is a mismatch.
+    # Zeros are nobody's fault; what the map may be wrong by is among the draws: more than that is a
+    # mismatch.
     free = prior >= 0.005
     projector = Projector.of(sigma, u[:, free], prior[free])
     rng = np.random.default_rng(99)
@@ -66,19 +70,16 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         own, value, nulls = _scan(
             projector, evidence, which, cell, _windows(along, int(cell.max()) + 1)
         )
-        later, worth, chances = _in_time(projector, evidence, which, rows.state.time[which])
+        time = rows.state.time[which]
+        later, worth, chances = _in_time(projector, evidence, which, time)
         p = (1 + int((np.maximum(nulls, chances) >= max(value, worth)).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
             continue
-        timed = bool(worth - value > np.quantile(chances - nulls, 1 - SIGNIFICANT))
+        timed = worth > value and _elsewhen(cell, later) and np.ptp(time) > 0
         if timed:
             own = later
-        else:
-            short, more, most = _in_time(
-                projector, evidence, which[own], rows.state.time[which[own]]
-            )
-            if timed := bool(more - value > np.quantile(most - nulls, 1 - SIGNIFICANT)):
-                own = own[short]
+        elif len(short := _at_times(projector, evidence, which, own, time)):
+            own, timed = own[short], True
         inside = which[own]
         sides = np.unique(side[own])
         approach = (
@@ -87,19 +88,28 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         pick = rows.state.position[axis][inside]
         found.append(
             Place(
-                int(rows.file[inside[0]]), int(signal), axis, float(pick.min()), float(pick.max()), approach,
+                int(rows.file[inside[0]]),
+                int(signal),
+                axis,
+                float(pick.min()),
+                float(pick.max()),
+                approach,
                 tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
                 (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
-                (int(rows.line[inside].min()), int(rows.line[inside].max())), float(np.sqrt(np.mean(left[inside] ** 2))),
-                float(np.abs(left[inside]).max()), p, _program(rows, inside), timed,
+                (int(rows.line[inside].min()), int(rows.line[inside].max())),
+                float(np.sqrt(np.mean(left[inside] ** 2))),
+                float(np.abs(left[inside]).max()),
+                p,
+                _program(rows, inside),
+                timed,
             )
-        )  # fmt: skip
+        )
     return sorted(found, key=lambda f: -f.rms)
 
 
 def axis_of(rows: Rows, which: np.ndarray) -> str:
-    """The axis along which a signal's rows are looked at: the one that it reads, where that moves, else the one that moves
-    most."""
+    """The axis along which a signal's rows are looked at: the one that it reads, where that moves,
+    else the one that moves most."""
     went = {x: float(np.ptp(p[which])) for x, p in rows.state.position.items()}
     most = max(went, key=lambda x: went[x])
     if rows.sees[which[0]] == "angle":  # about an axis, and not along it
@@ -122,7 +132,8 @@ def inside(place: Place, rows: Rows) -> np.ndarray:
 
 
 def measured(places: list[Place], rows: Rows, before: np.ndarray) -> list[Place]:
-    """Regions with the rms and the peak that readings have there without any effect, (N,) mm, the largest first."""
+    """Regions with the rms and the peak that readings have there without any effect, (N,) mm, the
+    largest first."""
     found = []
     for place in places:
         off = before[inside(place, rows)]
@@ -136,11 +147,57 @@ def _in_time(projector: Projector, evidence: np.ndarray, which: np.ndarray, time
     """As `_scan`, of stretches of the time."""
     edges = np.unique(np.quantile(time, np.linspace(0, 1, CELLS + 1)))
     cell = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, max(len(edges) - 2, 0))
-    n = int(cell.max()) + 1
-    windows = np.stack(
-        [(np.arange(n) >= a) & (np.arange(n) < b) for a in range(n) for b in range(a + 1, n + 1)]
-    )
-    return _scan(projector, evidence, which, cell, windows)
+    return _scan(projector, evidence, which, cell, _stretches(int(cell.max()) + 1))
+
+
+def _elsewhen(cell: np.ndarray, own: np.ndarray) -> bool:
+    """Whether most of the places of the rows `own` were visited at other times too."""
+    others = np.delete(cell, own)
+    return float(np.mean(np.isin(np.unique(cell[own]), others))) > 0.5
+
+
+def _at_times(
+    projector: Projector, evidence: np.ndarray, which: np.ndarray, own: np.ndarray, time: np.ndarray
+) -> np.ndarray:
+    """Which rows of the stretch `own` of the way belong to the visits in a row in which it stands
+    out, or none where it does at all of them: by how much chi squared falls if these had a mean of
+    their own, beside one of the whole stretch and all nuisances, against the same of the draws."""
+    order = np.argsort(time, kind="stable")
+    rank = np.empty(len(order), int)
+    rank[order] = np.arange(len(order))
+    turn = np.argsort(rank[own], kind="stable")
+    visit = np.empty(len(own), int)
+    visit[turn] = np.cumsum(np.diff(rank[own][turn], prepend=-1) > 1) - 1
+    visit -= visit.min()
+    n = int(visit.max()) + 1
+    if n < 2 or np.ptp(time[own]) == 0:
+        return own[:0]
+    cell = visit * min(n, CELLS) // n
+    windows = _stretches(min(n, CELLS))[:-1]
+    member = np.zeros((len(evidence), windows.shape[1]))
+    member[which[own], cell] = 1.0
+    normal, told = member.T @ projector(member), member.T @ evidence
+    whole = normal.sum(axis=0)
+    share = whole / max(float(whole.sum()), 1e-30)
+    normal, beside = normal - np.outer(share, whole), told - np.outer(share, told.sum(axis=0))
+    wide = windows.astype(float)
+    power = np.einsum("wi,ij,wj->w", wide, normal, wide)
+    seen = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
+    score = (wide @ beside) ** 2 / np.where(seen, power, np.inf)[:, None]
+    most = float(score[:, 0].max())
+    if 1 + int((score[:, 1:].max(axis=0) >= most).sum()) > SIGNIFICANT * (DRAWS + 1):
+        return own[:0]
+    # a stretch and all the other visits tell the same: where it departs farther is meant
+    alike = np.flatnonzero(score[:, 0] >= (1 - TIE) * most)
+    mean = np.abs(wide @ told[:, 0])[alike] / (wide @ member.sum(axis=0))[alike]
+    return np.flatnonzero(windows[alike[np.argmax(mean)]][cell])
+
+
+def _stretches(n: int) -> np.ndarray:
+    """(W, n) bool: one cell to all of them in a row, the whole last."""
+    pairs = [(a, b) for a in range(n) for b in range(a + 1, n + 1)]
+    pairs.sort(key=lambda pair: pair[1] - pair[0])
+    return np.stack([(np.arange(n) >= a) & (np.arange(n) < b) for a, b in pairs])
 
 
 def _scan(
@@ -150,8 +207,9 @@ def _scan(
     cell: np.ndarray,
     windows: np.ndarray,
 ):
-    """Which of the rows are in the window with the highest score, that score, and the highest of each draw: by how much chi squared
-    falls if the window had a mean of its own, beside all nuisances."""
+    """Which of the rows are in the window with the highest score, that score, and the highest of
+    each draw: by how much chi squared falls if the window had a mean of its own, beside all
+    nuisances."""
     n = windows.shape[1]
     member = np.zeros((len(evidence), n))
     member[which, cell] = 1.0
@@ -160,7 +218,8 @@ def _scan(
     power = np.einsum("wi,ij,wj->w", wide, normal, wide)
     told = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
     score = (wide @ (member.T @ evidence)) ** 2 / np.where(told, power, np.inf)[:, None]
-    # Beside a free zero a stretch and all the rest of the way tell the same: the shorter one is meant.
+    # Beside a free zero a stretch and all the rest of the way tell the same: the shorter one is
+    # meant.
     most = float(score[:, 0].max())
     alike = np.flatnonzero(score[:, 0] >= (1 - TIE) * most)
     size = (windows[alike] @ member.sum(axis=0)).astype(int)
@@ -177,7 +236,8 @@ def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:
 
 
 def _cells(place: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, int]:
-    """(N,) cell of each row: along the position, first those approached in -, then the others; and how many there are along."""
+    """(N,) cell of each row: along the position, first those approached in -, then the others; and
+    how many there are along."""
     targets = np.unique(np.round(place, 1))
     if len(targets) <= TARGETS:
         edges = np.concatenate([[-np.inf], (targets[1:] + targets[:-1]) / 2, [np.inf]])
@@ -189,7 +249,8 @@ def _cells(place: np.ndarray, side: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def _windows(along: int, n: int) -> np.ndarray:
-    """(W, n) bool: which cells are in a window: one cell to all of them along the way, of either direction or of both."""
+    """(W, n) bool: which cells are in a window: one cell to all of them along the way, of either
+    direction or of both."""
     result = [np.ones(n, bool)]
     for a in range(along):
         for b in range(a + 1, along + 1):

@@ -1,12 +1,13 @@
 """The noise of every instrument: what scatters, what resembles its neighbours, and what wanders.
 
-Readings of one instrument in one recording are a unit. Its noise is the sum of white noise with long tails, an autoregression
-between neighbouring samples of a motion (order chosen by the Bayesian information criterion), and wander: Ornstein-Uhlenbeck
-processes in time of several correlation times, drawn by their values at some moments. How large each of them is, is
-learned beside every set of effects (see evidence).
+Readings of one instrument in one recording are a unit. Its noise is the sum of white noise with
+long tails, an autoregression between neighbouring samples of a motion (order chosen by the Bayesian
+information criterion), and wander: Ornstein-Uhlenbeck processes in time of several correlation
+times, drawn by their values at some moments. How large each of them is, is learned beside every set
+of effects (see evidence).
 
-Uhlenbeck and Ornstein, On the theory of the Brownian motion, Phys. Rev. 36, 1930, 823. Yule-Walker: Brockwell and Davis, Time Series:
-Theory and Methods, 1991, section 8.1.
+Uhlenbeck and Ornstein, On the theory of the Brownian motion, Phys. Rev. 36, 1930, 823. Yule-Walker:
+Brockwell and Davis, Time Series: Theory and Methods, 1991, section 8.1.
 """
 
 from __future__ import annotations
@@ -17,39 +18,40 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
-from postproc.diagnose import slips
+from postproc.diagnose import outliers
 from postproc.diagnose.rows import Rows
 
-FLOOR = {
-    "laser": 1e-4,
-    "angle": 1e-7,
-    "tool": 1e-4,
-    "scale": 5e-5,
-    "part": 3e-4,
-}  # mm, rad: resolution
+# mm, rad: resolution
+FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}
 USUAL = {
     "laser": 3e-4,
     "angle": 5e-7,
     "tool": 5e-4,
     "scale": 3e-4,
 }  # mm, rad: what they scatter by (unverified: workshops, the design of the experiment)
+# readings from which a unit's noise is told by itself; how many readings what is usual counts as
+# (unverified)
 FEW, KNOWN = (
     12,
     6.0,
-)  # readings from which a unit's noise is told by itself; how many readings what is usual counts as (unverified)
+)
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
-CHANCE = 0.4  # of the logarithm: two standard deviations of a median of 31 absolute values
+CHANCE = 0.46  # of the logarithm: two standard deviations of a median of 31 absolute differences
 ORDERS = (0, 1, 2, 4, 8)  # of the autoregression
 LINE = 25.0  # times the power around: an oscillation, no noise
-TAIL = 4.0  # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom does so too)
+# standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom
+# does so too)
+TAIL = 4.0
 
 
 @dataclass
 class Unit:
-    """Readings of one instrument. rows (n,): their numbers in the order of time; sees, dense: what kind; edges: where
-    passages (unbroken motions, runs of targets) begin, and n; time (n,) s; r (n,) mm: standard deviation of the white part; ar: coefficients of the
-    autoregression; innovation: its share of the variance; usual mm: of few readings, what others scatter by, else 0."""
+    """Readings of one instrument. rows (n,): their numbers in the order of time; sees, dense: what
+    kind; edges: where passages (unbroken motions, runs of targets) begin, and n; time (n,) s; r
+    (n,) mm: standard deviation of the white part; ar: coefficients of the autoregression;
+    innovation: its share of the variance; usual mm: of few readings, what others scatter by, else
+    0."""
 
     rows: np.ndarray
     sees: str
@@ -65,8 +67,8 @@ class Unit:
         return len(self.rows)
 
     def shrunk(self, own: float) -> float:
-        """mm: the standard deviation of its own readings, shrunk towards what is usual (geometric mean, weighted by their number) where
-        they are few: they may as well show an effect."""
+        """mm: the standard deviation of its own readings, shrunk towards what is usual (geometric
+        mean, weighted by their number) where they are few: they may as well show an effect."""
         if not self.usual:
             return own
         return float(own * (self.usual / own) ** (KNOWN / (len(self) + KNOWN)))
@@ -89,7 +91,8 @@ class Unit:
         )
 
     def whitened(self, columns: np.ndarray) -> np.ndarray:
-        """(n,) or (n, K): divided by the standard deviation and, within passages, less what the samples before foretell."""
+        """(n,) or (n, K): divided by the standard deviation and, within passages, less what the
+        samples before foretell."""
         scaled = columns / (self.r if columns.ndim == 1 else self.r[:, None])
         if not len(self.ar):
             return scaled
@@ -149,9 +152,11 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
         )
     else:
         size = max(
-            _repeated(rows, residual, which)
-            if unit.sees == "part"
-            else _sparse(rows, residual, which),
+            (
+                _repeated(rows, residual, which)
+                if unit.sees == "part"
+                else _sparse(rows, residual, which)
+            ),
             floor,
         )
     size = np.maximum(size, np.maximum(rows.grain[which], _step(rows.y[which])))
@@ -203,8 +208,8 @@ def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
 
 
 def _repeated(rows: Rows, residual: np.ndarray, own: np.ndarray) -> float:
-    """Features that were measured several times on each part: what the readings of one scatter by; else from differences
-    of neighbours."""
+    """Features that were measured several times on each part: what the readings of one scatter by;
+    else from differences of neighbours."""
     group = np.unique(np.stack([rows.signal[own], rows.run[own]]), axis=1, return_inverse=True)[
         1
     ].ravel()
@@ -216,12 +221,13 @@ def _repeated(rows: Rows, residual: np.ndarray, own: np.ndarray) -> float:
     return float(np.sqrt(np.sum((residual[own] - mean[group]) ** 2) / free))
 
 
-# -- wander ------------------------------------------------------------------------------------------------------------
+# -- wander ----------------------------------------------------------------------------------------
 
 
 def wander(unit: Unit) -> list[np.ndarray]:
-    """Columns (n, M), one array for each correlation time, longest first, of unit standard deviation at every moment: a value at
-    each of some moments, correlated as an Ornstein-Uhlenbeck process is, lines between them."""
+    """Columns (n, M), one array for each correlation time, longest first, of unit standard
+    deviation at every moment: a value at each of some moments, correlated as an Ornstein-Uhlenbeck
+    process is, lines between them."""
     n, t = len(unit), unit.time - unit.time.min()
     if n < 6:
         return []
@@ -256,16 +262,23 @@ def hats(x: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     return result
 
 
-# -- autoregression ----------------------------------------------------------------------------------------------------
+# -- autoregression --------------------------------------------------------------------------------
 
 
-def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarray) -> None:
-    """Set a unit's white noise, tails and autoregression from what everything else leaves of it, (n,) mm; rounding (n,) mm;
-    train (n,) bool: rows that may be looked at."""
+def learned(
+    unit: Unit,
+    left: np.ndarray,
+    rounding: np.ndarray,
+    train: np.ndarray,
+    most: float = np.inf,
+) -> None:
+    """Set a unit's white noise, tails and autoregression from what everything else leaves of it,
+    (n,) mm; rounding (n,) mm; train (n,) bool: rows that may be looked at; most mm: of the white
+    noise, what is left beyond it may as well be an effect that has no name yet."""
     relative = np.clip(unit.r / np.median(unit.r), 0.2, 20.0)
     scaled = np.where(train, left, 0.0) / relative
     if train.sum() > 2 * AROUND:  # noise comes and goes: a burst, a compressor that runs
-        local = _locally(scaled[train])
+        local = _locally(scaled[train], (rounding / relative)[train], unit.dense)
         relative[train] *= local
         scaled[train] /= local
     base = max(spread(scaled[train]), FLOOR[unit.sees])
@@ -287,20 +300,23 @@ def learned(unit: Unit, left: np.ndarray, rounding: np.ndarray, train: np.ndarra
                 [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
             )
             base = max(total, FLOOR[unit.sees])
-    base = unit.shrunk(base)
+    base = min(unit.shrunk(base), most)
     unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
 
 
-def _locally(values: np.ndarray) -> np.ndarray:
-    """(n,) by how much the readings around each scatter more or less than all of them, by medians; 1 where that is chance."""
-    size = np.abs(values)
+def _locally(values: np.ndarray, rounding: np.ndarray, dense: bool) -> np.ndarray:
+    """(n,) by how much the readings around each scatter more or less than all of them, by medians;
+    1 where that is chance. Samples of a motion by what they differ from one to the next: a stretch
+    that lies off scatters no more, and differences below the rounding (n,) say nothing."""
+    size = np.hypot(np.diff(values, prepend=values[0]), rounding) if dense else np.abs(values)
     usual = max(float(np.median(size)), 1e-12)
     around = median_filter(size, AROUND, mode="nearest") / usual
     return np.where(np.abs(np.log(np.maximum(around, 1e-3))) > CHANCE, np.clip(around, *LOCAL), 1.0)
 
 
 def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
-    """Coefficients, the innovation's share of the variance, and the standard deviation, of stretches of one process."""
+    """Coefficients, the innovation's share of the variance, and the standard deviation, of
+    stretches of one process."""
     if not parts:
         return np.zeros(0), 1.0, 0.0
     n = sum(len(p) for p in parts)
@@ -330,7 +346,8 @@ def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
 
 
 def _without_lines(values: np.ndarray) -> np.ndarray:
-    """What is left when the sharpest lines of the spectrum are taken out: an oscillation is no noise."""
+    """What is left when the sharpest lines of the spectrum are taken out: an oscillation is no
+    noise."""
     spectrum = np.fft.rfft(values)
     power = np.abs(spectrum) ** 2
     width = 31
@@ -347,8 +364,9 @@ def _without_lines(values: np.ndarray) -> np.ndarray:
 
 
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at its place nor its
-    neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, and where there is nothing to compare with."""
+    """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at
+    its place nor its neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, and
+    where there is nothing to compare with."""
     result, size = np.zeros(len(rows)), np.zeros(len(rows))
     for signal in range(len(rows.signals)):
         which = np.flatnonzero(rows.signal == signal)
@@ -360,9 +378,9 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
             passages = _passages(rows, which)
             if passages is not None:
                 for part, p in passages:
-                    times, size[part] = slips.departures(p, residual[part], sigma[part])
+                    times, size[part] = outliers.departures(p, residual[part], sigma[part])
                     result[part] = np.abs(times)
-                    end, off = slips.at_ends(
+                    end, off = outliers.at_ends(
                         p,
                         residual[part],
                         _elsewhere(rows, residual, which, part, place),
@@ -373,9 +391,8 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                         np.where(end > 0, off, size[part]),
                     )
                 continue
-        y = residual[which] - np.median(
-            residual[which]
-        )  # without its zero: what is shared at a place has none either
+        # without its zero: what is shared at a place has none either
+        y = residual[which] - np.median(residual[which])
         shared = np.bincount(place)[place] > 2
         for p in np.unique(place[shared]):  # what all runs share at a place is no outlier
             y[place == p] -= np.median(y[place == p])
@@ -398,8 +415,9 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
 
 
 def _went_on(y: np.ndarray, same: np.ndarray, k: int) -> list[float]:
-    """mm that reading k would have as the others at its place go on in time: between those before and behind it, and on the line of
-    the two before or behind. What warms up is no outlier, however few readings it takes to."""
+    """mm that reading k would have as the others at its place go on in time: between those before
+    and behind it, and on the line of the two before or behind. What warms up is no outlier, however
+    few readings it takes to."""
     at = int(np.searchsorted(same, k))
     before, behind = y[same[max(at - 2, 0) : at]], y[same[at + 1 : at + 3]]
     levels = [float(before[-1] + behind[0]) / 2] if len(before) and len(behind) else []
@@ -410,7 +428,8 @@ def _went_on(y: np.ndarray, same: np.ndarray, k: int) -> list[float]:
 def _elsewhere(
     rows: Rows, residual: np.ndarray, which: np.ndarray, part: np.ndarray, place: np.ndarray
 ) -> np.ndarray:
-    """(M,) median of what other runs read at the places of the rows `part`, nan where there were none; place: of the rows `which`."""
+    """(M,) median of what other runs read at the places of the rows `part`, nan where there were
+    none; place: of the rows `which`."""
     number = dict(zip(which.tolist(), place.tolist(), strict=True))
     found = np.full(len(part), np.nan)
     for k, row in enumerate(part.tolist()):
@@ -421,8 +440,8 @@ def _elsewhere(
 
 
 def _passages(rows: Rows, which: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]] | None:
-    """Rows and places of every run in every direction, along the axis that moves most; None where one comes to a place
-    twice, or none moves."""
+    """Rows and places of every run in every direction, along the axis that moves most; None where
+    one comes to a place twice, or none moves."""
     axis = max(rows.state.position, key=lambda x: float(np.ptp(rows.state.position[x][which])))
     place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
     if np.ptp(place) < 1e-3:

@@ -1,7 +1,8 @@
-"""What is in every recording and is no finding: zeros, set-ups, what the map may be wrong by, what an instrument wanders.
+"""What is in every recording and is no finding: zeros, set-ups, what the map may be wrong by, what
+an instrument wanders.
 
-Each group of columns has a standard deviation: stated here, free (nobody knows it), or learned beside every set of effects
-from a usual value.
+Each group of columns has a standard deviation: stated here, free (nobody knows it), or learned
+beside every set of effects from a usual value.
 """
 
 from __future__ import annotations
@@ -17,22 +18,25 @@ from postproc.effects import legendre
 from postproc.machine.model import Machine
 
 FREE = 1e3  # mm: a zero that nobody knows
-MAP_UM = 0.3  # um: by how much each smooth term of a measured map is usually wrong (design of the experiment: 0.25 um)
+# um: by how much each smooth term of a measured map is usually wrong (design of the experiment:
+# 0.25 um)
+MAP_UM = 0.3
 LEAST_UM = 0.05  # um: what is stated to be exact was rounded, and lies between nodes
 COVERAGE = 2.0  # an expanded uncertainty U over a standard one
 DEGREES = range(1, 7)
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
-STYLUS = 3e-4  # mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall (unverified: a usual figure)
-ALIGNED = 5e-6  # rad, a second of arc: what squares and levels are good for that lines of straightness are referred to (unverified)
-FEATURE = (
-    5e-4  # mm: of a feature's own, beside what the map is off by at its two places (unverified)
-)
-RUN, MOST_RUN = (
-    3e-4,
-    1e-3,
-)  # mm: by how much the zero of an instrument differs from run to run, usually and at most
+# mm: what a measuring machine's stylus, set at a reference sphere, is off by at every wall
+# (unverified: a usual figure)
+STYLUS = 3e-4
+# rad, a second of arc: what squares and levels are good for that lines of straightness are referred
+# to (unverified)
+ALIGNED = 5e-6
+# mm: of a feature's own, beside what the map is off by at its two places (unverified)
+FEATURE = 5e-4
+# mm: by how much the zero of an instrument differs from run to run, usually and at most
+RUN, MOST_RUN = 3e-4, 1e-3
 WANDER, MOST_WANDER = (
     3e-4,
     1.5e-3,
@@ -51,8 +55,9 @@ PROCESSES = ("place", "turn", "speed", "drift", "lever", "zeros")
 
 @dataclass(frozen=True)
 class Group:
-    """Columns (n, M) of one unit, or (N, M) of all rows. sd mm; kind: zero, set-up, run, wander, feature, map, jump, and PROCESSES; most
-    mm: where sd is a first guess, the largest that an instrument in order may have; 0 where sd is known."""
+    """Columns (n, M) of one unit, or (N, M) of all rows. sd mm; kind: zero, set-up, run, wander,
+    feature, map, jump, and PROCESSES; most mm: where sd is a first guess, the largest that an
+    instrument in order may have; 0 where sd is known."""
 
     kind: str
     columns: np.ndarray
@@ -70,6 +75,9 @@ def of_all(rows: Rows, units: list[Unit]) -> list[list[Group]]:
     for own, level in zip(found, telegraph.levels(rows, units), strict=True):
         if level is not None:
             own.append(Group("zero", level[:, None], FREE))
+    for own, step in zip(found, telegraph.steps(rows, units), strict=True):
+        if step is not None:
+            own.append(Group("zero", step[0], 2 * step[1]))
     return found
 
 
@@ -93,9 +101,8 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
             Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR)
         )
     if kind == "targets" and unit.sees == "tool":
-        for p in (
-            rows.state.position.values()
-        ):  # its line is known as well as it was referred to an axis
+        # its line is known as well as it was referred to an axis
+        for p in rows.state.position.values():
             if np.ptp(p[own]) > 1e-3:
                 found.append(Group("set-up", (p[own] - p[own].mean())[:, None], ALIGNED))
     numbers = np.unique(rows.run[own])
@@ -109,9 +116,8 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
                 late[which, k] = _share(unit.time[which]) / 2
         if late.any():
             found.append(Group("run", late, RUN * scale, MOST_RUN * scale))
-    if (
-        unit.sees != "part" and np.ptp(rows.state.time[own]) > 0
-    ):  # without times nobody can tell what wanders
+    # without times nobody can tell what wanders
+    if unit.sees != "part" and np.ptp(rows.state.time[own]) > 0:
         found += [
             Group("wander", columns, WANDER * scale, MOST_WANDER * scale)
             for columns in wander(unit)
@@ -124,7 +130,8 @@ def _of_features(rows: Rows, unit: Unit) -> list[Group]:
     found = []
     signals = np.unique(rows.signal[own])
     each = (rows.signal[own][:, None] == signals).astype(float)
-    # A feature has no set-up zero of its own, only what the map does not know at its place; a step has none that is known.
+    # A feature has no set-up zero of its own, only what the map does not know at its place; a step
+    # has none that is known.
     free = np.array(["step" in rows.signals[s] for s in signals])
     if free.any():
         found.append(Group("zero", each[:, free], FREE))
@@ -142,9 +149,11 @@ def _of_features(rows: Rows, unit: Unit) -> list[Group]:
 
 
 def processes(rows: Rows, unit: Unit) -> list[Group]:
-    """What is there and no name explains: smooth functions of the place, one for each combination of the directions of
-    approach ("place"), of the time since a turn, one for each axis and direction ("turn"), of the speed ("speed"), of time, larger than an
-    instrument wanders ("drift"), and of time in proportion to the place ("lever"); and a zero of its own of each run ("zeros")."""
+    """What is there and no name explains: smooth functions of the place, one for each combination
+    of the directions of approach ("place"), of the time since a turn, one for each axis and
+    direction ("turn"), of the speed ("speed"), of time, larger than an instrument wanders
+    ("drift"), and of time in proportion to the place ("lever"); and a zero of its own of each run
+    ("zeros")."""
     own = unit.rows
     if len(own) < 8:
         return []
@@ -200,7 +209,8 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
 
 
 def _of_speed(rows: Rows, own: np.ndarray, axis: str) -> np.ndarray:
-    """(n, M): smooth functions of the speed of an axis, for each direction, alike everywhere and more at one end."""
+    """(n, M): smooth functions of the speed of an axis, for each direction, alike everywhere and
+    more at one end."""
     v = rows.state.velocity[axis][own]
     place = rows.state.position[axis][own]
     columns = _nodes(np.log(np.maximum(np.abs(v), SLOWEST)), np.sign(v), SPEEDS)
@@ -227,7 +237,8 @@ def _nodes(
 
 
 def of_map(rows: Rows, machine: Machine) -> list[Group]:
-    """What the machine's map may be wrong by, as it states or as maps usually are: the same for all instruments. (N, M)."""
+    """What the machine's map may be wrong by, as it states or as maps usually are: the same for all
+    instruments. (N, M)."""
     seen = np.isin(rows.sees, ("laser", "tool"))
     part = rows.sees == "part"
     smooth, square = [], []
@@ -238,9 +249,8 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
             times = _stated(machine, x, along) / MAP_UM
             for degree in DEGREES:
                 shape = enters * legendre(u, degree)
-                if along == XYZ.index(
-                    x
-                ):  # features see the same map, at the two places of their walls
+                # features see the same map, at the two places of their walls
+                if along == XYZ.index(x):
                     shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(
                         rows, x, degree
                     )
@@ -257,7 +267,8 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
 
 
 def _stated(machine: Machine, axis: str, along: int) -> float:
-    """um: the standard uncertainty of one component of an axis' table, in the middle of its nodes; MAP_UM where none is stated."""
+    """um: the standard uncertainty of one component of an axis' table, in the middle of its nodes;
+    MAP_UM where none is stated."""
     known = machine.axes[axis].uncertainty
     if known is None or along not in known.stated:
         return MAP_UM
@@ -265,7 +276,8 @@ def _stated(machine: Machine, axis: str, along: int) -> float:
 
 
 def _between(rows: Rows, axis: str, degree: int) -> np.ndarray:
-    """(N,) difference of a smooth term of the map at the two walls of features; of a diameter on a lathe, at its radius."""
+    """(N,) difference of a smooth term of the map at the two walls of features; of a diameter on a
+    lathe, at its radius."""
     here = legendre(np.clip(rows.state.share(axis), -1.2, 1.2), degree)
     if axis not in rows.other:
         return here
@@ -278,6 +290,7 @@ def _between(rows: Rows, axis: str, degree: int) -> np.ndarray:
 
 
 def _share(t: np.ndarray) -> np.ndarray:
-    """(N,) -1 to 1 from the first of these times to the last; times that were not recorded: in the order of rows."""
+    """(N,) -1 to 1 from the first of these times to the last; times that were not recorded: in the
+    order of rows."""
     t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)
     return 2 * (t - t.mean()) / max(float(np.ptp(t)), 1e-9)

@@ -10,14 +10,14 @@ from postproc.errors import Place
 from postproc.recordings import Recording, RecordingError
 
 XYZ = "XYZ"
-BACKWARDS = (
-    0.9  # of the steps within runs: then it is no disorder but a column that runs the other way
-)
+# of the steps within runs: then it is no disorder but a column that runs the other way
+BACKWARDS = 0.9
 AGAINST = 0.2  # of the steps of each way may contradict their sign of approach
 
 
 def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
-    """The rows in order, the lines of rows that were copies, and what was done, or "". Without times the order is the file's.
+    """The rows in order, the lines of rows that were copies, and what was done, or "". Without
+    times the order is the file's.
 
     Raises RecordingError where time stands still or runs backwards.
     """
@@ -51,8 +51,8 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
             )
         recording = recording.pick(_order(time, run))
         notice = (
-            f"rows are not in the order of t_s ({int(back.sum())} steps back, the first in line {int(recording.lines.min()) + first + 1}): "
-            "they were put in order"
+            f"rows are not in the order of t_s ({int(back.sum())} steps back, the first in line"
+            f" {int(recording.lines.min()) + first + 1}): they were put in order"
         )
         time, run = recording.columns["t_s"], recording.columns.get("run", np.zeros(len(time)))
     copy = np.concatenate([[False], (np.diff(time) == 0) & (np.diff(run) == 0)])
@@ -69,7 +69,8 @@ def by_time(recording: Recording) -> tuple[Recording, np.ndarray, str]:
 
 
 def _order(time: np.ndarray, run: np.ndarray) -> np.ndarray:
-    """(N,) indices: run after run, each by its time; runs as they follow each other in time, or in the file where they overlap."""
+    """(N,) indices: run after run, each by its time; runs as they follow each other in time, or in
+    the file where they overlap."""
     numbers, first, which = np.unique(run, return_index=True, return_inverse=True)
     low = np.array([time[which == k].min() for k in range(len(numbers))])
     high = np.array([time[which == k].max() for k in range(len(numbers))])
@@ -81,7 +82,8 @@ def _order(time: np.ndarray, run: np.ndarray) -> np.ndarray:
 
 
 def approaches(recording: Recording) -> tuple[Recording, list[str]]:
-    """Targets with the side of each approach: from the order of the targets where it was not recorded.
+    """Targets with the side of each approach: from the order of the targets where it was not
+    recorded.
 
     Raises RecordingError where the recorded sides contradict the order.
     """
@@ -106,21 +108,23 @@ def approaches(recording: Recording) -> tuple[Recording, list[str]]:
         ):
             k = int(np.flatnonzero(wrong)[0])
             raise RecordingError(
-                f"approach_{letter} = {side[k]:+g}, and {letter} comes from {place[k - 1]:g} to {place[k]:g} mm; "
-                f"{int(wrong.sum())} of {int((way != 0).sum())} rows are so",
-                "rows stand in the order in which they were taken; approach is the sign of the last move",
+                f"approach_{letter} = {side[k]:+g}, and {letter} comes from {place[k - 1]:g} to"
+                f" {place[k]:g} mm; {int(wrong.sum())} of {int((way != 0).sum())} rows are so",
+                "rows stand in the order in which they were taken; approach is the sign of the last"
+                " move",
                 Place(recording.file, int(recording.lines[k])),
             )
         if np.ptp(side) == 0 and min((way > 0).sum(), (way < 0).sum()) > AGAINST * (way != 0).sum():
             notices.append(
-                f"approach_{letter} is {side[0]:+g} in all rows, and the targets go both ways: it is believed, what differs with the "
-                "direction can not be seen"
+                f"approach_{letter} is {side[0]:+g} in all rows, and the targets go both ways: it"
+                " is believed, what differs with the direction can not be seen"
             )
     return replace(recording, columns=columns), notices
 
 
 def _from_steps(way: np.ndarray) -> np.ndarray:
-    """(N,) sign of the last move; of a place that was not left, that of the next one: it was overrun before the turn."""
+    """(N,) sign of the last move; of a place that was not left, that of the next one: it was
+    overrun before the turn."""
     result = way.copy()
     for k in range(len(way) - 2, -1, -1):
         if result[k] == 0:

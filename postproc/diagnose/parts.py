@@ -1,4 +1,5 @@
-"""One instrument's readings, whitened, with the products that every set of effects asks for, and its own columns taken out."""
+"""One instrument's readings, whitened, with the products that every set of effects asks for, and
+its own columns taken out."""
 
 from __future__ import annotations
 
@@ -17,9 +18,11 @@ LEAST = 1e-3  # of a usual standard deviation
 
 @dataclass
 class Reduced:
-    """One unit with its own columns taken out. shown: blocks of the set that show in it; kinds: of its processes; sigma2 (1: as its
-    white noise was found), sd of each group; use (q,): own columns that count; root (q, q): Cholesky factor (lower) of 1/sd^2 +
-    B'B/sigma2; hf (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence; bf, ff, fy: products.
+    """One unit with its own columns taken out. shown: blocks of the set that show in it; kinds: of
+    its processes; sigma2 (1: as its white noise was found), sd of each group; use (q,): own columns
+    that count; root (q, q): Cholesky factor (lower) of 1/sd^2 + B'B/sigma2; hf (q, f), hy (q,):
+    root^-1 B'F/sigma2, of y; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value: its part of twice
+    the log evidence; bf, ff, fy: products.
     hd, fd, dd: the same of the dictionary, when it was asked for."""
 
     shown: tuple[int, ...]
@@ -85,7 +88,8 @@ class Part:
         self.usually = ~np.any(list(self.processes.values()), axis=0)
 
     def add(self, numbers: list[int], blocks: list[np.ndarray], first: list[int]) -> None:
-        """Blocks of the dictionary, (n, K) each, that show in this unit; first: number of the first column of each."""
+        """Blocks of the dictionary, (n, K) each, that show in this unit; first: number of the first
+        column of each."""
         if not blocks:
             return
         new = self.unit.whitened(np.concatenate(blocks, axis=1))
@@ -116,7 +120,8 @@ class Part:
     def reduced(
         self, shown: tuple[int, ...], sigma2: float, sd: np.ndarray, kinds: frozenset[str]
     ) -> Reduced:
-        """The unit with its own columns taken out; shown: blocks that show in it; kinds: of its processes."""
+        """The unit with its own columns taken out; shown: blocks that show in it; kinds: of its
+        processes."""
         z = len(self.zy)
         at = (
             np.concatenate([np.arange(self.where[c].start, self.where[c].stop) for c in shown])
@@ -151,13 +156,27 @@ class Part:
         ) + float(surprise(np.sqrt(sigma2), 1.0))
         value -= float(sigma2) * (2 / MOST_WHITE) ** 2
         return Reduced(
-            shown, kinds, sigma2, sd, use, root, hf, hy, ff / sigma2 - hf.T @ hf, fy / sigma2 - hf.T @ hy, value, bf, ff, fy
-        )  # fmt: skip
+            shown,
+            kinds,
+            sigma2,
+            sd,
+            use,
+            root,
+            hf,
+            hy,
+            ff / sigma2 - hf.T @ hf,
+            fy / sigma2 - hf.T @ hy,
+            value,
+            bf,
+            ff,
+            fy,
+        )
 
     def renewed(
         self, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float
     ) -> tuple[float, np.ndarray]:
-        """Its variance and standard deviations, by MacKay's fixed point. mean, covariance: of its shared coefficients."""
+        """Its variance and standard deviations, by MacKay's fixed point. mean, covariance: of its
+        shared coefficients."""
         use, sd = old.use, old.sd.copy()
         inverse = inverted(old.root)
         own = inverse.T @ (old.hy - old.hf @ mean)
@@ -183,14 +202,16 @@ class Part:
 
 
 def _size(power: float, dof: float, usual: float, most: float) -> float:
-    """The most probable standard deviation of dof coefficients whose squares sum to power: where its prior density is
-    inverse gamma at small sizes and normal at large ones, with half of `most` for its standard deviation."""
+    """The most probable standard deviation of dof coefficients whose squares sum to power: where
+    its prior density is inverse gamma at small sizes and normal at large ones, with half of `most`
+    for its standard deviation."""
     a, b, c = 4 / most**2, dof + SURE, power + SURE * usual**2
     return float(np.sqrt((np.sqrt(b * b + 4 * a * c) - b) / (2 * a)))
 
 
 def surprise(sd: np.ndarray | float, usual: np.ndarray | float):
-    """Minus twice the logarithm of the prior density of a learned standard deviation, but for a constant (inverse gamma)."""
+    """Minus twice the logarithm of the prior density of a learned standard deviation, but for a
+    constant (inverse gamma)."""
     ratio = (np.asarray(usual) / np.asarray(sd)) ** 2
     return SURE * (ratio - np.log(ratio) - 1.0)
 

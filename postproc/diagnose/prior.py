@@ -1,4 +1,5 @@
-"""What is believed of an effect before the readings are looked at: how seldom its name is, which signs and sizes machines have."""
+"""What is believed of an effect before the readings are looked at: how seldom its name is, which
+signs and sizes machines have."""
 
 from __future__ import annotations
 
@@ -9,13 +10,23 @@ from postproc.diagnose.library import Block
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 AGAIN = 4.0  # of a further jump of the same axis
 RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
-    "servo_mismatch": -3.0, "squareness": -2.0, "bow": 2.0, "viscous_friction": 6.0, "coulomb_friction": 2.0, "step_loss": 8.0, "clock_skew": 2.0, "sag": 4.0, "stick_slip": 8.0,
-    "scale": 1.4, "delay": 2.0,
-}  # fmt: skip
+    "servo_mismatch": -3.0,
+    "squareness": -2.0,
+    "bow": 2.0,
+    "viscous_friction": 6.0,
+    "coulomb_friction": 2.0,
+    "step_loss": 8.0,
+    "clock_skew": 2.0,
+    "sag": 4.0,
+    "stick_slip": 8.0,
+    "scale": 1.4,
+    "delay": 2.0,
+}
 
 
 def cost_of(block: Block) -> float:
-    """What a block pays for its name and for the shapes that it was chosen from, twice the logarithm."""
+    """What a block pays for its name and for the shapes that it was chosen from, twice the
+    logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
     return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0) + again
 

@@ -50,7 +50,8 @@ def _finding_lines(d: Diagnosis, f: Finding) -> list[str]:
     lines.append(f"  {f.text or f.block.module.TEXT}")
     if f.equivalent:
         lines.append(
-            f"  These readings are explained as well by: {', '.join(map(words.named, f.equivalent))}."
+            "  These readings are explained as well by:"
+            f" {', '.join(map(words.named, f.equivalent))}."
         )
         lines.append(f"  To tell them apart: {next_test(d, f)}")
     return lines
@@ -89,11 +90,15 @@ def worth(d: Diagnosis, f: Finding) -> str:
         return f"{share}; not to be relied on: something that it does not explain is there as well"
     if f.score <= d.least:
         return f"{share}; evidence {f.score:.0f}"
-    return f"{share}; evidence {f.score:.0f}, noise alone reaches {d.least:.0f} in 1 % of such experiments"
+    return (
+        f"{share}; evidence {f.score:.0f}, noise alone reaches {d.least:.0f} in 1 % of such"
+        " experiments"
+    )
 
 
 def where(d: Diagnosis, place) -> str:
-    """One region in which the mismatch stands out, before any effect was taken into account; sizes are those of --residuals."""
+    """One region in which the mismatch stands out, before any effect was taken into account; sizes
+    are those of --residuals."""
     way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[
         place.approach
     ]
@@ -103,8 +108,9 @@ def where(d: Diagnosis, place) -> str:
     at += f", from {place.times[0]:.0f} to {place.times[1]:.0f} s" if place.timed else ""
     scale, unit = scaled(d, place.signal)
     return (
-        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is {place.rms * scale:.1f} {unit} rms off there, "
-        f"{place.peak * scale:.1f} {unit} at most (chance of noise alone: {words.chance(place.p)})"
+        f"{Path(d.recordings[place.file].file).name}, {signal}{at}: the machine's file is"
+        f" {place.rms * scale:.1f} {unit} rms off there, {place.peak * scale:.1f} {unit} at most"
+        f" (chance of noise alone: {words.chance(place.p)})"
     )
 
 
@@ -116,8 +122,8 @@ def unknown_words(d: Diagnosis) -> str:
     file = Path(d.recordings[int(d.rows.file[d.rows.signal == u.signal][0])].file).name
     scale, size = scaled(d, u.signal)
     said = (
-        f"{u.rms * scale:.1f} {size} rms in {file}, {d.rows.signals[u.signal]} are there that nothing in the library explains. "
-        f"They go with {' and '.join(u.depends)}"
+        f"{u.rms * scale:.1f} {size} rms in {file}, {d.rows.signals[u.signal]} are there that"
+        f" nothing in the library explains. They go with {' and '.join(u.depends)}"
     )
     cells = [c for c in u.cells if abs(c.mean) > 2 * c.error]
     if cells and u.depends != ("direction",):
@@ -133,8 +139,14 @@ def unknown_words(d: Diagnosis) -> str:
     if u.before is None or u.after is None:
         return f"{said}."
     if u.after > NO_HELP * u.before:
-        return f"{said}. A map of it foretells nothing of what was held out ({u.before * scale:.2f} {size} rms): it does not repeat."
-    return f"{said}. A map of it takes what was held out from {u.before * scale:.2f} to {u.after * scale:.2f} {size} rms."
+        return (
+            f"{said}. A map of it foretells nothing of what was held out ({u.before * scale:.2f}"
+            f" {size} rms): it does not repeat."
+        )
+    return (
+        f"{said}. A map of it takes what was held out from {u.before * scale:.2f} to"
+        f" {u.after * scale:.2f} {size} rms."
+    )
 
 
 def held_out_words(d: Diagnosis) -> str:
@@ -161,26 +173,30 @@ def next_steps(d: Diagnosis) -> list[str]:
         steps.append("run the test that tells the names apart before anything is changed.")
     if at_fault := [words.named(f.block.key) for f in accepted if f.block.module.KIND != "machine"]:
         steps.append(
-            f"correct the recording for {', '.join(at_fault)}, or record again without it; leave the machine as it is."
+            f"correct the recording for {', '.join(at_fault)}, or record again without it; leave"
+            " the machine as it is."
         )
     if any(
         f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients")
         for f in accepted
     ):
         steps.append(
-            "--write-machine FOLDER writes a machine with the accepted effects; record again and diagnose with it: nothing should be left."
+            "--write-machine FOLDER writes a machine with the accepted effects; record again and"
+            " diagnose with it: nothing should be left."
         )
     if d.verdict == "nothing-left-out" and d.places:
         steps.append("record the same again: what comes back at the same places is no chance.")
     if d.unknown:
         steps.append(
-            "look at the map of what is unknown (--report draws it, --json holds it), and record the same again: does it come back?"
+            "look at the map of what is unknown (--report draws it, --json holds it), and record"
+            " the same again: does it come back?"
         )
     return steps
 
 
 def faults(d: Diagnosis) -> list[str]:
-    """A line for every row that was left out; of many alike in a file the first few and their number."""
+    """A line for every row that was left out; of many alike in a file the first few and their
+    number."""
     alike: dict[tuple[int, str], list[tuple[int, float]]] = {}
     for file, line, what, size in d.faults:
         alike.setdefault((file, what), []).append((line, size))
@@ -192,7 +208,8 @@ def faults(d: Diagnosis) -> list[str]:
             result.append(f"DATA: {d.recordings[file].file}:{line}: {what}{off}{left}")
         if len(rows) > SHOWN:
             result.append(
-                f"DATA: {d.recordings[file].file}: {what}: {len(rows) - SHOWN} rows more, --json lists them"
+                f"DATA: {d.recordings[file].file}: {what}: {len(rows) - SHOWN} rows more, --json"
+                " lists them"
             )
     return result
 
@@ -208,22 +225,29 @@ def headline(d: Diagnosis) -> str:
         beyond = ", and something that the library can not name" if d.unknown else ""
         return f"The model of {d.machine.name} leaves out: {', '.join(found)}{beyond}."
     if d.doubts:
-        return f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or each other."
+        return (
+            f"No answer for {d.machine.name} can be trusted: these recordings do not fit it, or"
+            " each other."
+        )
     if d.verdict == "unknown":
         return f"The model of {d.machine.name} leaves something out that the library can not name."
     if d.places:
         return (
-            f"No effect is left out of the model of {d.machine.name} that these readings could name, yet they depart from it in places by "
-            "more than noise does, see WHERE."
+            f"No effect is left out of the model of {d.machine.name} that these readings could"
+            " name, yet they depart from it in places by more than noise does, see WHERE."
         )
-    return f"Nothing is left out: the model of {d.machine.name} explains these readings within their noise."
+    return (
+        f"Nothing is left out: the model of {d.machine.name} explains these readings within their"
+        " noise."
+    )
 
 
 def drive_lines(one: Drive) -> list[str]:
     """What one axis' force or current asks for, a line for each term."""
     lines = [
-        f"DRIVE of {one.axis}, {one.signal}: {one.raw:.3g} {one.unit} rms while it moves; halves that took no part are told to "
-        f"{one.plain:.3g} with inertia, viscous and dry friction, to {one.after:.3g} with all of this:"
+        f"DRIVE of {one.axis}, {one.signal}: {one.raw:.3g} {one.unit} rms while it moves; halves"
+        f" that took no part are told to {one.plain:.3g} with inertia, viscous and dry friction, to"
+        f" {one.after:.3g} with all of this:"
     ]
     for f in one.fitted:
         said = []
@@ -231,7 +255,8 @@ def drive_lines(one: Drive) -> list[str]:
             size, low, high = words.number(v, *f.ci95[name])
             said.append(f"{name} = {size} (95 %: {low} to {high})" if low else f"{name} = {size}")
         lines.append(
-            f"  {f.term.label} ({f.term.name}): {', '.join(said)}; held out {f.before:.3g} -> {f.after:.3g} {one.unit}"
+            f"  {f.term.label} ({f.term.name}): {', '.join(said)}; held out {f.before:.3g} ->"
+            f" {f.after:.3g} {one.unit}"
         )
     if one.refused:
         lines.append(f"  not asked for: {', '.join(one.refused)}")

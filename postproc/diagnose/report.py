@@ -1,11 +1,11 @@
-"""A diagnosis as other programs read it (format gcomp-diagnosis/1), reading by reading, and as a machine's section; see prose
-for a person."""
+"""A diagnosis as other programs read it (format gcomp-diagnosis/1), reading by reading, and as a
+machine's section; see prose for a person."""
 
 from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,10 +22,19 @@ from postproc.effects import sizes
 from postproc.errors import UsageError
 from postproc.machine import edit, effect_file
 from postproc.machine.model import Machine
+from postproc.recordings import Source
 
 FORMAT = "gcomp-diagnosis/1"
 SHORTEST = 1.0  # mm: of a range
 MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
+
+
+def of_sources(d: Diagnosis, sources: list[Source]) -> dict[str, Any]:
+    """The contract's document of what was read from these, after the faults that reading found
+    have been added to the diagnosis."""
+    d.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(d.recordings) for f in r.faults]
+    data = {s.name: s.data for s in sources}
+    return as_json(d, [data[r.file] for r in d.recordings])
 
 
 def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
@@ -39,36 +48,59 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
         ],
         "verdict": d.verdict,
         "mismatch": [_mismatch(d, place) for place in d.places],
-        "effects": [*(_effect(d, f) for f in d.findings), *(_felt(one, term) for one, term in felt(d))],
+        "effects": [
+            *(_effect(d, f) for f in d.findings),
+            *(_felt(one, term) for one, term in felt(d)),
+        ],
         "not_visible": [
-            {"effect": name, "axis": axis or None, "why": why, "next_test": showing(name, axis, d.machine)}
+            {
+                "effect": name,
+                "axis": axis or None,
+                "why": why,
+                "next_test": showing(name, axis, d.machine),
+            }
             for name, axis, why in d.blind
         ],
         "detection_limits_um": {key: rounded(size * UM) for key, size in sorted(d.limits.items())},
         "unknown": _unknown(d),
         "data_faults": [
-            {"recording": d.recordings[file].file, "row": line, "fault": what, "size_um": rounded(size * UM)}
+            {
+                "recording": d.recordings[file].file,
+                "row": line,
+                "fault": what,
+                "size_um": rounded(size * UM),
+            }
             for file, line, what, size in d.faults
         ],
         "fit": fit_of(d),
         "doubts": d.doubts,
         "notices": d.notices,
         "drives": [_drive(one) for one in d.drives],
-    }  # fmt: skip
+    }
 
 
 def _mismatch(d: Diagnosis, place) -> dict[str, Any]:
     """A place; of angles rms_um and peak_um hold urad, as unit says."""
     scale, unit = scaled(d, place.signal)
     return {
-        "recording": d.recordings[place.file].file, "signal": d.rows.signals[place.signal], "rms_um": rounded(place.rms * scale),
-        "peak_um": rounded(place.peak * scale), "unit": unit, "p_value": place.p,
+        "recording": d.recordings[place.file].file,
+        "signal": d.rows.signals[place.signal],
+        "rms_um": rounded(place.rms * scale),
+        "peak_um": rounded(place.peak * scale),
+        "unit": unit,
+        "p_value": place.p,
         "where": {
-            "axis": place.axis, "from_mm": rounded(place.low), "to_mm": rounded(place.high), "approach": place.approach,
-            "runs": list(place.runs), "t_from_s": rounded(place.times[0]), "t_to_s": rounded(place.times[1]),
-            "lines": list(_lines(d, place)), "rows": list(place.lines),
+            "axis": place.axis,
+            "from_mm": rounded(place.low),
+            "to_mm": rounded(place.high),
+            "approach": place.approach,
+            "runs": list(place.runs),
+            "t_from_s": rounded(place.times[0]),
+            "t_to_s": rounded(place.times[1]),
+            "lines": list(_lines(d, place)),
+            "rows": list(place.lines),
         },
-    }  # fmt: skip
+    }
 
 
 def _lines(d: Diagnosis, place) -> tuple[int, int]:
@@ -84,18 +116,27 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
     module = f.block.module
     pieces = f.block.columns.shape[1]
     return {
-        "effect": f.block.name, "axis": f.block.axis or None, "kind": module.KIND, "use": module.USE, "status": f.status,
+        "effect": f.block.name,
+        "axis": f.block.axis or None,
+        "kind": module.KIND,
+        "use": module.USE,
+        "status": f.status,
         "parameters": {
-            name: {"value": rounded(v, 6), "ci95": [rounded(e, 6) for e in f.ci95[name]]} for name, v in f.value.items()
+            name: {"value": rounded(v, 6), "ci95": [rounded(e, 6) for e in f.ci95[name]]}
+            for name, v in f.value.items()
         },
         "rms_explained_um": rounded(rms(shown(d, f.contribution - middle(d, f.contribution)))),
         "p_value": float(f"{chance(f.delta_chi2, pieces):.3g}"),
-        "evidence": {"delta_chi2": rounded(f.delta_chi2), "score": rounded(f.score), "threshold": rounded(d.least)},
+        "evidence": {
+            "delta_chi2": rounded(f.delta_chi2),
+            "score": rounded(f.score),
+            "threshold": rounded(d.least),
+        },
         "equivalent": f.equivalent,
         "names": {name: rounded(p, 3) for name, p in f.names.items()},
         "next_test": next_test(d, f),
         "text": f.text or module.TEXT,
-    }  # fmt: skip
+    }
 
 
 def _terms(term: Fitted) -> dict[str, Any]:
@@ -106,29 +147,51 @@ def _terms(term: Fitted) -> dict[str, Any]:
 
 
 def _felt(one: Drive, term: Fitted) -> dict[str, Any]:
-    """What a force or a current shows, as an effect: its size in the unit of that signal, nothing in um."""
+    """What a force or a current shows, as an effect: its size in the unit of that signal, nothing
+    in um."""
     return {
-        "effect": term.term.name, "axis": one.axis, "kind": "machine", "use": "simulate", "status": "accepted",
-        "parameters": _terms(term), "rms_explained_um": 0.0, "signal": one.signal, f"rms_explained_{one.unit}": rounded(term.rms),
-        "p_value": float(f"{chance(term.delta_chi2, len(term.ci95)):.3g}"), "evidence": {"delta_chi2": rounded(term.delta_chi2)},
-        "equivalent": [], "next_test": None, "text": term.term.text,
-    }  # fmt: skip
+        "effect": term.term.name,
+        "axis": one.axis,
+        "kind": "machine",
+        "use": "simulate",
+        "status": "accepted",
+        "parameters": _terms(term),
+        "rms_explained_um": 0.0,
+        "signal": one.signal,
+        f"rms_explained_{one.unit}": rounded(term.rms),
+        "p_value": float(f"{chance(term.delta_chi2, len(term.ci95)):.3g}"),
+        "evidence": {"delta_chi2": rounded(term.delta_chi2)},
+        "equivalent": [],
+        "next_test": None,
+        "text": term.term.text,
+    }
 
 
 def _drive(one: Drive) -> dict[str, Any]:
     """One axis' force or current: every term, and what halves that took no part are told by."""
     return {
-        "axis": one.axis, "signal": one.signal, "unit": one.unit, "files": list(one.files), "samples": one.samples,
-        "rms": rounded(one.raw), "held_out_plain": rounded(one.plain), "held_out_all": rounded(one.after),
+        "axis": one.axis,
+        "signal": one.signal,
+        "unit": one.unit,
+        "files": list(one.files),
+        "samples": one.samples,
+        "rms": rounded(one.raw),
+        "held_out_plain": rounded(one.plain),
+        "held_out_all": rounded(one.after),
         "terms": [
             {
-                "term": f.term.name, "what": f.term.label, "parameters": _terms(f), "rms": rounded(f.rms),
-                "delta_chi2": rounded(f.delta_chi2), "held_out_before": rounded(f.before), "held_out_after": rounded(f.after),
+                "term": f.term.name,
+                "what": f.term.label,
+                "parameters": _terms(f),
+                "rms": rounded(f.rms),
+                "delta_chi2": rounded(f.delta_chi2),
+                "held_out_before": rounded(f.before),
+                "held_out_after": rounded(f.after),
             }
             for f in one.fitted
         ],
         "not_asked_for": list(one.refused),
-    }  # fmt: skip
+    }
 
 
 def chance(fall: float, pieces: int) -> float:
@@ -146,13 +209,19 @@ def _unknown(d: Diagnosis) -> dict[str, Any] | None:
     where = next((p for p in d.places if p.signal == u.signal), None)
     scale, unit = scaled(d, u.signal)
     return {
-        "recording": d.recordings[int(d.rows.file[which][0])].file, "signal": d.rows.signals[u.signal],
-        "rms_um": rounded(u.rms * scale), "unit": unit, "share_left": rounded(u.share), "where": _mismatch(d, where)["where"] if where else None,
-        "map": map_name(d), "depends_on": list(u.depends), "along": u.along,
+        "recording": d.recordings[int(d.rows.file[which][0])].file,
+        "signal": d.rows.signals[u.signal],
+        "rms_um": rounded(u.rms * scale),
+        "unit": unit,
+        "share_left": rounded(u.share),
+        "where": _mismatch(d, where)["where"] if where else None,
+        "map": map_name(d),
+        "depends_on": list(u.depends),
+        "along": u.along,
         "held_out_rms_before_um": None if u.before is None else rounded(u.before * scale),
         "held_out_rms_after_um": None if u.after is None else rounded(u.after * scale),
         "table": [dict(zip(MAP, row, strict=True)) for row in _map_rows(d)],
-    }  # fmt: skip
+    }
 
 
 def map_name(d: Diagnosis) -> str:
@@ -198,13 +267,16 @@ def residual_rows(d: Diagnosis) -> Iterator[str]:
 
 
 def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], list[Finding]]:
-    """Effects of the machine that go into a written machine, and those that do not: another name explains the readings as well and
-    would do something else to a program. accept: names (effect:axis) that are written all the same. Raises UsageError for a name
-    that was not found."""
+    """Effects of the machine that go into a written machine, and those that do not: another name
+    explains the readings as well and would do something else to a program. accept: names
+    (effect:axis) that are written all the same. Raises UsageError for a name that was not found."""
     able = [
-        f for f in d.findings
-        if f.status == "accepted" and f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients")
-    ]  # fmt: skip
+        f
+        for f in d.findings
+        if f.status == "accepted"
+        and f.block.module.KIND == "machine"
+        and hasattr(f.block.module, "coefficients")
+    ]
     for name in accept:
         if name not in [f.block.key for f in able]:
             known = ", ".join(f.block.key for f in able) or "none"
@@ -222,14 +294,16 @@ def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], 
 
 
 def _sized(f: Finding) -> bool:
-    """Whether one of its fitted sizes at least is told from zero: several that only their sum tells correct nothing one by one."""
+    """Whether one of its fitted sizes at least is told from zero: several that only their sum tells
+    correct nothing one by one."""
     ends = [f.ci95[name] for name in sizes(f.block.module) if f.value[name]]
     return not ends or any(low > 0.0 or high < 0.0 for low, high in ends)
 
 
 def _same_use(f: Finding, name: str) -> bool:
-    """Whether it does a program no harm to take a finding for what another name says: not where the recording may be at fault and the
-    machine in order, nor where it may be the same effect of another axis."""
+    """Whether it does a program no harm to take a finding for what another name says: not where the
+    recording may be at fault and the machine in order, nor where it may be the same effect of
+    another axis."""
     effect, _, axis = name.partition(":")
     if f.block.module.USE != "compensate":
         return True  # no program is corrected by it, whatever its name
@@ -238,25 +312,36 @@ def _same_use(f: Finding, name: str) -> bool:
 
 
 def not_told_apart(d: Diagnosis, accept: tuple[str, ...] = ()) -> list[str]:
-    """A sentence for each effect that does not go into a written machine, or goes into it although other names explain the readings
-    as well."""
+    """A sentence for each effect that does not go into a written machine, or goes into it although
+    other names explain the readings as well."""
     kept, out = written(d, accept)
     said = [f"{f.block.key} is NOT written: {_not_sure(f)}, or --accept {f.block.key}" for f in out]
     return said + [
-        f"{f.block.key} is written, and {', '.join(f.equivalent)} would explain these readings as well: run the test that tells them apart before a part is cut"
+        f"{f.block.key} is written, and {_keys(f.equivalent)} would explain these readings as"
+        " well: run the test that tells them apart before a part is cut"
         for f in kept
         if f.equivalent
     ]
 
 
+def _keys(names: Iterable[str]) -> str:
+    """Names as --accept takes them; an effect of no axis without its colon."""
+    return ", ".join(name.removesuffix(":") for name in names)
+
+
 def _not_sure(f: Finding) -> str:
     """Why a finding does not go into a written machine, and the way out."""
     if not f.foretells:
-        return "its curve does not foretell targets that are left out of its fit; measure at more targets"
+        return (
+            "its curve does not foretell targets that are left out of its fit; measure at more"
+            " targets"
+        )
     if not _sized(f):
         return "none of its sizes is told from zero; record again with more readings"
-    names = ", ".join(f.equivalent)
-    return f"{names} would explain these readings as well, and correct a program otherwise; run the test that tells them apart"
+    return (
+        f"{_keys(f.equivalent)} would explain these readings as well, and correct a program"
+        " otherwise; run the test that tells them apart"
+    )
 
 
 def _half_widths(f: Finding) -> dict[str, float]:
@@ -266,9 +351,8 @@ def _half_widths(f: Finding) -> dict[str, float]:
     for name in sizes(f.block.module):
         value, (low, high) = f.value[name], f.ci95[name]
         half = max(high - value, value - low)
-        if math.isfinite(half) and half > 1e-9 * max(
-            abs(value), 1e-12
-        ):  # else the parameter was not fitted
+        # else the parameter was not fitted
+        if math.isfinite(half) and half > 1e-9 * max(abs(value), 1e-12):
             found[name] = float(f"{half:.3g}")
     return found
 
@@ -286,14 +370,19 @@ def _range(d: Diagnosis, f: Finding) -> tuple[float, float] | None:
 
 
 def with_effects(d: Diagnosis, accept: tuple[str, ...] = ()) -> Machine:
-    """The machine that `effects_toml` writes: the one that was judged, with the effects that go into it."""
-    terms = [effect_file.term(f.block.name, f.block.axis, dict(f.value), d.machine.axes, _range(d, f)) for f in written(d, accept)[0]]  # fmt: skip
+    """The machine that `effects_toml` writes: the one that was judged, with the effects that go
+    into it."""
+    terms = [
+        effect_file.term(f.block.name, f.block.axis, dict(f.value), d.machine.axes, _range(d, f))
+        for f in written(d, accept)[0]
+    ]
     return replace(d.machine, effects=(*d.machine.effects, *terms))
 
 
 def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Callable[[str], str]:
-    """What makes a machine.toml that of the diagnosed machine: its name, and a section for every accepted effect of the
-    machine that is told apart from others (or in accept). Instruments' and data's effects are none of it."""
+    """What makes a machine.toml that of the diagnosed machine: its name, and a section for every
+    accepted effect of the machine that is told apart from others (or in accept). Instruments' and
+    data's effects are none of it."""
     sections = []
     for f in written(d, accept)[0]:
         section: dict[str, Any] = {"name": f.block.name, "axis": f.block.axis, **f.value}
@@ -305,9 +394,12 @@ def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Calla
         sections.append(
             (
                 section,
-                f"not told apart from {names}: run the test that parts them before a part is cut"
-                if names
-                else "",
+                (
+                    f"not told apart from {names}: run the test that parts them before a part"
+                    " is cut"
+                    if names
+                    else ""
+                ),
             )
         )
     return lambda text: edit.with_sections(text, name, "effect", sections)

@@ -1,7 +1,8 @@
 """How coarsely a log rounds its positions, and what that does to readings.
 
-A log has a fixed number of decimals or of significant digits; with the latter a position above 100 mm may be known to 1 mm
-and one below 10 mm to 0.01. Rounding by q is an error of q / sqrt(12), the same one as long as the axis stays within q.
+A log has a fixed number of decimals or of significant digits; with the latter a position above 100
+mm may be known to 1 mm and one below 10 mm to 0.01. Rounding by q is an error of q / sqrt(12), the
+same one as long as the axis stays within q.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ COARSE = 2e-3  # mm: finer rounding is lost in what else scatters
 
 
 def step(values: np.ndarray) -> np.ndarray:
-    """(N,) by how much each value is rounded, in its unit; 0 where values have more than six significant digits."""
+    """(N,) by how much each value is rounded, in its unit; 0 where values have more than six
+    significant digits."""
     known = np.abs(values[np.isfinite(values) & (values != 0)])
     if len(np.unique(known)) < FEW:
         return np.zeros(len(values))
@@ -44,7 +46,8 @@ def noise(commanded: np.ndarray, actual: np.ndarray) -> np.ndarray:
 
 
 def alike(commanded: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """(N,) bool: samples that a coarse log can not tell from the one before: all of such a row together are one reading."""
+    """(N,) bool: samples that a coarse log can not tell from the one before: all of such a row
+    together are one reading."""
     same = np.diff(commanded, prepend=commanded[:1]) == 0
     same[:1] = False
     return same & (noise > COARSE)

@@ -1,7 +1,9 @@
-"""Recordings to rows: what was measured, what the machine's file predicts, and the state that every effect may look at.
+"""Recordings to rows: what was measured, what the machine's file predicts, and the state that every
+effect may look at.
 
-All rows of all recordings of an experiment stand in one table, in the order of files. A reading is the part of the tool's
-deviation along a direction, or of an axis' own scale; a feature of a part is the difference of two places.
+All rows of all recordings of an experiment stand in one table, in the order of files. A reading is
+the part of the tool's deviation along a direction, or of an axis' own scale; a feature of a part is
+the difference of two places.
 """
 
 from __future__ import annotations
@@ -25,10 +27,12 @@ NONE_ELSEWHERE = ("spindle_rpm", "part", "wall", "material", "bore")
 
 @dataclass(frozen=True)
 class Rows:
-    """N rows. y, known (N,) mm: measured, predicted by the machine's file; direction (N, 3): how the tool's deviation
-    enters; sees: per row what kind of signal it is ("laser", "angle", "tool", "scale", "part"); file, run, signal, line (N,);
-    state: of the rows; far: of the second place of a feature, None where there is none; grain (N,) mm: what the noise of
-    single samples leaves in an averaged row, 0 elsewhere; rounding (N,) mm: what the log's own rounding gives. signals: names."""
+    """N rows. y, known (N,) mm: measured, predicted by the machine's file; direction (N, 3): how
+    the tool's deviation enters; sees: per row what kind of signal it is ("laser", "angle", "tool",
+    "scale", "part"); file, run, signal, line (N,);
+    state: of the rows; far: of the second place of a feature, None where there is none; grain (N,)
+    mm: what the noise of single samples leaves in an averaged row, 0 elsewhere; rounding (N,) mm:
+    what the log's own rounding gives. signals: names."""
 
     y: np.ndarray
     known: np.ndarray
@@ -70,10 +74,12 @@ class Rows:
         """Some of the rows."""
         arrays = ("y", "known", "direction", "sees", "file", "run", "signal", "line", "grain")
         return replace(
-            self, state=pick_state(self.state, which), other={x: v[which] for x, v in self.other.items()},
+            self,
+            state=pick_state(self.state, which),
+            other={x: v[which] for x, v in self.other.items()},
             rounding=self.rounding[which],
             **{name: getattr(self, name)[which] for name in arrays},
-        )  # fmt: skip
+        )
 
 
 def pick_state(state: State, which: np.ndarray) -> State:
@@ -83,15 +89,30 @@ def pick_state(state: State, which: np.ndarray) -> State:
         return {k: v[..., which] for k, v in values.items()}
 
     return State(
-        of_each(state.position), of_each(state.approach), state.travel, of_each(state.velocity), of_each(state.acceleration),
-        of_each(state.distance), of_each(state.since), state.time[which], state.run[which], of_each(state.channels),
-        of_each(state.angles), state.beam[which], state.passage[which], state.file[which], state.width[which], state.lines,
-        of_each(state.inside), of_each(state.path),
-    )  # fmt: skip
+        of_each(state.position),
+        of_each(state.approach),
+        state.travel,
+        of_each(state.velocity),
+        of_each(state.acceleration),
+        of_each(state.distance),
+        of_each(state.since),
+        state.time[which],
+        state.run[which],
+        of_each(state.channels),
+        of_each(state.angles),
+        state.beam[which],
+        state.passage[which],
+        state.file[which],
+        state.width[which],
+        state.lines,
+        of_each(state.inside),
+        of_each(state.path),
+    )
 
 
 def of(recordings: list[Recording], machine: Machine) -> Rows:
-    """All rows of an experiment. Raises RecordingError for an axis that the machine has not, or a kind without rows."""
+    """All rows of an experiment. Raises RecordingError for an axis that the machine has not, or a
+    kind without rows."""
     parts = []
     signals: list[str] = []
     for number, recording in enumerate(recordings):
@@ -131,12 +152,23 @@ def _joined(
         {name.removeprefix("channel ") for p in parts for name in p if name.startswith("channel ")}
     )
     state = State(
-        position=position, approach=approach, travel=_travels(machine, letters),
-        velocity={x: column(f"{x} velocity") for x in letters}, acceleration={x: column(f"{x} acceleration") for x in letters},
-        distance={x: column(f"{x} distance", FAR) for x in letters}, since={x: column(f"{x} since", FAR) for x in letters},
-        time=column("time"), run=column("run"), channels={c: column(f"channel {c}", np.nan) for c in channels},
-        angles={}, beam=column("beam"), passage=_passages(parts), file=column("file"), width=column("width"), inside=_inside(parts, letters),
-    )  # fmt: skip
+        position=position,
+        approach=approach,
+        travel=_travels(machine, letters),
+        velocity={x: column(f"{x} velocity") for x in letters},
+        acceleration={x: column(f"{x} acceleration") for x in letters},
+        distance={x: column(f"{x} distance", FAR) for x in letters},
+        since={x: column(f"{x} since", FAR) for x in letters},
+        time=column("time"),
+        run=column("run"),
+        channels={c: column(f"channel {c}", np.nan) for c in channels},
+        angles={},
+        beam=column("beam"),
+        passage=_passages(parts),
+        file=column("file"),
+        width=column("width"),
+        inside=_inside(parts, letters),
+    )
     state = replace(
         state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state)
     )
@@ -149,13 +181,26 @@ def _joined(
     state = replace(state, lines=_lines(parts, state, direction))
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
     rows = Rows(
-        column("y"), np.zeros(n), direction, sees, column("file").astype(int), column("run").astype(int),
-        column("signal").astype(int), column("line").astype(int), state, tuple(signals),
-        tuple(r.file for r in recordings), tuple(r.kind for r in recordings),
-        {x: column(f"{x} other", np.nan) for x in letters} if any(p["sees"] == "part" for p in parts) else {},
+        column("y"),
+        np.zeros(n),
+        direction,
+        sees,
+        column("file").astype(int),
+        column("run").astype(int),
+        column("signal").astype(int),
+        column("line").astype(int),
+        state,
+        tuple(signals),
+        tuple(r.file for r in recordings),
+        tuple(r.kind for r in recordings),
+        (
+            {x: column(f"{x} other", np.nan) for x in letters}
+            if any(p["sees"] == "part" for p in parts)
+            else {}
+        ),
         column("grain"),
         column("rounding"),
-    )  # fmt: skip
+    )
     return replace(rows, known=predicted(rows, machine))
 
 
@@ -179,7 +224,8 @@ def _inside(parts: list[dict], letters: list[str]) -> dict[str, np.ndarray]:
 
 
 def _paths(parts: list[dict], state: State) -> dict[str, np.ndarray]:
-    """Axis to (M, N) mm: the ways that its drive remembers; of rows without a path one turn, after a long way."""
+    """Axis to (M, N) mm: the ways that its drive remembers; of rows without a path one turn, after
+    a long way."""
     result = {}
     for x in state.position:
         most = max((p[f"{x} path"].shape[1] for p in parts if f"{x} path" in p), default=0)
@@ -215,14 +261,15 @@ def _passages(parts: list[dict]) -> np.ndarray:
 
 
 def _travels(machine: Machine, letters: list[str]) -> dict[str, tuple[float, float]]:
-    """The range over which shapes are drawn: the travel, as for the compensator and the simulator."""
+    """The range over which shapes are drawn: the travel, as for the compensator and the
+    simulator."""
     return {x: machine.axes[x].travel for x in letters}
 
 
 def _filled(name: str, state: State) -> np.ndarray:
-    """A channel where it was not recorded: a temperature as it went from reading to reading, else the mean, which tells nothing.
-    A machine begins its day as warm as its room. A spindle of which nobody says that it turned stood still, and what is no part
-    has no walls."""
+    """A channel where it was not recorded: a temperature as it went from reading to reading, else
+    the mean, which tells nothing. A machine begins its day as warm as its room. A spindle of which
+    nobody says that it turned stood still, and what is no part has no walls."""
     values, room = state.channels[name], state.channels.get("T_air_C")
     known, timed = np.isfinite(values), _timed(state)
     mean = known.any() and name not in NONE_ELSEWHERE
@@ -254,8 +301,8 @@ def _angles(machine: Machine, letter: str, state: State) -> np.ndarray | None:
 
 
 def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None:
-    """(3, N) rad: the rotations of an axis as this very experiment measured them, where the machine's file has none; by
-    the direction of approach where both were measured."""
+    """(3, N) rad: the rotations of an axis as this very experiment measured them, where the
+    machine's file has none; by the direction of approach where both were measured."""
     result = np.zeros((3, len(state)))
     for p in parts:
         place = p.get(f"{letter} position")
@@ -275,7 +322,8 @@ def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None
 
 
 def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, str]:
-    """Axis to the axes that stood at two places, APART or more, while readings along it were taken at rest at the same places."""
+    """Axis to the axes that stood at two places, APART or more, while readings along it were taken
+    at rest at the same places."""
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
     result: dict[str, str] = {}
     for x in state.position:
@@ -290,7 +338,8 @@ def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, 
         cell = np.clip((share * CELLS).astype(int), 0, CELLS - 1)
         found = ""
         for other, q in state.position.items():
-            # In one set-up: a beam that is aligned anew has an error of its own, which looks like that of another line.
+            # In one set-up: a beam that is aligned anew has an error of its own, which looks like
+            # that of another line.
             apart = [
                 _apart(cell[state.file[own] == f], q[own][state.file[own] == f])
                 for f in np.unique(state.file[own])
@@ -325,9 +374,8 @@ def predicted(rows: Rows, machine: Machine) -> np.ndarray:
         near, far = pick_state(rows.state, part), second_place(rows, part)
         between = deviation_at(bare, near) - deviation_at(bare, far)
         result[part] = (between * rows.direction[part].T).sum(axis=0)
-    for term in (
-        machine.effects
-    ):  # with their history: what a place alone decides is only what a program can correct
+    # with their history: what a place alone decides is only what a program can correct
+    for term in machine.effects:
         if term.module is not None and library.needed(rows, term.module, term.axis):
             value, shape = term.module.coefficients(**term.parameters)
             result += library.read(rows, term.module, term.axis, shape) @ value
@@ -348,9 +396,12 @@ def second_place(rows: Rows, which: np.ndarray) -> State:
         inside[x] = np.full_like(inside[x], np.nan)
         inside[x][:1] = position[x]
     return replace(
-        there, position=position, inside=inside, approach={x: -a for x, a in there.approach.items()},
+        there,
+        position=position,
+        inside=inside,
+        approach={x: -a for x, a in there.approach.items()},
         path={x: -ways for x, ways in there.path.items()},
-    )  # fmt: skip
+    )
 
 
 def _turned(rows: Rows) -> np.ndarray:

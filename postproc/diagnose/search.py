@@ -1,8 +1,10 @@
-"""Which set of effects makes the readings most probable: a beam search over sets, each with its own noise.
+"""Which set of effects makes the readings most probable: a beam search over sets, each with its own
+noise.
 
-A set is worth twice the logarithm of its evidence, less what its members cost: a rare cause, one of many shapes that were tried.
-A member must be worth more beside the others than noise alone reaches in one of a hundred such experiments. What comes
-back at the same places and has no name is a member like the others: a smooth process of one instrument.
+A set is worth twice the logarithm of its evidence, less what its members cost: a rare cause, one of
+many shapes that were tried. A member must be worth more beside the others than noise alone reaches
+in one of a hundred such experiments. What comes back at the same places and has no name is a member
+like the others: a smooth process of one instrument.
 """
 
 from __future__ import annotations
@@ -47,7 +49,8 @@ OPEN = 5e-3  # mm: a set-up that may be so far off is open
 
 @dataclass(frozen=True)
 class Found:
-    """A set: its fit, what it is worth, and the least variance of each unit at which that was found."""
+    """A set: its fit, what it is worth, and the least variance of each unit at which that was
+    found."""
 
     fit: Fit
     score: float
@@ -82,7 +85,7 @@ class Search:
         self.cost = np.append(self.cost, cost_of(block))
         return self.evidence.add([block])[0]
 
-    # -- sets ----------------------------------------------------------------------------------------------------------
+    # -- sets --------------------------------------------------------------------------------------
 
     def null(self) -> Found:
         """No effect at all."""
@@ -92,7 +95,8 @@ class Search:
         return self.seen[()]
 
     def of(self, chosen: tuple[int, ...], on: On, like: Found) -> Found:
-        """A set at the error of form of another one, that it is compared with; its score is that of the other and the difference."""
+        """A set at the error of form of another one, that it is compared with; its score is that of
+        the other and the difference."""
         base = self.at_own_form(like)
         forms = tuple(f for f in base.fit.chosen if self._of_form.get(f, -1) in chosen)
         key = tuple(sorted(chosen)), on, base.fit.chosen, base.fit.on
@@ -103,7 +107,8 @@ class Search:
         return self.seen[key]
 
     def _learned(self, chosen: tuple[int, ...], like: Found, on: On, least: np.ndarray) -> Fit:
-        """The likelier of two: from what was learned before, and from what is usual. Of a slow drift and a wander only one is large."""
+        """The likelier of two: from what was learned before, and from what is usual. Of a slow
+        drift and a wander only one is large."""
         fit = self.evidence.learn(chosen, like.fit, on, RENEWED, least)
         if not self.evidence.wandered(like.fit):
             return fit
@@ -124,7 +129,8 @@ class Search:
         )
 
     def at_own_form(self, state: Found) -> Found:
-        """The same set with the errors of form of what it explains: terms, and noise no less than that."""
+        """The same set with the errors of form of what it explains: terms, and noise no less than
+        that."""
         members = self.members(state.fit)
         if not members:
             return state
@@ -140,8 +146,8 @@ class Search:
         return tuple(k for k in fit.chosen if k not in self.evidence.fixed)
 
     def _forms(self, fit: Fit) -> list[int]:
-        """Terms by which what is explained may be of another form, in all instruments alike: larger on one end of the travel, at one
-        time, or a little later."""
+        """Terms by which what is explained may be of another form, in all instruments alike: larger
+        on one end of the travel, at one time, or a little later."""
         made: list[Block] = []
         whose: list[int] = []
         for k in self.members(fit):
@@ -177,7 +183,8 @@ class Search:
         return numbers
 
     def form(self, fit: Fit) -> np.ndarray:
-        """(U,) variance of each unit that the error of form of its largest effect gives (1: of its white noise)."""
+        """(U,) variance of each unit that the error of form of its largest effect gives (1: of its
+        white noise)."""
         most = np.zeros(len(self.evidence.parts))
         for k in self.members(fit):
             part = self.blocks[k].columns @ self.value(fit, k)
@@ -204,8 +211,8 @@ class Search:
         raise KeyError(k)
 
     def calibrate(self, rng: np.random.Generator) -> None:
-        """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments: of nulls drawn with the noise that
-        was learned, by a Gumbel distribution of their maxima."""
+        """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
+        of nulls drawn with the noise that was learned, by a Gumbel distribution of their maxima."""
         null = self.null()
         draws = self.evidence.drawn(null.fit, rng, NULLS)
         best = (self.evidence.scan(null.fit, draws)[0] - self.cost[:, None]).max(axis=0)
@@ -214,10 +221,11 @@ class Search:
         self.least = max(LEAST, tail)
 
     def run(self) -> Found:
-        """The most probable set of which every member is worth its place. Names first; what comes back and has no name may take
-        the place of some of them, or come before all of them."""
+        """The most probable set of which every member is worth its place. Names first; what comes
+        back and has no name may take the place of some of them, or come before all of them."""
         alone = self._grown(self.null(), self._processes)
-        # Something is there: two or three effects together may say it where none of them alone does.
+        # Something is there: two or three effects together may say it where none of them alone
+        # does.
         something = bool(alone[-1].fit.on) or self.evidence.wandered(self.null().fit)
         named = self._grown(self.null(), self.children, AHEAD if something else 0)
         ends = [*named, *alone[-1:]]
@@ -230,8 +238,8 @@ class Search:
         return self._dropped(self._likeliest([*ends, *best]))
 
     def _likeliest(self, states: list[Found]) -> Found:
-        """Of several sets, all at the same error of form: the largest that any of them has. What many explain a little better than
-        one does is that one of another form."""
+        """Of several sets, all at the same error of form: the largest that any of them has. What
+        many explain a little better than one does is that one of another form."""
         least = np.max([self.at_own_form(state).least for state in states], axis=0)
 
         def worth(state: Found) -> float:
@@ -250,14 +258,15 @@ class Search:
         return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
 
     def _as_it_fits(self, state: Found) -> float:
-        """What a set is worth without errors of form, its sizes learned to the end: scores on the way there depend on the way."""
+        """What a set is worth without errors of form, its sizes learned to the end: scores on the
+        way there depend on the way."""
         return self._value(self.evidence.learn(state.members, state.fit, state.fit.on, CONVERGED))
 
     def _grown(
         self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0
     ) -> list[Found]:
-        """The best of the sets that grow from one, with each number of members; up to `ahead` of them also where a member
-        is worth nothing yet."""
+        """The best of the sets that grow from one, with each number of members; up to `ahead` of
+        them also where a member is worth nothing yet."""
         beam, best = [start], [start]
         for level in range(MOST):
             grown = {}
@@ -291,7 +300,8 @@ class Search:
         return [self.of(state.members, tried[k], state) for k in best]
 
     def _settled(self, best: Found) -> Found:
-        """Members dropped that are not worth their place, and exchanged for others that are worth more there."""
+        """Members dropped that are not worth their place, and exchanged for others that are worth
+        more there."""
         for _ in range(ROUNDS):
             best = self._dropped(best)
             better = max([best, *self._exchanged(best)], key=lambda c: c.score)
@@ -340,7 +350,8 @@ class Search:
     def children(
         self, state: Found, names: int = CHILDREN, like: Found | None = None
     ) -> list[Found]:
-        """Sets with one more member, the most promising ones; at the error of form of `like`, else of the set itself."""
+        """Sets with one more member, the most promising ones; at the error of form of `like`, else
+        of the set itself."""
         state = state if like else self.at_own_form(state)
         like = like or state
         chosen, fit = state.members, state.fit
@@ -351,7 +362,8 @@ class Search:
         ):
             self._looked.add(state.members)
             self._look(state)
-        # Wander and map may have grown to say what an effect says better: it is asked for beside their usual sizes, too.
+        # Wander and map may have grown to say what an effect says better: it is asked for beside
+        # their usual sizes, too.
         best: dict[str, tuple[Fit, int]] = {}
         for number, now in enumerate(
             (self.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit)
@@ -393,8 +405,8 @@ class Search:
         return next(k for k in child.members if k not in parent.members)
 
     def _fits(self, fit: Fit, k: int) -> bool:
-        """Whether a member is of a plausible size, and somewhere large enough to matter: beside the noise, and beside the error
-        of form of the others."""
+        """Whether a member is of a plausible size, and somewhere large enough to matter: beside the
+        noise, and beside the error of form of the others."""
         value = self.value(fit, k)
         if not plausible(self.blocks[k], value):
             return False

@@ -1,5 +1,6 @@
-"""Shapes as well as the readings tell them: between the values of the grid, and of a wave that was found in a spectrum its period, a
-second wave of half the period, a swing that grows along the travel."""
+"""Shapes as well as the readings tell them: between the values of the grid, and of a wave that was
+found in a spectrum its period, a second wave of half the period, an amplitude that grows along the
+travel."""
 
 from __future__ import annotations
 
@@ -19,18 +20,21 @@ if TYPE_CHECKING:
     from postproc.diagnose.search import Search
 
 WORTH = 6.0  # that what comes with a wave must add
+# factor between values that are tried, how often its root is taken; beyond the range: another
+# meaning
 FIRST, HALVINGS, FAR = (
     1.4,
     4,
     1.5,
-)  # factor between values that are tried, how often its root is taken; beyond the range: another meaning
+)
 FEWEST_MOMENTS = 4  # between which jumps are looked for
 FEWEST_BETWEEN = 6  # readings between two jumps: fewer are readings that are off
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
 def polished(search: Search, fit: Fit, k: int) -> int:
-    """The number of the block, or of one at a likelier shape, or with what comes with such a wave."""
+    """The number of the block, or of one at a likelier shape, or with what comes with such a
+    wave."""
     block = search.blocks[k]
     if "t_s" in dict(block.shape):
         return (
@@ -58,7 +62,8 @@ def _best(search: Search, fit: Fit, k: int, other: Block | None, by: float) -> i
 
 
 def worth(search: Search, fit: Fit, block: Block) -> float:
-    """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible one."""
+    """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible
+    one."""
     from postproc.diagnose.evidence import SLAB
     from postproc.diagnose.evidence import TRIED as TRIED_SIZES
     from postproc.diagnose.parts import surprise
@@ -118,7 +123,8 @@ def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
 
 
 def _moment(search: Search, fit: Fit, block: Block) -> Block | None:
-    """The block at the likeliest moment between two readings near its own: a long recording has more of them than the grid."""
+    """The block at the likeliest moment between two readings near its own: a long recording has
+    more of them than the grid."""
     times = np.unique(search.rows.state.time)
     middle = (times[1:] + times[:-1]) / 2
     best, most = block, worth(search, fit, block)
@@ -132,8 +138,8 @@ def _moment(search: Search, fit: Fit, block: Block) -> Block | None:
 
 
 def jumps(search: Search, fit: Fit) -> list[int]:
-    """Blocks of two or three jumps of an axis, the likeliest of all that the dictionary's moments make: steps that are lost and found
-    again show in no single jump."""
+    """Blocks of two or three jumps of an axis, the likeliest of all that the dictionary's moments
+    make: steps that are lost and found again show in no single jump."""
     result: list[int] = []
     single = [k for k, b in enumerate(search.blocks) if tuple(n for n, _ in b.shape) == ("t_s",)]
     for axis in sorted({search.blocks[k].axis for k in single}):
@@ -155,8 +161,8 @@ def jumps(search: Search, fit: Fit) -> list[int]:
 
 
 def _jumps(search: Search, fit: Fit, columns: np.ndarray, tried: int) -> list[int]:
-    """Numbers of the likeliest two or three of columns (N, K), that stand so far apart that no few readings are off; tried: moments
-    that there are."""
+    """Numbers of the likeliest two or three of columns (N, K), that stand so far apart that no few
+    readings are off; tried: moments that there are."""
     a, b = search.evidence.beside(fit, columns)
     later = (columns != 0).sum(axis=0)
     sets = np.stack(np.triu_indices(len(later), 1), axis=1)
@@ -178,7 +184,8 @@ def _jumps(search: Search, fit: Fit, columns: np.ndarray, tried: int) -> list[in
 
 
 def _values(a: np.ndarray, b: np.ndarray, sets: np.ndarray) -> np.ndarray:
-    """(S,) twice the logarithm of the Bayes factor of sets (S, K) of columns of 1 um, of their products a (M, M) and b (M,)."""
+    """(S,) twice the logarithm of the Bayes factor of sets (S, K) of columns of 1 um, of their
+    products a (M, M) and b (M,)."""
     from postproc.diagnose.evidence import SLAB
 
     slab = SLAB / UM

@@ -1,13 +1,15 @@
-"""One local departure that several readings of an axis show at the same places: one cause, and not which.
+"""One local departure that several readings of an axis show at the same places: one cause, and not
+which.
 
-Positioning, straightness and angle of an axis are measured one after the other, with other optics. Where they all leave
-their lines over the same stretch, and what they leave them by keeps one ratio, the carriage moves there as a whole: it
-turns (an angle times the arms of the optics), it is pushed aside along one direction (a dent of the way, a nut that
-strains), or something of the set-up gives (a beam that is clipped, a cover that drags). The readings alone can not say which.
+Positioning, straightness and angle of an axis are measured one after the other, with other optics.
+Where they all leave their lines over the same stretch, and what they leave them by keeps one ratio,
+the carriage moves there as a whole: it turns (an angle times the arms of the optics), it is pushed
+aside along one direction (a dent of the way, a nut that strains), or something of the set-up gives
+(a beam that is clipped, a cover that drags). The readings alone can not say which.
 
-Looked for among windows of neighbouring targets: outside the window each signal follows a line, inside it each target has a
-value of its own. A window counts where that leaves less than a polynomial of fifth order does, which has six terms for the whole
-travel: what is smooth is no jump.
+Looked for among windows of neighbouring targets: outside the window each signal follows a line,
+inside it each target has a value of its own. A window counts where that leaves less than a
+polynomial of fifth order does, which has six terms for the whole travel: what is smooth is no jump.
 """
 
 from __future__ import annotations
@@ -34,7 +36,8 @@ TEXT = (
 FEWEST, OUTSIDE = 10, 8  # targets that are wanted, and outside the window
 WIDEST = 0.4  # of all targets
 CLEAR = 6.0  # times what the rest of the travel departs by
-BETTER = 4.0  # times the variance (mean of the two signals, by ratios) that a polynomial of fifth order leaves
+# times the variance (mean of the two signals, by ratios) that a polynomial of fifth order leaves
+BETTER = 4.0
 ALIKE = 0.95  # correlation
 SMALLEST = 2e-3  # mm, or mrad
 NEAR = 0.02  # mm: the same target
@@ -43,8 +46,9 @@ ONSET = 0.1  # of the largest departure
 
 @dataclass(frozen=True)
 class Profile:
-    """One signal of one axis: number, kind of signal, places (P,) mm and the mean there over runs and directions (P,) mm or
-    rad; sigma of such a mean; rows (P lists) that belong to each place."""
+    """One signal of one axis: number, kind of signal, places (P,) mm and the mean there over runs
+    and directions (P,) mm or rad; sigma of such a mean; rows (P lists) that belong to each
+    place."""
 
     signal: int
     sees: str
@@ -56,9 +60,10 @@ class Profile:
 
 @dataclass(frozen=True)
 class SharedJump:
-    """axis; window low, high mm; first, second: the profiles, the larger departure first, and (P,) what they depart from their
-    lines by; ratio of second to first and its standard error; correlation; left_mm: rms of the second when the first times the
-    ratio is taken off, before_mm: when nothing but a line is; polynomial_mm: when a polynomial of fifth order is."""
+    """axis; window low, high mm; first, second: the profiles, the larger departure first, and (P,)
+    what they depart from their lines by; ratio of second to first and its standard error;
+    correlation; left_mm: rms of the second when the first times the ratio is taken off, before_mm:
+    when nothing but a line is; polynomial_mm: when a polynomial of fifth order is."""
 
     axis: str
     low: float
@@ -73,13 +78,20 @@ class SharedJump:
     before_mm: float
     polynomial_mm: float
     turn: str = ""  # the letter of the axis about which a turn would do this
-    angle: str = ""  # whether that angle, measured at these places, "moves" there or is "still"; "" where it was not measured
+    angle: str = (
+        # whether that angle, measured at these places, "moves" there or is "still"; "" where it was
+        # not measured
+        ""
+    )
 
     def parameters(self) -> dict[str, float]:
         return {
-            "from_mm": self.low, "to_mm": self.high, "largest_um": float(self.departures[0][np.abs(self.departures[0]).argmax()] * 1e3),
-            "ratio": self.ratio, "correlation": self.correlation,
-        }  # fmt: skip
+            "from_mm": self.low,
+            "to_mm": self.high,
+            "largest_um": float(self.departures[0][np.abs(self.departures[0]).argmax()] * 1e3),
+            "ratio": self.ratio,
+            "correlation": self.correlation,
+        }
 
     def inside(self) -> np.ndarray:
         """(P,) bool: targets of the window."""
@@ -129,7 +141,8 @@ def find(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> list[SharedJump
 
 
 def _with_angle(rows: Rows, jump: SharedJump, several: list[Profile]) -> SharedJump:
-    """With what is known of the turn that would do this: about the direction that neither of the two is read along."""
+    """With what is known of the turn that would do this: about the direction that neither of the
+    two is read along."""
     a, b = (rows.direction[p.rows[0][0]] for p in (jump.first, jump.second))
     k = int(np.abs(np.cross(a, b)).argmax())
     angles = [
@@ -140,7 +153,8 @@ def _with_angle(rows: Rows, jump: SharedJump, several: list[Profile]) -> SharedJ
 
 
 def columns(jump: SharedJump, rows: Rows) -> np.ndarray:
-    """(N, K): of each signal and each target of the window, the rows that stand there. What they have in common is the jump."""
+    """(N, K): of each signal and each target of the window, the rows that stand there. What they
+    have in common is the jump."""
     place = rows.state.position[jump.axis]
     own = jump.first.place[jump.inside()]
     found = [
@@ -162,17 +176,27 @@ def words(jump: SharedJump, files: tuple[str, str]) -> str:
     axis, inside = jump.axis, int(jump.inside().sum())
     largest = jump.parameters()["largest_um"]
     turn = {
-        "": f"it turns about {jump.turn} there (that angle was not measured) and the optics stand off the axis of the turn",
+        "": (
+            f"it turns about {jump.turn} there (that angle was not measured) and the optics stand"
+            " off the axis of the turn"
+        ),
         "still": f"it does not turn about {jump.turn} there, that angle was measured",
-        "moves": f"it turns about {jump.turn} there, as the measured angle does, and the optics stand off the axis of the turn",
+        "moves": (
+            f"it turns about {jump.turn} there, as the measured angle does, and the optics stand"
+            " off the axis of the turn"
+        ),
     }[jump.angle]
     return (
-        f"From {jump.low:g} to {jump.high:g} mm of {axis} {files[0]} leaves its line, by {largest:.1f} um at most, and {files[1]} follows "
-        f"it with {jump.ratio:.3f} +- {1.96 * jump.ratio_error:.3f} um per um (correlation {jump.correlation:.4f}): of its "
-        f"{jump.before_mm * 1e3:.2f} um rms {jump.left_mm * 1e3:.2f} are left, and {jump.polynomial_mm * 1e3:.2f} with a polynomial "
-        f"of fifth order. One cause, and these readings can not say which: the carriage moves as a whole ({turn}; or a dent "
-        f"of the way, a strained nut or cover pushes it aside in one direction), or the optics gave the same false reading twice (a beam clipped near the "
-        f"end). Only {inside} of {len(jump.first.place)} targets carry it, and any two jumps at one place look alike so far. Correct nothing before it is told apart."
+        f"From {jump.low:g} to {jump.high:g} mm of {axis} {files[0]} leaves its line, by"
+        f" {largest:.1f} um at most, and {files[1]} follows it with {jump.ratio:.3f} +-"
+        f" {1.96 * jump.ratio_error:.3f} um per um (correlation {jump.correlation:.4f}): of its"
+        f" {jump.before_mm * 1e3:.2f} um rms {jump.left_mm * 1e3:.2f} are left, and"
+        f" {jump.polynomial_mm * 1e3:.2f} with a polynomial of fifth order. One cause, and these"
+        f" readings can not say which: the carriage moves as a whole ({turn}; or a dent of the way,"
+        " a strained nut or cover pushes it aside in one direction), or the optics gave the same"
+        f" false reading twice (a beam clipped near the end). Only {inside} of"
+        f" {len(jump.first.place)} targets carry it, and any two jumps at one place look alike so"
+        " far. Correct nothing before it is told apart."
     )
 
 
@@ -180,19 +204,21 @@ def next_test(jump: SharedJump, machine: str) -> str:
     """The experiment that tells the causes apart."""
     axis = jump.axis
     two = (
-        f"positioning of {axis} on two lines as far apart across {axis} as the machine allows: a turn gives two sizes, a dent one, "
-        f"and optics that were mounted anew none: gcomp simulate --test positioning:{axis} --machine {machine} --program-out positioning_{axis}.nc"
+        f"positioning of {axis} on two lines as far apart across {axis} as the machine allows: a"
+        " turn gives two sizes, a dent one, and optics that were mounted anew none: gcomp simulate"
+        f" --test positioning:{axis} --machine {machine} --program-out positioning_{axis}.nc"
     )
     if jump.angle:
         return two
     return (
-        f"the angle of {axis} about {jump.turn} by angular optics, at the same targets: gcomp simulate --test angle:{axis} --machine {machine} "
-        f"--program-out angle_{axis}.nc; or {two}"
+        f"the angle of {axis} about {jump.turn} by angular optics, at the same targets: gcomp"
+        f" simulate --test angle:{axis} --machine {machine} --program-out angle_{axis}.nc; or {two}"
     )
 
 
 def _crossing(rows: Rows, a: Profile, b: Profile) -> bool:
-    """Whether two readings are taken along different directions: twice the same tells nothing of a common cause."""
+    """Whether two readings are taken along different directions: twice the same tells nothing of a
+    common cause."""
     return abs(float(rows.direction[a.rows[0][0]] @ rows.direction[b.rows[0][0]])) < 0.5
 
 
@@ -203,7 +229,8 @@ def _windows(n: int) -> Iterator[slice]:
 
 
 def _off_line(profile: Profile, inside: np.ndarray) -> tuple[np.ndarray, float]:
-    """(P,) departures from the line through what lies outside, and their rms there (two terms counted)."""
+    """(P,) departures from the line through what lies outside, and their rms there (two terms
+    counted)."""
     line = np.polyfit(profile.place[~inside], profile.value[~inside], 1)
     off = profile.value - np.polyval(line, profile.place)
     return off, float(np.sqrt(np.sum(off[~inside] ** 2) / ((~inside).sum() - 2)))
@@ -259,9 +286,19 @@ def _pair(axis: str, a: Profile, b: Profile) -> SharedJump | None:
     error = float(np.sqrt(left @ left / (n - 2) / np.sum((x - x.mean()) ** 2)))
     departs = shared[inside & (np.abs(x) > ONSET * np.abs(x).max())]
     return SharedJump(
-        axis, float(departs.min()), float(departs.max()), first, second, (x, y), float(solved[0]), error, correlation,
-        float(np.sqrt(np.mean(left**2))), float(np.std(second.value)), _smooth(second),
-    )  # fmt: skip
+        axis,
+        float(departs.min()),
+        float(departs.max()),
+        first,
+        second,
+        (x, y),
+        float(solved[0]),
+        error,
+        correlation,
+        float(np.sqrt(np.mean(left**2))),
+        float(np.std(second.value)),
+        _smooth(second),
+    )
 
 
 def _departs(angle: Profile, jump: SharedJump) -> bool:
@@ -279,18 +316,23 @@ def places(jump: SharedJump, rows: Rows, contribution: np.ndarray) -> list[Place
     for profile in (jump.first, jump.second):
         place = rows.state.position[jump.axis]
         inside = np.flatnonzero(
-            (rows.signal == profile.signal)
-            & (place >= jump.low - 1e-6)
-            & (place <= jump.high + 1e-6)
+            (rows.signal == profile.signal) & (place > jump.low - NEAR) & (place < jump.high + NEAR)
         )
-        off = contribution[inside]
+        off, there = contribution[inside], place[inside]
         result.append(
             Place(
-                int(rows.file[inside[0]]), profile.signal, jump.axis, jump.low, jump.high, "both",
+                int(rows.file[inside[0]]),
+                profile.signal,
+                jump.axis,
+                float(there.min()),
+                float(there.max()),
+                "both",
                 tuple(int(r) for r in np.unique(rows.run[inside])[:50]),
                 (float(rows.state.time[inside].min()), float(rows.state.time[inside].max())),
                 (int(rows.line[inside].min()), int(rows.line[inside].max())),
-                float(np.sqrt(np.mean(off**2))), float(np.abs(off).max()), SIGNIFICANT / 2,
+                float(np.sqrt(np.mean(off**2))),
+                float(np.abs(off).max()),
+                SIGNIFICANT / 2,
             )
-        )  # fmt: skip
+        )
     return result

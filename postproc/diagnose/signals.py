@@ -1,27 +1,24 @@
-"""One recording to its signals: columns of readings, of the path that was commanded, and of what has passed since a turn.
+"""One recording to its signals: columns of readings, of the path that was commanded, and of what
+has passed since a turn.
 
-A signal is one reading over rows: `reading_um` of targets, `radial_um` of a circle, `X_act_mm` of a trace, `measured_mm` of one
-feature. Columns are named by what they are ("X position", "Z since", "channel T_air_C"); mm, s.
+A signal is one reading over rows: `reading_um` of targets, `radial_um` of a circle, `X_act_mm` of a
+trace, `measured_mm` of one feature. Columns are named by what they are ("X position", "Z since",
+"channel T_air_C"); mm, s.
 """
 
 from __future__ import annotations
-
-from itertools import pairwise
 
 import numpy as np
 
 from postproc import effects
 from postproc.diagnose import rounding
+from postproc.diagnose.averages import averaged, together
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
 
 XYZ = "XYZ"
-OVERRUN = (
-    3.0  # mm: by how much a target is usually overrun before it is approached from the other side
-)
-MOST_ROWS = 5000  # per signal: traces are averaged down to it
-MOST_INSIDE = 64  # samples of a row whose places are kept
-LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
+# mm: by how much a target is usually overrun before it is approached from the other side
+OVERRUN = 3.0
 RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
 SMOOTH = 0.02  # s
@@ -49,9 +46,8 @@ def signals_of(recording: Recording, machine: Machine):
 def _common(recording: Recording) -> dict[str, np.ndarray]:
     n = len(recording)
     columns: dict[str, np.ndarray] = {
-        "time": recording.columns.get(
-            "t_s", np.zeros(n)
-        ),  # not recorded: nothing can be told by it
+        # not recorded: nothing can be told by it
+        "time": recording.columns.get("t_s", np.zeros(n)),
         "run": recording.columns.get("run", np.ones(n)),
         "line": recording.lines if len(recording.lines) == n else np.arange(n),
         "channel gauged": np.full(
@@ -95,19 +91,27 @@ def _targets(recording: Recording, machine: Machine):
     lit = not angle and recording.quantity == "displacement" and not _touches(recording.instrument)
     columns["beam"] = path - path.min() if lit else np.zeros(n)
     laser = "laser" if recording.quantity == "displacement" else "tool"
-    yield "reading_urad" if angle else "reading_um", columns | {
-        "y": recording.reading, "direction": np.repeat(vector[None], n, axis=0), "sees": "angle" if angle else laser,
-    }  # fmt: skip
+    yield (
+        "reading_urad" if angle else "reading_um",
+        columns
+        | {
+            "y": recording.reading,
+            "direction": np.repeat(vector[None], n, axis=0),
+            "sees": "angle" if angle else laser,
+        },
+    )
 
 
 def _touches(instrument: str) -> bool:
-    """Whether an instrument reads without a beam of light; where nobody wrote down what it was, it may have one."""
+    """Whether an instrument reads without a beam of light; where nobody wrote down what it was, it
+    may have one."""
     return any(word in instrument.lower() for word in TOUCHING)
 
 
 def _overrun(recording: Recording) -> np.ndarray:
-    """(N,) mm by which the target before was overrun where the axis turned: as usual, or less where at the recorded feed there was no
-    time for it. The rest at a target is the shortest time that no way explains."""
+    """(N,) mm by which the target before was overrun where the axis turned: as usual, or less where
+    at the recorded feed there was no time for it. The rest at a target is the shortest time that no
+    way explains."""
     result = np.full(len(recording), OVERRUN)
     time, feed = recording.columns.get("t_s"), recording.columns.get("feed_mm_min")
     if time is None or feed is None or feed.dtype == object or len(result) < 3:
@@ -124,7 +128,8 @@ def _overrun(recording: Recording) -> np.ndarray:
 
 
 def _since_turn(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
-    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun (N,) a little before a turn."""
+    """(N,) mm travelled since the axis turned back, as far as the targets tell: each is overrun
+    (N,) a little before a turn."""
     result = np.full(len(position), FAR)
     gone = FAR
     for k in range(1, len(position)):
@@ -141,8 +146,9 @@ def _since_turn(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray)
 
 
 def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
-    """(N, M) mm: the ways that a drive remembers (effects.remembered), along the targets one after the other: a target is overrun before
-    the axis turns there, and a target behind the last one is passed before it is approached from the same side again."""
+    """(N, M) mm: the ways that a drive remembers (effects.reversal_memory), along the targets one
+    after the other: a target is overrun before the axis turns there, and a target behind the last
+    one is passed before it is approached from the same side again."""
     known = np.flatnonzero(approach)
     if not len(known):
         return np.zeros((len(position), 2))
@@ -158,7 +164,7 @@ def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.nda
         elif new == side and side * step < -1e-9:
             begin += [k, k]
             at += [position[k - 1], position[k] - side * OVERRUN]
-    ways = effects.remembered(
+    ways = effects.reversal_memory(
         position, float(np.sign(approach[known[0]])), np.array(begin, int), np.array(at)
     )
     return (ways * (approach != 0)).T
@@ -172,8 +178,8 @@ def _motion(
     run: np.ndarray,
     speed: np.ndarray | None = None,
 ) -> None:
-    """Velocity, acceleration, approach and what has passed since a turn, from the commanded path of each run; speed (N,)
-    mm/s: the commanded one, where the log has it."""
+    """Velocity, acceleration, approach and what has passed since a turn, from the commanded path of
+    each run; speed (N,) mm/s: the commanded one, where the log has it."""
     n = len(position)
     names = ("velocity", "acceleration", "approach", "distance", "since")
     v, a, s, d, since = (np.zeros(n) for _ in names)
@@ -185,9 +191,8 @@ def _motion(
         t, p = _even(time[part]), position[part]
         v[part] = np.gradient(p, t, edge_order=2) if speed is None else speed[part]
         a[part] = _slope(v[part], t)
-        jitter = RESTS / max(
-            float(np.median(np.diff(t))), 1e-9
-        )  # a log rounds the place of an axis that rests
+        # a log rounds the place of an axis that rests
+        jitter = RESTS / max(float(np.median(np.diff(t))), 1e-9)
         still = np.abs(v[part]) < max(1e-4 * float(np.abs(v[part]).max()), jitter)
         v[part] = np.where(still, 0.0, v[part])
         sign = np.sign(v[part])
@@ -201,7 +206,7 @@ def _motion(
         moved = np.flatnonzero(s[part])
         if len(moved):
             turns = np.flatnonzero(turn)
-            memory = effects.remembered(p, float(s[part][moved[0]]), turns, p[turns])
+            memory = effects.reversal_memory(p, float(s[part][moved[0]]), turns, p[turns])
             ways.append((part, memory * (s[part] != 0)))
     for name, value in zip(names, (v, a, s, d, since), strict=True):
         columns[f"{letter} {name}"] = value
@@ -212,7 +217,8 @@ def _motion(
 
 
 def _even(t: np.ndarray) -> np.ndarray:
-    """(N,) s: what a clock without rounding would have said of samples that were taken at even steps."""
+    """(N,) s: what a clock without rounding would have said of samples that were taken at even
+    steps."""
     n = np.arange(len(t))
     step = (t[-1] - t[0]) / max(len(t) - 1, 1)
     straight = t.mean() + (n - n.mean()) * step
@@ -220,7 +226,8 @@ def _even(t: np.ndarray) -> np.ndarray:
 
 
 def _slope(v: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """(N,) slope of a line through the neighbours within SMOOTH: second differences of rounded places are mostly noise."""
+    """(N,) slope of a line through the neighbours within SMOOTH: second differences of rounded
+    places are mostly noise."""
     steps = np.diff(t)
     half = int(SMOOTH / max(float(np.median(steps)), 1e-9))
     if half < 2 or np.ptp(steps) > 1e-3 * steps.max() or len(v) < 2 * half + 1:
@@ -245,7 +252,7 @@ def _ballbar(recording: Recording, machine: Machine):
     sure = _sure(columns, [x for x in recording.axes if x in centre], run)
     columns |= {"y": recording.reading, "direction": unit, "dense": np.ones(n)}
     columns = {name: value[sure] for name, value in columns.items()}
-    yield "radial_um", _averaged(columns | {"sees": "tool", "cut": run[sure]})
+    yield "radial_um", averaged(columns | {"sees": "tool", "cut": run[sure]})
 
 
 def _unbroken(run: np.ndarray, sense: np.ndarray) -> np.ndarray:
@@ -261,7 +268,8 @@ def _trace(recording: Recording, machine: Machine):
     for x in letters:
         speed = recording.columns.get(f"{x}_cmd_velocity_mm_s")
         _motion(columns, x, recording.position(x), columns["time"], columns["run"], speed)
-    # Before an axis has moved, nobody knows from which side it came; and in the very sample in which it turns neither.
+    # Before an axis has moved, nobody knows from which side it came; and in the very sample in
+    # which it turns neither.
     sure = _sure(columns, [x for x in letters if np.ptp(recording.position(x)) > 0], columns["run"])
     for x in letters:
         y = recording.columns[f"{x}_act_mm"] - recording.position(x)
@@ -280,11 +288,12 @@ def _trace(recording: Recording, machine: Machine):
             known = sure
         one = {name: v[known] if isinstance(v, np.ndarray) else v for name, v in one.items()}
         same = rounding.alike(recording.position(x)[known], coarse[known])
-        yield f"{x}_act_mm", _averaged(_together(one, same) if same.any() else one)
+        yield f"{x}_act_mm", averaged(together(one, same) if same.any() else one)
 
 
 def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
-    """(N,) bool: samples whose directions of approach are known, and that are no start and no stop."""
+    """(N,) bool: samples whose directions of approach are known, and that are no start and no
+    stop."""
     result = np.ones(len(run), bool)
     for x in letters:
         side, moves = columns[f"{x} approach"], columns[f"{x} velocity"] != 0
@@ -296,7 +305,8 @@ def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
 
 
 def _settled(columns: dict, letter: str) -> np.ndarray:
-    """(N,) bool: samples behind the first turn of their run, or after some way: before, nobody knows how far lost motion is taken up."""
+    """(N,) bool: samples behind the first turn of their run, or after some way: before, nobody
+    knows how far lost motion is taken up."""
     result = np.ones(len(columns["run"]), bool)
     for run in np.unique(columns["run"]):
         own = np.flatnonzero(columns["run"] == run)
@@ -307,101 +317,6 @@ def _settled(columns: dict, letter: str) -> np.ndarray:
             (columns[f"{letter} distance"][own] < FAR / 2) | (way >= TAKEN_UP) | (way[-1] < 1e-9)
         )
     return result
-
-
-def _together(columns: dict, same: np.ndarray) -> dict:
-    """Rows of samples that a log can not tell apart averaged to one."""
-    return _means(columns, np.flatnonzero(~same | _cuts(columns, columns["run"])))
-
-
-def _averaged(columns: dict) -> dict:
-    """Neighbouring samples of a run averaged until few enough are left. After a turn the first rows are short and grow with the time
-    since: what a turn sets off fades, and an average over it would hide it."""
-    run = columns.pop("cut", columns["run"])
-    n = len(columns["y"])
-    width = int(np.ceil(n / (MOST_ROWS if n <= LONG else MOST_OF_LONG)))
-    if width == 1:
-        return columns
-    first = _cuts(columns, run)
-    start = np.append(np.flatnonzero(first), n)
-    turned = _cuts(columns, np.zeros(n))[start[:-1]]
-    turned[0] = False
-    steps = _growing(width)
-    edges = [
-        np.concatenate(
-            [a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)]
-        )
-        if new and n > LONG
-        else np.arange(a, b, width)
-        for (a, b), new in zip(pairwise(start), turned, strict=True)
-    ]
-    return _means(columns, np.concatenate(edges))
-
-
-def _cuts(columns: dict, run: np.ndarray) -> np.ndarray:
-    """(N,) bool: the first sample, and those before which a run ends or an axis turns, starts or stops."""
-    cut = np.diff(run, prepend=run[:1]) != 0
-    for name, value in columns.items():
-        if name.endswith("approach"):
-            cut = cut | (np.diff(value, prepend=value[:1]) != 0)
-        if name.endswith(" velocity"):
-            moves = value != 0
-            cut = cut | (moves != np.concatenate([moves[:1], moves[:-1]]))
-    cut[:1] = True
-    return cut
-
-
-def _means(columns: dict, edges: np.ndarray) -> dict:
-    """Columns averaged from edge to edge; what is a number of something, of its middle row."""
-    n = len(columns["y"])
-    size = np.diff(np.append(edges, n))
-    step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
-    result: dict = {"width": size * float(step), "grain": _grain(columns["y"]) / np.sqrt(size)}
-    for name, value in columns.items():
-        if not isinstance(value, np.ndarray):
-            result[name] = value
-        elif name in ("run", "line") or name.endswith("approach"):
-            result[name] = value[np.minimum(edges + size // 2, n - 1)]
-        elif (
-            name.startswith("channel ")
-            and value.ndim == 1
-            and len(value)
-            and value[0] == value[-1]
-            and np.all(value == value[0])
-        ):
-            result[name] = np.full(len(edges), value[0])
-        elif name != "width":
-            mean = np.add.reduceat(value, edges, axis=0)
-            result[name] = mean / (size if value.ndim == 1 else size[:, None])
-    result["inside"] = _inside(columns, edges, size)
-    return result
-
-
-def _inside(columns: dict, edges: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:
-    """Where and when the samples of each row were taken, (W, N); of very many, so many at equal distances."""
-    stride = np.maximum(1, -(-size // MOST_INSIDE))
-    number = np.arange(int(np.max(-(-size // stride), initial=1)))[:, None] * stride
-    index = np.minimum(edges + number, len(columns["y"]) - 1)
-    names = {"time": "time"} | {
-        n.removesuffix(" position"): n for n in columns if n.endswith(" position")
-    }
-    return {
-        short: np.where(number < size, columns[name][index], np.nan)
-        for short, name in names.items()
-    }
-
-
-def _growing(width: int) -> np.ndarray:
-    """Offsets from a turn at which rows begin: each a quarter longer than the time before it, until they are of the usual width."""
-    steps = [0]
-    while len(steps) < 2 or steps[-1] - steps[-2] < width:
-        steps.append(steps[-1] + max(1, steps[-1] // 4))
-    return np.array(steps)
-
-
-def _grain(y: np.ndarray) -> float:
-    """mm: noise of a single sample, from third differences."""
-    return float(1.4826 * np.median(np.abs(np.diff(y, 3)))) / np.sqrt(20.0) if len(y) > 8 else 0.0
 
 
 def _features(recording: Recording, machine: Machine):

@@ -1,7 +1,9 @@
-"""What is periodic in what is left: in the place of an axis, or in time, at frequencies as fine as the readings tell apart.
+"""What is periodic in what is left: in the place of an axis, or in time, at frequencies as fine as
+the readings tell apart.
 
-Readings are put into fine bins and a Fourier transform gives the sums for all frequencies at once; by what a cosine and a sine of each
-would make chi squared fall (nuisances left aside), the best few are worth fitting. Lomb 1976, Scargle 1982.
+Readings are put into fine bins and a Fourier transform gives the sums for all frequencies at once;
+by what a cosine and a sine of each would make chi squared fall (nuisances left aside), the best few
+are worth fitting. Lomb 1976, Scargle 1982.
 """
 
 from __future__ import annotations
@@ -12,16 +14,14 @@ from postproc.diagnose.rows import Rows
 
 TRIED = 600  # frequencies that could have been chosen by chance: what the score pays for
 PEAKS = 3
-STILL, SMALL_STEPS = (
-    1e-4,
-    0.1,
-)  # mm between samples: an axis stands; which share of them tells the finest wave
-FINEST, MOST_PAIRS = (
-    0.02,
-    2_000_000,
-)  # mm, of a scale's signal; distances of samples that are looked at
+# mm between samples: an axis stands; which share of them tells the finest wave
+STILL, SMALL_STEPS = 1e-4, 0.1
+# mm, of a scale's signal; distances of samples that are looked at
+FINEST, MOST_PAIRS = 0.02, 2_000_000
 LOWEST_HZ = 0.5  # slower, it is drift: machines on soft mounts swing at 1 to 3 Hz
-PLACES = 24  # of targets in all from which on steps that are no part of each other show what is finer than their gaps
+# of targets in all from which on steps that are no part of each other show what is finer than their
+# gaps
+PLACES = 24
 SHORTEST = 2.0  # mm: leads of machines' screws are longer
 MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-way
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
@@ -32,7 +32,8 @@ MOST_BINS = 1 << 17
 
 
 def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
-    """mm: the likeliest periods along an axis; of rows that are averages also by the places of their samples."""
+    """mm: the likeliest periods along an axis; of rows that are averages also by the places of
+    their samples."""
     found = _in_place(rows, axis, weighted, power)
     if axis in rows.state.inside:
         sampled = (power > 0) & (rows.state.passage >= 0)
@@ -41,8 +42,8 @@ def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> 
 
 
 def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[float]:
-    """mm: the likeliest periods of rows that are means over samples at places (W, N): a wave shows in them as the mean over its
-    samples, however short it is."""
+    """mm: the likeliest periods of rows that are means over samples at places (W, N): a wave shows
+    in them as the mean over its samples, however short it is."""
     span = float(np.nanmax(place) - np.nanmin(place)) if place.size else 0.0
     steps = np.abs(np.diff(place, axis=0))
     steps = steps[np.isfinite(steps) & (steps > STILL)]
@@ -52,15 +53,15 @@ def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[fl
         0.5 / float(np.quantile(steps, SMALL_STEPS)), 1 / FINEST, MOST_BINS / (span * FINE * 2)
     )
     bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 4)))
-    step = (
-        span * 4 / bins
-    )  # a quarter of what the span resolves: between two frequencies nothing is lost
+    # a quarter of what the span resolves: between two frequencies nothing is lost
+    step = span * 4 / bins
     at, each, own = _samples(place)
     sums = np.fft.rfft(
         np.bincount(((at - at.min()) / step).astype(int), weighted[own] * each, bins)[:bins]
     )
     frequencies = np.fft.rfftfreq(bins, step)
-    # What the means leave of a wave's power: from the distances of the samples in a row, of some rows.
+    # What the means leave of a wave's power: from the distances of the samples in a row, of some
+    # rows.
     some = slice(None, None, 1 + int(place.shape[1] * len(place) ** 2 / MOST_PAIRS))
     apart = np.abs(place[:, None, some] - place[None, :, some])
     known = np.isfinite(apart)
@@ -78,7 +79,8 @@ def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[fl
 
 
 def _samples(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Of (W, N), NaN where there is none: the samples one after the other, each one's share of its row, and its row."""
+    """Of (W, N), NaN where there is none: the samples one after the other, each one's share of its
+    row, and its row."""
     known = np.isfinite(place)
     own = np.nonzero(known)[1]
     return place[known], (1.0 / known.sum(axis=0))[own], own
@@ -126,7 +128,8 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
 
 
 def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarray:
-    """(F,) bool: frequencies that look slower than `low` at the targets of every signal, which stand so far apart."""
+    """(F,) bool: frequencies that look slower than `low` at the targets of every signal, which
+    stand so far apart."""
     slow = np.ones(len(frequencies), bool)
     for gap in gaps:
         slow &= np.abs(frequencies - np.round(frequencies * gap) / gap) < low
@@ -136,8 +139,8 @@ def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarra
 def _part(
     rows: Rows, use: np.ndarray, index: np.ndarray, power: np.ndarray, bins: int
 ) -> np.ndarray:
-    """(F,) share of the power that is left of a wave when every signal's zero is taken out: none where all its targets stand in
-    one phase."""
+    """(F,) share of the power that is left of a wave when every signal's zero is taken out: none
+    where all its targets stand in one phase."""
     signal = rows.signal[use]
     left, whole = np.zeros(bins // 2 + 1), max(float(power[use].sum()), 1e-30)
     for s in np.unique(signal):
@@ -152,7 +155,8 @@ def _part(
 def _structure(
     rows: Rows, place: np.ndarray, use: np.ndarray, weighted: np.ndarray, power: np.ndarray
 ) -> float:
-    """By how much chi squared would fall with a value of its own at every place of every signal, less what noise gives."""
+    """By how much chi squared would fall with a value of its own at every place of every signal,
+    less what noise gives."""
     keys = np.stack([rows.signal[use], np.round(place[use], 2)])
     group = np.unique(keys, axis=1, return_inverse=True)[1].ravel()
     each = np.bincount(group, weighted[use]) ** 2 / np.maximum(
@@ -197,7 +201,8 @@ def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
 def _polished(
     frequency: float, within: float, parts: list[tuple[np.ndarray, np.ndarray, float]]
 ) -> float:
-    """The frequency near this one at which the sums over (time or place, readings, power) of all parts are largest."""
+    """The frequency near this one at which the sums over (time or place, readings, power) of all
+    parts are largest."""
     for _ in range(3):
         tried = frequency + within * np.linspace(-1.0, 1.0, 9)
         value = [

@@ -14,7 +14,8 @@ UM = 1e3
 
 
 def fit_of(d: Diagnosis) -> dict[str, Any]:
-    """Before, after and the noise floor, of runs that took no part; None where every run was needed."""
+    """Before, after and the noise floor, of runs that took no part; None where every run was
+    needed."""
     if not d.held.any():
         return {
             "held_out": None,
@@ -56,7 +57,8 @@ def next_test(d: Diagnosis, f: Finding) -> str | None:
 
 
 def middle(d: Diagnosis, values: np.ndarray) -> np.ndarray:
-    """(N,) each signal's mean: a set-up zero that explains nothing. A feature of a part has none."""
+    """(N,) each signal's mean: a set-up zero that explains nothing. A feature of a part has
+    none."""
     result = np.zeros(len(values))
     for signal in np.unique(d.rows.signal):
         which = (d.rows.signal == signal) & (d.rows.sees != "part")

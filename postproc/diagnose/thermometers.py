@@ -1,7 +1,9 @@
-"""Temperatures that no body can have: a thermometer that hangs, and one that jumps faster than metal warms.
+"""Temperatures that no body can have: a thermometer that hangs, and one that jumps faster than
+metal warms.
 
-While it hangs it counts as not recorded, and was before and after; one that jumps is not used at all: nobody knows which of
-its levels was right.
+While it hangs it counts as not recorded, if readings before and after say between what it was; one
+that hangs at the beginning or the end, or that jumps, is not used at all: nobody knows what it was
+then, or which of its levels was right.
 """
 
 from __future__ import annotations
@@ -9,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 LONG = 20  # readings in a row, equal to the last digit
-RESTLESS = 0.5  # of the readings elsewhere differ from the one before: a coarse or slow channel says nothing
+# of the readings elsewhere differ from the one before: a coarse or slow channel says nothing
+RESTLESS = 0.5
 LEAST_K = 0.3  # K: by how much the channel varies where it does not hang
 JUMP_K = 0.8  # K between two readings in a row
 SPEED = 0.1  # K/s: 6 K a minute; metal that a sensor lies on and the air of a hall are slower
@@ -18,8 +21,9 @@ SETTLED = 3  # readings before and after that agree with themselves
 
 
 def faulty(value: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, str] | None:
-    """(M,) numbers of the readings that can not be used, from the first that shows it, and what is wrong; None of a
-    channel in order. value, time (N,): degrees Celsius and s, in the order of time; NaN where there is no reading."""
+    """(M,) numbers of the readings that can not be used, from the first that shows it, and what is
+    wrong; None of a channel in order. value, time (N,): degrees Celsius and s, in the order of
+    time; NaN where there is no reading."""
     known = np.flatnonzero(np.isfinite(value))
     if len(known) < LONG:
         return None
@@ -27,7 +31,7 @@ def faulty(value: np.ndarray, time: np.ndarray) -> tuple[np.ndarray, str] | None
     return _hangs(v, known) or _jumps(v, t, known)
 
 
-def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, str] | None:
+def _hangs(v: np.ndarray, everywhere: np.ndarray) -> tuple[np.ndarray, str] | None:
     """A stretch without the noise that the rest of the channel has."""
     start = np.concatenate([[0], np.flatnonzero(np.diff(v) != 0) + 1])
     length = np.diff(np.append(start, len(v)))
@@ -41,8 +45,14 @@ def _hangs(v: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, str] | None:
     ):
         return None
     begin, times = int(start[longest]), int(length[longest])
-    said = f"reads {v[begin]:.4g} degrees {times} times in a row, and changed before or after"
-    return rows[begin : begin + times], said
+    rows = everywhere[begin : begin + times]
+    said = f"reads {v[begin]:.4g} degrees {times} times in a row"
+    if 0 < begin < len(v) - times:
+        return rows, f"{said}, and changed before and after"
+    others_too = np.setdiff1d(everywhere, rows)
+    return np.concatenate([rows, others_too]), f"{said}, and changed " + (
+        "after" if begin == 0 else "before"
+    )
 
 
 def _jumps(v: np.ndarray, t: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, str] | None:

@@ -1,6 +1,8 @@
-"""What is left when every name has been tried: how large it is, what it goes with, and a map of it that nobody has to believe.
+"""What is left when every name has been tried: how large it is, what it goes with, and a map of it
+that nobody has to believe.
 
-The map is of cell means over the rows that took part; what it is worth is shown on those that took none.
+The map is of cell means over the rows that took part; what it is worth is shown on those that took
+none.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ FEWEST = 2  # rows of a cell
 
 @dataclass(frozen=True)
 class Cell:
-    """Rows between two places (mm) or times (s), from one side or any (0): how many, their mean and its standard error, mm."""
+    """Rows between two places (mm) or times (s), from one side or any (0): how many, their mean and
+    its standard error, mm."""
 
     low: float
     high: float
@@ -32,9 +35,10 @@ class Cell:
 
 @dataclass(frozen=True)
 class Unknown:
-    """signal: its number; rms mm that repeats; share of what was there in that signal; along: the axis of the map, or "time";
-    depends: "position", "direction", "time"; before, after: rms in mm of rows that took no part, without and with the map, None
-    where there are none."""
+    """signal: its number; rms mm that repeats; share of what was there in that signal; along: the
+    axis of the map, or "time";
+    depends: "position", "direction", "time"; before, after: rms in mm of rows that took no part,
+    without and with the map, None where there are none."""
 
     signal: int
     rms: float
@@ -47,15 +51,18 @@ class Unknown:
 
 
 def mapped(d: Diagnosis, signal: int, size: float, share: float, rest: np.ndarray) -> Unknown:
-    """The map of the rest (N,) that explains most where it took no part; where every row took part, most of what it was made of."""
+    """The map of the rest (N,) that explains most where it took no part; where every row took part,
+    most of what it was made of."""
     which = d.rows.signal == signal
     axis = max(d.rows.state.position, key=lambda x: float(np.ptp(d.rows.state.position[x][which])))
     place, side = d.rows.state.position[axis], np.sign(d.rows.state.approach[axis]).astype(int)
     train, held = which & ~d.held, which & d.held
     ways = (
-        (axis, ("position", "direction"), place, side), (axis, ("position",), place, np.zeros_like(side)),
-        (axis, ("direction",), np.zeros(len(place)), side), ("time", ("time",), d.rows.state.time, np.zeros_like(side)),
-    )  # fmt: skip
+        (axis, ("position", "direction"), place, side),
+        (axis, ("position",), place, np.zeros_like(side)),
+        (axis, ("direction",), np.zeros(len(place)), side),
+        ("time", ("time",), d.rows.state.time, np.zeros_like(side)),
+    )
     best = None
     for along, depends, value, way in ways:
         cells = _cells(value[train], way[train], rest[train])
@@ -95,7 +102,8 @@ def _cells(value: np.ndarray, way: np.ndarray, residual: np.ndarray) -> tuple[Ce
 
 
 def predicted(cells: tuple[Cell, ...], value: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """(N,) mm: what a map says, linear between the middles of its cells, level beyond them; 0 where it knows nothing."""
+    """(N,) mm: what a map says, linear between the middles of its cells, level beyond them; 0 where
+    it knows nothing."""
     result = np.zeros(len(value))
     for w in np.unique(way):
         own = [c for c in cells if c.approach == w]

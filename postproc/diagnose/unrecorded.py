@@ -1,5 +1,6 @@
-"""Which names a driver that nobody recorded leaves open: what goes with a temperature, a load or a speed may look like anything
-that goes with time, and what goes with an angle like anything that goes with the place."""
+"""Which names a driver that nobody recorded leaves open: what goes with a temperature, a load or a
+speed may look like anything that goes with time, and what goes with an angle like anything that
+goes with the place."""
 
 from __future__ import annotations
 
@@ -22,17 +23,30 @@ TIME = (
 LENGTH = ("screw_heat", "laser_air", "cosine")
 PLACE = ("abbe",)
 DRIVERS = {
-    "screw_heat": ("T_screw_{}_C", "T_scale_{}_C"), "structure_drift": ("T_air_C", *structure_drift.FRAME), "laser_air": ("T_air_C",),
-}  # fmt: skip
+    "screw_heat": ("T_screw_{}_C", "T_scale_{}_C"),
+    "structure_drift": ("T_air_C", *structure_drift.FRAME),
+    "laser_air": ("T_air_C",),
+}
 LOOKS = {
-    "step_loss": TIME, "structure_drift": TIME, "spindle_growth": TIME, "force_compliance": TIME, "tool_wear": TIME,
-    "dead_path": TIME, "screw_heat": TIME, "laser_air": LENGTH, "scale": LENGTH + PLACE, "cosine": LENGTH + PLACE,
-    "pitch_shape": LENGTH + PLACE, "bow": PLACE, "squareness": PLACE,
-}  # fmt: skip
+    "step_loss": TIME,
+    "structure_drift": TIME,
+    "spindle_growth": TIME,
+    "force_compliance": TIME,
+    "tool_wear": TIME,
+    "dead_path": TIME,
+    "screw_heat": TIME,
+    "laser_air": LENGTH,
+    "scale": LENGTH + PLACE,
+    "cosine": LENGTH + PLACE,
+    "pitch_shape": LENGTH + PLACE,
+    "bow": PLACE,
+    "squareness": PLACE,
+}
 
 
 def names(rows: Rows, block: Block, contribution: np.ndarray) -> list[str]:
-    """effect:axis of what would look like this block if its driver, which is not among the recordings, were such."""
+    """effect:axis of what would look like this block if its driver, which is not among the
+    recordings, were such."""
     shown = np.abs(contribution) > 0.1 * np.abs(contribution).max(initial=0.0)
     result = []
     for name in LOOKS.get(block.name, ()):

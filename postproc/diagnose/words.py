@@ -1,4 +1,5 @@
-"""Sizes, names and places of a diagnosis as a person reads them: what says nothing is left out, digits as far as they are known.
+"""Sizes, names and places of a diagnosis as a person reads them: what says nothing is left out,
+digits as far as they are known.
 
 The document for other programs (report.as_json) holds every number.
 """
@@ -13,11 +14,8 @@ from types import ModuleType
 UNITLESS = ("1", "number", "")
 LONG = 10.0  # times what was recorded: such a time can not be told from any longer one
 FINEST = 8  # decimals
-PLACES = (
-    "tables",
-    "grids",
-    "by_angle",
-)  # an effect that has one is decided by where the slides stand
+# an effect that has one is decided by where the slides stand
+PLACES = ("tables", "grids", "by_angle")
 USES = {
     "simulate": "no program corrects it, it is only simulated",
     "recording": "correct the recording, never the machine",
@@ -30,7 +28,10 @@ def use(module: ModuleType) -> str:
         return USES[module.USE]
     if any(hasattr(module, name) for name in PLACES):
         return "programs can be corrected for it"
-    return "it goes with time, heat or the tool, which a program does not know: offsets or a warm-up correct it"
+    return (
+        "it goes with time, heat or the tool, which a program does not know: offsets or a warm-up"
+        " correct it"
+    )
 
 
 def named(key: str) -> str:
@@ -40,7 +41,8 @@ def named(key: str) -> str:
 
 
 def number(value: float, low: float, high: float) -> tuple[str, str, str]:
-    """Value and interval with two digits of half the interval; with four digits where there is none."""
+    """Value and interval with two digits of half the interval; with four digits where there is
+    none."""
     half = (high - low) / 2
     if not math.isfinite(half) or half <= 1e-9 * max(abs(value), 1e-12):
         return f"{value:.4g}", "", ""
@@ -57,8 +59,9 @@ def parameters(
     files: Iterable[str] = (),
     span_s: float = 0.0,
 ) -> list[tuple[str, str, str]]:
-    """(size, interval, meaning) of every parameter that says something. files: names of the recordings; span_s: how long was
-    recorded. Left out: what is as it is where nobody states it, and coefficients that were not fitted."""
+    """(size, interval, meaning) of every parameter that says something. files: names of the
+    recordings; span_s: how long was recorded. Left out: what is as it is where nobody states it,
+    and coefficients that were not fitted."""
     usual = getattr(module, "OPTIONAL", {})
     names = list(files)
     result = []
@@ -103,8 +106,9 @@ def _meaning(text: str) -> tuple[str, str]:
 
 
 def _choice(text: str, value: float) -> str:
-    """What a number that stands for something means: of "0, 1, 2: X, Y, Z, the direction", of "1, this; 0, that", of "s, 0: by
-    the recorded temperature; below zero: by that of the air, so many seconds late; else ..."; "" where it is a size."""
+    """What a number that stands for something means: of "0, 1, 2: X, Y, Z, the direction", of "1,
+    this; 0, that", of "s, 0: by the recorded temperature; below zero: by that of the air, so many
+    seconds late; else ..."; "" where it is a size."""
     if listed := re.match(r"([-\d]+(?:, [-\d]+)+): (.*)$", text):
         codes = [float(c) for c in listed[1].split(", ")]
         first = listed[2].split("; ")[0].split(", ")

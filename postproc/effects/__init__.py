@@ -1,35 +1,51 @@
 """The physics beyond the geometric tables. One file an effect, found by its name.
 
-A module holds
+Every module holds
 
-- EXPECTED: a parameter's usual sign; ODD: by which share of its evidence an unusual one is believed less; PLAUSIBLE: its range, beyond which it is something else;
-- PARAMETERS: name with unit to "unit, meaning"; OPTIONAL: those of them that may be left out, with their value; KIND: machine, instrument or data; USE: compensate, simulate or recording;
-- PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null); LINE: True where it is of no axis on a
-  line along which several move;
-- NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it can show in: "tool" (an
-  instrument at the tool), "scale" (the axis' own scale or encoder), "part" (features of a part);
-- sensible(**parameters): False where such parameters are another effect's; optional;
-- RESTING: True where it moves the tool along an axis that does not move itself, too;
-- LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it is simulated, never fitted;
-- WALLS: True where an effect that goes with time changes what lies between the two walls of a feature;
+- PARAMETERS: name with unit to "unit, meaning"; those that enter linearly and those of a shape;
+- KIND, whose error it is: "machine", "instrument" or "data" (the log);
+- USE, what may be done about it: "compensate" (a written machine corrects it: programs where it has
+  tables(), grids() or by_angle(), else offsets or a warm-up), "simulate" (of a machine, and no
+  program can correct it), "recording" (not of a machine: the recording is to be corrected);
+- PER: "axis" (one of each moving axis), "pair" (of two axes) or "all" (axis is null); LINE: True
+  where it is of no axis on a line along which several move;
+- NEEDS: what must be known of a row (fields of State, names of channels); SEES: which signals it
+  can show in: "tool" (an instrument at the tool), "scale" (the axis' own scale or encoder), "part"
+  (features of a part);
 - TEXT: what it is and what to do about it;
-- shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}] where there are none;
-- columns(state, axis, **shape) -> (K, 3, N) mm of deviation at the tool (actual - commanded) for unit coefficients of 1 um;
-  of instruments (K, N) mm of the reading;
-- parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) -> (K,), shape: its inverse.
+- shapes(state, axis) -> list of dicts: the parameters that do not enter linearly, as a grid; [{}]
+  where there are none;
+- columns(state, axis, **shape) -> (K, 3, N) mm of deviation at the tool (actual - commanded) for
+  unit coefficients of 1 um; of instruments (K, N) mm of the reading;
+- parameters(coefficients, shape) -> named parameters of a fit, and coefficients(**parameters) ->
+  (K,), shape: its inverse.
 
-- instead(shape) -> True of a shape that is taken only in the place of two effects that it says as well; optional;
-- CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with their range; optional. At 0 or below they
-  mean something else and are not moved;
-- unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver; optional;
-- beside(shape) -> a simpler shape of the same effect beside which this one must be worth something, or None, if it has such.
+And it may hold
 
-An effect that moves the tool the same way whenever the slides stand in the same place, come from the same side, also
-holds tables(axis, travel, **parameters) -> list of (component, axis, nodes, forward, reverse): what a compensator applies;
-where a second axis matters too grids(axis, travel of every axis, **parameters) -> list of (component, axis, other, nodes,
-others, values (K, L)); where it lives on the rotations that the machine's file holds by_angle(axis, nodes, forward, reverse,
-**parameters), as tables(). ramp_mm(**parameters): over which travel after a turn its reversal is to be taken up, where that is
-not at once.
+- OPTIONAL: those of PARAMETERS that may be left out, with their value;
+- EXPECTED: a parameter's usual sign; ODD: by which share of its evidence an unusual one is believed
+  less; PLAUSIBLE: its range, beyond which it is something else;
+- sensible(**parameters): False where such parameters are another effect's;
+- RESTING: True where it moves the tool along an axis that does not move itself, too;
+- LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it
+  is simulated, never fitted;
+- WALLS: True where an effect that goes with time changes what lies between the two walls of a
+  feature;
+- instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
+  well;
+- CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with
+  their range. At 0 or below they mean something else and are not moved;
+- unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver;
+- beside(shape) -> a simpler shape of the same effect beside which this one must be worth something,
+  or None, if it has such.
+
+An effect that moves the tool the same way whenever the slides stand in the same place, come from
+the same side, also holds tables(axis, travel, **parameters) -> list of (component, axis, nodes,
+forward, reverse): what a compensator applies; where a second axis matters too grids(axis, travel of
+every axis, **parameters) -> list of (component, axis, other, nodes, others, values (K, L)); where
+it lives on the rotations that the machine's file holds by_angle(axis, nodes, forward, reverse,
+**parameters), as tables(). ramp_mm(**parameters): over which travel after a turn its reversal is to
+be taken up, where that is not at once.
 """
 
 from __future__ import annotations
@@ -49,23 +65,24 @@ XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
-CHOICE = re.compile(
-    r"number|\d or \d|\d, .*(; |: )"
-)  # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
+# "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
+CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
 
 
 @dataclass(frozen=True)
 class State:
     """N rows of a recording or a simulation, and what led there. What is not known is empty.
 
-    position mm, approach -1..+1, velocity mm/s, acceleration mm/s2, distance mm and since s (since that axis turned back
-    last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run (N,): which passage. channels: name to (N,), as
-    recorded: T_screw_X_C, force_X_N, load_X_N, spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam
-    (N,) mm: length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion that a row belongs to,
-    -1 for rows at rest; file (N,): number of the recording. width (N,) s: over
-    which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or when, the samples of a row were taken, NaN
-    beyond their number. lines: axis to the other axes across which readings along it were taken on lines
-    that lie apart. path: axis to (M, N) mm, the ways between turns that its drive still remembers, see remembered().
+    position mm, approach -1..+1, velocity mm/s, acceleration mm/s2, distance mm and since s (since
+    that axis turned back last): axis to (N,). travel: axis to (low, high) mm. time (N,) s. run
+    (N,): which passage. channels: name to (N,), as recorded: T_screw_X_C, force_X_N, load_X_N,
+    spindle_rpm. angles: axis to (3, N) rad, the measured rotations of that axis. beam (N,) mm:
+    length of a laser's beam beyond its zero. passage (N,): number of the unbroken sampled motion
+    that a row belongs to, -1 for rows at rest; file (N,): number of the recording. width (N,) s:
+    over which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or
+    when, the samples of a row were taken, NaN beyond their number. lines: axis to the other axes
+    across which readings along it were taken on lines that lie apart. path: axis to (M, N) mm, the
+    ways between turns that its drive still remembers, see reversal_memory().
     """
 
     position: dict[str, np.ndarray]
@@ -108,7 +125,7 @@ def along(axis: str, *values: np.ndarray) -> np.ndarray:
     return result
 
 
-def begun(state: State) -> int:
+def first_timed(state: State) -> int:
     """The first row of the recordings whose times were recorded; in the others all are zero."""
     timed = state.time != 0
     if len(state.file) == len(timed):
@@ -116,21 +133,21 @@ def begun(state: State) -> int:
     return int(np.argmin(np.where(timed, state.time, np.inf)))
 
 
-def warmth(state: State, axis: str, tau_s: float, by_travel: float = 0.0) -> np.ndarray:
-    """(N,) K of a screw above its first temperature; for tau_s > 0 the share of a heat that comes with time, 0 to 1, or of
-    what the axis' own travel makes and the room takes away again."""
+def temperature_rise(state: State, axis: str, tau_s: float, by_travel: float = 0.0) -> np.ndarray:
+    """(N,) K of a screw above its first temperature; for tau_s > 0 the share of a heat that comes
+    with time, 0 to 1, or of what the axis' own travel makes and the room takes away again."""
     measured = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C")
     if tau_s == 0 and measured is not None:
-        return measured - measured[begun(state)]
+        return measured - measured[first_timed(state)]
     if not by_travel:
         return 1.0 - np.exp(
-            -np.maximum(state.time - state.time[begun(state)], 0.0) / max(tau_s, 1.0)
+            -np.maximum(state.time - state.time[first_timed(state)], 0.0) / max(tau_s, 1.0)
         )
-    heat = late(state, travelled(state, axis), max(tau_s, 1.0))
+    heat = low_pass(state, travel_speed(state, axis), max(tau_s, 1.0))
     return heat / max(float(heat.max(initial=0.0)), 1e-12)
 
 
-def travelled(state: State, axis: str) -> np.ndarray:
+def travel_speed(state: State, axis: str) -> np.ndarray:
     """(N,) mm/s at which the axis came to each row, as far as the rows tell: what heats a screw."""
     order = np.argsort(state.time, kind="stable")
     t, p = state.time[order], state.position[axis][order]
@@ -141,8 +158,9 @@ def travelled(state: State, axis: str) -> np.ndarray:
     return result
 
 
-def late(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
-    """(N,) a driver (N,) as it comes through a body that takes tau_s, s, to follow; it was at rest before the first row."""
+def low_pass(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
+    """(N,) a driver (N,) as it comes through a body that takes tau_s, s, to follow; it was at rest
+    before the first row."""
     order = np.argsort(state.time, kind="stable")
     kept = np.exp(-np.diff(state.time[order]) / tau_s)
     level = driver[order]
@@ -155,13 +173,17 @@ def late(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     return back
 
 
-def remembered(place: np.ndarray, first: float, begin: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """(M, N) mm: the ways between turns that a drive still remembers at each row, with the sign of their direction, the oldest (ENDLESS)
-    first, the one since the last turn last, 0 behind it. place (N,) mm in order of time; first, -1 or +1: the direction of the first
-    row, in which it came from far; begin (T,): the first row behind each turn; at (T,) mm: where it turned.
+def reversal_memory(
+    place: np.ndarray, first: float, begin: np.ndarray, at: np.ndarray
+) -> np.ndarray:
+    """(M, N) mm: the ways between turns that a drive still remembers at each row, with the sign of
+    their direction, the oldest (ENDLESS) first, the one since the last turn last, 0 behind it.
+    place (N,) mm in order of time; first, -1 or +1: the direction of the first row, in which it
+    came from far; begin (T,): the first row behind each turn; at (T,) mm: where it turned.
 
-    A way that is as long as the one before ends what was remembered of both (Madelung 1905; Mayergoyz, Mathematical Models of
-    Hysteresis, 1991: the wiping-out property, which every sum of plays has).
+    A way that is as long as the one before ends what was remembered of both (Madelung 1905;
+    Mayergoyz, Mathematical Models of Hysteresis, 1991: the wiping-out property, which every sum of
+    plays has).
     """
     result = np.zeros((2, len(place)))
     turns: list[float] = []  # places, each way shorter than the one before
@@ -204,22 +226,24 @@ def remembered(place: np.ndarray, first: float, begin: np.ndarray, at: np.ndarra
 
 
 def loads(state: State, axis: str) -> list[np.ndarray]:
-    """(N,) N, what was recorded of the force and of the load along an axis, as far as it changed."""
+    """(N,) N, what was recorded of the force and of the load along an axis, as far as it
+    changed."""
     found = (state.channels.get(f"{name}_{axis}_N") for name in ("force", "load"))
     return [v for v in found if v is not None and np.ptp(v) > 0]
 
 
-def taken_up(state: State, axis: str, play_mm: float) -> np.ndarray:
-    """(N,) share of a lost motion that an axis lags by: from -1, on the old side, to 1, over so much way after a turn."""
+def lost_motion_share(state: State, axis: str, play_mm: float) -> np.ndarray:
+    """(N,) share of a lost motion that an axis lags by: from -1, on the old side, to 1, over so
+    much way after a turn."""
     near = state.distance.get(axis)
     if play_mm <= 0 or near is None:
         return np.ones(len(state))
     return np.clip(2 * near / play_mm - 1, -1.0, 1.0)
 
 
-def settled(state: State, axis: str, settle_ms: float) -> np.ndarray:
-    """(N,) share of what a drive holds against that it lags by: from -1, on the old side, to 1, as its position loop settles
-    after a turn."""
+def settling_share(state: State, axis: str, settle_ms: float) -> np.ndarray:
+    """(N,) share of what a drive holds against that it lags by: from -1, on the old side, to 1, as
+    its position loop settles after a turn."""
     since = state.since.get(axis)
     if settle_ms <= 0 or since is None:
         return np.ones(len(state))
@@ -232,8 +256,9 @@ def sampled(state: State) -> np.ndarray:
 
 
 def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
-    """(N,) cosine and sine, so many a mm of the place of an axis or a second of the "time", as rows that are means of samples show
-    them: the samples of an instrument are moments, so waves shorter than their distance are in a mean too."""
+    """(N,) cosine and sine, so many a mm of the place of an axis or a second of the "time", as rows
+    that are means of samples show them: the samples of an instrument are moments, so waves shorter
+    than their distance are in a mean too."""
     samples = state.inside.get(name)
     if samples is None:
         samples = (state.time if name == "time" else state.position[name])[None]
@@ -241,7 +266,7 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     return [np.asarray(np.nanmean(wave(angle), axis=0)) for wave in (np.cos, np.sin)]
 
 
-def swing(coefficients: np.ndarray) -> dict[str, float]:
+def amplitude_and_phase(coefficients: np.ndarray) -> dict[str, float]:
     """Amplitude and phase of a cosine and a sine."""
     cosine, sine = coefficients
     return {
@@ -250,7 +275,7 @@ def swing(coefficients: np.ndarray) -> dict[str, float]:
     }
 
 
-def swing_coefficients(amplitude_um: float, phase_deg: float) -> np.ndarray:
+def harmonic_coefficients(amplitude_um: float, phase_deg: float) -> np.ndarray:
     """(2,) cosine and sine."""
     return amplitude_um * np.array([np.cos(np.radians(phase_deg)), np.sin(np.radians(phase_deg))])
 
@@ -272,7 +297,8 @@ def one_way(
     number: int,
     of: Callable[[np.ndarray], np.ndarray],
 ):
-    """A table (component, axis, nodes, forward, reverse) in mm of a function of the position, in um."""
+    """A table (component, axis, nodes, forward, reverse) in mm of a function of the position, in
+    um."""
     nodes = np.linspace(*travel, number)
     value = of(nodes) * UM
     return component, axis, nodes, value, value

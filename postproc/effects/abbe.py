@@ -1,7 +1,8 @@
-"""Abbe error: a rotation of an axis times an arm: a measured rotation with an arm that the machine's file does not know, or a
-rotation that nobody measured, seen on lines that lie apart.
+"""Abbe error: a rotation of an axis times an arm: a measured rotation with an arm that the
+machine's file does not know, or a rotation that nobody measured, seen on lines that lie apart.
 
-ISO 230-1, error motions of linear axes. What nobody measured is drawn as Legendre polynomials of degree 1 to 5 over the travel.
+ISO 230-1, error motions of linear axes. What nobody measured is drawn as Legendre polynomials of
+degree 1 to 5 over the travel.
 """
 
 import numpy as np
@@ -21,8 +22,8 @@ PARAMETERS = {
     "degree": "number, of the last polynomial that such a rotation is drawn with",
 }
 OPTIONAL = {"known": 1.0, "zero_mm": 0.0, **{f"c{k}_urad": 0.0 for k in DEGREES}, "degree": 5.0}
-# Beyond 500 mm the tool is not on that carriage, and more of an arm is a rotation that happens to look like something else. Ways of
-# a router turn by 1 mm on 1 m (unverified: usual sizes).
+# Beyond 500 mm the tool is not on that carriage, and more of an arm is a rotation that happens to
+# look like something else. Ways of a router turn by 1 mm on 1 m (unverified: usual sizes).
 PLAUSIBLE = {"arm_mm": (-500.0, 500.0), **{f"c{k}_urad": (-1000.0, 1000.0) for k in DEGREES}}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
@@ -31,7 +32,9 @@ TEXT = (
     "State where the axis was measured and how long the tool is; measure at two heights."
 )
 FAR = 1e6  # mm: from there all lines have one arm
-ANGLE = 5e-7  # rad: by how much a measured rotation is wrong itself (unverified: a usual figure of angular optics)
+# rad: by how much a measured rotation is wrong itself (unverified: a usual figure of angular
+# optics)
+ANGLE = 5e-7
 ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
@@ -81,12 +84,14 @@ def _sense(axis: str, turn: float, arm: float) -> float:
 
 
 def unsure(arm_mm: float, **named: float) -> float:
-    """mm, what its driver's own uncertainty makes of it: that of a measured rotation, with the arm."""
+    """mm, what its driver's own uncertainty makes of it: that of a measured rotation, with the
+    arm."""
     return abs(arm_mm) * ANGLE
 
 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
-    """What a rotation that nobody measured must be worth something beside: the same error of position on all lines."""
+    """What a rotation that nobody measured must be worth something beside: the same error of
+    position on all lines."""
     return None if shape["known"] else {**shape, "zero_mm": FAR, "degree": 5.0}
 
 
@@ -107,9 +112,18 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    arm_mm: float, turn: float, arm: float, known: float = 1.0, zero_mm: float = 0.0, c1_urad: float = 0.0,
-    c2_urad: float = 0.0, c3_urad: float = 0.0, c4_urad: float = 0.0, c5_urad: float = 0.0, degree: float = 5.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    arm_mm: float,
+    turn: float,
+    arm: float,
+    known: float = 1.0,
+    zero_mm: float = 0.0,
+    c1_urad: float = 0.0,
+    c2_urad: float = 0.0,
+    c3_urad: float = 0.0,
+    c4_urad: float = 0.0,
+    c5_urad: float = 0.0,
+    degree: float = 5.0,
+) -> tuple[np.ndarray, dict[str, float]]:
     drawn = [c1_urad, c2_urad, c3_urad, c4_urad, c5_urad][: int(degree)]
     shape = {"turn": turn, "arm": arm, "known": known, "zero_mm": zero_mm, "degree": degree}
     return np.array([arm_mm] if known else drawn), shape
@@ -118,7 +132,8 @@ def coefficients(
 def by_angle(
     axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray, **named: float
 ):
-    """Tables of the arm that a measured rotation lacks. forward, reverse (3, K) rad at nodes (K,) mm: A, B, C of the axis."""
+    """Tables of the arm that a measured rotation lacks. forward, reverse (3, K) rad at nodes (K,)
+    mm: A, B, C of the axis."""
     if not named["known"] or not named["arm_mm"]:
         return []
     reach = np.zeros((3, len(nodes)))
@@ -134,7 +149,8 @@ def by_angle(
 
 
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
-    """(component, axis, other, nodes, others, values (K, L) mm) of a rotation that nobody measured."""
+    """(component, axis, other, nodes, others, values (K, L) mm) of a rotation that nobody
+    measured."""
     if named["known"]:
         return []
     other = XYZ[int(named["arm"])]

@@ -1,11 +1,13 @@
-"""Lost motion: the axis lags behind by half the play, on the side it came from. Pockets come out smaller by it, bosses larger.
+"""Lost motion: the axis lags behind by half the play, on the side it came from. Pockets come out
+smaller by it, bosses larger.
 
-Positive when it stops short in either direction; negative when the control over-compensates (ISO 230-2 reversal).
+Positive when it stops short in either direction; negative when the control over-compensates (ISO
+230-2 reversal).
 """
 
 import numpy as np
 
-from postproc.effects import UM, State, along, taken_up
+from postproc.effects import UM, State, along, lost_motion_share
 
 PARAMETERS = {
     "size_um": "um, lost motion between the two directions of approach",
@@ -13,7 +15,8 @@ PARAMETERS = {
 }
 OPTIONAL = {"play_mm": 0.0}
 SMALL = 0.02  # mm
-# An old router's nut of plastic has 1 mm; a control's own compensation, for which there is no other sign, takes out less than it is.
+# An old router's nut of plastic has 1 mm; a control's own compensation, for which there is no other
+# sign, takes out less than it is.
 PLAUSIBLE = {"size_um": (-1000.0, 2000.0)}  # beyond, it is something else (unverified)
 EXPECTED = {"size_um": 1}
 CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
@@ -32,7 +35,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str, play_mm: float = 0.0) -> np.ndarray:
-    return along(axis, -state.approach[axis] / 2 * taken_up(state, axis, play_mm))
+    return along(axis, -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

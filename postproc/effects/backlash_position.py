@@ -1,8 +1,9 @@
-"""Reversal error that varies along the travel: a worn stretch of the screw, a preload that is not even."""
+"""Reversal error that varies along the travel: a worn stretch of the screw, a preload that is not
+even."""
 
 import numpy as np
 
-from postproc.effects import UM, State, along, legendre, taken_up
+from postproc.effects import UM, State, along, legendre, lost_motion_share
 
 PARAMETERS = {
     "b0_um": "um, mean lost motion",
@@ -34,8 +35,8 @@ CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool", "part")
 TEXT = (
-    "The lost motion differs along the travel: a worn stretch of the screw. "
-    "A two-way table corrects it; one backlash number can not. Look at the screw where it is largest."
+    "The lost motion differs along the travel: a worn stretch of the screw. A two-way table"
+    " corrects it; one backlash number can not. Look at the screw where it is largest."
 )
 
 
@@ -51,7 +52,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) -> np.ndarray:
     u = state.share(axis)
-    half = -state.approach[axis] / 2 * taken_up(state, axis, play_mm)
+    half = -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm)
     return along(axis, *(half * legendre(u, k) for k in range(int(degree) + 1)))
 
 
@@ -64,9 +65,16 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    b0_um: float, b1_um: float, b2_um: float = 0.0, b3_um: float = 0.0, b4_um: float = 0.0, b5_um: float = 0.0, b6_um: float = 0.0,
-    play_mm: float = 0.0, degree: float = 2.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    b0_um: float,
+    b1_um: float,
+    b2_um: float = 0.0,
+    b3_um: float = 0.0,
+    b4_um: float = 0.0,
+    b5_um: float = 0.0,
+    b6_um: float = 0.0,
+    play_mm: float = 0.0,
+    degree: float = 2.0,
+) -> tuple[np.ndarray, dict[str, float]]:
     shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
     degree = max(degree, 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0)
     return np.array(shares[: int(degree) + 1]), {"play_mm": play_mm, "degree": degree}

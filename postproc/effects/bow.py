@@ -1,4 +1,5 @@
-"""Bow: the way of an axis is curved; the tool leaves the line across the motion (straightness, ISO 230-1)."""
+"""Bow: the way of an axis is curved; the tool leaves the line across the motion (straightness, ISO
+230-1)."""
 
 import numpy as np
 
@@ -12,13 +13,14 @@ PARAMETERS = {
 }
 OPTIONAL = {"third_um": 0.0, "degree": 3.0}
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
-PLAUSIBLE = {
-    "size_um": (-1000.0, 1000.0),
-    "third_um": (-1000.0, 1000.0),
-}  # beyond, it is something else
+# beyond, it is something else
+PLAUSIBLE = {"size_um": (-1000.0, 1000.0), "third_um": (-1000.0, 1000.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
-TEXT = "The guideway is bowed. Measure the straightness and write the table; check the machine's level."
+TEXT = (
+    "The guideway is bowed. Measure the straightness and write the table; check the machine's"
+    " level."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:

@@ -1,4 +1,5 @@
-"""Clock skew: the clock of the recording runs faster or slower than the control's; it comes to be late, in all axes alike."""
+"""Clock skew: the clock of the recording runs faster or slower than the control's; it comes to be
+late, in all axes alike."""
 
 import numpy as np
 
@@ -13,7 +14,10 @@ OPTIONAL = {"whole": 0.0}
 PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else
 KIND, USE, PER = "data", "recording", "all"
 NEEDS, SEES = ("velocity", "time"), ("scale", "trace")
-TEXT = "The two clocks do not run alike. Align the recording with reversals at its start and its end; correct the recording, not the machine."
+TEXT = (
+    "The two clocks do not run alike. Align the recording with reversals at its start and its end;"
+    " correct the recording, not the machine."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:

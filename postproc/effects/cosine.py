@@ -8,8 +8,9 @@ PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
     "file": "number of the recording, 0 the first; -1: all",
 }
-# A reflector that goes d off sends the beam back 2 d off, and of a beam of 6 mm less than 4 mm off is still seen: d = 2 mm. On the
-# shortest travel that is measured so, 100 mm, that is an angle of 0.02, and half its square 200 ppm; on 1 m 2 ppm.
+# A reflector that goes d off sends the beam back 2 d off, and of a beam of 6 mm less than 4 mm off
+# is still seen: d = 2 mm. On the shortest travel that is measured so, 100 mm, that is an angle of
+# 0.02, and half its square 200 ppm; on 1 m 2 ppm.
 PLAUSIBLE = {"ppm": (-200.0, 0.0)}  # beyond, it is something else
 OPTIONAL = {"file": -1.0}
 KIND, USE, PER = "instrument", "recording", "axis"

@@ -1,13 +1,15 @@
-"""Coulomb friction: the axis stays behind by the friction over the stiffness of its drive, in motion and after it.
+"""Coulomb friction: the axis stays behind by the friction over the stiffness of its drive, in
+motion and after it.
 
-A drive without integral action does not make up for it, and holds it at rest; one with it lets it go as soon as the axis stands. After
-a turn the friction is taken up over a little way (pre-sliding), or as fast as the position loop settles. At slow speeds, where the film
-of oil is thin, it is higher (Stribeck 1902; Armstrong-Helouvry et al., Automatica 30, 1994, 1083).
+A drive without integral action does not make up for it, and holds it at rest; one with it lets it
+go as soon as the axis stands. After a turn the friction is taken up over a little way
+(pre-sliding), or as fast as the position loop settles. At slow speeds, where the film of oil is
+thin, it is higher (Stribeck 1902; Armstrong-Helouvry et al., Automatica 30, 1994, 1083).
 """
 
 import numpy as np
 
-from postproc.effects import State, along, sampled, settled, taken_up
+from postproc.effects import State, along, lost_motion_share, sampled, settling_share
 
 PARAMETERS = {
     "size_um": "um, difference between the two directions",
@@ -26,9 +28,8 @@ OPTIONAL = {
 }
 STRIBECK = (2.0, 6.0, 18.0)  # mm/s
 WITHOUT = {"play_mm": 0.0, "settle_ms": 0.0, "released": 0.0, "stribeck_mm_s": 0.0}
-MOST_STRIBECK = (
-    1.0  # of the friction at speed: what breaks away is up to twice of it (Armstrong-Helouvry 1994)
-)
+# of the friction at speed: what breaks away is up to twice of it (Armstrong-Helouvry 1994)
+MOST_STRIBECK = 1.0
 SMALL = 0.05  # mm
 SOON = 0.05  # s
 # Friction over the stiffness of a loop: what a belt gives, see windup.
@@ -36,7 +37,10 @@ PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
 EXPECTED = {"size_um": 1}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
-TEXT = "Friction holds the axis back while it moves. Lubrication and preload; friction compensation in the drive."
+TEXT = (
+    "Friction holds the axis back while it moves. Lubrication and preload; friction compensation in"
+    " the drive."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
@@ -62,7 +66,11 @@ def columns(
     released: float = 0.0,
     stribeck_mm_s: float = 0.0,
 ) -> np.ndarray:
-    share = taken_up(state, axis, play_mm) if play_mm > 0 else settled(state, axis, settle_ms)
+    share = (
+        lost_motion_share(state, axis, play_mm)
+        if play_mm > 0
+        else settling_share(state, axis, settle_ms)
+    )
     side = np.sign(state.velocity[axis]) if released else state.approach[axis]
     lag = -side / 2 * share * sampled(state)
     if stribeck_mm_s <= 0:
@@ -78,9 +86,13 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    size_um: float, play_mm: float = 0.0, settle_ms: float = 0.0, released: float = 0.0, stribeck_um: float = 0.0,
+    size_um: float,
+    play_mm: float = 0.0,
+    settle_ms: float = 0.0,
+    released: float = 0.0,
+    stribeck_um: float = 0.0,
     stribeck_mm_s: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+) -> tuple[np.ndarray, dict[str, float]]:
     values = [size_um, stribeck_um] if stribeck_mm_s > 0 else [size_um]
     shape = {
         "play_mm": play_mm,
@@ -92,5 +104,6 @@ def coefficients(
 
 
 def sensible(size_um: float, stribeck_um: float, **others: float) -> bool:
-    """Whether it is friction at all speeds, and more at slow ones: the other way round it is another effect."""
+    """Whether it is friction at all speeds, and more at slow ones: the other way round it is
+    another effect."""
     return stribeck_um * size_um >= 0 and abs(stribeck_um) <= MOST_STRIBECK * abs(size_um)

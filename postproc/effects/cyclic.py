@@ -1,22 +1,23 @@
 """Cyclic error: periodic in the position, of a screw's turn or a scale's grating.
 
-What turns gives a second wave per turn besides (a bent shaft's bearing, a coupling's joints), a swing that grows with the
-distance of the nut from the bearing that wobbles, and one that is another from the other side, where flanks do not run alike.
+What turns gives a second wave per turn besides (a bent shaft's bearing, a coupling's joints), an
+amplitude that grows with the distance of the nut from the bearing that wobbles, and one that is
+another from the other side, where flanks do not run alike.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, swing, swing_coefficients, waves_of
+from postproc.effects import State, along, amplitude_and_phase, harmonic_coefficients, waves_of
 
 PARAMETERS = {
     "period_mm": "mm, its period",
-    "amplitude_um": "um, half of the swing, at the middle of the travel",
+    "amplitude_um": "um, zero to peak, at the middle of the travel",
     "phase_deg": "degrees, of a cosine at zero",
-    "second_um": "um, half of the swing of a second wave of half the period",
+    "second_um": "um, zero to peak, of a second wave of half the period",
     "second_deg": "degrees, its phase",
-    "grows_um": "um, by how much the swing differs at the upper end of the travel",
+    "grows_um": "um, by how much the amplitude differs at the upper end of the travel",
     "grows_deg": "degrees, the phase of that difference",
-    "sided_um": "um, by how much the swing of either side of approach differs from their mean",
+    "sided_um": "um, by how much the amplitude of either side of approach differs from their mean",
     "sided_deg": "degrees, the phase of that difference, coming from -",
 }
 MORE = ("second", "grows", "sided")
@@ -39,10 +40,13 @@ LEADS = (
     32.0,
     40.0,
 )  # mm: ISO 3408-2, nominal leads
-# A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified); what comes with it is smaller, see sensible.
+# A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified);
+# what comes with it is smaller, see sensible.
 PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
 MOST = 0.6  # of the amplitude: beyond, it is another wave
-PLACES = 8  # fewer go through any wave: a mean, two waves of one period and what comes with them have seven values
+# fewer go through any wave: a mean, two waves of one period and what comes with them have seven
+# values
+PLACES = 8
 TURNS = 3.0  # of the screw: fewer are a curve
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
@@ -54,7 +58,8 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    """What screws are made with; others are found from the spectrum of what is left, see diagnose."""
+    """What screws are made with; others are found from the spectrum of what is left, see
+    diagnose."""
     span = float(np.ptp(state.position[axis]))
     if len(np.unique(np.round(state.position[axis], 2))) < PLACES:
         return []
@@ -96,28 +101,40 @@ def columns(
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     rest = list(np.asarray(coefficients)[2:].reshape(-1, 2))
-    named = {"period_mm": shape["period_mm"]} | swing(coefficients[:2])
+    named = {"period_mm": shape["period_mm"]} | amplitude_and_phase(coefficients[:2])
     for name in MORE:
-        value = swing(rest.pop(0)) if shape.get(name) else {"amplitude_um": 0.0, "phase_deg": 0.0}
+        value = (
+            amplitude_and_phase(rest.pop(0))
+            if shape.get(name)
+            else {"amplitude_um": 0.0, "phase_deg": 0.0}
+        )
         named |= {f"{name}_um": value["amplitude_um"], f"{name}_deg": value["phase_deg"]}
     return named
 
 
 def coefficients(
-    period_mm: float, amplitude_um: float, phase_deg: float, second_um: float = 0.0, second_deg: float = 0.0,
-    grows_um: float = 0.0, grows_deg: float = 0.0, sided_um: float = 0.0, sided_deg: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
-    shape, value = {"period_mm": period_mm}, [swing_coefficients(amplitude_um, phase_deg)]
+    period_mm: float,
+    amplitude_um: float,
+    phase_deg: float,
+    second_um: float = 0.0,
+    second_deg: float = 0.0,
+    grows_um: float = 0.0,
+    grows_deg: float = 0.0,
+    sided_um: float = 0.0,
+    sided_deg: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
+    shape, value = {"period_mm": period_mm}, [harmonic_coefficients(amplitude_um, phase_deg)]
     sizes = ((second_um, second_deg), (grows_um, grows_deg), (sided_um, sided_deg))
     for name, (size, phase) in zip(MORE, sizes, strict=True):
         if size:
-            value.append(swing_coefficients(size, phase))
+            value.append(harmonic_coefficients(size, phase))
         shape[name] = float(bool(size))
     return np.concatenate(value), shape
 
 
 def tables(axis: str, travel: tuple[float, float], **named: float):
-    """24 nodes a period, of the second wave where there is one: what is left between them is below 1 % of the amplitude."""
+    """24 nodes a period, of the second wave where there is one: what is left between them is below
+    1 % of the amplitude."""
     value, shape = coefficients(**named)
     finest = shape["period_mm"] / (2 if shape.get("second") else 1)
     number = min(int(np.ceil((travel[1] - travel[0]) / finest * 24)) + 1, 200_000)

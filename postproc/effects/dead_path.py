@@ -2,12 +2,15 @@
 
 import numpy as np
 
-from postproc.effects import State, begun, late
+from postproc.effects import State, first_timed, low_pass
 
 PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
     "file": "number of the recording, 0 the first; -1: all",
-    "late_s": "s, by which the sensor that compensates for the air is late; 0, the air is not compensated for",
+    "late_s": (
+        "s, by which the sensor that compensates for the air is late; 0, the air is not"
+        " compensated for"
+    ),
 }
 OPTIONAL = {"file": -1.0, "late_s": 0.0}
 LATE = 1800.0  # s: a sensor in a heavy housing
@@ -30,9 +33,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 def columns(state: State, axis: str, file: float = -1.0, late_s: float = 0.0) -> np.ndarray:
     air = state.channels["T_air_C"]
     own = (state.file == file) | (file < 0)
-    changed = air - air[begun(state)]
+    changed = air - air[first_timed(state)]
     if late_s > 0:
-        changed = changed - late(state, changed, late_s)
+        changed = changed - low_pass(state, changed, late_s)
     return (changed * own * 1e-3)[None]
 
 

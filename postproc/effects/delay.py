@@ -10,7 +10,10 @@ PARAMETERS = {
 PLAUSIBLE = {"delay_ms": (0.0, 5.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("velocity",), ("scale", "trace")
-TEXT = "The recording is late, in all axes alike. Align its clock with a reversal; correct the recording, not the machine."
+TEXT = (
+    "The recording is late, in all axes alike. Align its clock with a reversal; correct the"
+    " recording, not the machine."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:

@@ -1,8 +1,8 @@
-"""Force compliance: a deflection with the load or cutting force along the axis, whichever was recorded; where both were, either
-of them or their sum.
+"""Force compliance: a deflection with the load or cutting force along the axis, whichever was
+recorded; where both were, either of them or their sum.
 
-Bolted and guided joints give in proportion; rolling contacts less for every newton more: as the load to 2/3 (Hertz), and what is
-made of both in between.
+Bolted and guided joints give in proportion; rolling contacts less for every newton more: as the
+load to 2/3 (Hertz), and what is made of both in between.
 """
 
 import numpy as np
@@ -13,17 +13,21 @@ PARAMETERS = {
     "um_per_N": "um per N, deflection along the axis at the usual load",
     "power": "1, the power of the load by which it grows: 1 a spring, 2/3 a ball between planes",
     "usual_N": "N, the usual load",
-    "by": "0, the force; 1, the load; 2, both together; where only one of them was recorded, that one",
+    "by": (
+        "0, the force; 1, the load; 2, both together; where only one of them was recorded, that one"
+    ),
 }
 OPTIONAL = {"power": 1.0, "usual_N": 1.0, "by": 0.0}
 # A light router gives 1 mm for 100 N at its tool; a machine of steel 0.001 to 0.1 um per N.
-PLAUSIBLE = {
-    "um_per_N": (-10.0, 10.0)
-}  # beyond, it is something else (unverified: usual stiffnesses)
+# beyond, it is something else (unverified: usual stiffnesses)
+PLAUSIBLE = {"um_per_N": (-10.0, 10.0)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("force",), ("tool",)
 RESTING = True
-TEXT = "The axis gives way under load. Less force, a stiffer set-up; part of it can be measured with a weight."
+TEXT = (
+    "The axis gives way under load. Less force, a stiffer set-up; part of it can be measured with a"
+    " weight."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:

@@ -1,7 +1,9 @@
-"""Friction that differs with the direction: after a turn the axis is held back more one way than the other.
+"""Friction that differs with the direction: after a turn the axis is held back more one way than
+the other.
 
-Like the spike of a reversal, with another height for each direction; where both are alike it is a plain spike. A drive
-without integral action does not make up for it: then the axis lags all the time, by what is rubbing in that direction.
+Like the spike of a reversal, with another height for each direction; where both are alike it is a
+plain spike. A drive without integral action does not make up for it: then the axis lags all the
+time, by what is rubbing in that direction.
 """
 
 import numpy as np
@@ -13,13 +15,19 @@ PARAMETERS = {
     "slope_um": "um, its share that rises first",
     "difference_um": "um, by how much it is higher in +",
     "difference_slope_um": "um, its share that rises first",
-    "tau_ms": "ms, how long it lasts; 0, as long as it moves: then heights are lags, um, and slopes um per 100 mm/s",
-    "released": "1, at rest the axis does not lag, and what it lags more in one direction shows; 0, it does",
+    "tau_ms": (
+        "ms, how long it lasts; 0, as long as it moves: then heights are lags, um, and slopes um"
+        " per 100 mm/s"
+    ),
+    "released": (
+        "1, at rest the axis does not lag, and what it lags more in one direction shows; 0, it does"
+    ),
 }
 OPTIONAL = {"released": 0.0}
 CONTINUOUS = {"tau_ms": (4.0, 600.0)}
 UNLIKE = 0.15
-OPPOSES = 3.0  # times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
+# times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
+OPPOSES = 3.0
 LIKE_SLOPE = 3.0  # a height that is there at all speeds holds as much at 33 mm/s as this slope
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
@@ -39,9 +47,8 @@ def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np
     v = state.velocity[axis] / 100.0
     if released:
         return along(axis, -np.sign(v), -np.sign(np.abs(v)))
-    if (
-        tau_ms <= 0
-    ):  # how much more it lags in one direction whatever its speed is a zero that nobody knows
+    # how much more it lags in one direction whatever its speed is a zero that nobody knows
+    if tau_ms <= 0:
         return along(axis, -state.approach[axis] * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)
     fade = np.where(v != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
@@ -50,10 +57,16 @@ def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np
 
 
 def sensible(
-    size_um: float, slope_um: float, difference_um: float, difference_slope_um: float, tau_ms: float,
-    released: float = 0.0, **other: float,
-) -> bool:  # fmt: skip
-    """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion in either of them."""
+    size_um: float,
+    slope_um: float,
+    difference_um: float,
+    difference_slope_um: float,
+    tau_ms: float,
+    released: float = 0.0,
+    **other: float,
+) -> bool:
+    """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion
+    in either of them."""
     if tau_ms > 0:
         return True
     if released:

@@ -1,7 +1,9 @@
-"""Laser air: light is faster in warm air, so a length reads short by 0.93 ppm per K and long by 0.27 ppm per hPa (Edlen).
+"""Laser air: light is faster in warm air, so a length reads short by 0.93 ppm per K and long by
+0.27 ppm per hPa (Edlen).
 
-One cause in every set-up of a laser, along whatever axis: by the temperature of the air where it was recorded, else by what the
-air did while each recording lasted; and by what the laser was told wrong from the first reading on.
+One cause in every set-up of a laser, along whatever axis: by the temperature of the air where it
+was recorded, else by what the air did while each recording lasted; and by what the laser was told
+wrong from the first reading on.
 """
 
 import numpy as np
@@ -10,10 +12,18 @@ from postproc.effects import State
 
 FILES = 8  # recordings of a laser whose air may change, each in its own way
 PARAMETERS = {
-    "ppm_K": "um/(m K), reading over beam length and the air's temperature since the recording's first reading",
-    "wrong_ppm": "um/m, by how much the air that the laser was told of is wrong from the first reading on",
+    "ppm_K": (
+        "um/(m K), reading over beam length and the air's temperature since the recording's first"
+        " reading"
+    ),
+    "wrong_ppm": (
+        "um/m, by how much the air that the laser was told of is wrong from the first reading on"
+    ),
     "told": "1, the laser was told of other air; 0, it was not",
-    "by": "1, the air changed with its recorded temperature; 0, it did not change; below zero: it changed with the time, in each of the laser's recordings in its own way",
+    "by": (
+        "1, the air changed with its recorded temperature; 0, it did not change; below zero: it"
+        " changed with the time, in each of the laser's recordings in its own way"
+    ),
     **{
         f"ppm_h_{k}": f"um/(m h), by which the air changed in the laser's recording {k}"
         for k in range(1, FILES + 1)
@@ -37,7 +47,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     air = state.channel("T_air_C")
     known = air is not None and all(np.ptp(air[state.file == f]) > 0 for f in lit)
     lasting = 0 < len(lit) <= FILES and all(np.ptp(state.time[state.file == f]) > 0 for f in lit)
-    # A thermometer that lags, and the pressure that nobody records: the air may change as the time goes, too.
+    # A thermometer that lags, and the pressure that nobody records: the air may change as the time
+    # goes, too.
     ways = [*([1.0] if known else []), *([-float(len(lit))] if lasting else [])]
     return [{"told": t, "by": by} for by in ways for t in (0.0, 1.0)] + [{"told": 1.0, "by": 0.0}]
 
@@ -84,9 +95,19 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    ppm_K: float = 0.0, wrong_ppm: float = 0.0, told: float = 0.0, by: float = 1.0, ppm_h_1: float = 0.0, ppm_h_2: float = 0.0,
-    ppm_h_3: float = 0.0, ppm_h_4: float = 0.0, ppm_h_5: float = 0.0, ppm_h_6: float = 0.0, ppm_h_7: float = 0.0, ppm_h_8: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    ppm_K: float = 0.0,
+    wrong_ppm: float = 0.0,
+    told: float = 0.0,
+    by: float = 1.0,
+    ppm_h_1: float = 0.0,
+    ppm_h_2: float = 0.0,
+    ppm_h_3: float = 0.0,
+    ppm_h_4: float = 0.0,
+    ppm_h_5: float = 0.0,
+    ppm_h_6: float = 0.0,
+    ppm_h_7: float = 0.0,
+    ppm_h_8: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
     rates = [ppm_h_1, ppm_h_2, ppm_h_3, ppm_h_4, ppm_h_5, ppm_h_6, ppm_h_7, ppm_h_8]
     value = [ppm_K] if by > 0 else rates[: int(-by)]
     return np.array([*value, wrong_ppm] if told else value), {"told": told, "by": by}

@@ -1,4 +1,5 @@
-"""Outlier: one reading that is off by itself: a beam that was touched, a chip under the probe, a number mistyped."""
+"""Outlier: one reading that is off by itself: a beam that was touched, a chip under the probe, a
+number mistyped."""
 
 import numpy as np
 
@@ -11,7 +12,10 @@ PARAMETERS = {
 KIND, USE, PER = "data", "recording", "axis"
 NEEDS, SEES = ("time",), ("tool",)
 LISTED = True
-TEXT = "One reading is off and its neighbours are not. It is left out; take it again, and correct the recording, not the machine."
+TEXT = (
+    "One reading is off and its neighbours are not. It is left out; take it again, and correct the"
+    " recording, not the machine."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:

@@ -1,4 +1,5 @@
-"""Reversal spike: a short excursion after an axis turns back (stiction, the quadrant glitch of a circular test, ISO 230-4)."""
+"""Reversal spike: a short excursion after an axis turns back (stiction, the quadrant glitch of a
+circular test, ISO 230-4)."""
 
 import numpy as np
 
@@ -11,9 +12,8 @@ PARAMETERS = {
     "rebounds": "1, the loop overshoots and swings once or twice; 0, it does not",
 }
 OPTIONAL = {"rebounds": 0.0}
-SWINGS = (
-    1 / 3
-)  # turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set
+# turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set
+SWINGS = 1 / 3
 CONTINUOUS = {"tau_ms": (4.0, 600.0)}
 PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"

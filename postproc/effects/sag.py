@@ -1,9 +1,10 @@
 """Sag: a structure bends with the place of a mass on it.
 
-Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at one end gives at its end with
-s^2 (3 - s) / 2 of the mass' reach s. A beam on two supports is lowered at s by a mass at a by the sum over n of
-sin(n pi a) sin(n pi s) / n^4 (Timoshenko, Vibration Problems in Engineering, simply supported beam); where the tool stands over the
-mass, a is s.
+Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at
+one end gives at its end with s^2 (3 - s) / 2 of the mass' reach s. A beam on two supports is
+lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4 (Timoshenko,
+Vibration Problems in Engineering, simply supported beam); where the tool stands over the mass, a is
+s.
 """
 
 import numpy as np
@@ -15,19 +16,26 @@ PARAMETERS = {
     "size_um": "um, at the end of the other axis' travel; of a beam at the middle of both",
     "along": "0, 1, 2: X, Y, Z, the direction of the error",
     "lever": "1, it grows with the place of the next axis too; 0, it does not",
-    "beam": "0, 1, 2: X, Y, Z, the axis that runs along the beam, be it the mass' own; -1, what gives is held at one end",
+    "beam": (
+        "0, 1, 2: X, Y, Z, the axis that runs along the beam, be it the mass' own; -1, what gives"
+        " is held at one end"
+    ),
     "overhang": "1, by how much of the travel the beam is longer at each end",
-    "usual_N": "N, the recorded load at which it sags so, and elsewhere in proportion; 0, alike at every load",
+    "usual_N": (
+        "N, the recorded load at which it sags so, and elsewhere in proportion; 0, alike at every"
+        " load"
+    ),
 }
 NODES = 25  # over a travel: between them less than 1 % of the size is left
 OPTIONAL = {"lever": 0.0, "beam": -1.0, "overhang": 0.0, "usual_N": 0.0}
-# A beam of steel that was built to run true gives 1 in 2000 of its length at the most (unverified): 1 mm on 2 m.
+# A beam of steel that was built to run true gives 1 in 2000 of its length at the most (unverified):
+# 1 mm on 2 m.
 PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
-    "A moving mass bends what carries it. "
-    "Measure the straightness with the mass at both ends; the compensator corrects it by the places of both axes."
+    "A moving mass bends what carries it. Measure the straightness with the mass at both ends; the"
+    " compensator corrects it by the places of both axes."
 )
 
 
@@ -81,12 +89,14 @@ def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam
 
 
 def _held(reach: np.ndarray) -> np.ndarray:
-    """(N,) what a beam that is held at one end gives at its other end by a mass at a reach of 0 to 1; 1 at 1."""
+    """(N,) what a beam that is held at one end gives at its other end by a mass at a reach of 0 to
+    1; 1 at 1."""
     return reach**2 * (3 - reach) / 2
 
 
 def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> np.ndarray:
-    """For a size of 1: by the places of the mass and of what it bends, both 0 to 1 over the travel."""
+    """For a size of 1: by the places of the mass and of what it bends, both 0 to 1 over the
+    travel."""
     if beam < 0:
         return _held(mass) * place
     a, s = ((overhang + u) / (1 + 2 * overhang) for u in (mass, place))
@@ -115,7 +125,8 @@ def coefficients(
 
 
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
-    """(component, axis, other, nodes, others, values (K, L) mm), at the usual load; where no second axis matters, alike at both its ends."""
+    """(component, axis, other, nodes, others, values (K, L) mm), at the usual load; where no second
+    axis matters, alike at both its ends."""
     other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
     alone = other == axis or named["beam"] < 0
     shares = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, 2 if alone else NODES)

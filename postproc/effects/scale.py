@@ -1,4 +1,5 @@
-"""Scale: an error proportional to the position. A screw or a scale of the wrong length, or a wrong factor in the control.
+"""Scale: an error proportional to the position. A screw or a scale of the wrong length, or a wrong
+factor in the control.
 
 ISO 230-2: the slope of the positioning deviation.
 """
@@ -10,14 +11,14 @@ from postproc.effects import State, along, one_way
 PARAMETERS = {
     "ppm": "um/m, how much too long the travel is per length",
 }
-# Rolled trapezoidal screws, the worst, are sold with 0.3 mm on 300 mm (unverified: makers' catalogues); 30 K of a screw of steel are 345 ppm.
-# More is a wrong number of teeth or of the unit.
+# Rolled trapezoidal screws, the worst, are sold with 0.3 mm on 300 mm (unverified: makers'
+# catalogues); 30 K of a screw of steel are 345 ppm. More is a wrong number of teeth or of the unit.
 PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "part")
 TEXT = (
-    "The axis travels too far or too short in proportion. "
-    "Correct the pitch factor of the control or write it into the table; check the temperature of the screw first."
+    "The axis travels too far or too short in proportion. Correct the pitch factor of the control"
+    " or write it into the table; check the temperature of the screw first."
 )
 
 

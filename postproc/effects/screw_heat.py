@@ -1,32 +1,49 @@
 """Screw heat: the screw grows with its own temperature, from the bearing that holds it.
 
-The temperature of the screw where it is recorded, else heat that comes with time, or with the axis' travel.
+The temperature of the screw where it is recorded, else heat that comes with time, or with the axis'
+travel.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, warmth
+from postproc.effects import State, along, temperature_rise
 
 PARAMETERS = {
     "alpha_ppm_K": "um/(m K), expansion by the recorded temperature; 0 where none is recorded",
     "grown_ppm": "um/m, expansion at the end where no temperature is recorded",
     "fixed_um_K": "um per K, growth of what holds the screw",
     "tau_s": "s, 0: by the recorded temperature, else the time in which the heat comes",
-    "by_travel": "1, the heat comes with the axis' own travel and goes when it rests; 0, it comes with time",
+    "by_travel": (
+        "1, the heat comes with the axis' own travel and goes when it rests; 0, it comes with time"
+    ),
     "held_at_mm": "mm, where the screw is held: it grows from there",
-    "free": "1, what holds it grows too; 0, it does not",
-    "warm_ppm": "um/m, by how much it was longer already at the first reading than when the map was made",
+    "free": "1, what holds it grows too; 0, what holds it does not grow",
+    "warm_ppm": (
+        "um/m, by how much it was longer already at the first reading than when the map was made"
+    ),
     "warm": "1, it was warm at the first reading, from a use that was not recorded; 0, it was not",
 }
 OPTIONAL = {
-    "alpha_ppm_K": 0.0, "grown_ppm": 0.0, "by_travel": 0.0, "held_at_mm": 0.0, "free": 1.0, "fixed_um_K": 0.0, "warm_ppm": 0.0, "warm": 0.0,
-}  # fmt: skip
+    "alpha_ppm_K": 0.0,
+    "grown_ppm": 0.0,
+    "by_travel": 0.0,
+    "held_at_mm": 0.0,
+    "free": 1.0,
+    "fixed_um_K": 0.0,
+    "warm_ppm": 0.0,
+    "warm": 0.0,
+}
 EXPECTED = {"alpha_ppm_K": 1, "grown_ppm": 1}
-# Steel 11.5, glass 8, aluminium 23 ppm/K, and a thermometer that does not lie on the screw itself. A screw gets 25 K warmer at the
-# most (unverified): 290 ppm of steel. What holds it is no longer than 1 m of aluminium or 2 m of steel.
+# Steel 11.5, glass 8, aluminium 23 ppm/K, and a thermometer that does not lie on the screw itself.
+# A screw gets 25 K warmer at the
+# most (unverified): 290 ppm of steel. What holds it is no longer than 1 m of aluminium or 2 m of
+# steel.
 PLAUSIBLE = {  # beyond, it is something else
-    "alpha_ppm_K": (-30.0, 30.0), "grown_ppm": (-300.0, 300.0), "warm_ppm": (-300.0, 300.0), "fixed_um_K": (-25.0, 25.0),
-}  # fmt: skip
+    "alpha_ppm_K": (-30.0, 30.0),
+    "grown_ppm": (-300.0, 300.0),
+    "warm_ppm": (-300.0, 300.0),
+    "fixed_um_K": (-25.0, 25.0),
+}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "time"), ("tool", "part")
 WALLS = True  # features are wider where both their walls are farther apart
@@ -42,7 +59,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     low, high = state.travel[axis]
     ends = [(low, 0.0), (high, 0.0), (0.0, 1.0)]
     known = state.channel(f"T_screw_{axis}_C", f"T_scale_{axis}_C") is not None
-    # A thermometer that is coarse, that hangs, or that lies elsewhere does not say it: heat that comes with time or travel stands beside.
+    # A thermometer that is coarse, that hangs, or that lies elsewhere does not say it: heat that
+    # comes with time or travel stands beside.
     heats = [
         *([(0.0, 0.0)] if known else []),
         *((v, w) for v in (600.0, 1800.0, 5400.0) for w in (0.0, 1.0)),
@@ -56,8 +74,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def instead(shape: dict[str, float]) -> bool:
-    """Warm from the beginning: said where heat and a scale error would both be needed. Where nobody recorded how warm the
-    screw was, the one cause says both."""
+    """Warm from the beginning: said where heat and a scale error would both be needed. Where nobody
+    recorded how warm the screw was, the one cause says both."""
     return bool(shape["warm"])
 
 
@@ -70,7 +88,7 @@ def columns(
     free: float = 1.0,
     warm: float = 0.0,
 ) -> np.ndarray:
-    heat = warmth(state, axis, tau_s, by_travel)
+    heat = temperature_rise(state, axis, tau_s, by_travel)
     place = (state.position[axis] - held_at_mm) * 1e-3
     return along(axis, heat * place, *([heat] if free else []), *([place] if warm else []))
 
@@ -85,9 +103,16 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    alpha_ppm_K: float = 0.0, grown_ppm: float = 0.0, fixed_um_K: float = 0.0, tau_s: float = 0.0, by_travel: float = 0.0,
-    held_at_mm: float = 0.0, free: float = 1.0, warm_ppm: float = 0.0, warm: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    alpha_ppm_K: float = 0.0,
+    grown_ppm: float = 0.0,
+    fixed_um_K: float = 0.0,
+    tau_s: float = 0.0,
+    by_travel: float = 0.0,
+    held_at_mm: float = 0.0,
+    free: float = 1.0,
+    warm_ppm: float = 0.0,
+    warm: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
     value = [
         alpha_ppm_K + grown_ppm,
         *([fixed_um_K] if free else []),

@@ -1,4 +1,5 @@
-"""Sensor drift: a thermometer walks away, jumps or hangs; a laser that is told its air temperature reads a length as wrong.
+"""Sensor drift: a thermometer walks away, jumps or hangs; a laser that is told its air temperature
+reads a length as wrong.
 
 0.93 ppm of the beam's length for each K: Edlen's equation at 20 degrees Celsius, as in laser_air.
 """
@@ -15,13 +16,14 @@ NEEDS, SEES = ("time",), ("laser",)
 LISTED = True
 PPM_K = 0.93
 TEXT = (
-    "A thermometer does not read the temperature of what it lies on. "
-    "What goes with temperature can not be trusted: change two sensors over, and correct the recording, not the machine."
+    "A thermometer does not read the temperature of what it lies on. What goes with temperature can"
+    " not be trusted: change two sensors over, and correct the recording, not the machine."
 )
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return []  # the channel itself shows it, see diagnose.thermometers: from readings alone it is warm air
+    # the channel itself shows it, see diagnose.thermometers: from readings alone it is warm air
+    return []
 
 
 def columns(state: State, axis: str) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""Servo lag: a following error proportional to the speed, v times the time by which the axis is late."""
+"""Servo lag: a following error proportional to the speed, v times the time by which the axis is
+late."""
 
 import numpy as np
 
@@ -7,7 +8,8 @@ from postproc.effects import State, along
 PARAMETERS = {
     "tau_ms": "ms, how late the axis is",
 }
-# 1 over the position gain: 60 ms at 1 m/min per mm, 200 ms at 0.3, as slow as drives ever were; and filters of the command.
+# 1 over the position gain: 60 ms at 1 m/min per mm, 200 ms at 0.3, as slow as drives ever were; and
+# filters of the command.
 PLAUSIBLE = {"tau_ms": (0.0, 250.0)}  # beyond, it is something else (unverified: usual gains)
 EXPECTED = {"tau_ms": 1}
 KIND, USE, PER = "machine", "simulate", "axis"

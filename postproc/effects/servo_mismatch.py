@@ -1,5 +1,5 @@
-"""Servo mismatch: two axes follow with different lags; a circle becomes an ellipse at 45 degrees that turns over with the sense
-(ISO 230-4).
+"""Servo mismatch: two axes follow with different lags; a circle becomes an ellipse at 45 degrees
+that turns over with the sense (ISO 230-4).
 """
 
 import numpy as np
@@ -9,7 +9,8 @@ from postproc.effects import State, along
 PARAMETERS = {
     "delta_tau_ms": "ms, lag of the first axis minus that of the second",
 }
-# No more than the lag of one of the axes, of which the other has at least half on any machine that can go round (unverified).
+# No more than the lag of one of the axes, of which the other has at least half on any machine that
+# can go round (unverified).
 PLAUSIBLE = {"delta_tau_ms": (-125.0, 125.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "pair"
 NEEDS, SEES = ("velocity",), ("tool",)

@@ -1,15 +1,17 @@
 """Spindle growth: the spindle and its head grow with speed and time (ISO 230-3).
 
-What bearings turn into heat goes with speed where the load rubs, and with speed to 5/3 where the oil does (Palmgren: torque with
-speed to 2/3). With the square of the speed the balls of angular contact bearings press outwards and shift the shaft, at once (Abele,
-Altintas and Brecher, Machine tool spindle units, CIRP Annals 59 (2010) 781). Where the head's temperature is recorded, growth may go with it.
+What bearings turn into heat goes with speed where the load rubs, and with speed to 5/3 where the
+oil does (Palmgren: torque with speed to 2/3). With the square of the speed the balls of angular
+contact bearings press outwards and shift the shaft, at once (Abele, Altintas and Brecher, Machine
+tool spindle units, CIRP Annals 59 (2010) 781). Where the head's temperature is recorded, growth may
+go with it.
 """
 
-from itertools import pairwise
+import math
 
 import numpy as np
 
-from postproc.effects import State, along, begun, grid
+from postproc.effects import State, along, first_timed, grid
 
 PARAMETERS = {
     "tau_s": "s, 0: by the recorded temperature, else the time in which it warms",
@@ -17,28 +19,48 @@ PARAMETERS = {
     "um_per_K": "um/K, growth by the recorded temperature of spindle or head",
     "housing_um": "um per 1000 rpm, growth of the housing, which follows later",
     "housing_s": "s, the time in which the housing follows; 0, it does not",
-    "shift_um": "um, shift of the shaft at the fastest speed, at once and with the square of the speed",
+    "shift_um": (
+        "um, shift of the shaft at the fastest speed, at once and with the square of the speed"
+    ),
     "shift": "1, the shaft shifts; 0, it does not",
-    "power": "1, heat goes with speed; 5/3, with that power of it, and um per 1000 rpm holds at the fastest",
+    "power": (
+        "1, heat goes with speed; 5/3, with that power of it, and um per 1000 rpm holds at the"
+        " fastest"
+    ),
     "fastest_rpm": "1/min, the fastest speed, above 0",
 }
 OPTIONAL = {
-    "um_per_1000_rpm": 0.0, "um_per_K": 0.0, "housing_um": 0.0, "housing_s": 0.0, "shift_um": 0.0, "shift": 0.0, "power": 1.0, "fastest_rpm": 1000.0,
-}  # fmt: skip
+    "um_per_1000_rpm": 0.0,
+    "um_per_K": 0.0,
+    "housing_um": 0.0,
+    "housing_s": 0.0,
+    "shift_um": 0.0,
+    "shift": 0.0,
+    "power": 1.0,
+    "fastest_rpm": 1000.0,
+}
 PLACES = ("T_spindle_C", "T_head_C", "T_headstock_C")
-# 0.7 m of head and spindle of steel, 35 K warmer, are 280 um; those who grow 50 um at 1000 rpm do not turn ten times as fast.
+# 0.7 m of head and spindle of steel, 35 K warmer, are 280 um; those who grow 50 um at 1000 rpm do
+# not turn ten times as fast.
 MOST_UM = 300.0  # at the fastest
 ALIKE = 1e-4  # of a time constant
 LATER = 4.0  # times the spindle's own: in which its housing follows
-# The head that grows by its own temperature is no longer than 1 m of aluminium; a shaft shifts by its bearings' preload (unverified).
+# The head that grows by its own temperature is no longer than 1 m of aluminium; a shaft shifts by
+# its bearings' preload (unverified).
 PLAUSIBLE = {  # beyond, it is something else (unverified)
-    "um_per_1000_rpm": (-50.0, 50.0), "housing_um": (-50.0, 50.0), "um_per_K": (-25.0, 25.0), "shift_um": (-50.0, 50.0),
-}  # fmt: skip
+    "um_per_1000_rpm": (-50.0, 50.0),
+    "housing_um": (-50.0, 50.0),
+    "um_per_K": (-25.0, 25.0),
+    "shift_um": (-50.0, 50.0),
+}
 CONTINUOUS = {"tau_s": (200.0, 7200.0), "power": (1.0, 2.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("time", "spindle_rpm"), ("tool", "part")
 RESTING = True
-TEXT = "The spindle grows while it runs. Warm it up before the zero is touched, or compensate by speed and time."
+TEXT = (
+    "The spindle grows while it runs. Warm it up before the zero is touched, or compensate by speed"
+    " and time."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
@@ -65,15 +87,21 @@ def sensible(
 
 
 def columns(
-    state: State, axis: str, tau_s: float, housing_s: float = 0.0, shift: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0
-) -> np.ndarray:  # fmt: skip
+    state: State,
+    axis: str,
+    tau_s: float,
+    housing_s: float = 0.0,
+    shift: float = 0.0,
+    power: float = 1.0,
+    fastest_rpm: float = 1000.0,
+) -> np.ndarray:
     rpm = state.channels["spindle_rpm"]
     share = np.abs(rpm) / max(fastest_rpm, 1.0)
     at_once = [share**2] if shift else []
     if tau_s == 0:
         head = state.channel(*PLACES)
         return along(
-            axis, np.zeros(len(rpm)) if head is None else head - head[begun(state)], *at_once
+            axis, np.zeros(len(rpm)) if head is None else head - head[first_timed(state)], *at_once
         )
     heat = share**power * fastest_rpm / 1000.0  # rpm / 1000 where power is 1
     warm, later = _warmed(state.time, heat, tau_s, housing_s)
@@ -83,24 +111,64 @@ def columns(
 def _warmed(
     t: np.ndarray, heat: np.ndarray, tau_s: float, housing_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(N,), (N,): heat as it comes through the spindle, and on through its housing: two first-order lags, one behind the other, solved
-    from reading to reading, between which the heat stays."""
+    """(N,), (N,): heat as it comes through the spindle, and on through its housing, solved from
+    reading to reading, between which the heat stays."""
     order = np.argsort(t, kind="stable")
     warm, late = np.zeros(len(t)), np.zeros(len(t))
-    if housing_s > 0 and abs(housing_s / tau_s - 1.0) < ALIKE:
-        housing_s = tau_s * (
-            1.0 + ALIKE
-        )  # two equal time constants have another solution, and this one is as near
-    level = slow = 0.0
-    for before, k in pairwise(order):
-        gone, above = t[k] - t[before], level - heat[before]
-        first = np.exp(-gone / tau_s)
-        if housing_s > 0:
-            second = np.exp(-gone / housing_s)
-            through = above * tau_s / (tau_s - housing_s) * (first - second)
-            late[k] = slow = heat[before] + through + (slow - heat[before]) * second
-        warm[k] = level = heat[before] + above * first
+    states = lagged(np.diff(t[order]), heat[order[:-1]], (0.0, 0.0), tau_s, housing_s)
+    warm[order], late[order] = states if len(t) else (0.0, 0.0)
     return warm, late
+
+
+def apart(tau_s: float, housing_s: float) -> float:
+    """The housing's time constant: two equal ones have another solution, and one a little longer is
+    as near."""
+    alike = housing_s > 0 and abs(housing_s / tau_s - 1.0) < ALIKE
+    return tau_s * (1.0 + ALIKE) if alike else housing_s
+
+
+def lagged(
+    gone: np.ndarray,
+    heat: np.ndarray,
+    before: tuple[float, float],
+    tau_s: float,
+    housing_s: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N + 1,), (N + 1,): two first-order lags, one behind the other, from `before` on and behind
+    each of N steps of `gone` (N,) s, in which the heat (N,) stays: solved exactly."""
+    housing = apart(tau_s, housing_s)
+    level, slow = before
+    warm, late = [level], [slow]
+    for seconds, hot in zip(gone.tolist(), heat.tolist(), strict=True):
+        level, slow = _lag(level, slow, hot, seconds, tau_s, housing, math.exp)
+        warm.append(level)
+        late.append(slow)
+    return np.array(warm), np.array(late)
+
+
+def later(
+    level: np.ndarray,
+    slow: np.ndarray,
+    heat: np.ndarray,
+    gone: np.ndarray,
+    tau_s: float,
+    housing_s: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """(K,), (K,): what becomes of K states of both lags, each after its own time (K,) s at its own
+    heat (K,)."""
+    housing = apart(tau_s, housing_s)
+    found: tuple[np.ndarray, np.ndarray] = _lag(level, slow, heat, gone, tau_s, housing, np.exp)
+    return found
+
+
+def _lag(level, slow, heat, gone, tau_s: float, housing: float, exp):
+    """Both lags one step later."""
+    above, first = level - heat, exp(-gone / tau_s)
+    if housing > 0:
+        second = exp(-gone / housing)
+        through = above * tau_s / (tau_s - housing) * (first - second)
+        slow = heat + through + (slow - heat) * second
+    return heat + above * first, slow
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
@@ -118,9 +186,16 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
 
 
 def coefficients(
-    tau_s: float, um_per_1000_rpm: float = 0.0, um_per_K: float = 0.0, housing_um: float = 0.0, housing_s: float = 0.0,
-    shift_um: float = 0.0, shift: float = 0.0, power: float = 1.0, fastest_rpm: float = 1000.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    tau_s: float,
+    um_per_1000_rpm: float = 0.0,
+    um_per_K: float = 0.0,
+    housing_um: float = 0.0,
+    housing_s: float = 0.0,
+    shift_um: float = 0.0,
+    shift: float = 0.0,
+    power: float = 1.0,
+    fastest_rpm: float = 1000.0,
+) -> tuple[np.ndarray, dict[str, float]]:
     shifts = shift or float(shift_um != 0.0)
     value = [
         um_per_1000_rpm + um_per_K,

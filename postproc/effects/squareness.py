@@ -1,7 +1,7 @@
 """Squareness: two axes do not stand at the assumed angle; one leans against the other (ISO 230-1).
 
-With play in the guides a slide also yaws as it turns (ISO 230-1, 3.4: angular error motions have a value in
-each direction), and the angle has two values.
+With play in the guides a slide also yaws as it turns, and the angle has a value in each direction.
+That is tried where the axis that moves came from both sides.
 """
 
 import numpy as np
@@ -10,9 +10,16 @@ from postproc.effects import UM, State, along
 
 PARAMETERS = {
     "urad": "urad, change of the angle: positive where it is more than a right one",
-    "leans": "0, the first axis of the pair leans as the second moves; 1, the second as the first moves",
-    "turn_urad": "urad, of which the angle is more as the axis that moves comes from below than as it comes from above",
-    "turn_um": "um, what goes with it at the zero of the axis that moves: it yaws about another place",
+    "leans": (
+        "0, the first axis of the pair leans as the second moves; 1, the second as the first moves"
+    ),
+    "turn_urad": (
+        "urad, of which the angle is more as the axis that moves comes from below than as it comes"
+        " from above"
+    ),
+    "turn_um": (
+        "um, what goes with it at the zero of the axis that moves: it yaws about another place"
+    ),
 }
 OPTIONAL = {"leans": 0.0, "turn_urad": 0.0, "turn_um": 0.0}
 # A router that was put up by eye: 1 mm on 200 mm (unverified).
@@ -29,11 +36,19 @@ TEXT = "Two axes are not square. Write it into the machine's squareness; a progr
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"leans": leans, "turns": turns} for turns in (0.0, 1.0) for leans in (0.0, 1.0)]
+    plain = [{"leans": leans, "turns": 0.0} for leans in (0.0, 1.0)]
+    came = [np.unique(np.sign(state.approach[_axes(axis, shape["leans"])[1]])) for shape in plain]
+    turned = [{**p, "turns": 1.0} for p, c in zip(plain, came, strict=True) if -1 in c and 1 in c]
+    return plain + turned
+
+
+def _axes(axis: str, leans: float) -> tuple[str, str]:
+    """The axis that leans and the one that moves."""
+    return (axis[1], axis[0]) if leans else (axis[0], axis[1])
 
 
 def columns(state: State, axis: str, leans: float = 0.0, turns: float = 0.0) -> np.ndarray:
-    first, second = (axis[1], axis[0]) if leans else (axis[0], axis[1])
+    first, second = _axes(axis, leans)
     way = -state.position[second] * 1e-3
     if not turns:
         return along(first, way)

@@ -1,4 +1,5 @@
-"""Step loss: jumps that stay, of lost steps, a slipped coupling or belt; up to three in an experiment, some of them back."""
+"""Step loss: jumps that stay, of lost steps, a slipped coupling or belt; up to three in an
+experiment, some of them back."""
 
 import numpy as np
 
@@ -14,10 +15,15 @@ PARAMETERS = {
 }
 OPTIONAL = {"second_um": 0.0, "second_s": 0.0, "third_um": 0.0, "third_s": 0.0}
 MOMENTS = ("t_s", "second_s", "third_s")
-SMALLEST = 1.5  # um: instruments jump by less (a fringe miscounted, a probe that settles), and no full step is so short
+# um: instruments jump by less (a fringe miscounted, a probe that settles), and no full step is so
+# short
+SMALLEST = 1.5
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("time",), ("tool", "scale")
-TEXT = "The axis has lost its place by a jump. Home the machine again; look at load, acceleration, coupling and belt."
+TEXT = (
+    "The axis has lost its place by a jump. Home the machine again; look at load, acceleration,"
+    " coupling and belt."
+)
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:

@@ -1,6 +1,7 @@
 """Stick-slip: saw-tooth motion at low feed; the slide waits, then jumps.
 
-Where the jumps are too short for the samples only their mean is seen: while the axis creeps it lags by half a tooth and more.
+Where the jumps are too short for the samples only their mean is seen: while the axis creeps it lags
+by half a tooth and more.
 """
 
 import numpy as np

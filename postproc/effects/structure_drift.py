@@ -1,17 +1,36 @@
-"""Structure drift: the whole frame creeps with the room or with time, wherever the slides stand (ISO 230-3)."""
+"""Structure drift: the whole frame creeps with the room or with time, wherever the slides stand
+(ISO 230-3)."""
 
 import numpy as np
 
-from postproc.effects import State, along, begun, grid, late, swing, swing_coefficients
+from postproc.effects import (
+    State,
+    along,
+    amplitude_and_phase,
+    first_timed,
+    grid,
+    harmonic_coefficients,
+    low_pass,
+)
 
 PARAMETERS = {
-    "size_um": "um per K, drift over the temperature of bed or room; where none is recorded um at the end",
-    "tau_s": "s, 0: by the recorded temperature of the bed; below zero: by that of the air, so many seconds late; else the time in which it comes",
+    "size_um": (
+        "um per K, drift over the temperature of bed or room; where none is recorded um at the end"
+    ),
+    "tau_s": (
+        "s, 0: by the recorded temperature of the bed; below zero: by that of the air, so many"
+        " seconds late; else the time in which it comes"
+    ),
     "from_s": "s, when it begins, for what comes with time",
     "file": "number of the one recording in which it goes with its time, 0 the first; -1: all",
     "bend_um": "um, its share with the square of that time",
-    "creep": "1, with the logarithm of 1 + time over tau_s, as castings and clamps settle; 0, not so",
-    "cycle_s": "s, period of a room's heating or cooling that switches; 0, none; size_um is then half of the swing",
+    "creep": (
+        "1, with the logarithm of 1 + time over tau_s, as castings and clamps settle; 0, not so"
+    ),
+    "cycle_s": (
+        "s, period of a room's heating or cooling that switches; 0, none; size_um is then its"
+        " amplitude (zero to peak)"
+    ),
     "phase_deg": "degrees, of a cosine at t = 0",
 }
 OPTIONAL = {
@@ -48,7 +67,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if not len(state.time):
         return []
     files = np.unique(state.file)
-    first = float(state.time[begun(state)])
+    first = float(state.time[first_timed(state)])
     starts = sorted({float(state.time[state.file == f].min()) for f in files})
     begins = [-1.0, *(t for t in starts if t > first)]
     ways = [(0.0, -1.0, -1.0)] if state.channel(*FRAME) is not None else []
@@ -92,11 +111,11 @@ def columns(
             )
         return along(axis, gone, gone**2)
     if tau_s < 0 and air is not None:
-        return along(axis, late(state, air - air[begun(state)], -tau_s) * _timed(state))
+        return along(axis, low_pass(state, air - air[first_timed(state)], -tau_s) * _timed(state))
     if tau_s == 0 and bed is not None:
-        return along(axis, (bed - bed[begun(state)]) * _timed(state))
+        return along(axis, (bed - bed[first_timed(state)]) * _timed(state))
     tau = max(tau_s, 1.0)
-    gone = np.maximum(state.time - (state.time[begun(state)] if from_s < 0 else from_s), 0.0)
+    gone = np.maximum(state.time - (state.time[first_timed(state)] if from_s < 0 else from_s), 0.0)
     if creep:
         return along(axis, np.log1p(gone / tau) / np.log1p(max(float(gone.max()), 1.0) / tau))
     return along(
@@ -110,7 +129,8 @@ def _timed(state: State) -> np.ndarray:
 
 
 def _turned(state: State) -> np.ndarray:
-    """(N,) bool: diameters of a lathe, which are twice what its slide is off by; what lies between two walls keeps its size."""
+    """(N,) bool: diameters of a lathe, which are twice what its slide is off by; what lies between
+    two walls keeps its size."""
     wall, material = (
         state.channels.get(name, np.zeros(len(state))) for name in ("wall", "material")
     )
@@ -126,16 +146,22 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     named |= {"file": shape.get("file", -1.0), "bend_um": 0.0, "creep": shape.get("creep", 0.0)}
     named |= {"cycle_s": shape.get("cycle_s", 0.0), "phase_deg": 0.0}
     if named["cycle_s"] > 0:
-        found = swing(coefficients)
+        found = amplitude_and_phase(coefficients)
         return named | {"size_um": found["amplitude_um"], "phase_deg": found["phase_deg"]}
     return named | {"bend_um": float(coefficients[1]) if len(coefficients) > 1 else 0.0}
 
 
 def coefficients(
-    size_um: float, tau_s: float, from_s: float = -1.0, file: float = -1.0, bend_um: float = 0.0, creep: float = 0.0,
-    cycle_s: float = 0.0, phase_deg: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    size_um: float,
+    tau_s: float,
+    from_s: float = -1.0,
+    file: float = -1.0,
+    bend_um: float = 0.0,
+    creep: float = 0.0,
+    cycle_s: float = 0.0,
+    phase_deg: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
     shape = {"tau_s": tau_s, "from_s": from_s, "file": file, "creep": creep, "cycle_s": cycle_s}
     if cycle_s > 0:
-        return swing_coefficients(size_um, phase_deg), shape
+        return harmonic_coefficients(size_um, phase_deg), shape
     return np.array([size_um, bend_um] if file >= 0 else [size_um]), shape

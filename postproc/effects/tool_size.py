@@ -1,4 +1,5 @@
-"""Tool size: the tool's diameter is not the one that was assumed; every wall is off by half of the difference."""
+"""Tool size: the tool's diameter is not the one that was assumed; every wall is off by half of the
+difference."""
 
 import numpy as np
 
@@ -23,7 +24,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def columns(state: State, axis: str, change: float = 0.0) -> np.ndarray:
-    """Half a diameter towards the wall: of a pocket it grows, of a boss it shrinks; on a lathe the same by the tool's nose."""
+    """Half a diameter towards the wall: of a pocket it grows, of a boss it shrinks; on a lathe the
+    same by the tool's nose."""
     walls = state.channels["material"].copy()
     turned = (walls == 0) & (state.channels.get("wall", walls) != 0)
     walls[turned] = np.where(state.channels.get("bore", walls)[turned] > 0, 0.5, -0.5)

@@ -1,7 +1,7 @@
 """Tool wear: a ramp with the length that was cut, set back when the tool is changed.
 
-It shows on measured parts, and at a gauge that measures the workpiece between two cuts. There tools are changed after a number
-of parts, and parts are cut while the spindle runs.
+It shows on measured parts, and at a gauge that measures the workpiece between two cuts. There tools
+are changed after a number of parts, and parts are cut while the spindle runs.
 """
 
 import numpy as np
@@ -13,15 +13,20 @@ PARAMETERS = {
     "start_um": "um, the quick wear of a new edge",
     "change": "number of the part before which the tool was changed, 0: never",
     "worn_um": "um, wear of the first tool before the first part",
-    "bores": "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does",
+    "bores": (
+        "1, a worn tool makes bores larger, as one tool post does; -1, smaller, as an edge does"
+    ),
     "life": "runs of the gauge after which the tool is changed every time; 0, it is seen on parts",
     "older": "1, the first tool had cut before the gauge's first run; 0, it was new",
-    "cut": "parts that a new tool has cut when the walls of its first part are finished: 0, or half of one",
+    "cut": (
+        "parts that a new tool has cut when the walls of its first part are finished: 0, or half"
+        " of one"
+    ),
 }
 OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0, "cut": 0.0}
 HALF = 0.5  # walls are finished, one with the other, when half of the part is cut
-# A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by 74 um; a grinding wheel between two
-# dressings by less.
+# A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by
+# 74 um; a grinding wheel between two dressings by less.
 PLAUSIBLE = {
     "rate_um": (-100.0, 100.0),
     "start_um": (-100.0, 100.0),
@@ -30,12 +35,12 @@ PLAUSIBLE = {
 KIND, USE, PER = "machine", "compensate", "axis"
 LINE = True  # an edge that wears on all sides is of no axis
 NEEDS, SEES = ("part",), ("part", "gauge")
-TEXT = "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a change to be sure."
-FEWEST_RUNS, SHORTEST, AFTER = (
-    8,
-    4,
-    3,
-)  # of a gauge, of a life, after a change: without one it is any slow growth
+TEXT = (
+    "The tool wears while it cuts. Tool wear offset, or a change of tool in time; measure after a"
+    " change to be sure."
+)
+# of a gauge, of a life, after a change: without one it is any slow growth
+FEWEST_RUNS, SHORTEST, AFTER = 8, 4, 3
 NEVER = 1000.0  # runs
 QUICK = 0.1  # of its life: in which the edge breaks in
 QUICKEST = 20.0  # parts: what breaks in and then does not wear is no edge
@@ -66,8 +71,8 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 
 def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: float) -> bool:
-    """A tool only loses: the quick wear of a new edge, and what it had lost before, are of one sign with the rest and the
-    quick wear is the smaller part."""
+    """A tool only loses: the quick wear of a new edge, and what it had lost before, are of one sign
+    with the rest and the quick wear is the smaller part."""
     if life <= 0:
         return abs(start_um) <= QUICKEST * abs(rate_um)
     return (
@@ -111,8 +116,8 @@ def columns(
 
 
 def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(N,) age of the edge as a share of its life, how far it has broken in, and 1 for the first tool, of runs of a gauge;
-    elsewhere 0."""
+    """(N,) age of the edge as a share of its life, how far it has broken in, and 1 for the first
+    tool, of runs of a gauge; elsewhere 0."""
     age, quick, old = np.zeros(len(state)), np.zeros(len(state)), np.zeros(len(state))
     rpm = _channel(state, "spindle_rpm")
     for own in _gauged(state):

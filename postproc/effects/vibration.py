@@ -1,22 +1,29 @@
 """Vibration: an oscillation at a fixed frequency in time.
 
-What swings by itself does so in another phase at every passage: with `passages` 1 each has its own. A mode that noise excites is
-no pure wave: with `band` 1 amplitude and phase wander within a passage, by a Fourier series of two terms over its time T (f, f +- 1/T,
-f +- 2/T). A mode that the motion itself excites rings down behind every jump of the commanded acceleration, and with a `damping` the
-phase is that of its jumps, the same in every passage (Meirovitch, Fundamentals of Vibrations, 2001: the free response to a step).
+What swings by itself does so in another phase at every passage: with `passages` 1 each has its own.
+A mode that noise excites is no pure wave: with `band` 1 amplitude and phase wander within a
+passage, by a Fourier series of two terms over its time T (f, f +- 1/T, f +- 2/T). A mode that the
+motion itself excites rings down behind every jump of the commanded acceleration, and with a
+`damping` the phase is that of its jumps, the same in every passage (Meirovitch, Fundamentals of
+Vibrations, 2001: the free response to a step).
 """
 
 import numpy as np
 
-from postproc.effects import State, along, swing, swing_coefficients, waves_of
+from postproc.effects import State, along, amplitude_and_phase, harmonic_coefficients, waves_of
 
 PARAMETERS = {
     "frequency_hz": "Hz, its frequency",
-    "amplitude_um": "um, half of the swing; of what rings down, just behind a jump of the acceleration by 1 m/s2",
+    "amplitude_um": (
+        "um, zero to peak; of what rings down, just behind a jump of the acceleration by 1 m/s2"
+    ),
     "phase_deg": "degrees, of a cosine at t = 0, or at the jump; of the first passage",
     "passages": "1, every passage has a phase of its own; 0, one for all",
     "band": "1, amplitude and phase wander within a passage; 0, they do not",
-    "damping": "1, share of the critical damping (0.01, 0.03 or 0.1) with which it rings down after jumps of the acceleration; 0, it goes on",
+    "damping": (
+        "1, share of the critical damping (0.01, 0.03 or 0.1) with which it rings down after jumps"
+        " of the acceleration; 0, it goes on"
+    ),
 }
 OPTIONAL = {"passages": 0.0, "phase_deg": 0.0, "band": 0.0, "damping": 0.0}
 # What swings by more than 1 mm is no machine that cuts (unverified).
@@ -25,20 +32,16 @@ CONTINUOUS = {"frequency_hz": (0.0, 1e5)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("time", "velocity"), ("tool", "scale")
 TEXT = (
-    "Something swings at a fixed frequency. "
-    "Find what turns at that frequency (spindle, fan, pump) or which mode it is; a program can not correct it."
+    "Something swings at a fixed frequency. Find what turns at that frequency (spindle, fan, pump)"
+    " or which mode it is; a program can not correct it."
 )
 SIDES = (-2, -1, 0, 1, 2)  # over the time of a passage
 MOST = 12  # passages that may wander: each costs ten columns
-DAMPINGS = (
-    0.01,
-    0.03,
-    0.1,
-)  # of critical: welded steel, bolted machine, guideways with much friction
+# of critical: welded steel, bolted machine, guideways with much friction
+DAMPINGS = (0.01, 0.03, 0.1)
 USUAL = 1000.0  # mm/s2
-HALF = (
-    0.02  # s: within so much on either side an acceleration that was told from places has changed
-)
+# s: within so much on either side an acceleration that was told from places has changed
+HALF = 0.02
 JUMP, LEAST = 0.3, 10.0  # of the largest acceleration; mm/s2: what is a jump
 
 
@@ -66,26 +69,25 @@ def columns(
     if damping > 0:
         rung = _rung(state, axis, 2 * np.pi * frequency_hz, damping)
         return along(axis, rung.real, rung.imag)
-    swings = waves_of(state, "time", frequency_hz)
+    steady = waves_of(state, "time", frequency_hz)
     if not passages:
-        return along(axis, *swings)
+        return along(axis, *steady)
     moves = state.since[axis] < 1e9 if axis in state.since else np.ones(len(state), bool)
     number = np.where(moves, state.passage, -1)
     parts = [number == p for p in np.unique(number[number >= 0])]
     if not band or len(parts) > MOST:
-        return along(axis, *(swing * part for part in parts for swing in swings))
+        return along(axis, *(wave * part for part in parts for wave in steady))
     waves = []
     for part in parts:
         lasts = max(float(np.ptp(state.time[part])), 1e-9)
         for side in SIDES:
-            waves += [
-                swing * part for swing in waves_of(state, "time", frequency_hz + side / lasts)
-            ]
+            waves += [wave * part for wave in waves_of(state, "time", frequency_hz + side / lasts)]
     return along(axis, *waves)
 
 
 def jumps(time: np.ndarray, acceleration: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(K,) s and (K,) mm/s2: when the acceleration (N,) of a passage jumps at times (N,) in order, and by how much."""
+    """(K,) s and (K,) mm/s2: when the acceleration (N,) of a passage jumps at times (N,) in order,
+    and by how much."""
     if len(time) < 3:
         return np.zeros(0), np.zeros(0)
     half = max(HALF, 1.01 * float(np.median(np.diff(time))))
@@ -100,7 +102,8 @@ def jumps(time: np.ndarray, acceleration: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _rung(state: State, axis: str, w: float, damping: float) -> np.ndarray:
-    """(N,) complex: exp(-z w t) (cos w t + i sin w t) behind every jump, times the jump over 1 m/s2; means over the samples of a row."""
+    """(N,) complex: exp(-z w t) (cos w t + i sin w t) behind every jump, times the jump over 1
+    m/s2; means over the samples of a row."""
     result = np.zeros(len(state), complex)
     acceleration = state.acceleration.get(axis)
     if acceleration is None or len(state.passage) != len(state):
@@ -131,12 +134,11 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     named = {"frequency_hz": shape["frequency_hz"]} | {
         k: shape.get(k, 0.0) for k in ("passages", "band", "damping")
     }
-    first = swing(pairs[0])
+    first = amplitude_and_phase(pairs[0])
     size = float(np.sqrt(np.mean((pairs**2).sum(axis=1))))
-    if (
-        named["band"] and len(pairs) % len(SIDES) == 0
-    ):  # the power of a passage's waves is that of all five
-        first, size = swing(pairs[len(SIDES) // 2]), size * float(np.sqrt(len(SIDES)))
+    # the power of a passage's waves is that of all five
+    if named["band"] and len(pairs) % len(SIDES) == 0:
+        first, size = amplitude_and_phase(pairs[len(SIDES) // 2]), size * float(np.sqrt(len(SIDES)))
     return named | first | {"amplitude_um": size}
 
 
@@ -148,8 +150,9 @@ def coefficients(
     band: float = 0.0,
     damping: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    """One phase for all: which phases other passages have, and how they wander, nobody can foretell; only what the motion rings."""
+    """One phase for all: which phases other passages have, and how they wander, nobody can
+    foretell; only what the motion rings."""
     shape = {"frequency_hz": frequency_hz, "passages": 0.0} | (
         {"damping": damping} if damping > 0 else {}
     )
-    return swing_coefficients(amplitude_um, phase_deg), shape
+    return harmonic_coefficients(amplitude_um, phase_deg), shape

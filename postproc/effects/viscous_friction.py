@@ -1,8 +1,10 @@
-"""Viscous friction: an error that grows with the speed, of a drive that gives under the grease's resistance.
+"""Viscous friction: an error that grows with the speed, of a drive that gives under the grease's
+resistance.
 
-In proportion to the speed it is no other than a servo lag. Lubricated guideways and ball screws resist with a power of it below one
-(Bo and Pavelescu, The friction-speed relation and its influence on the critical velocity of stick-slip motion, Wear 82, 1982, 277;
-Armstrong-Helouvry et al., Automatica 30, 1994, 1083), which a lag never does.
+In proportion to the speed it is no other than a servo lag. Lubricated guideways and ball screws
+resist with a power of it below one (Bo and Pavelescu, The friction-speed relation and its influence
+on the critical velocity of stick-slip motion, Wear 82, 1982, 277; Armstrong-Helouvry et al.,
+Automatica 30, 1994, 1083), which a lag never does.
 """
 
 import numpy as np

@@ -1,11 +1,13 @@
-"""Windup: a reversal error that builds up with the distance after the reversal (pre-sliding friction, an elastic drive).
+"""Windup: a reversal error that builds up with the distance after the reversal (pre-sliding
+friction, an elastic drive).
 
-After a long way and one turn it is Dahl's model (A solid friction model, 1968): 1 - 2 exp(-way / length). That is a drive of plays
-(Prandtl-Ishlinskii) whose thresholds r are as frequent as exp(-2 r / length), and such a drive has Masing's rules: every way since a
-turn, until it is as long as the one before, adds its own size * (1 - exp(-way / length)) to what was remembered
-(Al-Bender, Lampaert, Swevers, The generalized Maxwell-slip model, IEEE Trans. Automatic Control 50, 2005). A screw is the softer the
-farther the nut is from the end that is held (Altintas and others, Machine tool feed drives, CIRP Annals 60 (2011) 779): then it winds
-up more at one end of the travel.
+After a long way and one turn it is Dahl's model (A solid friction model, 1968): 1 - 2 exp(-way /
+length). That is a drive of plays (Prandtl-Ishlinskii) whose thresholds r are as frequent as exp(-2
+r / length), and such a drive has Masing's rules: every way since a turn, until it is as long as the
+one before, adds its own size * (1 - exp(-way / length)) to what was remembered (Al-Bender,
+Lampaert, Swevers, The generalized Maxwell-slip model, IEEE Trans. Automatic Control 50, 2005). A
+screw is the softer the farther the nut is from the end that is held (Altintas and others, Machine
+tool feed drives, CIRP Annals 60 (2011) 779): then it winds up more at one end of the travel.
 """
 
 import numpy as np
@@ -19,7 +21,8 @@ PARAMETERS = {
     "grows": "1, it differs along the travel; 0, it does not",
 }
 OPTIONAL = {"grows_um": 0.0, "grows": 0.0}
-# Twice the friction over the stiffness: 50 N on a belt of 100 N/mm are 1 mm, on a screw of 50 N/um 2 um.
+# Twice the friction over the stiffness: 50 N on a belt of 100 N/mm are 1 mm, on a screw of 50 N/um
+# 2 um.
 PLAUSIBLE = {
     "size_um": (0.0, 1000.0),
     "grows_um": (-1000.0, 1000.0),
@@ -30,15 +33,16 @@ CONTINUOUS = {"length_mm": (0.05, 15.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("approach", "distance"), ("tool", "part")
 TEXT = (
-    "The drive winds up before the slide follows. "
-    "A staircase of small reversals shows its length; the compensator takes it up over three of them (reversal = ramp)."
+    "The drive winds up before the slide follows. A staircase of small reversals shows its length;"
+    " the compensator takes it up over three of them (reversal = ramp)."
 )
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = float(np.min(state.distance[axis], initial=np.inf)) if axis in state.distance else 0.0
     lengths = grid(0.1, 10.0, 9)
-    # Where every reading lies so far behind its turn that all is built up, what differs along the travel is backlash_position.
+    # Where every reading lies so far behind its turn that all is built up, what differs along the
+    # travel is backlash_position.
     told = [v for v in lengths if near < BUILT_UP * v]
     return [{"length_mm": v, "grows": 0.0} for v in lengths] + [
         {"length_mm": v, "grows": 1.0} for v in told
@@ -76,8 +80,9 @@ def coefficients(
 
 
 def ramp_mm(size_um: float, length_mm: float, **_: float) -> float:
-    """mm of travel after a turn over which a compensator takes it up: 3 lengths, when 0.9 of it has come. Taken up at the turn
-    it would be all there before the slide asks for it, and leave twice what it leaves uncorrected."""
+    """mm of travel after a turn over which a compensator takes it up: 3 lengths, when 0.9 of it has
+    come. Taken up at the turn it would be all there before the slide asks for it, and leave twice
+    what it leaves uncorrected."""
     return 3.0 * length_mm
 
 

@@ -1,7 +1,8 @@
 """When each block is executed: the program's own clock, from its feeds, its rapids and its dwells.
 
-Whole microseconds, so that any cut of the input gives the same times. What a control adds is not known here: acceleration, tool
-changes, stops that a person ends, overrides. Pace stands for it: by which factor the machine takes longer than the words say.
+Whole microseconds, so that any cut of the input gives the same times. What a control adds is not
+known here: acceleration, tool changes, stops that a person ends, overrides. Pace stands for it: by
+which factor the machine takes longer than the words say.
 """
 
 from __future__ import annotations
@@ -17,45 +18,62 @@ from postproc.nc.lexer import Words
 from postproc.units import TICKS_PER_MM
 
 VELOCITY = 10_000.0 / 60.0  # mm/s and degrees/s of a rapid, where the machine states none
-SMALLEST = (
-    1.0  # mm: radius below which G96 does not turn a spindle any faster (its limit is not read)
-)
 MICRO = 1e6
+STOPS = (0, 1, 6, 60)  # M codes that wait for a person, or for a tool changer
 
 
 @dataclass(frozen=True)
 class Ticking:
-    """What one batch hands the next. now: microseconds since the program began; spoken: of the spindle; without: motions that had
-    no feed and took no time."""
+    """What one batch hands the next. now: microseconds since the program began; spoken: of the
+    spindle; without: motions that had no feed and took no time; stops: how often a person, or a
+    tool changer, was waited for; radius: mm, where X stands;
+    unlimited: blocks under G96 of which no limit is told."""
 
     now: int = 0
     spoken: pace.Spoken = field(default_factory=pace.Spoken)
     without: int = 0
+    stops: int = 0
+    radius: float = 0.0
+    unlimited: int = 0
 
 
 @dataclass(frozen=True)
 class Rates:
-    """How a machine and its control count time. velocity (A,): mm/s and degrees/s of each axis at rapid; slides: rows of the linear
-    axes, along which a feed counts; drops: whether blocks with / are skipped; dialect: of the program."""
+    """How a machine and its control count time. velocity (A,): mm/s and degrees/s of each axis at
+    rapid; slides: rows of the linear axes, along which a feed counts; dialect: of the program."""
 
     velocity: np.ndarray
     slides: tuple[int, ...]
     dialect: Dialect
-    drops: bool = False
+
+
+@dataclass(frozen=True)
+class Rests:
+    """The R dwells of a batch. before (R,): number of the motion before which it rests, N behind
+    the last; took (R,): microseconds; rpm (R,): of its own block."""
+
+    before: np.ndarray
+    took: np.ndarray
+    rpm: np.ndarray
 
 
 @dataclass(frozen=True)
 class Times:
-    """Of each motion (N,): begin and end, microseconds since the program began; rpm, the spindle's turns per minute."""
+    """Of each motion (N,): begin and end, microseconds since the program began; rpm, the spindle's
+    turns per minute; rests: between them."""
 
     begin: np.ndarray
     end: np.ndarray
     rpm: np.ndarray
+    rests: Rests
 
-    @property
-    def middle(self) -> np.ndarray:
-        """(N,) s."""
-        return (self.begin + self.end) / (2 * MICRO)
+    def steps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(M,) microseconds, (M,) turns per minute and (M,) bool, whether it is a motion, of all
+        that takes time, in order: motions, and rests between them."""
+        at = self.rests.before
+        took = np.insert(self.end - self.begin, at, self.rests.took)
+        rpm = np.insert(self.rpm, at, self.rests.rpm)
+        return took, rpm, np.insert(np.ones(len(self.begin), bool), at, False)
 
 
 def run(words: Words, motions: Motions, rates: Rates, before: Ticking) -> tuple[Times, Ticking]:
@@ -65,43 +83,58 @@ def run(words: Words, motions: Motions, rates: Rates, before: Ticking) -> tuple[
     rpm = _turns(motions, spindle) if n else np.zeros(0)
     took, without = _durations(motions, spindle, rpm, rates)
     micros = np.rint(took * MICRO).astype(np.int64)
-    rests = _rests(words, rates)
-    waits = np.zeros(n, np.int64)
-    last = 0
-    for block, rest in rests:  # behind the motions of its own block
-        k = int(np.searchsorted(motions.block, block, "right"))
-        if k < n:
-            waits[k] += rest
-        else:
-            last += rest
-    end = before.now + np.cumsum(micros + waits)
-    now = (int(end[-1]) if n else before.now) + last
-    return Times(end - micros, end, rpm), Ticking(now, spoken, before.without + without)
+    rests = _rests(words, motions, spindle, rates, before.radius)
+    waits = np.bincount(rests.before, weights=rests.took, minlength=n + 1).astype(np.int64)
+    end = before.now + np.cumsum(micros + waits[:-1])
+    now = (int(end[-1]) if n else before.now) + int(waits[-1])
+    after = Ticking(
+        now,
+        spoken,
+        before.without + without,
+        before.stops + _stops(words, rates),
+        float(_radius(motions)[-1]) if n else before.radius,
+        before.unlimited + int((spindle.on & spindle.surface & np.isinf(spindle.cap)).sum()),
+    )
+    return Times(end - micros, end, rpm, rests), after
 
 
-def _rests(words: Words, rates: Rates) -> list[tuple[int, int]]:
-    """Block and microseconds of every dwell; one whose time is not known rests 0."""
+def _rests(
+    words: Words, motions: Motions, spindle: pace.Spindle, rates: Rates, radius: float
+) -> Rests:
+    """Every dwell, behind the motions of its own block; one whose time is not known rests 0.
+    radius: mm, where X stands before the batch."""
     live = pace.live(words, rates.dialect)
     found = []
     for block in pace.dwells(words):
-        if block <= live and not (rates.drops and words.skip[block]):
+        if block <= live:
             seconds = pace.seconds(words, block, rates.dialect)
             if 0 < seconds <= pace.LONGEST:
                 found.append((block, round(seconds * MICRO)))
+    blocks = np.array([block for block, _ in found], np.int64)
+    before = np.searchsorted(motions.block, blocks, "right")
+    stands = np.concatenate([[radius], _radius(motions)])[before]
+    took = np.array([micros for _, micros in found], np.int64)
+    return Rests(before, took, spindle.turns(blocks, stands))
+
+
+def _stops(words: Words, rates: Rates) -> int:
+    """How many blocks wait for a person or a tool changer."""
+    stop = (words.letter == ord("M")) & np.isin(words.mantissa, STOPS) & (words.decimals == 0)
+    blocks = np.unique(words.block[stop])
+    return int((blocks <= pace.live(words, rates.dialect)).sum())
+
+
+def _radius(motions: Motions) -> np.ndarray:
+    """(N,) mm, where X stands behind each motion, or the first axis that there is."""
+    found: np.ndarray = np.abs(motions.target[0]) / TICKS_PER_MM
     return found
 
 
 def _turns(motions: Motions, spindle: pace.Spindle) -> np.ndarray:
     """(N,) turns per minute; under G96 by the radius in the middle of the motion."""
-    number, on = spindle.number[motions.block], spindle.on[motions.block]
-    radius = np.abs(motions.start[0] + motions.target[0]) / (
-        2 * TICKS_PER_MM
-    )  # X, or the first axis that there is
-    by_surface = number * 1000.0 / (2 * np.pi * np.maximum(radius, SMALLEST))
-    found: np.ndarray = np.where(
-        on, np.where(spindle.surface[motions.block], by_surface, number), 0.0
-    )
-    return found
+    # X, or the first axis that there is
+    radius = np.abs(motions.start[0] + motions.target[0]) / (2 * TICKS_PER_MM)
+    return spindle.turns(motions.block, radius)
 
 
 def _durations(
@@ -117,12 +150,7 @@ def _durations(
     turned = np.abs(arcs.sweep) * arcs.radius
     across = np.sqrt(np.maximum(length[arcs.motion] ** 2 - _plane(way, arcs) ** 2, 0.0))
     length[arcs.motion] = np.hypot(turned, across)
-    unit = (
-        np.where((motions.scale > TICKS_PER_MM).any(axis=0), 25.4, 1.0)
-        if len(motions)
-        else np.zeros(0)
-    )
-    feed = motions.feed * unit / 60.0
+    feed = motions.feed * pace.unit_of_feed(motions) / 60.0
     if len(motions):
         by_turn = spindle.mode[motions.block] == pace.PER_TURN
         feed = np.where(by_turn, feed * rpm, feed)
@@ -147,7 +175,8 @@ def _plane(way: np.ndarray, arcs) -> np.ndarray:
 
 
 def _down(motions: Motions, feed: np.ndarray, velocity: np.ndarray) -> np.ndarray:
-    """(n,) s of each hole: once down at its feed and back up as a rapid; pecks are not known here."""
+    """(n,) s of each hole: once down at its feed and back up as a rapid; pecks are not known
+    here."""
     holes = motions.holes
     deep = np.abs(holes.level - holes.bottom) / TICKS_PER_MM
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,42 +1,50 @@
-"""The drivers of a machine along a program: a log of temperatures read at the program's own clock, and a spindle that warms up.
+"""The drivers of a machine along a program: a log of temperatures read at the program's own clock,
+and a spindle that warms up.
 
-Values are given in whole steps, each of which moves an axis by a small share of the tolerance, so that blocks that meet the same
-temperature are corrected together. A program that outlasts its log is refused unless holding its last row was asked for.
+Values are given in whole steps, each of which moves an axis by a small share of the tolerance, so
+that blocks that meet the same temperature are corrected together. A block that lasts so long that
+heat moves the machine meanwhile is given in spells, to be cut in time. A program that outlasts its
+log is refused unless holding its last reading was asked for.
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from postproc.errors import BlockFault
+from postproc.errors import BlockFault, Notice
 from postproc.heat import clock
-from postproc.heat.log import Log
+from postproc.heat.course import Course, Lags, State, spun
+from postproc.heat.log import Log, Newest
 from postproc.machine.growth import Driver
-from postproc.motions import Motions
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, Motions, Spells
 from postproc.nc.lexer import Words
 from postproc.units import UM
 
-SHARE = 1 / 8  # of the tolerance, that steps of all drivers together may leave
-ALIKE = 1e-4  # of a time constant
+# of the tolerance: what steps of all drivers together may leave, and as much again what heat does
+# within one spell, from its middle on
+SHARE = 1 / 8
+LONG = 60.0  # s: a thermometer on metal moves by 6 K at most meanwhile (diagnose/thermometers.py)
+LOOKS = 16  # places a spell at which is looked where heat has moved the machine how far
 
 
 @dataclass(frozen=True)
 class Warmth:
-    """What one batch hands the next. spindles: two lags of each spindle driver, and when they were so, s; most: axis to mm, by how much heat moved it most so far; ticking: the clock."""
+    """What one batch hands the next. ticking: the clock; spindles: two lags of each spindle
+    driver; most: axis to mm, by how much heat moved it most so far."""
 
     ticking: clock.Ticking = field(default_factory=clock.Ticking)
-    spindles: tuple[tuple[float, float, float], ...] = ()
+    spindles: tuple[State, ...] = ()
     most: tuple[float, ...] = ()  # in the order of `letters`
 
 
 @dataclass(frozen=True)
 class Heat:
-    """drivers; log; begin: s of the log at which the program starts; pace: how many times longer the machine takes than the
-    words say; rates: of its clock; step (D,): unit of each whole step; hold: whether the log's last row holds beyond it."""
+    """drivers; log; begin: s of the log at which the program starts; pace: how many times longer
+    the machine takes than the words say; rates: of its clock; step (D,): unit of each whole step;
+    hold: whether the log's last row holds beyond it."""
 
     drivers: tuple[Driver, ...]
     log: Log
@@ -48,7 +56,7 @@ class Heat:
 
     def initial(self) -> Warmth:
         """Before the first block: spindles are cold."""
-        none = tuple((0.0, 0.0, 0.0) for d in self.drivers if not d.column)
+        none = tuple((0.0, 0.0) for d in self.drivers if not d.column)
         return Warmth(spindles=none, most=(0.0,) * len(self.letters))
 
     @cached_property
@@ -65,64 +73,138 @@ class Heat:
         )
         return float(np.abs(unit.T @ np.unique(values[own], axis=1)).max(initial=0.0))
 
-    def run(self, words: Words, motions: Motions, before: Warmth) -> tuple[Motions, Warmth]:
-        """The motions with the whole steps (D, N) of the drivers in the middle of each. Raises BlockFault."""
-        values, after = self.values(words, motions, before)
-        steps = np.rint(values / self.step[:, None]).astype(np.int64)
-        return replace(motions, heat=steps), after
-
-    def values(self, words: Words, motions: Motions, before: Warmth) -> tuple[np.ndarray, Warmth]:
-        """(D, N): each driver in the middle of each motion, and what the next batch must know. Raises BlockFault."""
-        times, ticking = clock.run(words, motions, self.rates, before.ticking)
-        at = times.middle * self.pace
-        self._refuse(motions, times, ticking)
-        result = np.zeros((len(self.drivers), len(motions)))
-        spindles, k = list(before.spindles), 0
-        for row, driver in enumerate(self.drivers):
-            if driver.column:
-                result[row] = self._read(driver, at)
-            else:
-                result[row], spindles[k] = _spun(dict(driver.spindle), at, times.rpm, spindles[k])
-                k += 1
+    def run(
+        self, words: Words, motions: Motions, before: Warmth
+    ) -> tuple[Motions, Warmth, list[Notice]]:
+        """The motions with the whole steps (D, N) of the drivers in the middle of each, and spells
+        of those that are to be cut in time. Raises BlockFault."""
+        course, after = self.course(words, motions, before)
+        every = np.arange(len(motions))
+        values = course.at(every, np.full(len(every), 0.5))
+        steps = self._whole(values)
+        spells, notices = self._spells(course, motions)
+        if len(spells):
+            values = np.concatenate([values, spells.heat * self.step[:, None]], axis=1)
         most = tuple(
-            max(a, self._moved(x, result)) for x, a in zip(self.letters, before.most, strict=True)
+            max(a, self._moved(x, values)) for x, a in zip(self.letters, before.most, strict=True)
         )
-        return result, Warmth(ticking, tuple(spindles), most)
+        after = replace(after, most=most)
+        notices += [Notice("heat", self.told(after), size=1.0 + after.ticking.now)]
+        notices += self._stops(after.ticking.stops) + self._unlimited(after.ticking.unlimited)
+        return replace(motions, heat=steps, spells=spells), after, notices
 
-    def within(self, words: Words, motions: Motions, before: Warmth) -> float:
-        """mm: by how much the log's temperatures move the machine within half of one motion, at most."""
-        times, _ = clock.run(words, motions, self.rates, before.ticking)
-        moved = np.zeros(len(motions))
-        for driver in (d for d in self.drivers if d.column):
-            middle = self._read(driver, times.middle * self.pace)
-            ends = [
-                self._read(driver, end * self.pace / clock.MICRO) - middle
-                for end in (times.begin, times.end)
-            ]
-            moved += np.abs(ends).max(axis=0) * driver.most
-        return float(moved.max(initial=0.0))
+    def course(self, words: Words, motions: Motions, before: Warmth) -> tuple[Course, Warmth]:
+        """The drivers along a batch, and what the next one must know. Raises BlockFault."""
+        times, ticking = clock.run(words, motions, self.rates, before.ticking)
+        self._refuse(motions, times)
+        lags: list[Lags] = []
+        for driver in (d for d in self.drivers if not d.column):
+            lags.append(spun(dict(driver.spindle), times, self.pace, before.spindles[len(lags)]))
+        second = self.pace / clock.MICRO
+        course = Course(
+            self.drivers,
+            self.log,
+            self.begin,
+            times.begin * second,
+            times.end * second,
+            tuple(lags),
+        )
+        return course, replace(before, ticking=ticking, spindles=tuple(x.after for x in lags))
 
-    def _read(self, driver: Driver, at: np.ndarray) -> np.ndarray:
-        """(N,) K above where the driver does nothing."""
-        zero = driver.zero
-        if math.isnan(zero):
-            zero = float(Log.at(self.log, driver.column, np.array([self.begin]))[0])
-        return self.log.at(driver.column, self.begin + at) - zero
+    def _whole(self, values: np.ndarray) -> np.ndarray:
+        """(D, K) whole steps of values (D, K)."""
+        steps: np.ndarray = np.rint(values / self.step[:, None]).astype(np.int64)
+        return steps
 
-    def _refuse(self, motions: Motions, times: clock.Times, ticking: clock.Ticking) -> None:
-        """A block behind the end of the log."""
-        if self.hold or not any(d.column for d in self.drivers):
-            return
-        left = float(self.log.time[-1]) - self.begin
-        late = np.flatnonzero(times.end * self.pace / clock.MICRO > left)
-        if len(late):
-            k = int(late[0])
-            raise BlockFault(
-                int(motions.block[k]),
-                f"{self.log.name} ends {left:.0f} s after the program begins, and this block ends after "
-                f"{times.end[k] * self.pace / clock.MICRO:.0f} s",
-                "a longer log, --log-begin where it fits, or --hold-temperature, which holds its last row",
+    def _spells(self, course: Course, motions: Motions) -> tuple[Spells, list[Notice]]:
+        """Spells of motions within which heat moves the machine by more than two SHARE of the
+        tolerance; and what is said of those that can not be cut."""
+        every, limit = np.arange(len(motions)), max(1, len(self.drivers))
+        varied = course.varied(every, np.ones(len(every)), self.step)
+        may = np.isin(motions.code, (FEED, CLOCKWISE, COUNTER)) & ~motions.alone
+        may &= (motions.start_known & motions.target_known).all(axis=0)
+        if len(motions.cutter):
+            may &= motions.cutter == FREE
+        motion, until, heat = [], [], []
+        for k in np.flatnonzero(may & (varied > limit)).tolist():
+            parts = int(np.ceil(varied[k] / limit))
+            share = np.linspace(0.0, 1.0, LOOKS * parts + 1)
+            so_far = course.varied(np.full(len(share), k), share, self.step)
+            edges = np.interp(np.arange(1, parts) / parts * varied[k], so_far, share)
+            middles = np.interp((np.arange(parts) + 0.5) / parts * varied[k], so_far, share)
+            motion.append(np.full(parts, k))
+            until.append(np.append(edges, 1.0))
+            heat.append(self._whole(course.at(motion[-1], middles)))
+        notices = self._left(motions, np.where(may, 0.0, varied) / limit, course)
+        if not motion:
+            return Spells(np.zeros(0, np.int64), np.zeros(0), np.zeros((0, 0), np.int64)), notices
+        found = Spells(np.concatenate(motion), np.concatenate(until), np.concatenate(heat, axis=1))
+        return found, notices
+
+    def _left(self, motions: Motions, varied: np.ndarray, course: Course) -> list[Notice]:
+        """What heat does within a block that is not cut, where that is more than the tolerance, of
+        which `varied` (N,) is in units of two SHARE; rapids and what is left as it is do not
+        count."""
+        found = []
+        counts = (motions.code >= FEED) & ~motions.alone
+        worst = int(np.argmax(np.where(counts, varied, 0.0))) if len(motions) else 0
+        if len(motions) and counts[worst] and varied[worst] * 2 * SHARE > 1.0:
+            ends = course.at(np.array([worst, worst]), np.array([0.0, 1.0]))
+            moved = max(self._moved(x, ends[:, 1:] - ends[:, :1]) for x in self.letters)
+            message = (
+                f"heat moves the machine by up to {moved / UM:.1f} um while this block lasts, which"
+                " can not be cut in time: it is corrected for its middle"
             )
+            found.append(Notice("heat in a block", message, int(motions.block[worst]), moved))
+        longest = float((course.end - course.start).max(initial=0.0))
+        if isinstance(self.log, Newest) and longest > LONG:
+            k = int(np.argmax(course.end - course.start))
+            message = (
+                f"this block lasts {longest:.0f} s, and is corrected for the temperature at which"
+                " it was prepared"
+            )
+            found.append(Notice("heat later", message, int(motions.block[k]), longest))
+        return found
+
+    def _stops(self, stops: int) -> list[Notice]:
+        """What is said of stops whose time nobody knows, where the clock counts."""
+        if not stops or (isinstance(self.log, Newest) and all(d.column for d in self.drivers)):
+            return []
+        message = (
+            f"heat over time: {stops} stops and tool changes (M0 M1 M6 M60) take no time by the"
+            " program's clock: how long they take is not known, and what follows is corrected as if"
+            " it came at once (G4 in their place counts)"
+        )
+        return [Notice("heat stops", message, size=float(stops))]
+
+    def _unlimited(self, blocks: int) -> list[Notice]:
+        """What is taken of turns under G96 where the program tells no limit of them."""
+        if not blocks or all(d.column for d in self.drivers):
+            return []
+        message = (
+            f"heat over time: {blocks} blocks under G96 tell no limit of the spindle's turns (G50"
+            " S, G92 S, LIMS=, D): they are taken as the surface speed asks for, at a radius of"
+            " 1 mm at least, or as the machine's fastest_rpm"
+        )
+        return [Notice("heat surface", message, size=float(blocks))]
+
+    def _refuse(self, motions: Motions, times: clock.Times) -> None:
+        """A block behind the last reading of a column."""
+        if self.hold:
+            return
+        ends = times.end * self.pace / clock.MICRO
+        for driver in (d for d in self.drivers if d.column):
+            left = float(self.log.told(driver.column)[-1]) - self.begin
+            late = np.flatnonzero(ends > left)
+            if len(late):
+                k = int(late[0])
+                raise BlockFault(
+                    int(motions.block[k]),
+                    f"{driver.column} of {self.log.name} ends {left:.0f} s after the program"
+                    f" begins, and this block ends after {ends[k]:.0f} s",
+                    "a longer log, --log-begin where it fits, or --hold-temperature, which holds"
+                    " its last reading",
+                )
 
     def told(self, warmth: Warmth) -> str:
         """How long the program takes, and what the heat did, for a person."""
@@ -130,34 +212,14 @@ class Heat:
         moved = ", ".join(
             f"{x} by {size / UM:.1f} um" for x, size in zip(self.letters, warmth.most, strict=True)
         )
-        return f"by its own clock the program takes {lasts:.0f} s; heat moves {moved or 'nothing'} at most"
+        return (
+            f"by its own clock the program takes {lasts:.0f} s; heat moves {moved or 'nothing'} at"
+            " most"
+        )
 
 
 def steps(drivers: tuple[Driver, ...], tolerance: float) -> np.ndarray:
-    """(D,) whole steps: half a step of every driver along one axis is SHARE of the tolerance, mm, together, over all axes."""
+    """(D,) whole steps: half a step of every driver along one axis is SHARE of the tolerance, mm,
+    together, over all axes."""
     n = max(1, len(drivers))
     return np.array([2 * SHARE * tolerance / (n * d.most) if d.most else 1.0 for d in drivers])
-
-
-def _spun(
-    p: dict[str, float], at: np.ndarray, rpm: np.ndarray, before: tuple[float, float, float]
-) -> tuple[np.ndarray, tuple[float, float, float]]:
-    """(N,) um of growth in the middle of each motion, from turns (N,) that hold since the one before; spindle_growth's own two
-    lags, solved exactly over each step."""
-    fastest = max(p["fastest_rpm"], 1.0)
-    heat = (np.abs(rpm) / fastest) ** p["power"] * fastest / 1000.0
-    tau, housing = p["tau_s"], p["housing_s"]
-    if housing > 0 and abs(housing / tau - 1.0) < ALIKE:
-        housing = tau * (1.0 + ALIKE)
-    level, slow, last = before
-    result = np.zeros(len(at))
-    for k, (t, hot) in enumerate(zip(at.tolist(), heat.tolist(), strict=True)):
-        gone, above = t - last, level - hot
-        first = math.exp(-gone / tau)
-        if housing > 0:
-            second = math.exp(-gone / housing)
-            through = above * tau / (tau - housing) * (first - second)
-            slow = hot + through + (slow - hot) * second
-        level, last = hot + above * first, t
-        result[k] = level * p["um_per_1000_rpm"] + (slow * p["housing_um"] if housing > 0 else 0.0)
-    return result + p["shift_um"] * (np.abs(rpm) / fastest) ** 2, (level, slow, last)

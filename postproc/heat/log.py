@@ -1,7 +1,9 @@
-"""A log of temperatures: a table with a time and a column for each thermometer, as data loggers and controllers write it.
+"""A log of temperatures: a table with a time and a column for each thermometer, as data loggers and
+controllers write it.
 
-The first row that holds names is the head; lines before it that begin with # are skipped. The time is `t_s`, or the first column:
-seconds, or a date and time (ISO 8601). A cell without a number is a gap, which is bridged from its neighbours.
+The first row is the head, with the names of the columns; empty lines and lines that begin with #
+are skipped. The time is `t_s`, or the first column: seconds, or a date and time (ISO 8601). A cell
+without a number is a gap, which is bridged from its neighbours.
 """
 
 from __future__ import annotations
@@ -9,43 +11,69 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 
 import numpy as np
 
+from postproc.diagnose.thermometers import JUMP_K, SPEED
 from postproc.errors import GcompError, Place
 
-PLAUSIBLE = (
-    -40.0,
-    150.0,
-)  # degrees Celsius of a machine; beyond, a column is no temperature in Celsius
+# degrees Celsius of a machine; beyond, a column is no temperature in Celsius
+PLAUSIBLE = (-40.0, 150.0)
 TIMES = ("t_s", "time_s", "time", "timestamp", "date", "datetime")
+# The DS18B20 reads 85 C after its power was lost (its data sheet: power-on value), and the library
+# that most loggers read it with gives -127 C where it does not answer (DallasTemperature.h,
+# DEVICE_DISCONNECTED_C).
+FAULTY = (
+    "it lies on metal, which is slower: a thermometer's fault (85 and -127 are what a DS18B20 that"
+    " failed reads)? Mend it, and empty such cells: a gap is bridged"
+)
 
 
 class LogError(GcompError):
-    """A log of temperatures can not be read."""
+    """A log of temperatures can not be read, or says what can not be."""
 
 
 @dataclass(frozen=True)
 class Log:
-    """name: of the file; time (R,) s, ascending; columns: name to (R,) degrees Celsius; dated: s of the first row since 1970 in UTC
-    where times are dates, None where they are seconds."""
+    """name: of the file; time (R,) s, ascending; columns: name to (R,) degrees Celsius; dated: s of
+    the first row since 1970 in UTC where times are dates, None where they are seconds; known:
+    name to (K,) rows whose cell holds a number (none: all of them); lines (R,): of the file, from
+    1."""
 
     name: str
     time: np.ndarray
     columns: dict[str, np.ndarray]
     dated: float | None = None
+    known: dict[str, np.ndarray] = field(default_factory=dict)
+    lines: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
 
-    @property
-    def widest(self) -> float:
-        """s, the longest time between two rows."""
-        return float(np.diff(self.time).max(initial=0.0))
+    def told(self, column: str) -> np.ndarray:
+        """(K,) s at which a column holds a number."""
+        rows = self.known.get(column)
+        return self.time if rows is None else self.time[rows]
+
+    def widest(self, column: str) -> float:
+        """s, the longest time between two numbers of a column."""
+        return float(np.diff(self.told(column)).max(initial=0.0))
+
+    def place(self, row: int) -> Place:
+        """Where a row stands."""
+        return Place(self.name, int(self.lines[row]) if len(self.lines) else 1)
 
     def at(self, column: str, time: np.ndarray) -> np.ndarray:
-        """(N,) degrees Celsius, on straight lines between the rows; beyond the ends what they are there."""
+        """(N,) degrees Celsius, on straight lines between the rows; beyond the ends what they are
+        there."""
         values: np.ndarray = np.interp(time, self.time, self.columns[column])
         return values
+
+    def varied(self, column: str, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+        """(N,) K by which it changes from first to last (N,) s, to and fro added up."""
+        change = np.abs(np.diff(self.columns[column], prepend=self.columns[column][0]))
+        total = np.cumsum(change)
+        found: np.ndarray = np.interp(last, self.time, total) - np.interp(first, self.time, total)
+        return found
 
     def moment(self, text: str) -> float:
         """s of the log: of seconds, or of a date and time. Raises GcompError."""
@@ -60,16 +88,23 @@ class Log:
 
 
 class Newest(Log):
-    """A log that goes on while the program runs: its newest row counts, whatever the clock says. fresh() reads it anew."""
+    """A log that goes on while the program runs: its newest row counts, whatever the clock says.
+    fresh() reads it anew, and raises LogError."""
 
     def __init__(self, first: Log, fresh: Callable[[], Log]):
-        super().__init__(first.name, first.time, first.columns, first.dated)
+        super().__init__(
+            first.name, first.time, first.columns, first.dated, first.known, first.lines
+        )
         object.__setattr__(self, "fresh", fresh)
 
     def at(self, column: str, time: np.ndarray) -> np.ndarray:
         """(N,) degrees Celsius of the newest row."""
         values: np.ndarray = np.full(np.shape(time), self.fresh().columns[column][-1])  # type: ignore[attr-defined]
         return values
+
+    def varied(self, column: str, first: np.ndarray, last: np.ndarray) -> np.ndarray:
+        """None: what will be read later is not known."""
+        return np.zeros(np.shape(first))
 
 
 def read(name: str, data: bytes) -> Log:
@@ -95,8 +130,15 @@ def read(name: str, data: bytes) -> Log:
             Place(name, 1),
         )
     mark = next((c for c in ("\t", ";") if c in lines[0][1]), ",")
-    head = [cell.strip() for cell in next(csv.reader([lines[0][1]], delimiter=mark))]
-    cells = [next(csv.reader([line], delimiter=mark)) for _, line in lines[1:]]
+    head, *cells = (_row(name, line, text, mark) for line, text in lines)
+    head = [cell.strip() for cell in head]
+    for column in head:
+        if column and head.count(column) > 1:
+            raise LogError(
+                f"{head.count(column)} columns are called {column}",
+                "a name of its own for each thermometer",
+                Place(name, lines[0][0]),
+            )
     at = next((head.index(c) for c in head if c.lower() in TIMES), 0)
     time, dated = _times(
         name,
@@ -105,31 +147,78 @@ def read(name: str, data: bytes) -> Log:
             for (k, _), row in zip(lines[1:], cells, strict=True)
         ],
     )
-    columns = {}
+    columns, known = {}, {}
     for i, column in enumerate(head):
-        if i != at:
+        if i != at and column:
             values = np.array([_cell(row, i) for row in cells])
-            known = np.isfinite(values)
-            if known.any() and column:
-                columns[column] = np.interp(time, time[known], values[known])
+            rows = np.flatnonzero(np.isfinite(values))
+            if len(rows):
+                columns[column] = np.interp(time, time[rows], values[rows])
+                known[column] = rows
     if not columns:
         raise LogError(
             "no column holds numbers",
             "a column a thermometer, degrees Celsius",
             Place(name, lines[0][0]),
         )
-    return Log(name, time, columns, dated)
+    return Log(name, time, columns, dated, known, np.array([k for k, _ in lines[1:]]))
+
+
+def _row(name: str, line: int, text: str, mark: str) -> list[str]:
+    """The cells of a line."""
+    try:
+        return next(csv.reader([text], delimiter=mark, strict=True))
+    except csv.Error as error:
+        raise LogError(
+            f"this line is no row of a table: {error}",
+            "a log of temperatures is a table: t_s,T_screw_Z_C, then a row a moment",
+            Place(name, line),
+        ) from None
 
 
 def check(log: Log, used: list[str]) -> None:
-    """Raises LogError where a column that is used can be no temperature in degrees Celsius."""
+    """Raises LogError where a column that is used can be no temperature of a machine in degrees
+    Celsius: by what it reads, or by how fast it changes."""
     for column in used:
         low, high = float(log.columns[column].min()), float(log.columns[column].max())
         if low < PLAUSIBLE[0] or high > PLAUSIBLE[1]:
             raise LogError(
-                f"{column} goes from {low:g} to {high:g}", "temperatures are degrees Celsius: is it Fahrenheit, or no temperature?",
+                f"{column} goes from {low:g} to {high:g}",
+                "temperatures are degrees Celsius: is it Fahrenheit, or no temperature?",
                 Place(log.name, 1),
-            )  # fmt: skip
+            )
+        rows = log.known.get(column, np.arange(len(log.time)))
+        value, time = log.columns[column][rows], log.time[rows]
+        step, gap = np.abs(np.diff(value)), np.diff(time)
+        for k in np.flatnonzero(step > JUMP_K + SPEED * gap)[:1]:
+            raise jumped(log, column, float(value[k]), float(gap[k]), int(rows[k + 1]))
+
+
+def jumped(log: Log, column: str, before: float, seconds: float, row: int) -> LogError:
+    """What is said of a reading that lies farther from the one before than metal can warm."""
+    return LogError(
+        f"{column} goes from {before:g} to {log.columns[column][row]:g} C in {seconds:.3g} s",
+        FAULTY,
+        log.place(row),
+    )
+
+
+def follow(log: Log, before: Log, seconds: float, used: list[str]) -> None:
+    """Whether a log that goes on may stand for what it was `seconds` ago. Raises LogError."""
+    for column in used:
+        if column not in log.columns:
+            raise LogError(
+                f"{column} is no column of it any more: {', '.join(log.columns)}",
+                "leave the log's columns as they are while the job runs",
+                Place(log.name, 1),
+            )
+    check(log, used)
+    for column in used:
+        now, was = float(log.columns[column][-1]), float(before.columns[column][-1])
+        # rows of one log were looked at above; another one may have been begun
+        apart = max(seconds, float(log.time[-1] - before.time[-1]))
+        if abs(now - was) > JUMP_K + SPEED * apart:
+            raise jumped(log, column, was, apart, len(log.time) - 1)
 
 
 def _times(name: str, cells: list[tuple[int, str]]) -> tuple[np.ndarray, float | None]:

@@ -1,8 +1,10 @@
-"""How other programs run gcomp on what they write: one file here for each of them, found by its name.
+"""How other programs run gcomp on what they write: one file here for each of them, found by its
+name.
 
-A hook has TITLE, TRIED (with what it was tried, or that it was not) and `install(call) -> Installed`: files to be written, and
-what a person enters where. Modules that begin with _ are shared. A program with windows has no shell's PATH and another working
-directory, and may bring a Python of its own: so everything is named by its whole path, and the machine by its folder.
+A hook has TITLE, TRIED (with what it was tried, or that it was not) and `install(call) ->
+Installed`: files to be written, and what a person enters where. Modules that begin with _ are
+shared. A program with windows has no shell's PATH and another working directory, and may bring a
+Python of its own: so everything is named by its whole path, and the machine by its folder.
 """
 
 from __future__ import annotations
@@ -18,9 +20,10 @@ from postproc.errors import UsageError
 
 @dataclass(frozen=True)
 class Call:
-    """What is to be run. python: of this gcomp; root: the folder that its package lies in; machine: its folder; name: its
-    name; options: further ones of gcomp; keep: whether the nominal program stays beside the corrected one as .bak; folder:
-    where files are written; post: the CAM program's own post-processor, where it has several."""
+    """What is to be run. python: of this gcomp; root: the folder that its package lies in; machine:
+    its folder; name: its name; options: further ones of gcomp; keep: whether the nominal program
+    stays beside the corrected one as .bak; folder: where files are written; post: the CAM program's
+    own post-processor, where it has several."""
 
     python: str
     root: str
@@ -47,7 +50,8 @@ def names() -> list[str]:
 
 
 def load(name: str) -> ModuleType:
-    """The hook of a program, by its name or the begin of it. Raises UsageError with those that there are."""
+    """The hook of a program, by its name or the begin of it. Raises UsageError with those that
+    there are."""
     begun = [known for known in names() if name and known.startswith(name)]
     name = begun[0] if len(begun) == 1 else name
     if name not in names():

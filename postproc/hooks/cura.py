@@ -1,7 +1,8 @@
 """Cura: a script of its post-processing plugin, which gives the layers of a program as texts.
 
-Cura goes on with the program as it was where a script raises an error (PostProcessingPlugin.execute): so a program that is
-refused is replaced by the message, as comments, and printed by no printer.
+Cura goes on with the program as it was where a script raises an error
+(PostProcessingPlugin.execute): so a program that is refused is replaced by the message, as
+comments, and printed by no printer.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ class Gcomp(Script):
         except ImportError:
             return
         Message(said, title="gcomp: the program is refused").show()
-'''
+'''  # noqa: E501
 
 
 def install(call: Call) -> Installed:
@@ -64,6 +65,7 @@ def install(call: Call) -> Installed:
     path = call.folder / "Gcomp.py"
     return Installed(
         {path: (text, False)},
-        f"copy {path} into the folder scripts of Cura's configuration folder (Help > Show Configuration Folder), start Cura again;\n"
-        "Extensions > Post Processing > Modify G-Code > Add a script: gcomp, as the last one",
+        f"copy {path} into the folder scripts of Cura's configuration folder (Help > Show"
+        " Configuration Folder), start Cura again;\nExtensions > Post Processing > Modify G-Code >"
+        " Add a script: gcomp, as the last one",
     )

@@ -1,7 +1,8 @@
 """FreeCAD (Path, CAM): a post-processor that runs one of FreeCAD's own and corrects what it wrote.
 
-FreeCAD finds posts by their name in the folder of macros. Up to 0.21 a post writes the file itself, later ones are asked with
-"-" for the text alone: both come out corrected, or an error is raised and no file is left.
+FreeCAD finds posts by their name in the folder of macros. Up to 0.21 a post writes the file itself,
+later ones are asked with "-" for the text alone: both come out corrected, or an error is raised and
+no file is left.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ def export(objectslist, filename, argstring):
     with open(filename, "w", encoding="utf-8", newline="") as file:
         file.write(text)
 {keep}    return text
-'''
+'''  # noqa: E501
 KEEP = """    with open(filename + ".bak", "w", encoding="utf-8", newline="") as file:
         file.write(nominal)
 """
@@ -77,12 +78,16 @@ def install(call: Call) -> Installed:
     """A post-processor, and where it goes."""
     post = call.post or "linuxcnc"
     text = POST.format(
-        post=post, name=call.name, command=_script.command(call), root=call.root, unset=_script.UNSET,
+        post=post,
+        name=call.name,
+        command=_script.command(call),
+        root=call.root,
+        unset=_script.UNSET,
         keep=KEEP if call.keep else "",
-    )  # fmt: skip
+    )
     path = call.folder / f"gcomp_{post}_post.py"
     return Installed(
         {path: (text, False)},
-        f"copy {path} into FreeCAD's folder of macros (Edit > Preferences > General > Macro), or install with -o THAT_FOLDER;\n"
-        f"in the job's Output choose the processor: gcomp_{post}",
+        f"copy {path} into FreeCAD's folder of macros (Edit > Preferences > General > Macro), or"
+        f" install with -o THAT_FOLDER;\nin the job's Output choose the processor: gcomp_{post}",
     )

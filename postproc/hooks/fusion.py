@@ -1,17 +1,35 @@
-"""Autodesk Fusion: its post-processors write a file and show it; a script is run on that file, or on the folder of the NC program."""
+"""Autodesk Fusion: its posts are JavaScript, and a post may run a program on the file that it has
+written.
+
+onTerminate() is called when the file is closed; getOutputPath() names it, and execute(path,
+arguments, hide, folder) runs a program and waits: so Autodesk's own posts start their setup sheets
+and simulations (hsmworks-posts, redirect.cps; the posts for NCSIMUL and Visual Studio Code).
+"""
 
 from __future__ import annotations
+
+import json
+from pathlib import Path
 
 from postproc.hooks import Call, Installed, _posted
 
 TITLE = "Autodesk Fusion"
-TRIED = "the script, by tests/hooks; Fusion itself was not tried, and no setting of it that runs a script on the posted file is known to us"
+TRIED = (
+    "untried in Fusion itself; the script was run by tests/hooks; the lines for its post follow"
+    " posts of Autodesk's own (hsmworks-posts, redirect.cps)"
+)
+POST = """In a copy of your post (Manufacture > Manage > Post Library), at its end:
+function onTerminate() {{
+  execute({path}, "\\"" + getOutputPath() + "\\"", true, "");
+}}
+If it has an onTerminate already, put the line with execute there. Without it: drop the posted file
+onto {plain}, or run that on it."""
 
 
 def install(call: Call) -> Installed:
-    """A script that corrects the posted file, and the line for the folder that NC programs are posted into."""
-    return _posted.install(
-        call,
-        "fusion",
-        "drop the file that Fusion has posted onto this script, or run the script on it",
-    )
+    """A script that corrects the posted file, and the lines that let a post run it."""
+
+    def where(path: Path) -> str:
+        return POST.format(path=json.dumps(str(path)), plain=path)
+
+    return _posted.install(call, "fusion", where)

@@ -1,7 +1,9 @@
-"""PrusaSlicer: runs a script on the file before it is saved or sent, and shows its message where it fails.
+"""PrusaSlicer: runs a script on the file before it is saved or sent, and shows its message where it
+fails.
 
-Some versions take the whole line for the name of one program (PrusaSlicer's PostProcessor.cpp asked whether a file of that
-name exists), others take it apart at spaces: a script without arguments and without spaces suits both.
+Some versions take the whole line for the name of one program (PrusaSlicer's PostProcessor.cpp asked
+whether a file of that name exists), others take it apart at spaces: a script without arguments and
+without spaces suits both.
 """
 
 from __future__ import annotations

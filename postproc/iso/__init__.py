@@ -1,8 +1,10 @@
-"""Tests of machine tools evaluated as the ISO 230 series does: pure functions of arrays and recordings.
+"""Tests of machine tools evaluated as the ISO 230 series does: pure functions of arrays and
+recordings.
 
-positioning: ISO 230-2; drift: ISO 230-3; diagonals: ISO 230-6; circles: ISO 230-4; lines and squareness: ISO 230-1; uncertainty: ISO/TR
-230-9. choose says which of them a recording is for; report and figure show the results.
-Inside mm and rad; deviation = actual - commanded; what is not defined is None (in arrays NaN), never 0.
+positioning: ISO 230-2; drift: ISO 230-3; diagonals: ISO 230-6; circles: ISO 230-4; lines and
+squareness: ISO 230-1; uncertainty: ISO/TR 230-9. choose says which of them a recording is for;
+report and figure show the results. Inside mm and rad; deviation = actual - commanded; what is not
+defined is None (in arrays NaN), never 0.
 """
 
 from __future__ import annotations
@@ -19,8 +21,9 @@ class IsoError(GcompError):
 
 @dataclass(frozen=True)
 class Options:
-    """What the recordings do not say. line: reference line of straightness and squareness (end-point, least-squares,
-    minimum-zone); leads: mm of the screw by axis, "" for any axis; budget: what is stated for the uncertainty."""
+    """What the recordings do not say. line: reference line of straightness and squareness
+    (end-point, least-squares, minimum-zone); leads: mm of the screw by axis, "" for any axis;
+    budget: what is stated for the uncertainty."""
 
     line: str = "least-squares"
     leads: dict[str, float] = field(default_factory=dict)
@@ -31,9 +34,10 @@ class Options:
 class Stated:
     """Influences on the uncertainty, all k = 1, None where not stated.
 
-    device: mm, device_angle: rad, of one reading, in place of what a recording's head says; misalignment: rad, largest angle
-    between the beam and the axis; alpha: 1/K; u_alpha: 1/K; temperature: degrees Celsius, mean of the machine in the
-    test; u_temperature: K; drift: mm, whole range of the environmental variation error (EVE); square: rad, of the square.
+    device: mm, device_angle: rad, of one reading, in place of what a recording's head says;
+    misalignment: rad, largest angle between the beam and the axis; alpha: 1/K; u_alpha: 1/K;
+    temperature: degrees Celsius, mean of the machine in the test; u_temperature: K; drift: mm,
+    whole range of the environmental variation error (EVE); square: rad, of the square.
     """
 
     device: float | None = None
@@ -49,7 +53,8 @@ class Stated:
 
 @dataclass(frozen=True)
 class Term:
-    """One influence on the uncertainty. u: mm or rad, k = 1; of: the parameters it acts on; said: where it comes from."""
+    """One influence on the uncertainty. u: mm or rad, k = 1; of: the parameters it acts on; said:
+    where it comes from."""
 
     name: str
     u: float
@@ -59,8 +64,8 @@ class Term:
 
 @dataclass(frozen=True)
 class Parameter:
-    """value and U (expanded, k = 2, about 95 %): mm or rad, None where not defined; runs: the part of U that comes from
-    the scatter of the runs; means: in words; at: where it was found."""
+    """value and U (expanded, k = 2, about 95 %): mm or rad, None where not defined; runs: the part
+    of U that comes from the scatter of the runs; means: in words; at: where it was found."""
 
     name: str
     value: float | None
@@ -72,9 +77,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Result:
-    """One test. test: positioning, rotary, angle, straightness, diagonal, diagonals, squareness, circle, ETVE, rotating spindle; subject: EXX, PPP,
-    C0Y, XY; chosen: why this test; unit: um or urad; noise: mm or rad, for the digits shown; columns: of the table per
-    target or per run, name to values; detail: what the figure draws; causes: of a circle, what makes it out of round."""
+    """One test. test: positioning, rotary, angle, straightness, diagonal, diagonals, squareness,
+    circle, ETVE, rotating spindle; subject: EXX, PPP, C0Y, XY; chosen: why this test; unit: um or
+    urad; noise: mm or rad, for the digits shown; columns: of the table per target or per run, name
+    to values; detail: what the figure draws; causes: of a circle, what makes it out of round."""
 
     test: str
     standard: str

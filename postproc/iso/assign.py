@@ -1,4 +1,5 @@
-"""Which motion a recording of targets shows: one axis, several times perhaps at other places, or a diagonal."""
+"""Which motion a recording of targets shows: one axis, several times perhaps at other places, or a
+diagonal."""
 
 from __future__ import annotations
 
@@ -20,9 +21,11 @@ ALONG, ACROSS = (
 
 @dataclass(frozen=True)
 class Motion:
-    """Readings along one straight motion. test: positioning, rotary, straightness, angle or diagonal; subject: EXX, PPP;
-    axes: those that move; unit: vector of the motion; at: mm, where the others stood; position (N,) along the motion, mm
-    or degrees; approach, reading, run (N,); why: how it was told from the data."""
+    """Readings along one straight motion. test: positioning, rotary, straightness, angle or
+    diagonal; subject: EXX, PPP;
+    axes: those that move; unit: vector of the motion; at: mm, where the others stood; position (N,)
+    along the motion, mm or degrees; approach, reading, run (N,); why: how it was told from the
+    data."""
 
     test: str
     subject: str
@@ -44,10 +47,15 @@ class Motion:
 
 
 def motions(recording: Recording) -> list[Motion]:
-    """The motions in a recording of targets. Raises IsoError with the line where they can not be told apart."""
+    """The motions in a recording of targets. Raises IsoError with the line where they can not be
+    told apart."""
     moved = [x for x in recording.axes if np.ptp(recording.position(x)) > SAME]
     if not moved:
-        raise IsoError("no axis moves: all positions are the same", "a test along an axis needs two targets at least", Place(recording.file, int(recording.lines[0])))  # fmt: skip
+        raise IsoError(
+            "no axis moves: all positions are the same",
+            "a test along an axis needs two targets at least",
+            Place(recording.file, int(recording.lines[0])),
+        )
     if len(moved) == 1:
         return [_along_axis(recording, moved[0], {})]
     if all(x in LINEAR for x in moved):
@@ -66,8 +74,10 @@ def motions(recording: Recording) -> list[Motion]:
         if np.ptp(part.position(letter)) <= SAME:
             where = ", ".join(f"{x} {v:g}" for x, v in at.items())
             raise IsoError(
-                f"at {where} there is one target of {letter} only: this is neither an axis at several places nor a diagonal",
-                "one file per line of targets; on a diagonal all positions lie on one straight line",
+                f"at {where} there is one target of {letter} only: this is neither an axis at"
+                " several places nor a diagonal",
+                "one file per line of targets; on a diagonal all positions lie on one straight"
+                " line",
                 Place(recording.file, int(recording.lines[rows[0]])),
             )
         out.append(_along_axis(part, letter, at))
@@ -107,9 +117,19 @@ def _along_axis(recording: Recording, letter: str, at: dict[str, float]) -> Moti
     approach = _approach(recording, [letter], {letter: 1.0})
     told = ("readings were taken towards - of the axis: their sign is turned",) if sign < 0 else ()
     return Motion(
-        test, subject, letter, {letter: 1.0}, stood, recording.position(letter), approach, sign * recording.reading, run,
-        recording, why, (*told, *_left_out(recording, approach)),
-    )  # fmt: skip
+        test,
+        subject,
+        letter,
+        {letter: 1.0},
+        stood,
+        recording.position(letter),
+        approach,
+        sign * recording.reading,
+        run,
+        recording,
+        why,
+        (*told, *_left_out(recording, approach)),
+    )
 
 
 def _kind(
@@ -123,7 +143,11 @@ def _kind(
     if recording.quantity == "angle":
         about = ROTARY[LINEAR.index(largest)] if largest in LINEAR else largest
         if abs(sensitive[largest]) < ALONG:
-            raise IsoError(f"the angle is read about no axis: sensitive = {recording.sensitive}", "one of X, Y, Z (or A, B, C)", place)  # fmt: skip
+            raise IsoError(
+                f"the angle is read about no axis: sensitive = {recording.sensitive}",
+                "one of X, Y, Z (or A, B, C)",
+                place,
+            )
         sign = float(np.sign(sensitive[largest]))
         if letter in ROTARY:
             if about != letter:
@@ -136,7 +160,11 @@ def _kind(
             return "rotary", f"E{letter}{letter}", sign, f"{moves}, its own angle is read"
         return "angle", f"E{about}{letter}", sign, f"{moves}, the angle about {largest} is read"
     if letter in ROTARY:
-        raise IsoError(f"the rotary axis {letter} moves, but no angle is read", 'quantity = "angle" for positions of rotary axes', place)  # fmt: skip
+        raise IsoError(
+            f"the rotary axis {letter} moves, but no angle is read",
+            'quantity = "angle" for positions of rotary axes',
+            place,
+        )
     if recording.quantity == "displacement" and abs(cosine) > ALONG:
         return (
             "positioning",
@@ -148,7 +176,8 @@ def _kind(
         why = f"{moves}, {recording.quantity} is read across it, along {largest}"
         return "straightness", f"E{largest}{letter}", float(np.sign(sensitive[largest])), why
     raise IsoError(
-        f"{letter} moves and {recording.quantity} is read along {_vector(recording.sensitive)}: that is neither along the motion nor across it along one axis",
+        f"{letter} moves and {recording.quantity} is read along {_vector(recording.sensitive)}:"
+        " that is neither along the motion nor across it along one axis",
         "is `sensitive` the direction in which this was read?",
         place,
     )
@@ -160,7 +189,8 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
     cosine = sum(recording.sensitive.get(x, 0.0) * v for x, v in unit.items())
     if recording.quantity != "displacement" or abs(cosine) < ALONG:
         raise IsoError(
-            f"{' and '.join(axes)} move along a diagonal, but {recording.quantity} is read along {_vector(recording.sensitive)}",
+            f"{' and '.join(axes)} move along a diagonal, but {recording.quantity} is read along"
+            f" {_vector(recording.sensitive)}",
             "a diagonal test reads the displacement along the diagonal (ISO 230-6)",
             Place(recording.file, 1),
         )
@@ -172,19 +202,33 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
     )
     shown = " ".join(f"{x}{unit[x]:+.3f}" for x in axes)
     return Motion(
-        "diagonal", name, axes, unit, stood, position - position.min(), approach, np.sign(cosine) * recording.reading,
-        recording.columns.get("run", np.ones(len(recording))), recording,
-        f"{', '.join(axes)} move together along {shown}, displacement is read along it", (*told, *_left_out(recording, approach)),
-    )  # fmt: skip
+        "diagonal",
+        name,
+        axes,
+        unit,
+        stood,
+        position - position.min(),
+        approach,
+        np.sign(cosine) * recording.reading,
+        recording.columns.get("run", np.ones(len(recording))),
+        recording,
+        f"{', '.join(axes)} move together along {shown}, displacement is read along it",
+        (*told, *_left_out(recording, approach)),
+    )
 
 
 def _approach(recording: Recording, letters: list[str], unit: dict[str, float]) -> np.ndarray:
-    """(N,) direction along the motion; 0 where an axis has none or they contradict each other. Raises IsoError if it is 0 everywhere."""
+    """(N,) direction along the motion; 0 where an axis has none or they contradict each other.
+    Raises IsoError if it is 0 everywhere."""
     signs = np.stack([recording.approach(x) * np.sign(unit[x]) for x in letters])
     same = np.where((signs == signs[0]).all(axis=0), signs[0], 0.0)
     if not same.any():
         names = ", ".join(f"approach_{x}" for x in letters)
-        raise IsoError(f"the direction of approach is not recorded: {names}", "without it neither direction nor reversal can be evaluated", Place(recording.file, int(recording.lines[0])))  # fmt: skip
+        raise IsoError(
+            f"the direction of approach is not recorded: {names}",
+            "without it neither direction nor reversal can be evaluated",
+            Place(recording.file, int(recording.lines[0])),
+        )
     return same
 
 
@@ -192,7 +236,12 @@ def _left_out(recording: Recording, approach: np.ndarray) -> tuple[str, ...]:
     gone = np.flatnonzero(approach == 0)
     if not len(gone):
         return ()
-    return (f"{len(gone)} readings without a direction of approach are left out, the first in line {int(recording.lines[gone[0]])}",)  # fmt: skip
+    return (
+        (
+            f"{len(gone)} readings without a direction of approach are left out, the first in line"
+            f" {int(recording.lines[gone[0]])}"
+        ),
+    )
 
 
 def _vector(vector: dict[str, float]) -> str:

@@ -1,4 +1,5 @@
-"""Results of recordings of circular tests: which runs are circles, what was taken off, and ISO 230-4's parameters."""
+"""Results of recordings of circular tests: which runs are circles, what was taken off, and ISO
+230-4's parameters."""
 
 from __future__ import annotations
 
@@ -16,22 +17,29 @@ from postproc.iso.uncertainty import combined, missing, terms_of
 from postproc.recordings import Recording
 from postproc.units import UM
 
-OFF = 0.1  # mm that a commanded position may lie beside the circle; further out it belongs to the run-in
+# mm that a commanded position may lie beside the circle; further out it belongs to the run-in
+OFF = 0.1
 WIDE = 5.0  # degrees between samples that are worth a word
 
 
 def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
-    """The two axes, the circles, and notices. Raises IsoError with the line where the positions are no circle."""
+    """The two axes, the circles, and notices. Raises IsoError with the line where the positions are
+    no circle."""
     axes = "".join(sorted(recording.head["centre"]))
     if len(axes) != 2 or any(x not in LINEAR for x in axes):
-        raise IsoError(f"the centre names {', '.join(axes)}", "a circular test has two linear axes", Place(recording.file, 1))  # fmt: skip
+        raise IsoError(
+            f"the centre names {', '.join(axes)}",
+            "a circular test has two linear axes",
+            Place(recording.file, 1),
+        )
     nominal = float(recording.head["radius_mm"])
     arm = np.stack([recording.position(x) - recording.head["centre"][x] for x in axes])
     beside = np.abs(np.hypot(*arm) - nominal) > OFF
     notices: list[str] = []
     if beside.mean() > 0.5:
         raise IsoError(
-            f"the commanded positions are {np.hypot(*arm[:, beside])[0]:.3f} mm from the centre, the radius is {nominal:g} mm",
+            f"the commanded positions are {np.hypot(*arm[:, beside])[0]:.3f} mm from the centre,"
+            f" the radius is {nominal:g} mm",
             "are centre and radius_mm those of this circle?",
             Place(recording.file, int(recording.lines[np.flatnonzero(beside)[0]])),
         )
@@ -51,13 +59,18 @@ def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
         one = circles.trace(int(number), angle[rows], recording.reading[rows], nominal)
         if ways.setdefault(side, one.way) != one.way:
             raise IsoError(
-                f"run {number:g} has sense {side:+g} but turns the other way than the runs before it",
+                f"run {number:g} has sense {side:+g} but turns the other way than the runs"
+                " before it",
                 "sense is +1 for all runs one way and -1 for all the other",
                 Place(recording.file, int(recording.lines[rows[0]])),
             )
         found.append(one)
     if len(ways) == 2 and len(set(ways.values())) == 1:
-        raise IsoError("both senses turn the same way", "sense is +1 counter-clockwise, -1 clockwise", Place(recording.file, int(recording.lines[0])))  # fmt: skip
+        raise IsoError(
+            "both senses turn the same way",
+            "sense is +1 counter-clockwise, -1 clockwise",
+            Place(recording.file, int(recording.lines[0])),
+        )
     if not found:
         raise IsoError(
             "no run has 12 samples on the circle",
@@ -71,13 +84,19 @@ def _said(found: list[Trace]) -> list[str]:
     notices = []
     cut = [t for t in found if t.cut > math.radians(0.5)]
     if cut:
-        notices.append(f"overshoot taken off: {math.degrees(min(t.cut for t in cut)):.0f} to {math.degrees(max(t.cut for t in cut)):.0f} degrees a run, the middle turn is kept")  # fmt: skip
+        notices.append(
+            f"overshoot taken off: {math.degrees(min(t.cut for t in cut)):.0f} to"
+            f" {math.degrees(max(t.cut for t in cut)):.0f} degrees a run, the middle turn is kept"
+        )
     arcs = [t for t in found if not t.full]
     if arcs:
         least = math.degrees(
             min(float(np.ptp(t.angle) + np.median(np.diff(t.angle))) for t in arcs)
         )
-        notices.append(f"run {', '.join(str(t.run) for t in arcs)}: an arc of {least:.0f} degrees is no full circle: G, G(b), D and F about the centre are not defined")  # fmt: skip
+        notices.append(
+            f"run {', '.join(str(t.run) for t in arcs)}: an arc of {least:.0f} degrees is no full"
+            " circle: G, G(b), D and F about the centre are not defined"
+        )
     wide = math.degrees(max(t.gap for t in found))
     if wide > WIDE:
         notices.append(
@@ -97,7 +116,8 @@ def result_of(recording: Recording, options: Options) -> Result:
         notices.append("one sense only: G(b), H and D are not defined")
     elif len(forth) != len(back):
         notices.append(
-            f"{len(forth)} runs {a}{b}, {len(back)} runs {b}{a}: pairs are made in the order of the runs"
+            f"{len(forth)} runs {a}{b}, {len(back)} runs {b}{a}: pairs are made in the order of the"
+            " runs"
         )
     parameters: list[Parameter] = []
 
@@ -130,11 +150,22 @@ def result_of(recording: Recording, options: Options) -> Result:
     for label, some in ((f"{a}{b}", forth), (f"{b}{a}", back)):
         full = [t for t in some if t.full]
         for i, edge in enumerate(("max", "min")):
-            add(f"F{label} {edge}", f"radial deviation {label}, {edge}, set-up included", [t.about_nominal[i] for t in some])  # fmt: skip
-            add(f"F{label} {edge} c", f"radial deviation {label}, {edge}, about the centre", [t.about_centre[i] for t in full])  # fmt: skip
+            add(
+                f"F{label} {edge}",
+                f"radial deviation {label}, {edge}, set-up included",
+                [t.about_nominal[i] for t in some],
+            )
+            add(
+                f"F{label} {edge} c",
+                f"radial deviation {label}, {edge}, about the centre",
+                [t.about_centre[i] for t in full],
+            )
     terms = _terms(recording, options, parameters)
     parameters = [combined(p, terms, p.runs) for p in parameters]
-    notices.append("F holds the bar's own zero and the set-up of the centre; G, G(b), H and D do not hold the centre, D holds the zero")  # fmt: skip
+    notices.append(
+        "F holds the bar's own zero and the set-up of the centre; G, G(b), H and D do not hold the"
+        " centre, D holds the zero"
+    )
     if len(pairs) < 2:
         notices.append("one run of a sense: U holds no scatter of runs")
     absent = missing(options.budget, recording.u is not None, False)
@@ -144,11 +175,25 @@ def result_of(recording: Recording, options: Options) -> Result:
     subject = f"{axes}, radius {recording.head['radius_mm']:g} mm" + (
         f", feed {feed:g} mm/min" if feed else ""
     )
-    why = f"a circular test of {axes}: {a}{b} turns from +{axes[0]} to +{axes[1]}, {len(forth)} runs, {b}{a} back, {len(back)} runs"
+    why = (
+        f"a circular test of {axes}: {a}{b} turns from +{axes[0]} to +{axes[1]}, {len(forth)} runs,"
+        f" {b}{a} back, {len(back)} runs"
+    )
     return Result(
-        "circle", "ISO 230-4", subject, why, "um", (recording.file,), tuple(parameters), terms,
-        (*recording.notices, *notices), _noise(recording), _columns(axes, found), found, causes(axes, found, feed),
-    )  # fmt: skip
+        "circle",
+        "ISO 230-4",
+        subject,
+        why,
+        "um",
+        (recording.file,),
+        tuple(parameters),
+        terms,
+        (*recording.notices, *notices),
+        _noise(recording),
+        _columns(axes, found),
+        found,
+        causes(axes, found, feed),
+    )
 
 
 def _terms(recording: Recording, options: Options, parameters: list[Parameter]) -> tuple[Term, ...]:

@@ -1,4 +1,5 @@
-"""Student's t, Fisher's F and chi-squared, of scipy.stats, which is imported where one is asked for."""
+"""Student's t, Fisher's F and chi-squared, of scipy.stats, which is imported where one is asked
+for."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ def f_tail(value: float, dof1: float, dof2: float) -> float:
 
 @cache
 def student(dof: float, probability: float = K2) -> float:
-    """t such that a share `probability` lies within +-t: 2.87 at 4 degrees of freedom, 2.00 at very many."""
+    """t such that a share `probability` lies within +-t: 2.87 at 4 degrees of freedom, 2.00 at very
+    many."""
     from scipy.stats import t
 
     return float(t.isf((1 - probability) / 2, min(dof, MANY)))

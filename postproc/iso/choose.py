@@ -1,4 +1,5 @@
-"""Which test of the ISO 230 series each recording is for, and all results of a set of recordings."""
+"""Which test of the ISO 230 series each recording is for, and all results of a set of
+recordings."""
 
 from __future__ import annotations
 
@@ -13,7 +14,8 @@ VOLUME = ("points", "lengths", "sphere")
 
 
 def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Result], list[str]]:
-    """Every result, and what was left out. Raises IsoError where a recording is not what it looks like, or none is left."""
+    """Every result, and what was left out. Raises IsoError where a recording is not what it looks
+    like, or none is left."""
     out: list[Result] = []
     left: list[str] = []
     straight: list[tuple[Motion, Result]] = []
@@ -41,13 +43,14 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
         else:
             hint = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
             left.append(
-                f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{hint}"
+                f"{recording.file}: no test of the ISO 230 series is evaluated from"
+                f" {recording.kind}{hint}"
             )
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
     rest = (
         targets.diagonals_of(across)
         + targets.squareness_of(straight, options)
-        + drift.tilts_of(resting)
+        + drift.tilts_of(resting, options)
     )
     return out + rest, left

@@ -1,9 +1,9 @@
 """Circular tests, ISO 230-4, from radial deviations by angle.
 
-G: circular deviation, the range of radius about the least-squares circle or, less, the width of the minimum zone; G(b):
-of both senses about one centre; H: hysteresis, the largest radial difference between the senses; F: radial deviation from
-the nominal circle, set-up included; D: mean radial deviation of both senses. xy and yx name the sense: from +X to
-+Y, and back.
+G: circular deviation, the range of radius about the least-squares circle or, less, the width of the
+minimum zone; G(b): of both senses about one centre; H: hysteresis, the largest radial difference
+between the senses; F: radial deviation from the nominal circle, set-up included; D: mean radial
+deviation of both senses. xy and yx name the sense: from +X to +Y, and back.
 """
 
 from __future__ import annotations
@@ -29,9 +29,11 @@ class Circle:
 
 @dataclass(frozen=True)
 class Trace:
-    """One circle of one run. angle (N,) rad from the first axis towards the second, ascending over less than a turn;
-    radial (N,) mm, measured radius - nominal; nominal mm; way: +1 travelled from the first axis to the second, -1 back;
-    full: whether it goes all round; gap: rad, the widest step; cut: rad of overshoot arcs that were taken off."""
+    """One circle of one run. angle (N,) rad from the first axis towards the second, ascending over
+    less than a turn; radial (N,) mm, measured radius - nominal; nominal mm; way: +1 travelled from
+    the first axis to the second, -1 back;
+    full: whether it goes all round; gap: rad, the widest step; cut: rad of overshoot arcs that were
+    taken off."""
 
     run: int
     way: int
@@ -69,7 +71,8 @@ class Trace:
 
 
 def least_squares(points: np.ndarray, nominal: float) -> Circle:
-    """The circle with the smallest sum of squared radial distances (Gauss-Newton). points (N, 2) mm."""
+    """The circle with the smallest sum of squared radial distances (Gauss-Newton). points (N, 2)
+    mm."""
     centre, radius = np.zeros(2), nominal
     for _ in range(ROUNDS):
         away = points - centre
@@ -83,7 +86,8 @@ def least_squares(points: np.ndarray, nominal: float) -> Circle:
 
 
 def minimum_zone(points: np.ndarray, nominal: float) -> Circle:
-    """The narrowest pair of concentric circles that holds all points: minimax about a centre, and again until it stays."""
+    """The narrowest pair of concentric circles that holds all points: minimax about a centre, and
+    again until it stays."""
     centre = least_squares(points, nominal).centre
     best = _circle(points, centre)
     for _ in range(ROUNDS):
@@ -126,7 +130,8 @@ class Pair:
 
     @cached_property
     def hysteresis(self) -> tuple[float, float]:
-        """H, mm, and the angle, rad, where it is. The back run is interpolated at the angles of the forth run."""
+        """H, mm, and the angle, rad, where it is. The back run is interpolated at the angles of the
+        forth run."""
         other = np.interp(self.forth.angle, self.back.angle, self.back.radial, period=2 * np.pi)
         apart = np.abs(self.forth.radial - other)
         if not (self.forth.full and self.back.full):
@@ -136,7 +141,8 @@ class Pair:
 
     @property
     def mean_deviation(self) -> float:
-        """D, mm: mean radius of both senses, without the set-up of the centre, less the nominal one."""
+        """D, mm: mean radius of both senses, without the set-up of the centre, less the nominal
+        one."""
         return (
             self.forth.least_squares.radius + self.back.least_squares.radius
         ) / 2 - self.forth.nominal
@@ -150,8 +156,9 @@ def _covered(angle: np.ndarray, other: np.ndarray, gap: float) -> np.ndarray:
 
 
 def trace(run: int, angle: np.ndarray, radial: np.ndarray, nominal: float) -> Trace:
-    """A run as it was recorded, angles (N,) rad in order of time, made one circle: of more than a turn the middle one is
-    kept, so that arcs of run-in and overshoot fall away at both ends alike."""
+    """A run as it was recorded, angles (N,) rad in order of time, made one circle: of more than a
+    turn the middle one is kept, so that arcs of run-in and overshoot fall away at both ends
+    alike."""
     turned = np.unwrap(angle)
     way = 1 if turned[-1] >= turned[0] else -1
     order = np.argsort(turned, kind="stable")

@@ -1,9 +1,10 @@
 """Slides at rest: how far heat moves the tool while nothing moves (ISO 230-3).
 
-With the spindle still it is the test of environmental temperature variation error (ETVE); with the spindle turning, the test of
-distortion by a rotating spindle, which is told for the first hour and for the whole period. Two pickups of one direction, so far
-apart as their heads say (arm_mm), tell a tilt. Readings stand as they were taken: no trend is taken out, and the range of their own
-noise is in the range.
+With the spindle still it is the test of environmental temperature variation error (ETVE); with the
+spindle turning, the test of distortion by a rotating spindle, which is told for the first hour and
+for the whole period. Two pickups of one direction, so far apart as their heads say (arm_mm), tell a
+tilt. Readings stand as they were taken: no trend is taken out, and the range of their own noise is
+in the range.
 """
 
 from __future__ import annotations
@@ -20,7 +21,12 @@ from postproc.units import UM
 
 SAME = 1e-3  # mm: slides that moved by less are at rest
 HOUR = 3600.0
-PARTS = 40  # of the time, whose means are compared
+# Parts of the time whose means are compared: as many as the thermometer bears. With 6 there are 5
+# changes, and Student's t is 2.9 already.
+PARTS = (40, 30, 20, 15, 12, 10, 8, 6)
+# Mean square of the changes by that of the thermometer's own error in them, at least: what it errs
+# makes a slope too small by one in so many less one, which is in U
+ABOVE = 10.0
 LEAST = 60.0  # s: a shorter recording at rest is no test of heat
 ABOUT = {
     ("Z", "X"): "B",
@@ -34,8 +40,8 @@ ABOUT = {
 
 @dataclass(frozen=True)
 class Drift:
-    """One pickup. letter: direction; time (N,) s; reading (N,) mm; spindle: whether it turned; arm: mm along `tool`, nan where the
-    head says none; tool: the axis along which arms are counted."""
+    """One pickup. letter: direction; time (N,) s; reading (N,) mm; spindle: whether it turned; arm:
+    mm along `tool`, nan where the head says none; tool: the axis along which arms are counted."""
 
     recording: Recording
     letter: str
@@ -59,10 +65,11 @@ def rests(recording: Recording) -> bool:
 
 
 def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
-    """Range over the whole test and in its worst hour, what stays at the end, and how it goes with temperatures. Raises IsoError."""
+    """Range over the whole test and in its worst hour, what stays at the end, and how it goes with
+    temperatures. Raises IsoError."""
     d = _drift(recording)
     hours = (d.time[-1] - d.time[0]) / HOUR
-    device = options.budget.device if options.budget.device is not None else recording.u
+    device = _device(recording, options)
     U = 2 * np.sqrt(2) * device if device is not None else None
 
     def of(name: str, value: float, means: str, at: str = "") -> Parameter:
@@ -91,7 +98,8 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
     warm, notices = _temperatures(d)
     if not d.spindle and hours < 4:
         notices.append(
-            f"{hours:.1f} h: a room has its day, and the test is meant to last 4 h at least, better 24 h"
+            f"{hours:.1f} h: a room has its day, and the test is meant to last 4 h at least, better"
+            " 24 h"
         )
     if device is None:
         notices.append("the uncertainty of a reading is not stated (--device): U is not known")
@@ -106,12 +114,26 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
         else 0.0
     )
     return d, Result(
-        "rotating spindle" if d.spindle else "ETVE", "ISO 230-3", f"{head}", why, "um", (recording.file,),
-        (*parameters, *warm), terms, (*recording.notices, *notices), noise,
-    )  # fmt: skip
+        "rotating spindle" if d.spindle else "ETVE",
+        "ISO 230-3",
+        f"{head}",
+        why,
+        "um",
+        (recording.file,),
+        (*parameters, *warm),
+        terms,
+        (*recording.notices, *notices),
+        noise,
+        detail=d,
+    )
 
 
-def tilts_of(found: list[Drift]) -> list[Result]:
+def _device(recording: Recording, options: Options) -> float | None:
+    """mm: standard uncertainty of a reading, as --device says it, else as its head does."""
+    return options.budget.device if options.budget.device is not None else recording.u
+
+
+def tilts_of(found: list[Drift], options: Options) -> list[Result]:
     """The tilt that two pickups of one direction tell, so far apart as their heads say."""
     out = []
     for i, one in enumerate(found):
@@ -132,13 +154,25 @@ def tilts_of(found: list[Drift]) -> list[Result]:
                 np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)
             ) / apart
             name = f"{'d' if one.spindle else 'ETVE_'}{ABOUT[one.tool, one.letter]}"
-            u = [r.u for r in (one.recording, other.recording)]
-            U = 2 * np.sqrt(2) * float(np.hypot(*u)) / abs(apart) if None not in u else None  # type: ignore[arg-type]
+            u = [_device(r, options) for r in (one.recording, other.recording)]
+            stated = [v for v in u if v is not None]
+            U = (
+                2 * np.sqrt(2) * float(np.linalg.norm(stated)) / abs(apart)
+                if len(stated) == 2
+                else None
+            )
             size, at = _range(time, angle)
-            out.append(Result(
-                "tilt at rest", "ISO 230-3", name, f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}", "urad",
-                (one.recording.file, other.recording.file), (Parameter(name, size, "range of the tilt", at, U),),
-            ))  # fmt: skip
+            out.append(
+                Result(
+                    "tilt at rest",
+                    "ISO 230-3",
+                    name,
+                    f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}",
+                    "urad",
+                    (one.recording.file, other.recording.file),
+                    (Parameter(name, size, "range of the tilt", at, U),),
+                )
+            )
     return out
 
 
@@ -146,24 +180,32 @@ def _drift(recording: Recording) -> Drift:
     large = {x: v for x, v in recording.sensitive.items() if abs(v) > 0.999}
     if len(large) != 1:
         raise IsoError(
-            f"at rest, and read along {recording.sensitive}", "a test of drift reads along one axis: sensitive = { Z = 1.0 }", Place(recording.file, 1)
-        )  # fmt: skip
+            f"at rest, and read along {recording.sensitive}",
+            "a test of drift reads along one axis: sensitive = { Z = 1.0 }",
+            Place(recording.file, 1),
+        )
     letter, sign = next(iter(large.items()))
     order = np.argsort(recording.columns["t_s"], kind="stable")
-    rpm = recording.columns.get("spindle_rpm", np.zeros(1))
+    rpm = recording.columns.get("spindle_rpm", np.zeros(0))
+    turns = rpm[np.isfinite(rpm)]  # an empty column says nothing of it
     arm = recording.head.get("arm_mm", float("nan"))
     return Drift(
-        recording, letter, recording.columns["t_s"][order], float(np.sign(sign)) * recording.reading[order],
-        bool(np.nanmax(np.abs(rpm)) > 0), float(arm) if isinstance(arm, int | float) else float("nan"),
+        recording,
+        letter,
+        recording.columns["t_s"][order],
+        float(np.sign(sign)) * recording.reading[order],
+        bool((turns != 0).any()),
+        float(arm) if isinstance(arm, int | float) else float("nan"),
         str(recording.head.get("arm_along", "Z")),
-    )  # fmt: skip
+    )
 
 
 def _range(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
     high, low = int(np.argmax(reading)), int(np.argmin(reading))
-    return float(
-        np.ptp(reading)
-    ), f"from {min(time[high], time[low]):.0f} s to {max(time[high], time[low]):.0f} s"
+    return (
+        float(np.ptp(reading)),
+        f"from {min(time[high], time[low]):.0f} s to {max(time[high], time[low]):.0f} s",
+    )
 
 
 def _worst_hour(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
@@ -175,7 +217,8 @@ def _worst_hour(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:
 
 
 def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
-    """Drift per kelvin of each thermometer that changed, with the U of its line; what makes such a number poor, in words."""
+    """Drift per kelvin of each thermometer that changed, with the U of its line; what makes such a
+    number poor, in words."""
     parameters, notices = [], []
     order = np.argsort(d.recording.columns["t_s"], kind="stable")
     for name, column in d.recording.columns.items():
@@ -187,30 +230,59 @@ def _temperatures(d: Drift) -> tuple[list[Parameter], list[str]]:
         if spread < 0.1:
             notices.append(f"{name} changed by {spread:.2f} K: nothing per kelvin is told by it")
             continue
-        slope, u, share = _per_kelvin(warm[known], d.reading[known])
-        said = f"{name} changed by {spread:.1f} K and goes with {100 * share:.0f} % of it, from one of {PARTS} parts of the time to the next"
-        parameters.append(Parameter(f"per K of {name}", slope, said, "", 2 * u))
+        found = _per_kelvin(warm[known], d.reading[known])
+        if found is None:
+            notices.append(
+                f"{name} changed by {spread:.2f} K, too little beside its steps and its noise, or"
+                " in too few readings: nothing per kelvin is told by it"
+            )
+            continue
+        slope, U, share, parts = found
+        said = (
+            f"{name} changed by {spread:.1f} K and goes with {100 * share:.0f} % of it, from one of"
+            f" {parts} parts of the time to the next"
+        )
+        parameters.append(Parameter(f"per K of {name}", slope, said, "", U))
     return parameters, notices
 
 
-def _per_kelvin(warm: np.ndarray, reading: np.ndarray) -> tuple[float, float, float]:
-    """mm/K, its standard uncertainty, and the share of the changes that goes with the temperature.
+def _per_kelvin(warm: np.ndarray, reading: np.ndarray) -> tuple[float, float, float, int] | None:
+    """mm/K, its U (95 %), the share of the changes that goes with the temperature, and the number
+    of parts; None where the thermometer's own error is not far below the changes.
 
-    Told by the changes from one part of the time to the next: what drifts for another reason wanders, and two wanders that have nothing
-    to do with each other go along a line together; their changes do not (Granger and Newbold, J. Econometrics 2 (1974) 111).
+    Told by the changes from one part of the time to the next: what drifts for another reason
+    wanders, and two wanders that have nothing to do with each other go along a line together; their
+    changes do not (Granger and Newbold, J. Econometrics 2 (1974) 111). An error of the thermometer
+    makes the slope too small (errors in variables), so parts are as long as it asks for.
     """
-    parts = np.array_split(np.arange(len(warm)), min(PARTS, len(warm)))
-    x = np.diff([warm[p].mean() for p in parts])
-    y = np.diff([reading[p].mean() for p in parts])
-    square = float(x @ x)
-    if square == 0 or len(x) < 3:
-        return 0.0, float("nan"), 0.0
-    slope = float(x @ y) / square
-    left = y - slope * x
-    total = float(y @ y)
-    share = max(0.0, 1 - float(left @ left) / total) if total > 0 else 0.0
-    return (
-        slope,
-        student(len(x) - 1) / 2 * float(np.sqrt(left @ left / (len(x) - 1) / square)),
-        share,
-    )
+    for count in PARTS:
+        if count > len(warm):
+            continue
+        parts = np.array_split(np.arange(len(warm)), count)
+        x = np.diff([warm[p].mean() for p in parts])
+        y = np.diff([reading[p].mean() for p in parts])
+        square, free = float(x @ x), len(x) - 1
+        error = 2 * len(x) * _error(warm, len(warm) / count)
+        if not square > ABOVE * error:
+            continue
+        slope = float(x @ y) / square
+        left, total = y - slope * x, float(y @ y)
+        share = max(0.0, 1 - float(left @ left) / total) if total > 0 else 0.0
+        small = abs(slope) * error / (square - error)
+        return (
+            slope,
+            student(free) * float(np.sqrt(left @ left / free / square)) + small,
+            share,
+            count,
+        )
+    return None
+
+
+def _error(warm: np.ndarray, number: float) -> float:
+    """K^2: variance of the mean of so many readings of a thermometer: of its steps (the smallest
+    one seen; rounding does not become less by reading the same step again), and of its noise by
+    what three readings in a row differ from a line."""
+    steps = np.diff(np.unique(np.round(warm, 6)))
+    bent = np.diff(warm, 2)
+    noise = float(bent @ bent) / (6 * len(bent)) if len(bent) else 0.0
+    return (float(steps.min()) ** 2 / 12 if len(steps) else 0.0) + noise / number

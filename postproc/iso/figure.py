@@ -1,4 +1,5 @@
-"""The results drawn as the standards draw them: deviation over position with B, E and A; circles magnified."""
+"""The results drawn as the standards draw them: deviation over position with B, E and A; circles
+magnified."""
 
 from __future__ import annotations
 
@@ -13,18 +14,21 @@ import numpy as np
 from postproc.errors import UsageError
 from postproc.iso import Result
 from postproc.iso.circles import Trace
+from postproc.iso.drift import HOUR, Drift
 from postproc.iso.positioning import Positioning
 from postproc.iso.report import decimals, number, scale
 from postproc.iso.straightness import NAMES, Straightness
+from postproc.style import LIGHT, PAPER, made_by
 
 FORMATS = ("svg", "png", "pdf")
-UP, DOWN, GREY = "#1f5fa8", "#c0392b", "#555555"
+UP, DOWN, GREY, INK, GROUND = (LIGHT[role] for role in ("plus", "minus", "muted", "mean", "ground"))
 WIDTH, HEIGHT, SIDE = 10.0, 4.6, 6.4  # inches of a panel
 MOST = 12  # panels
 
 
 def check(name: str) -> None:
-    """Raises UsageError where a figure of this name can not be drawn: another ending, or matplotlib is missing."""
+    """Raises UsageError where a figure of this name can not be drawn: another ending, or matplotlib
+    is missing."""
     ending = PurePath(name).suffix[1:].lower()
     if ending not in FORMATS:
         raise UsageError(
@@ -44,29 +48,53 @@ def draw(results: Sequence[Result], format: str) -> bytes:
     import matplotlib
     from matplotlib.figure import Figure
 
-    shown = [r for r in results if isinstance(r.detail, (Positioning, Straightness, list))][:MOST]
+    kinds = (Positioning, Straightness, Drift, list)
+    shown = [r for r in results if isinstance(r.detail, kinds)][:MOST]
     if not shown:
         raise UsageError(
             "none of these results has a figure",
-            "positioning, straightness, diagonals and circles have",
+            "positioning, straightness, diagonals, circles and slides at rest have",
         )
     heights = [SIDE if isinstance(r.detail, list) else HEIGHT for r in shown]
-    with matplotlib.rc_context({"svg.hashsalt": "gcomp", "font.size": 9}):
+    with matplotlib.rc_context(PAPER):
         figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
         grid = figure.add_gridspec(len(shown), 1, height_ratios=heights)
         for i, result in enumerate(shown):
             if isinstance(result.detail, list):
                 _circle(figure.add_subplot(grid[i], projection="polar"), result)
+            elif isinstance(result.detail, Drift):
+                _at_rest(figure.add_subplot(grid[i]), result)
             else:
                 _along(figure.add_subplot(grid[i]), result)
         out = io.BytesIO()
-        dated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": None}[format]
-        figure.savefig(out, format=format, dpi=130, metadata=dated)
+        figure.savefig(out, format=format, dpi=130, metadata=made_by(format))
     return out.getvalue()
 
 
+def _micro(result: Result) -> str:
+    return "µrad" if result.unit == "urad" else "µm"
+
+
+def _at_rest(axes: Any, result: Result) -> None:
+    """Readings over the time, from the first one on, with the range over the whole of it."""
+    d: Drift = result.detail
+    unit, main = scale(result), result.parameters[0]
+    hours, moved = (d.time - d.time[0]) / HOUR, (d.reading - d.reading[0]) / unit
+    axes.plot(hours, moved, "-o", color=UP, ms=2.5, lw=1.2, label=f"reading along {d.letter}")
+    size = number(None if main.value is None else main.value / unit, decimals(result))
+    for label, level in ((f"{main.name}: {size} µm", moved.min()), (None, moved.max())):
+        axes.axhline(level, color=INK, lw=0.8, ls="-.", label=label)
+    axes.set_xlim(hours[0], hours[-1])
+    axes.set_xlabel("time, h")
+    axes.set_ylabel("reading, µm")
+    axes.set_title(f"{result.subject}  ({result.standard})", loc="left")
+    axes.grid(True)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, fontsize=8, frameon=False)
+
+
 def _along(axes: Any, result: Result) -> None:
-    """Deviation over position: runs, means, means +- 2s, and the widths that the parameters stand for."""
+    """Deviation over position: runs, means, means +- 2s, and the widths that the parameters stand
+    for."""
     test: Positioning = (
         result.detail.test if isinstance(result.detail, Straightness) else result.detail
     )
@@ -116,11 +144,19 @@ def _along(axes: Any, result: Result) -> None:
     else:
         _widths(axes, result, test, unit, digits)
     _reversal(axes, result, test, unit, digits)
-    axes.axhline(0, color="black", lw=0.6)
-    axes.set_xlabel("position, degrees" if result.test == "rotary" else f"position along {result.subject.split(',')[0]}, mm" if result.test == "diagonal" else f"{result.subject[2]}, mm")  # fmt: skip
-    axes.set_ylabel(f"deviation, {'µrad' if result.unit == 'urad' else 'µm'}")
+    axes.axhline(0, color=INK, lw=0.6)
+    axes.set_xlabel(
+        "position, degrees"
+        if result.test == "rotary"
+        else (
+            f"position along {result.subject.split(',')[0]}, mm"
+            if result.test == "diagonal"
+            else f"{result.subject[2]}, mm"
+        )
+    )
+    axes.set_ylabel(f"deviation, {_micro(result)}")
     axes.set_title(f"{result.subject}  ({result.standard})", loc="left")
-    axes.grid(True, lw=0.3)
+    axes.grid(True)
     # Below the axes nothing is hidden by it, whatever the curves do.
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=5, fontsize=8, frameon=False)
 
@@ -129,9 +165,17 @@ def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: i
     """E, M and A as arrows beside the curves."""
     ends = {
         "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
-        "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if test.both.any() else (np.nan, np.nan),
-        "A": (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s)) if np.isfinite(test.s).any() else (np.nan, np.nan),
-    }  # fmt: skip
+        "M": (
+            (np.nanmin(test.middle), np.nanmax(test.middle))
+            if test.both.any()
+            else (np.nan, np.nan)
+        ),
+        "A": (
+            (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
+            if np.isfinite(test.s).any()
+            else (np.nan, np.nan)
+        ),
+    }
     length = max(test.length, 1e-9)
     start = float(test.target[-1])
     names = [n for n in ("M", "E", "A") if result[n].value is not None]
@@ -144,13 +188,21 @@ def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: i
         low, high = (float(v) / unit for v in ends[name])
         for level in (low, high):
             axes.plot([start, at], [level, level], color=GREY, lw=0.5, ls=":")
-        axes.annotate("", (at, low), (at, high), arrowprops={"arrowstyle": "<->", "color": "black", "lw": 1, "shrinkA": 0, "shrinkB": 0})  # fmt: skip
+        axes.annotate(
+            "",
+            (at, low),
+            (at, high),
+            arrowprops={"arrowstyle": "<->", "color": INK, "lw": 1, "shrinkA": 0, "shrinkB": 0},
+        )
         value = result[name].value
         shown = number(None if value is None else value / unit, digits)
-        axes.text(at, (low + high) / 2, f" {name}\n {shown}", va="center", fontsize=8)
+        said = f" {name}\n {shown}\n {_micro(result)}"
+        axes.text(at, (low + high) / 2, said, va="center", fontsize=8)
     axes.set_xlim(
         float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(names))
     )
+    # The axis ends where the travel ends: beyond it only the widths stand.
+    axes.set_xticks([t for t in axes.get_xticks() if test.target[0] <= t <= start])
 
 
 def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: int) -> None:
@@ -163,17 +215,17 @@ def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: 
     y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
     level = line.value(x)
     left = (y - level)[np.isfinite(y)]
-    axes.plot(x, level / unit, color="black", lw=1, label=f"{lines.kind} line")
+    axes.plot(x, level / unit, color=INK, lw=1, label=f"{lines.kind} line")
     size = lines.errors[name]
     error = number(None if size is None else size / unit, digits)
     for i, edge in enumerate((left.max(), left.min())):
         axes.plot(
             x,
             (level + edge) / unit,
-            color="black",
+            color=INK,
             lw=0.7,
             ls="-.",
-            label=None if i else f"zone: {name} {error}",
+            label=None if i else f"zone: {name} {error} {_micro(result)}",
         )
 
 
@@ -183,13 +235,28 @@ def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits:
         return
     at = int(np.nanargmax(np.abs(test.reversal)))
     up, down = test.mean[:, at] / unit
-    axes.annotate("", (test.target[at], up), (test.target[at], down), arrowprops={"arrowstyle": "<->", "color": "black", "lw": 1, "shrinkA": 0, "shrinkB": 0})  # fmt: skip
+    axes.annotate(
+        "",
+        (test.target[at], up),
+        (test.target[at], down),
+        arrowprops={"arrowstyle": "<->", "color": INK, "lw": 1, "shrinkA": 0, "shrinkB": 0},
+    )
     last = at > 0.8 * len(test.target)
-    axes.annotate(f"B {number(result['B'].value / unit, digits)}", (test.target[at], (up + down) / 2), (-5 if last else 5, 0), textcoords="offset points", ha="right" if last else "left", va="center", fontsize=8, bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8})  # fmt: skip
+    axes.annotate(
+        f"B {number(result['B'].value / unit, digits)} {_micro(result)}",
+        (test.target[at], (up + down) / 2),
+        (-5 if last else 5, 0),
+        textcoords="offset points",
+        ha="right" if last else "left",
+        va="center",
+        fontsize=8,
+        bbox={"boxstyle": "round,pad=0.15", "fc": GROUND, "ec": "none", "alpha": 0.8},
+    )
 
 
 def _circle(axes: Any, result: Result) -> None:
-    """Circles about their least-squares centre (arcs as they stand), deviations magnified to fill half the radius."""
+    """Circles about their least-squares centre (arcs as they stand), deviations magnified to fill
+    half the radius."""
     traces: list[Trace] = result.detail
     nominal = traces[0].nominal
     about = [about_centre(t) for t in traces]
@@ -200,14 +267,22 @@ def _circle(axes: Any, result: Result) -> None:
     for t, (angle, radial) in zip(traces, about, strict=True):
         colour = UP if t.way > 0 else DOWN
         sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
-        axes.plot(angle, nominal + magnification * radial, color=colour, lw=0.9, alpha=0.8, label=None if t.way in seen else sense)  # fmt: skip
+        axes.plot(
+            angle,
+            nominal + magnification * radial,
+            color=colour,
+            lw=0.9,
+            alpha=0.8,
+            label=None if t.way in seen else sense,
+        )
         seen.add(t.way)
     turn = np.linspace(0, 2 * np.pi, 361)
-    axes.plot(turn, np.full(361, nominal), color="black", lw=0.8, label=f"nominal, {nominal:g} mm")
+    axes.plot(turn, np.full(361, nominal), color=INK, lw=0.8, label=f"nominal, {nominal:g} mm")
     division = round_down(max(largest, 1e-4))
     edge = math.ceil(largest / division)
     rings = division * np.arange(-edge, edge + 1)
-    names = [f"{v * 1000:+g}" if abs(v) > division / 2 else "0" for v in rings]
+    # The first and the last, between which all curves lie: a name of one between would lie on them.
+    names = [f"{v * 1000:+g} µm" if abs(v) > (edge - 0.5) * division else "" for v in rings]
     axes.set_rgrids(nominal + magnification * rings, names, angle=22.5, fontsize=7, color=GREY)
     axes.set_ylim(0, nominal + magnification * division * edge * 1.02)
     axes.set_xticks(
@@ -215,14 +290,18 @@ def _circle(axes: Any, result: Result) -> None:
         [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"],
     )
     digits = decimals(result)
-    told = [f"{p.name} {number(p.value / 1e-3, digits)}" for p in result.parameters if p.value is not None and p.name[0] != "F"]  # fmt: skip
+    told = [
+        f"{p.name} {number(p.value / 1e-3, digits)}"
+        for p in result.parameters
+        if p.value is not None and p.name[0] != "F"
+    ]
     axes.set_title(
-        f"{result.subject}  ({result.standard})\nabout the least-squares centre, magnified {magnification:g} : 1, "
-        f"one ring {division * 1000:g} µm\n{';  '.join(told)}  (µm)",
+        f"{result.subject}  ({result.standard})\nabout the least-squares centre, magnified"
+        f" {magnification:g} : 1, one ring {division * 1000:g} µm\n{';  '.join(told)}  (µm)",
         fontsize=9,
     )
     axes.legend(loc="lower left", bbox_to_anchor=(1.02, 0.0), fontsize=8, frameon=False)
-    axes.grid(True, lw=0.3)
+    axes.grid(True)
 
 
 def about_centre(trace: Trace) -> tuple[np.ndarray, np.ndarray]:

@@ -1,7 +1,8 @@
 """Reference lines and the straightness error about them, ISO 230-1.
 
-A deviation is the distance of the functional point from its reference line, positive towards + of the axis. The
-straightness error is the largest positive deviation plus the size of the largest negative one.
+A deviation is the distance of the functional point from its reference line, positive towards + of
+the axis. The straightness error is the largest positive deviation plus the size of the largest
+negative one.
 """
 
 from __future__ import annotations
@@ -31,8 +32,9 @@ class Line:
 def reference(kind: str, x: np.ndarray, y: np.ndarray) -> Line:
     """The reference line of points x, y (K,), mm. Of one point a level line.
 
-    end-point: through the points of smallest and largest x (means where there are several); least-squares: smallest sum
-    of squares; minimum-zone: the middle of the narrowest pair of parallels that holds all points (distances along y).
+    end-point: through the points of smallest and largest x (means where there are several);
+    least-squares: smallest sum of squares; minimum-zone: the middle of the narrowest pair of
+    parallels that holds all points (distances along y).
     """
     if kind not in LINES:
         raise ValueError(f"no line {kind!r}")

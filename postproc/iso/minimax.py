@@ -1,7 +1,9 @@
-"""The fit whose largest residual is smallest (Chebyshev), by linear programming (scipy.optimize.linprog, HiGHS).
+"""The fit whose largest residual is smallest (Chebyshev), by linear programming
+(scipy.optimize.linprog, HiGHS).
 
-The least h with -h <= value - basis c <= h is looked for. HiGHS keeps its constraints to 1e-7 of the scale; the points that
-carry weight at its answer, one more than there are coefficients, give it to the last digit.
+The least h with -h <= value - basis c <= h is looked for. HiGHS keeps its constraints to 1e-7 of
+the scale; the points that carry weight at its answer, one more than there are coefficients, give it
+to the last digit.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ WEIGHT = 1e-9  # of the largest: a point with less carries none
 
 
 def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
-    """Coefficients (p,) and h: max |value - basis @ coefficients| = h is the least possible. basis (N, p), value (N,).
+    """Coefficients (p,) and h: max |value - basis @ coefficients| = h is the least possible. basis
+    (N, p), value (N,).
 
     Raises ValueError where the basis does not determine the coefficients.
     """

@@ -1,8 +1,9 @@
-"""Positioning accuracy and repeatability of an axis, ISO 230-2 (2006 and 2014), with its own letters.
+"""Positioning accuracy and repeatability of an axis, ISO 230-2 (2006 and 2014), with its own
+letters.
 
-x_ij: deviation at target i in run j; means per target and direction of approach; B reversal, E systematic deviation, M
-mean two-way deviation, s estimated standard deviation, R repeatability, A accuracy (k = 2). Row 0 of every (2, m)
-array is approached in +, row 1 in -.
+x_ij: deviation at target i in run j; means per target and direction of approach; B reversal, E
+systematic deviation, M mean two-way deviation, s estimated standard deviation, R repeatability, A
+accuracy (k = 2). Row 0 of every (2, m) array is approached in +, row 1 in -.
 """
 
 from __future__ import annotations
@@ -33,8 +34,9 @@ MEANS = {
 
 @dataclass(frozen=True)
 class Positioning:
-    """target (m,) mm or degrees; n (2, m) runs; mean, s (2, m) mm or rad, NaN where not defined; long: whether the axis is
-    longer than 2 m, where only means are defined. position, reading, way, run (N,): the readings themselves."""
+    """target (m,) mm or degrees; n (2, m) runs; mean, s (2, m) mm or rad, NaN where not defined;
+    long: whether the axis is longer than 2 m, where only means are defined. position, reading, way,
+    run (N,): the readings themselves."""
 
     target: np.ndarray
     n: np.ndarray
@@ -80,7 +82,8 @@ class Positioning:
 
     @cached_property
     def values(self) -> dict[str, float | None]:
-        """The parameters by their letters, mm or rad; + and - are the arrows of the standard. None: not defined."""
+        """The parameters by their letters, mm or rad; + and - are the arrows of the standard. None:
+        not defined."""
         out: dict[str, float | None] = dict.fromkeys(MEANS)
         for row, sign in enumerate("+-"):
             if np.isfinite(self.mean[row]).any():
@@ -132,9 +135,11 @@ def evaluate(
     run: np.ndarray | None = None,
     rotary: bool = False,
 ) -> Positioning:
-    """position (N,) mm or degrees, approach (N,) +1 or -1, reading (N,) mm or rad, run (N,) for figures only.
+    """position (N,) mm or degrees, approach (N,) +1 or -1, reading (N,) mm or rad, run (N,) for
+    figures only.
 
-    Readings whose direction of approach is 0 are left out. Raises ValueError where no reading has a direction.
+    Readings whose direction of approach is 0 are left out. Raises ValueError where no reading has a
+    direction.
     """
     used = approach != 0
     if not used.any():
@@ -174,10 +179,12 @@ def spacing(target: np.ndarray) -> float | None:
 
 
 def aliases(target: np.ndarray, lead: float, most: int = 4) -> list[tuple[int, str]]:
-    """What the targets make of an error that repeats `k` times per lead, k = 1 .. `most`: (k, what it looks like).
+    """What the targets make of an error that repeats `k` times per lead, k = 1 .. `most`: (k, what
+    it looks like).
 
-    A period that fits a whole number of times between the targets looks constant; what a spacing can not follow looks
-    like a longer wave (sampling theorem). ISO 230-2 asks for targets that are not at equal parts of the period.
+    A period that fits a whole number of times between the targets looks constant; what a spacing
+    can not follow looks like a longer wave (sampling theorem). ISO 230-2 asks for targets that are
+    not at equal parts of the period.
     """
     out = []
     step = spacing(target)

@@ -1,4 +1,5 @@
-"""Results as a plain table for a person and as JSON for a program. What is not defined is "-" there and null here."""
+"""Results as a plain table for a person and as JSON for a program. What is not defined is "-" there
+and null here."""
 
 from __future__ import annotations
 
@@ -25,7 +26,8 @@ def text(results: Sequence[Result], left: Sequence[str] = ()) -> str:
 
 
 def as_json(results: Sequence[Result], left: Sequence[str] = ()) -> dict[str, Any]:
-    """The results as plain dictionaries: numbers in the unit that a key names, null where not defined."""
+    """The results as plain dictionaries: numbers in the unit that a key names, null where not
+    defined."""
     return {"format": FORMAT, "results": [_object(r) for r in results], "left_out": list(left)}
 
 
@@ -41,7 +43,8 @@ def scale(result: Result) -> float:
 
 
 def number(value: float | None, digits: int) -> str:
-    """A number with so many digits after the point, never a negative zero; "-" where there is none."""
+    """A number with so many digits after the point, never a negative zero; "-" where there is
+    none."""
     if value is None or not math.isfinite(value):
         return "-"
     return f"{round(value, digits) + 0.0:.{digits}f}"
@@ -75,7 +78,7 @@ def _lines(result: Result) -> list[str]:
         out += [
             "",
             "  what makes it out of round, of each alone; % of the sum",
-            *_table(cause_rows(result.causes), left=(0, 3)),
+            *_table(cause_rows(result.causes), left=(0, 3, 4)),
         ]
     if result.notices:
         out += ["", *(f"  note: {n}" for n in result.notices)]
@@ -83,10 +86,18 @@ def _lines(result: Result) -> list[str]:
 
 
 def cause_rows(causes: Causes) -> list[list[str]]:
-    """Name, um, percent, and size with U of each cause, the largest first; then what none explains."""
+    """Name, um, percent, size with U, and what + means, of each cause, the largest first; then what
+    none explains."""
     rows = [
-        [c.name, f"{c.range / UM:.2f}", f"{100 * c.share:.0f} %", f"{c.size:+.4g} +- {c.U:.2g} {c.unit}"] for c in causes.ranked
-    ]  # fmt: skip
+        [
+            c.name,
+            f"{c.range / UM:.2f}",
+            f"{100 * c.share:.0f} %",
+            f"{c.size:+.4g} +- {c.U:.2g} {c.unit}",
+            f"+: {c.positive}",
+        ]
+        for c in causes.ranked
+    ]
     return [
         *rows,
         [
@@ -94,6 +105,7 @@ def cause_rows(causes: Causes) -> list[list[str]]:
             f"{causes.whole / UM:.2f}",
             f"{causes.left / UM:.2f}",
             "um",
+            "",
         ],
     ]
 
@@ -108,16 +120,31 @@ def _cells(result: Result, digits: int) -> list[list[str]]:
     names = list(result.columns)
     rows = [names]
     for row in list(zip(*result.columns.values(), strict=True))[:CHUNK]:
-        rows.append([f"{v:.7g}" if n in WORDS and not isinstance(v, str) else v if isinstance(v, str) else number(v, digits) for n, v in zip(names, row, strict=True)])  # fmt: skip
+        rows.append(
+            [
+                (
+                    f"{v:.7g}"
+                    if n in WORDS and not isinstance(v, str)
+                    else v
+                    if isinstance(v, str)
+                    else number(v, digits)
+                )
+                for n, v in zip(names, row, strict=True)
+            ]
+        )
     return rows
 
 
 def _table(rows: list[list[str]], left: tuple[int, ...]) -> list[str]:
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return [
-        "  " + "  ".join(c.ljust(w) if i in left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))).rstrip()
+        "  "
+        + "  ".join(
+            c.ljust(w) if i in left else c.rjust(w)
+            for i, (c, w) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
         for row in rows
-    ]  # fmt: skip
+    ]
 
 
 def _object(result: Result) -> dict[str, Any]:
@@ -134,15 +161,43 @@ def _object(result: Result) -> dict[str, Any]:
         "unit": result.unit,
         "files": list(result.files),
         "parameters": {
-            p.name: {"value": sized(p.value), "U": sized(p.U), "U_runs": sized(p.runs), "means": p.means, "at": p.at}
+            p.name: {
+                "value": sized(p.value),
+                "U": sized(p.U),
+                "U_runs": sized(p.runs),
+                "means": p.means,
+                "at": p.at,
+            }
             for p in result.parameters
         },
-        "terms": [{"name": t.name, "u": sized(t.u), "of": sorted(t.of), "said": t.said} for t in result.terms],
-        "columns": {n: [v if not isinstance(v, float) or math.isfinite(v) else None for v in c] for n, c in result.columns.items()},
-        "notices": list(result.notices),
-        "causes": None if result.causes is None else {
-            "ranked": [{"name": c.name, "size": c.size, "U": c.U, "unit": c.unit, "range_um": c.range / UM, "U_range_um": c.U_range / UM, "share": c.share}
-                       for c in result.causes.ranked],
-            "left_rms_um": result.causes.left / UM, "rms_um": result.causes.whole / UM,
+        "terms": [
+            {"name": t.name, "u": sized(t.u), "of": sorted(t.of), "said": t.said}
+            for t in result.terms
+        ],
+        "columns": {
+            n: [v if not isinstance(v, float) or math.isfinite(v) else None for v in c]
+            for n, c in result.columns.items()
         },
-    }  # fmt: skip
+        "notices": list(result.notices),
+        "causes": (
+            None
+            if result.causes is None
+            else {
+                "ranked": [
+                    {
+                        "name": c.name,
+                        "size": c.size,
+                        "U": c.U,
+                        "unit": c.unit,
+                        "positive": c.positive,
+                        "range_um": c.range / UM,
+                        "U_range_um": c.U_range / UM,
+                        "share": c.share,
+                    }
+                    for c in result.causes.ranked
+                ],
+                "left_rms_um": result.causes.left / UM,
+                "rms_um": result.causes.whole / UM,
+            }
+        ),
+    }

@@ -1,13 +1,16 @@
-"""What the scatter of few runs costs a largest or a range of means: its expanded uncertainty, about 95 %.
+"""What the scatter of few runs costs a largest or a range of means: its expanded uncertainty, about
+95 %.
 
-A range of noisy means is larger than the range of the true ones, the more so the more targets compete for the
-extremes; Student's t at the two extremes alone covers the truth in no more than 61 % of the tests where the reversal is
-the same everywhere (m = 20, n = 5). So the means are drawn again with their noise about a centre in which targets that
-chance could have brought to the extreme share it (moment selection, Andrews and Soares, Econometrica 78, 2010, 119),
-and U holds 95 % of what comes out. The draws are the same in every call.
+A range of noisy means is larger than the range of the true ones, the more so the more targets
+compete for the extremes; Student's t at the two extremes alone covers the truth in no more than 61
+% of the tests where the reversal is the same everywhere (m = 20, n = 5). So the means are drawn
+again with their noise about a centre in which targets that chance could have brought to the extreme
+share it (moment selection, Andrews and Soares, Econometrica 78, 2010, 119), and U holds 95 % of
+what comes out. The draws are the same in every call.
 
-Measured on 2000 simulated tests of each of 14 profiles (the seed's four, lines, waves, steps, plain noise; n = 5): U of E
-covered the truth in 93.1 to 96.5 % of them, of B in 92.3 (no reversal at all) to 98.6 % (one that grows along the axis).
+Measured on 2000 simulated tests of each of 14 profiles (the seed's four, lines, waves, steps, plain
+noise; n = 5): U of E covered the truth in 93.1 to 96.5 % of them, of B in 92.3 (no reversal at all)
+to 98.6 % (one that grows along the axis).
 """
 
 from __future__ import annotations
@@ -23,18 +26,18 @@ from postproc.iso.chance import chi_squared_tail, f_tail
 DRAWS = 1000
 LEVEL = 0.95  # of the draws lie within U
 SEED = 230
-PRIOR = 4.0  # degrees of freedom that the common s weighs where the cells differ: an s of two runs alone says little
+# degrees of freedom that the common s weighs where the cells differ: an s of two runs alone says
+# little
+PRIOR = 4.0
 DOUBT = 0.01  # level of the tests that ask whether means or variances differ at all
-NEAR_RANGE, NEAR_LARGEST = (
-    1.25,
-    2.0,
-)  # standard deviations of a difference within which targets share an extreme
+# standard deviations of a difference within which targets share an extreme
+NEAR_RANGE, NEAR_LARGEST = 1.25, 2.0
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard uncertainty of means, from their scatter. u, dof (2, m), NaN where there is no mean; s: of one reading,
-    common to all; pooled: whether the cells share it."""
+    """Standard uncertainty of means, from their scatter. u, dof (2, m), NaN where there is no mean;
+    s: of one reading, common to all; pooled: whether the cells share it."""
 
     u: np.ndarray
     dof: np.ndarray
@@ -43,9 +46,10 @@ class Noise:
 
 
 def noise_of(s: np.ndarray, n: np.ndarray) -> Noise | None:
-    """The scatter of means of n runs with standard deviations s, (2, m). One s for all where their differences are what
-    chance makes (Bartlett's test, 99 %), else each its own, drawn towards the common one (moderated variances, Smyth,
-    Stat. Appl. Genet. Mol. Biol. 3, 2004, 3). None where no cell has two runs."""
+    """The scatter of means of n runs with standard deviations s, (2, m). One s for all where their
+    differences are what chance makes (Bartlett's test, 99 %), else each its own, drawn towards the
+    common one (moderated variances, Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004, 3). None where no
+    cell has two runs."""
     dof = np.where(np.isfinite(s), n - 1.0, 0.0)
     total = float(dof.sum())
     if total == 0:
@@ -103,7 +107,8 @@ def about(centre: np.ndarray, noise: Noise, statistic: Callable[[np.ndarray], np
 
 
 def draws(noise: Noise) -> np.ndarray:
-    """(draws, rows, m) errors of the means: multivariate t where they share one s, else each its own."""
+    """(draws, rows, m) errors of the means: multivariate t where they share one s, else each its
+    own."""
     rows, m = noise.u.shape
     normal, ratios = _random(rows, m)
     if noise.pooled:
@@ -120,7 +125,8 @@ def _random(rows: int, m: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _inflate(normal: np.ndarray, dof: np.ndarray | float) -> np.ndarray:
-    """sqrt(dof / chi-squared), chi-squared by Wilson and Hilferty's cube of a normal number (a few % off at 1, less at more)."""
+    """sqrt(dof / chi-squared), chi-squared by Wilson and Hilferty's cube of a normal number (a few
+    % off at 1, less at more)."""
     a = 2.0 / (9.0 * dof)
     return np.maximum(1.0 - a + normal * np.sqrt(a), 0.15) ** -1.5
 
@@ -130,7 +136,8 @@ def _ranges(x: np.ndarray) -> np.ndarray:
 
 
 def shared_ends(mean: np.ndarray, noise: Noise) -> np.ndarray:
-    """The means, with those that could be extreme made so; level rows where nothing says that they are not level."""
+    """The means, with those that could be extreme made so; level rows where nothing says that they
+    are not level."""
     rows = [r for r in range(len(mean)) if np.isfinite(mean[r]).sum() > 1]
     u2 = float(np.nanmean(noise.u**2))
     if rows:

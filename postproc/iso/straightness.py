@@ -1,7 +1,8 @@
-"""Straightness of a motion and squareness of two, ISO 230-1, about one and the same definition of the reference line.
+"""Straightness of a motion and squareness of two, ISO 230-1, about one and the same definition of
+the reference line.
 
-Lines are laid through the means of the runs. Two-way is the mean of both directions of approach; the directions apart
-have each their own line.
+Lines are laid through the means of the runs. Two-way is the mean of both directions of approach;
+the directions apart have each their own line.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ NAMES = ("straightness", "straightness +", "straightness -")
 
 @dataclass(frozen=True)
 class Straightness:
-    """kind: of the line; lines and errors by NAMES, None where not defined; test: the means they are laid through."""
+    """kind: of the line; lines and errors by NAMES, None where not defined; test: the means they
+    are laid through."""
 
     kind: str
     test: Positioning
@@ -52,8 +54,9 @@ def points(test: Positioning, name: str) -> tuple[np.ndarray, np.ndarray, np.nda
 
 
 def from_runs(kind: str, test: Positioning, name: str) -> tuple[float, float] | None:
-    """Expanded uncertainties that the scatter of the runs gives the straightness error (mm) and the slope (rad); None for
-    single runs. The means are drawn again as in sampling, and every draw has its own line."""
+    """Expanded uncertainties that the scatter of the runs gives the straightness error (mm) and the
+    slope (rad); None for single runs. The means are drawn again as in sampling, and every draw has
+    its own line."""
     noise = noise_of(test.s, test.n)
     x, y, used = points(test, name)
     if noise is None or len(x) < 2:
@@ -115,9 +118,10 @@ def squareness(
 ) -> tuple[str, float]:
     """Name and value (rad) from two reference lines on one square.
 
-    slope_first: rad, deviation along the second axis over the motion of the first; slope_second: the other way round.
-    The angle between the lines exceeds 90 degrees by -(slope_first + slope_second). C0Y and A0Z carry the sign of that
-    excess, B0Z the opposite one: a positive rotation about Y tilts Z towards +X (ISO 841).
+    slope_first: rad, deviation along the second axis over the motion of the first; slope_second:
+    the other way round. The angle between the lines exceeds 90 degrees by -(slope_first +
+    slope_second). C0Y and A0Z carry the sign of that excess, B0Z the opposite one: a positive
+    rotation about Y tilts Z towards +X (ISO 841).
     """
     pair = "".join(sorted(first + second))
     name, sign = SQUARENESS[pair]

@@ -1,4 +1,5 @@
-"""Results of recordings of targets: positioning, rotary axes, angles, straightness, squareness, diagonals."""
+"""Results of recordings of targets: positioning, rotary axes, angles, straightness, squareness,
+diagonals."""
 
 from __future__ import annotations
 
@@ -26,8 +27,12 @@ from postproc.iso.uncertainty import combined, missing, positioning_parameters, 
 from postproc.units import UM, URAD
 
 STANDARD = {
-    "positioning": "ISO 230-2", "rotary": "ISO 230-2", "angle": "ISO 230-1", "straightness": "ISO 230-1", "diagonal": "ISO 230-6",
-}  # fmt: skip
+    "positioning": "ISO 230-2",
+    "rotary": "ISO 230-2",
+    "angle": "ISO 230-1",
+    "straightness": "ISO 230-1",
+    "diagonal": "ISO 230-6",
+}
 
 
 def result_of(motion: Motion, options: Options) -> Result:
@@ -66,9 +71,19 @@ def result_of(motion: Motion, options: Options) -> Result:
         notices.append("one run: s, R and A are not defined, and U holds no scatter")
     noise = noise_of(test.s, test.n)
     return Result(
-        motion.test, STANDARD[motion.test], subject(motion), motion.why, "urad" if angle else "um", (motion.recording.file,),
-        parameters, terms, tuple(notices), _noise(motion, noise.s if noise else 0.0), _columns(test, angle, detail), detail,
-    )  # fmt: skip
+        motion.test,
+        STANDARD[motion.test],
+        subject(motion),
+        motion.why,
+        "urad" if angle else "um",
+        (motion.recording.file,),
+        parameters,
+        terms,
+        tuple(notices),
+        _noise(motion, noise.s if noise else 0.0),
+        _columns(test, angle, detail),
+        detail,
+    )
 
 
 def subject(motion: Motion) -> str:
@@ -81,7 +96,9 @@ def _straight(lines: Straightness, terms: tuple[Term, ...]) -> tuple[Parameter, 
     out = []
     for name in NAMES:
         runs = straightness.from_runs(lines.kind, lines.test, name)
-        words = {"straightness": "straightness error, two-way mean"}.get(name, f"straightness error, approached in {name[-1]}")  # fmt: skip
+        words = {"straightness": "straightness error, two-way mean"}.get(
+            name, f"straightness error, approached in {name[-1]}"
+        )
         parameter = Parameter(name, lines.errors[name], f"{words} ({lines.kind} line)")
         out.append(combined(parameter, terms, runs[0] if runs else None))
     return tuple(out)
@@ -91,15 +108,25 @@ def _conditions(motion: Motion, test: Positioning, options: Options) -> list[str
     """What departs from the conditions of ISO 230-2, and what it means."""
     out = []
     if not test.two_way:
-        out.append(f"approached in {'+' if np.isfinite(test.mean[0]).any() else '-'} only: reversal and all two-way parameters are not defined")  # fmt: skip
+        out.append(
+            f"approached in {'+' if np.isfinite(test.mean[0]).any() else '-'} only: reversal and"
+            " all two-way parameters are not defined"
+        )
     elif not test.both.all():
         lone = ", ".join(f"{x:g}" for x in test.target[~test.both][:5])
-        out.append(f"approached in one direction only at {lone}: B and M are taken over the {int(test.both.sum())} other targets")  # fmt: skip
+        out.append(
+            f"approached in one direction only at {lone}: B and M are taken over the"
+            f" {int(test.both.sum())} other targets"
+        )
     if test.long:
-        out.append(f"{test.length:g} mm is longer than 2 m: the standard asks for one run each way and defines E, M and B; s, R and A are not defined")  # fmt: skip
+        out.append(
+            f"{test.length:g} mm is longer than 2 m: the standard asks for one run each way and"
+            " defines E, M and B; s, R and A are not defined"
+        )
     elif 2 <= test.runs < 5:
         out.append(
-            f"n = {test.runs} runs each way, the standard asks for 5: s, R and A are indicative only"
+            f"n = {test.runs} runs each way, the standard asks for 5: s, R and A are indicative"
+            " only"
         )
     if test.n[test.n > 0].min() != test.n.max():
         out.append(f"the targets have between {test.runs} and {test.n.max()} runs")
@@ -116,7 +143,10 @@ def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:
     out = []
     least = _least(motion, test)
     if len(test.target) < least:
-        out.append(f"{len(test.target)} targets on {test.length:g} {'degrees' if motion.test == 'rotary' else 'mm'}: the standard asks for {least}")  # fmt: skip
+        out.append(
+            f"{len(test.target)} targets on {test.length:g}"
+            f" {'degrees' if motion.test == 'rotary' else 'mm'}: the standard asks for {least}"
+        )
     if motion.test != "positioning":
         return out
     step = positioning.spacing(test.target)
@@ -128,9 +158,16 @@ def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:
             for k, words in found
         ]
         if not found:
-            out.append(f"errors with the lead of {lead:g} mm or its parts to 1/4 fall on these targets at different phases: they look like scatter from target to target")  # fmt: skip
+            out.append(
+                f"errors with the lead of {lead:g} mm or its parts to 1/4 fall on these targets at"
+                " different phases: they look like scatter from target to target"
+            )
     elif step is not None:
-        out.append(f"targets are equidistant, {step:g} mm apart: errors with a period of {step:g}, {step / 2:g}, {step / 3:g}, {step / 4:g} ... mm are invisible; --lead says what this screw hides")  # fmt: skip
+        out.append(
+            f"targets are equidistant, {step:g} mm apart: errors with a period of {step:g},"
+            f" {step / 2:g}, {step / 3:g}, {step / 4:g} ... mm are invisible; --lead says what this"
+            " screw hides"
+        )
     return out
 
 
@@ -148,7 +185,8 @@ def _least(motion: Motion, test: Positioning) -> int:
 
 
 def _noise(motion: Motion, s: float) -> float:
-    """mm or rad that the digits follow: the scatter of the runs, else what is stated of a reading, else its last digit."""
+    """mm or rad that the digits follow: the scatter of the runs, else what is stated of a reading,
+    else its last digit."""
     if s > 0:
         return s
     if motion.recording.u:
@@ -197,22 +235,48 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
         wanted = diagonals.every(axes)
         absent = [d for d in wanted if d not in {m.subject for m, _ in members}]
         if absent:
-            notices.append(f"{len(wanted) - len(absent)} of {len(wanted)} diagonals measured, {', '.join(absent)} not: the largest may be among them")  # fmt: skip
+            notices.append(
+                f"{len(wanted) - len(absent)} of {len(wanted)} diagonals measured,"
+                f" {', '.join(absent)} not: the largest may be among them"
+            )
         values, which = diagonals.largest(tests)
         names = list(tests)
         parameters = []
-        for name, letter, words in (("Ed", "E", "diagonal systematic deviation, largest E"), ("Bd", "B", "diagonal reversal, largest B")):  # fmt: skip
+        for name, letter, words in (
+            ("Ed", "E", "diagonal systematic deviation, largest E"),
+            ("Bd", "B", "diagonal reversal, largest B"),
+        ):
             source = members[names.index(which[name])][1][letter] if name in which else None
-            parameters.append(Parameter(name, values[name], words, which.get(name, ""), source.U if source else None, source.runs if source else None))  # fmt: skip
+            parameters.append(
+                Parameter(
+                    name,
+                    values[name],
+                    words,
+                    which.get(name, ""),
+                    source.U if source else None,
+                    source.runs if source else None,
+                )
+            )
         columns: dict[str, list] = {"diagonal": names}
         for letter in ("E", "E+", "E-", "M", "B", "Bm", "A", "R"):
             found_here = [t.values[letter] for t in tests.values()]
             columns[f"{letter} um"] = [None if v is None else v / UM for v in found_here]
-        out.append(Result(
-            "diagonals", "ISO 230-6", f"{axes} diagonals", f"{len(members)} diagonals of {axes}", "um",
-            tuple(m.recording.file for m, _ in members), tuple(parameters), (), tuple(notices), max(r.noise for _, r in members),
-            columns, tests,
-        ))  # fmt: skip
+        out.append(
+            Result(
+                "diagonals",
+                "ISO 230-6",
+                f"{axes} diagonals",
+                f"{len(members)} diagonals of {axes}",
+                "um",
+                tuple(m.recording.file for m, _ in members),
+                tuple(parameters),
+                (),
+                tuple(notices),
+                max(r.noise for _, r in members),
+                columns,
+                tests,
+            )
+        )
     return out
 
 
@@ -251,10 +315,23 @@ def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[
         for _, _, result, lines in parts:
             device = next((t for t in result.terms if t.name == "device"), None)
             if device is not None:
-                terms.append(Term(f"device, {result.subject}", device.u / lines.test.length, frozenset([name]), "of the ends of the line"))  # fmt: skip
+                terms.append(
+                    Term(
+                        f"device, {result.subject}",
+                        device.u / lines.test.length,
+                        frozenset([name]),
+                        "of the ends of the line",
+                    )
+                )
         known = [p[1] for p in parts if p[1] is not None]
         both = math.hypot(*known) if len(known) == 2 else None
-        parameter = combined(Parameter(name, value, "squareness, as a rotation about the third axis (ISO 841 signs)"), tuple(terms), both)  # fmt: skip
+        parameter = combined(
+            Parameter(
+                name, value, "squareness, as a rotation about the third axis (ISO 841 signs)"
+            ),
+            tuple(terms),
+            both,
+        )
         notices = [
             "holds only if both runs were read against one and the same square or optical square"
         ]
@@ -268,9 +345,21 @@ def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[
             "run": [p[2].subject for p in parts],
             "slope urad": [p[0] / URAD for p in parts],
         }
-        out.append(Result(
-            "squareness", "ISO 230-1", name, f"{first.subject} and {second.subject} are straightnesses of two axes, each read along the other",
-            "urad", (one.recording.file, two.recording.file), (parameter,), tuple(terms), tuple(notices),
-            max(r.noise / t.test.length for _, _, r, t in parts), columns, None,
-        ))  # fmt: skip
+        out.append(
+            Result(
+                "squareness",
+                "ISO 230-1",
+                name,
+                f"{first.subject} and {second.subject} are straightnesses of two axes, each read"
+                " along the other",
+                "urad",
+                (one.recording.file, two.recording.file),
+                (parameter,),
+                tuple(terms),
+                tuple(notices),
+                max(r.noise / t.test.length for _, _, r, t in parts),
+                columns,
+                None,
+            )
+        )
     return out

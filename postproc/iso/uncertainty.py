@@ -1,7 +1,8 @@
-"""The uncertainty of the parameters, ISO/TR 230-9: every influence listed, combined by JCGM 100 (GUM), U with k = 2.
+"""The uncertainty of the parameters, ISO/TR 230-9: every influence listed, combined by JCGM 100
+(GUM), U with k = 2.
 
-Nothing is corrected here. A reading normalised to 20 degrees by the instrument would be corrected twice, and the
-cosine error of a beam is one-sided; both stay in U.
+Nothing is corrected here. A reading normalised to 20 degrees by the instrument would be corrected
+twice, and the cosine error of a beam is one-sided; both stay in U.
 """
 
 from __future__ import annotations
@@ -27,12 +28,19 @@ def rectangular(width: float) -> float:
     return width / (2 * math.sqrt(3))
 
 
-def terms_of(stated: Stated, u_reading: float | None, length: float | None, of: frozenset[str], alone: bool,
-             angle: bool = False) -> tuple[Term, ...]:  # fmt: skip
-    """The stated influences on ranges over `length` mm (None: lengths play no part, as in straightness).
+def terms_of(
+    stated: Stated,
+    u_reading: float | None,
+    length: float | None,
+    of: frozenset[str],
+    alone: bool,
+    angle: bool = False,
+) -> tuple[Term, ...]:
+    """The stated influences on ranges over `length` mm (None: lengths play no part, as in
+    straightness).
 
-    u_reading: mm or rad, what the recording says; alone: one run only, so that the scatter does not hold the reading's
-    own; of: the parameters that there are.
+    u_reading: mm or rad, what the recording says; alone: one run only, so that the scatter does not
+    hold the reading's own; of: the parameters that there are.
     """
     terms: list[Term] = []
     unit, name = (URAD, "urad") if angle else (UM, "um")
@@ -42,7 +50,15 @@ def terms_of(stated: Stated, u_reading: float | None, length: float | None, of: 
     if device is not None:
         whose = "stated" if own is not None else "the recording's head"
         acts = of - SCATTERS if alone else ranges
-        terms.append(Term("device", math.sqrt(2) * device, acts, f"{device / unit:.3g} {name} a reading ({whose}), times the root of 2 for a difference"))  # fmt: skip
+        terms.append(
+            Term(
+                "device",
+                math.sqrt(2) * device,
+                acts,
+                f"{device / unit:.3g} {name} a reading ({whose}), times the root of 2 for a"
+                " difference",
+            )
+        )
     if stated.drift is not None and not angle:
         terms.append(
             Term(
@@ -62,13 +78,36 @@ def _of_length(stated: Stated, length: float, of: frozenset[str]) -> list[Term]:
     terms = []
     if stated.misalignment is not None:
         short = length * (1 - math.cos(stated.misalignment))
-        terms.append(Term("misalignment", rectangular(short), of, f"up to {stated.misalignment * 1e3:.3g} mrad: reads up to {short / UM:.3g} um short, one-sided, rectangular"))  # fmt: skip
+        terms.append(
+            Term(
+                "misalignment",
+                rectangular(short),
+                of,
+                f"up to {stated.misalignment * 1e3:.3g} mrad: reads up to {short / UM:.3g} um"
+                " short, one-sided, rectangular",
+            )
+        )
     if stated.alpha is not None and stated.u_temperature is not None:
         u = stated.alpha * length * stated.u_temperature
-        terms.append(Term("temperature", u, of, f"{stated.alpha * 1e6:.3g} um/m/K, {length:.4g} mm, u(T) = {stated.u_temperature:.3g} K"))  # fmt: skip
+        terms.append(
+            Term(
+                "temperature",
+                u,
+                of,
+                f"{stated.alpha * 1e6:.3g} um/m/K, {length:.4g} mm, u(T) ="
+                f" {stated.u_temperature:.3g} K",
+            )
+        )
     if stated.u_alpha is not None and stated.temperature is not None:
         away = abs(stated.temperature - 20.0)
-        terms.append(Term("expansion", length * away * stated.u_alpha, of, f"{away:.3g} K from 20 degrees C, u(alpha) = {stated.u_alpha * 1e6:.3g} um/m/K"))  # fmt: skip
+        terms.append(
+            Term(
+                "expansion",
+                length * away * stated.u_alpha,
+                of,
+                f"{away:.3g} K from 20 degrees C, u(alpha) = {stated.u_alpha * 1e6:.3g} um/m/K",
+            )
+        )
     return terms
 
 
@@ -86,8 +125,8 @@ def missing(stated: Stated, has_device: bool, length: bool, angle: bool = False)
 
 
 def combined(parameter: Parameter, terms: tuple[Term, ...], runs: float | None) -> Parameter:
-    """The parameter with its U: 2 times the root of the sum of squares; `runs` is already expanded. None where nothing
-    is known, or the parameter is not defined."""
+    """The parameter with its U: 2 times the root of the sum of squares; `runs` is already expanded.
+    None where nothing is known, or the parameter is not defined."""
     if parameter.value is None:
         return parameter
     parts = [2 * t.u for t in terms if parameter.name in t.of] + ([] if runs is None else [runs])
@@ -95,10 +134,12 @@ def combined(parameter: Parameter, terms: tuple[Term, ...], runs: float | None) 
 
 
 def of_positioning(test: Positioning) -> dict[str, float]:
-    """The expanded part of U that comes from the scatter of the runs, by parameter; empty for single runs.
+    """The expanded part of U that comes from the scatter of the runs, by parameter; empty for
+    single runs.
 
-    E, M and B by sampling; Bm by its standard error. A and R also by the uncertainty of the s at the targets that make
-    them, u(s) = s / sqrt(2 (n - 1)) (JCGM 100, E.4.3): no account is taken of how many s they are the largest of.
+    E, M and B by sampling; Bm by its standard error. A and R also by the uncertainty of the s at
+    the targets that make them, u(s) = s / sqrt(2 (n - 1)) (JCGM 100, E.4.3): no account is taken of
+    how many s they are the largest of.
     """
     noise = noise_of(test.s, test.n)
     if noise is None:
@@ -136,7 +177,8 @@ def _of_two(noise: Noise, factor: float) -> Noise:
 
 
 def _of_s(test: Positioning, name: str, noise: Noise) -> float:
-    """U of R or A at the targets where it is found. Per cell: variance s^2/n of a mean, s^2/(2(n-1)) of an s."""
+    """U of R or A at the targets where it is found. Per cell: variance s^2/n of a mean,
+    s^2/(2(n-1)) of an s."""
     rows = {"+": [0], "-": [1]}.get(name[1:], [0, 1])
     mean, s, n = test.mean[rows], test.s[rows], test.n[rows]
     of_s = s**2 / (2 * np.maximum(n - 1, 1))

@@ -1,4 +1,5 @@
-"""The CSV tables of a machine folder: one axis' errors over its position, or over its own and a second axis'.
+"""The CSV tables of a machine folder: one axis' errors over its position, or over its own and a
+second axis'.
 
 Reads strictly: every complaint names file and line.
 """
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import MachineError, Place
 from postproc.machine.chain import ROTARY
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
@@ -21,9 +23,9 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)
 TURN = 360.0
 
 
-def text_of(path: Path) -> str:
-    """The text of a file; what is not UTF-8 is refused with its line."""
-    data = path.read_bytes()
+def text_of(path: Path, most: int = intake.TABLE) -> str:
+    """The text of a file; what is not UTF-8 is refused with its line. most: bytes."""
+    data = intake.whole(path, most, MachineError)
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -36,11 +38,11 @@ def text_of(path: Path) -> str:
 
 
 def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:
-    """Read `Z.csv`: first column `Z_mm` (`B_deg` of a rotary axis), then components with their unit, by direction where
-    measured so.
+    """Read `Z.csv`: first column `Z_mm` (`B_deg` of a rotary axis), then components with their
+    unit, by direction where measured so.
 
-    Raises MachineError with file and line for a wrong column or unit, a number that is none, nodes that do not ascend, or
-    a slope over `max_slope` (mm/mm for translations).
+    Raises MachineError with file and line for a wrong column or unit, a number that is none, nodes
+    that do not ascend, or a slope over `max_slope` (mm/mm for translations).
     """
     _, lines, table = _one_axis(path, letter)
     steep = np.abs(table.slopes[:3]).max(axis=(0, 1))
@@ -68,7 +70,8 @@ def read_uncertainty(
         component = int(np.flatnonzero((both[:, :, below[0]] < 0).any(axis=0))[0])
         name, scale = f"{COMPONENTS[component]}{letter}", UM if component < 3 else URAD
         raise MachineError(
-            f"U of {name} is {both[:, component, below[0]].min() / scale:g} at {letter} = {found.nodes[below[0]]:g}",
+            f"U of {name} is {both[:, component, below[0]].min() / scale:g} at {letter} ="
+            f" {found.nodes[below[0]]:g}",
             "an uncertainty is zero or more: its half width, without a sign",
             Place(str(path), lines[below[0]]),
         )
@@ -99,9 +102,10 @@ def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list
     for above, row, line in zip(rows, rows[1:], lines[1:], strict=False):
         if row[0] <= above[0]:
             raise MachineError(
-                f"{position_name(letter)} = {row[0]:g} does not ascend after {above[0]:g}", "order the nodes, each once",
+                f"{position_name(letter)} = {row[0]:g} does not ascend after {above[0]:g}",
+                "order the nodes, each once",
                 Place(str(path), line, text_of(path).splitlines()[line - 1]),
-            )  # fmt: skip
+            )
     if len(rows) < 2:
         raise MachineError(
             f"{len(rows)} nodes: a table needs two at least", "", Place(str(path), 1)
@@ -112,8 +116,9 @@ def _one_axis(path: Path, letter: str) -> tuple[dict[tuple[int, str], int], list
 
 
 def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTable:
-    """Read what of axis `letter` depends on axis `other` too: first columns `Z_mm,X_mm`, then components of Z, a row for
-    every pair of a complete grid. Raises MachineError with file and line."""
+    """Read what of axis `letter` depends on axis `other` too: first columns `Z_mm,X_mm`, then
+    components of Z, a row for every pair of a complete grid. Raises MachineError with file and
+    line."""
     columns, rows, lines = _rows(path, letter, other)
     data = np.array(rows).T
     nodes, others = np.unique(data[0]), np.unique(data[1])
@@ -135,9 +140,11 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
     if len(missing):
         a, b = divmod(int(missing[0]), len(others))
         raise MachineError(
-            f"{letter} = {nodes[a]:g}, {other} = {others[b]:g} is missing: {len(missing)} of {len(nodes) * len(others)} pairs are",
-            "a grid needs a row for every pair", Place(str(path), lines[-1]),
-        )  # fmt: skip
+            f"{letter} = {nodes[a]:g}, {other} = {others[b]:g} is missing: {len(missing)} of"
+            f" {len(nodes) * len(others)} pairs are",
+            "a grid needs a row for every pair",
+            Place(str(path), lines[-1]),
+        )
     flat_forward, flat_reverse = _directions(columns, data)
     shape = (6, len(nodes), len(others))
     grid = GridTable(
@@ -151,16 +158,18 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
     for slope, name in zip(grid.slopes, (letter, other), strict=True):
         if slope[:3].max() > max_slope:
             raise MachineError(
-                f"the deviation changes by {slope[:3].max() * 1000:.2f} um/mm along {name} (limit {max_slope * 1000:g} um/mm)",
-                "a slip in the data or a wrong unit is likely; if it is true, set max_slope or accept_slope = true in [limits]",
+                f"the deviation changes by {slope[:3].max() * 1000:.2f} um/mm along {name} (limit"
+                f" {max_slope * 1000:g} um/mm)",
+                "a slip in the data or a wrong unit is likely; if it is true, set max_slope or"
+                " accept_slope = true in [limits]",
                 Place(str(path), lines[0]),
             )
     return grid
 
 
 def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTable:
-    """A table of one full turn, repeated over a travel of several. Others stay as they are. Raises MachineError where a
-    turn does not end as it began."""
+    """A table of one full turn, repeated over a travel of several. Others stay as they are. Raises
+    MachineError where a turn does not end as it began."""
     if abs(table.nodes[-1] - table.nodes[0] - TURN) > 1e-9 or (
         table.nodes[0] <= low and high <= table.nodes[-1]
     ):
@@ -170,8 +179,10 @@ def over_turns(table: AxisTable, low: float, high: float, path: Path) -> AxisTab
         if gap.max() > 0:
             name = f"{COMPONENTS[int(np.argmax(gap))]}{table.letter}"
             raise MachineError(
-                f"{name} ends a full turn with another value than it began", "the last node is the first one again", Place(str(path), 1)
-            )  # fmt: skip
+                f"{name} ends a full turn with another value than it began",
+                "the last node is the first one again",
+                Place(str(path), 1),
+            )
     before = max(0, math.ceil((table.nodes[0] - max(low, -100 * TURN)) / TURN))
     after = max(0, math.ceil((min(high, 100 * TURN) - table.nodes[-1]) / TURN))
     turns = np.arange(-before, after + 1)
@@ -205,7 +216,7 @@ def _rows(
             continue
         place = Place(str(path), number, line)
         try:
-            cells = [cell.strip() for cell in next(csv.reader([line]))]
+            cells = [cell.strip() for cell in next(csv.reader([line], strict=True))]
         except csv.Error as error:
             raise MachineError(
                 f"not a line of a CSV table: {error}", "numbers between commas", place
@@ -226,9 +237,9 @@ def _rows(
                     f"{cell!r} is not a number", "every node needs a value in every column", place
                 )
         values = [float(cell) for cell in cells]
-        if not all(map(math.isfinite, values)):
+        if not all(map(intake.finite, values)):
             raise MachineError(
-                "a value is not finite (NaN or infinity)",
+                "a value is not finite (NaN or infinity), or beyond any machine",
                 "every node needs a value in every column",
                 place,
             )
@@ -255,9 +266,10 @@ def _directions(
 def _too_steep(path, line, letter, steep, low, high, limit) -> MachineError:
     unit = "degree" if letter in ROTARY else "mm"
     return MachineError(
-        f"the deviation changes by {steep * 1000:.2f} um/{unit} between {letter} = {low:g} and {high:g} "
-        f"(limit {limit * 1000:g} um/{unit})",
-        "a slip in the data or a wrong unit is likely; if it is true, set max_slope or accept_slope = true in [limits]",
+        f"the deviation changes by {steep * 1000:.2f} um/{unit} between {letter} = {low:g} and"
+        f" {high:g} (limit {limit * 1000:g} um/{unit})",
+        "a slip in the data or a wrong unit is likely; if it is true, set max_slope or accept_slope"
+        " = true in [limits]",
         Place(str(path), line),
     )
 
@@ -272,8 +284,10 @@ def _columns(
         if name != position_name(x):
             nth, unit = ("first", "second")[i], "degrees" if x in ROTARY else "mm"
             raise MachineError(
-                f"the {nth} column is {name!r}, not {position_name(x)!r}", f"positions are slide positions in {unit}", place
-            )  # fmt: skip
+                f"the {nth} column is {name!r}, not {position_name(x)!r}",
+                f"positions are slide positions in {unit}",
+                place,
+            )
     columns: dict[tuple[int, str], int] = {}
     allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [
         f"{c}{letter}_urad" for c in COMPONENTS[3:]

@@ -1,8 +1,9 @@
-"""How far a machine's deviation can bend between two places, and how fast it can change: what makes cuts and samples safe.
+"""How far a machine's deviation can bend between two places, and how fast it can change: what makes
+cuts and samples safe.
 
-Tables are linear between nodes. What bends in between are products: an angle times an arm that grows (twist), a table of
-two axes, and everything that a rotary axis turns. All bounds hold for any tool and any place that a program can reach
-(`Machine.reached`).
+Tables are linear between nodes. What bends in between are products: an angle times an arm that
+grows (twist), a table of two axes, and everything that a rotary axis turns. All bounds hold for any
+tool and any place that a program can reach (`Machine.reached`).
 """
 
 from __future__ import annotations
@@ -28,8 +29,9 @@ class Bounds:
 
     @cached_property
     def kink(self) -> float:
-        """mm/mm: how much the slope of the deviation can differ between two places, at most. The chord of any path of
-        length s misses the deviation by at most kink * s / 4 (product terms apart)."""
+        """mm/mm: how much the slope of the deviation can differ between two places, at most. The
+        chord of any path of length s misses the deviation by at most kink * s / 4 (product terms
+        apart)."""
         total = self._grid_slopes()
         for letter, table in self.machine.every_table:
             low, high = table.slopes.min(axis=(1, 2)), table.slopes.max(axis=(1, 2))
@@ -40,7 +42,8 @@ class Bounds:
         return total
 
     def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink` and `steepest`."""
+        """(N,) kink and (N,) steepness, mm/mm, within boxes from low to high (A, N) mm; see `kink`
+        and `steepest`."""
         machine, n = self.machine, low.shape[1]
         kink, steep = np.full(n, self._grid_slopes()), np.full(n, self._constant)
         for letter, table in machine.every_table:
@@ -58,8 +61,9 @@ class Bounds:
 
     @cached_property
     def cells(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Axis to (K,) mm the nodes of all that bends along it, and (K + 1,) mm/mm by how much the deviation changes per mm
-        of its way at most: before the first node, between two, beyond the last. What every place has is in `even`."""
+        """Axis to (K,) mm the nodes of all that bends along it, and (K + 1,) mm/mm by how much the
+        deviation changes per mm of its way at most: before the first node, between two, beyond the
+        last. What every place has is in `even`."""
         found = {}
         for letter, nodes in self.machine.knots.items():
             every = np.array(sorted({float(node) for table in nodes for node in table}))
@@ -77,8 +81,9 @@ class Bounds:
 
     @cached_property
     def even(self) -> float:
-        """mm/mm: by how much the deviation changes per mm of way everywhere, at most, whichever cell the place is in:
-        squareness, heat, tables of two axes, and every angle times the arm that grows."""
+        """mm/mm: by how much the deviation changes per mm of way everywhere, at most, whichever
+        cell the place is in: squareness, heat, tables of two axes, and every angle times the arm
+        that grows."""
         turned = (
             np.abs(np.stack([t.forward, t.reverse]))[:, 3:].max(axis=(0, 2))
             for _, t in self.machine.every_table
@@ -101,7 +106,8 @@ class Bounds:
 
     @cached_property
     def _constant(self) -> float:
-        """mm/mm: what squareness, location, heat and tables of two axes add to the steepness everywhere."""
+        """mm/mm: what squareness, location, heat and tables of two axes add to the steepness
+        everywhere."""
         m = self.machine
         total = sum(
             float(np.linalg.norm(stands[3:])) * (1 if x in LINEAR else 2)
@@ -148,8 +154,8 @@ class Bounds:
 
     @cached_property
     def second_order(self) -> float:
-        """mm: bound of what a sum of first order leaves out, the products of two errors: every angle turns every other
-        error and its arm. Sizes are those of the tables' nodes."""
+        """mm: bound of what a sum of first order leaves out, the products of two errors: every
+        angle turns every other error and its arm. Sizes are those of the tables' nodes."""
         m = self.machine
         angle = shift = 0.0
         for x in m.chain.axes:
@@ -168,7 +174,8 @@ class Bounds:
 
     @cached_property
     def twist(self) -> np.ndarray:
-        """(A, A) 1/mm: bound of the product terms; moving axis i by a and j by b bends the deviation by twist * a * b / 4."""
+        """(A, A) 1/mm: bound of the product terms; moving axis i by a and j by b bends the
+        deviation by twist * a * b / 4."""
         m = self.machine
         result = np.zeros((len(m.letters),) * 2)
 
@@ -196,8 +203,9 @@ class Bounds:
         return result
 
     def bend(self, way: np.ndarray) -> np.ndarray:
-        """(N,) mm: how far products can bend the deviation of straight motions away from its chord; way (A, N) mm and
-        degrees. It goes with the square of the length: cut in n parts, n * n times less."""
+        """(N,) mm: how far products can bend the deviation of straight motions away from its chord;
+        way (A, N) mm and degrees. It goes with the square of the length: cut in n parts, n * n
+        times less."""
         result = np.zeros(way.shape[1])
         for i, j in zip(*np.nonzero(self.twist), strict=True):
             result += self.twist[i, j] * np.abs(way[i] * way[j]) / 4
@@ -206,15 +214,17 @@ class Bounds:
         return result
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
-        """(M,) into how many equal parts straight motions (A, M) must be cut, so that products bend the deviation by
-        `slack` mm at most within one; nodes apart. 1: not at all."""
+        """(M,) into how many equal parts straight motions (A, M) must be cut, so that products bend
+        the deviation by `slack` mm at most within one; nodes apart. 1: not at all."""
         return np.maximum(np.ceil(np.sqrt(self.bend(target - start) / slack)), 1).astype(np.int64)
 
     def _turning(self, way: np.ndarray) -> np.ndarray:
-        """(N,) mm: bound of the second derivative over the whole motion of everything that a rotary axis turns.
+        """(N,) mm: bound of the second derivative over the whole motion of everything that a rotary
+        axis turns.
 
-        A product f R r of a table's value, nominal rotations and an arm has 2 f' R' r + 2 f' R r' + 2 f R' r' + f R'' r +
-        f R r''; every rotation adds its angle a to |R'| and a^2 to |R''|, and turns arms too.
+        A product f R r of a table's value, nominal rotations and an arm has 2 f' R' r + 2 f' R r' +
+        2 f R' r' + f R'' r + f R r''; every rotation adds its angle a to |R'| and a^2 to |R''|, and
+        turns arms too.
         """
         m = self.machine
         rows = {x: i for i, x in enumerate(m.letters)}
@@ -245,7 +255,8 @@ class Bounds:
         return np.where(angle > 0, total, 0.0)
 
     def _sizes(self, letter: str, way: np.ndarray) -> tuple[float, float, np.ndarray, np.ndarray]:
-        """Largest translation mm and rotation rad of an axis, and (N,) how much they change over a way (N,)."""
+        """Largest translation mm and rotation rad of an axis, and (N,) how much they change over a
+        way (N,)."""
         shift = lean = 0.0
         shift_rise, lean_rise = np.zeros(len(way)), np.zeros(len(way))
         for table in (t for x, t in self.machine.every_table if x == letter):

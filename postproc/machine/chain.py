@@ -1,13 +1,16 @@
-"""Who carries whom: "w-b-Z-X-t" reads workpiece, bed, Z carries X, tool. An axis between w and b carries the workpiece.
+"""Who carries whom: "w-b-Z-X-t" reads workpiece, bed, Z carries X, tool. An axis between w and b
+carries the workpiece.
 
 Deviation of the tool relative to the workpiece, first order (ISO 230-1, rigid-body kinematics):
 
     e = sum over axes j of  d_j + eps_j x (r_j - m_j) + c_j x (q_j u_j)
 
-d_j, eps_j: translations and rotations of axis j at its position q_j; r_j: the arm from j's carriage to the tool tip, the
-tool plus the positions of the axes between j and the tool (for an axis that carries the workpiece its own as well);
-m_j: the same arm where j was measured; c_j: squareness. Rotary axes: rotary.py. What is dropped are products of two errors: 100 urad times
-100 um is 10 nm. U V W are second slides along X Y Z (a quill W on a head Z): links of the chain like any other, whose errors the slides X Y Z make up for.
+d_j, eps_j: translations and rotations of axis j at its position q_j; r_j: the arm from j's carriage
+to the tool tip, the tool plus the positions of the axes between j and the tool (for an axis that
+carries the workpiece its own as well);
+m_j: the same arm where j was measured; c_j: squareness. Rotary axes: rotary.py. What is dropped are
+products of two errors: 100 urad times 100 um is 10 nm. U V W are second slides along X Y Z (a quill
+W on a head Z): links of the chain like any other, whose errors the slides X Y Z make up for.
 """
 
 from __future__ import annotations
@@ -20,15 +23,15 @@ XYZ, ROTARY = "XYZ", "ABC"
 LINEAR = "XYZUVW"  # U V W: a second slide along X Y Z
 SECOND = dict(zip(XYZ, "UVW", strict=True))
 OPTICS = ("tool", "workpiece")
-Arms = dict[
-    str, list[tuple[float, tuple[str, ...]]]
-]  # axis to mm that stay and the slides that add, per direction
+# axis to mm that stay and the slides that add, per direction
+Arms = dict[str, list[tuple[float, tuple[str, ...]]]]
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
 
 
 @dataclass(frozen=True)
 class Chain:
-    """The parsed chain: axes from the workpiece through the bed to the tool, and how many of them carry the workpiece."""
+    """The parsed chain: axes from the workpiece through the bed to the tool, and how many of them
+    carry the workpiece."""
 
     axes: tuple[str, ...]
     workpiece_side: int
@@ -45,25 +48,28 @@ class Chain:
     def arm(self, letter: str, optic: str = "") -> tuple[str, ...]:
         """Linear axes whose positions make up the arm of `letter`.
 
-        optic: what the measured point was fixed to, if not to the side that the axis carries. A point fixed to the tool
-        goes along with it, so the axis' own position is no part of the arm; one fixed to the workpiece stays behind.
+        optic: what the measured point was fixed to, if not to the side that the axis carries. A
+        point fixed to the tool goes along with it, so the axis' own position is no part of the arm;
+        one fixed to the workpiece stays behind.
         """
         at = self.axes.index(letter)
         own = (optic or self.side(letter)) == "workpiece"
         return tuple(x for x in self.axes[at if own else at + 1 :] if x in LINEAR)
 
     def counted(self, letter: str, measured: np.ndarray) -> np.ndarray:
-        """(3,) mm: of the place (3,) mm where the others stood while `letter` was measured, what its arm counts from.
+        """(3,) mm: of the place (3,) mm where the others stood while `letter` was measured, what
+        its arm counts from.
 
-        Only the axes that it carries, towards the tool, lie in its arm; where any other stood, itself among them, changes
-        nothing and is ignored (contract of a machine, "Meaning").
+        Only the axes that it carries, towards the tool, lie in its arm; where any other stood,
+        itself among them, changes nothing and is ignored (contract of a machine, "Meaning").
         """
         carried = self.axes[self.axes.index(letter) + 1 :] if letter in self.axes else ()
         return np.where([x in carried or SECOND[x] in carried for x in XYZ], measured, 0.0)
 
 
 def parse(text: str) -> Chain:
-    """Read "w-X-Y-b-Z-t", "w-X-Y-b-Z-W-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is wrong."""
+    """Read "w-X-Y-b-Z-t", "w-X-Y-b-Z-W-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is
+    wrong."""
     parts = text.split("-")
     if len(parts) < 3 or parts[0] != "w" or parts[-1] != "t" or parts.count("b") != 1:
         raise ValueError(
@@ -80,7 +86,8 @@ def parse(text: str) -> Chain:
     for axis in axes:
         if axis in "UVW" and XYZ[along(axis)] not in axes:
             raise ValueError(
-                f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does not name"
+                f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does"
+                " not name"
             )
         if axis in "UVW" and any(x in ROTARY for x in axes):
             raise ValueError(
@@ -97,10 +104,11 @@ def along(letter: str) -> int:
 def arms(
     chain: Chain, tool: np.ndarray, measured: dict[str, np.ndarray], optic: dict[str, str]
 ) -> Arms:
-    """Per axis the part of the arm that stays, and per direction the slides of that direction that add to it.
+    """Per axis the part of the arm that stays, and per direction the slides of that direction that
+    add to it.
 
-    tool (3,) mm; measured: axis to (3,) mm, where the others of its arm stood (`counted`); optic: axis to what the
-    measured point was fixed to.
+    tool (3,) mm; measured: axis to (3,) mm, where the others of its arm stood (`counted`); optic:
+    axis to what the measured point was fixed to.
     """
     return {
         x: [
@@ -115,7 +123,8 @@ def arms(
 
 
 def leans(letter: str, lean: np.ndarray) -> list[tuple[int, float]]:
-    """How much an axis with squareness (3,) rad drifts in each direction per mm of its own way: c x (q u)."""
+    """How much an axis with squareness (3,) rad drifts in each direction per mm of its own way: c x
+    (q u)."""
     own = along(letter)
     found = []
     for k, across in ((1, 2), (2, 1)):  # the component across rotates into the other
@@ -133,7 +142,8 @@ def tip_deviation(
 ) -> list[np.ndarray]:
     """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes.
 
-    arms, leans: of the functions above; parts: axis to its six deviations at its position; position: axis to (N,) mm.
+    arms, leans: of the functions above; parts: axis to its six deviations at its position;
+    position: axis to (N,) mm.
     """
     n = len(next(iter(position.values())))
     total: list[np.ndarray] = [np.zeros(n), np.zeros(n), np.zeros(n)]

@@ -1,4 +1,5 @@
-"""Which positions the deviation of which axis depends on: what must be known before an axis can be corrected."""
+"""Which positions the deviation of which axis depends on: what must be known before an axis can be
+corrected."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ if TYPE_CHECKING:
 
 
 def direct(machine: Machine) -> np.ndarray:
-    """(A, A) bool: [i, j], whether the deviation along axis i changes with the position of axis j; by
-    which components the tables hold."""
+    """(A, A) bool: [i, j], whether the deviation along axis i changes with the position of axis j;
+    by which components the tables hold."""
     letters, chain = machine.letters, machine.chain
     result = np.zeros((len(letters),) * 2, bool)
     if chain.rotary:  # what turns is turned by every axis between it and the part
@@ -33,7 +34,8 @@ def direct(machine: Machine) -> np.ndarray:
 
 
 def _acts(machine: Machine, letter: str, component: int) -> list[tuple[int, tuple[str, ...]]]:
-    """Rows along which a component of an axis acts, and the slides whose places are its arm there; no row without an arm."""
+    """Rows along which a component of an axis acts, and the slides whose places are its arm there;
+    no row without an arm."""
     if component < 3:
         return (
             [(machine.letters.index(XYZ[component]), ())]
@@ -49,8 +51,8 @@ def _acts(machine: Machine, letter: str, component: int) -> list[tuple[int, tupl
 
 
 def closed(direct: np.ndarray) -> np.ndarray:
-    """(A, A) bool: the same through the commands of other axes, which are corrected themselves; and an
-    axis that is corrected depends on its own place."""
+    """(A, A) bool: the same through the commands of other axes, which are corrected themselves; and
+    an axis that is corrected depends on its own place."""
     result = direct | np.diag(direct.any(axis=1))
     for _ in range(len(result)):
         result = result | (result.astype(np.int64) @ result.astype(np.int64) > 0)
@@ -58,7 +60,8 @@ def closed(direct: np.ndarray) -> np.ndarray:
 
 
 def _components(machine: Machine, letter: str) -> list[tuple[int, tuple[str, ...]]]:
-    """Components of an axis that are not zero everywhere, and the second axes on which they depend."""
+    """Components of an axis that are not zero everywhere, and the second axes on which they
+    depend."""
     found: list[tuple[int, tuple[str, ...]]] = []
     for x, table in machine.every_table:
         found += [(i, ()) for i in table.rows if x == letter]

@@ -1,5 +1,5 @@
-"""What looks like a slip in a machine's file: sizes that no machine has, lost motion of the wrong sign, corrections that
-its own limits refuse. What nobody measured is no slip: lacks.py."""
+"""What looks like a slip in a machine's file: sizes that no machine has, lost motion of the wrong
+sign, corrections that its own limits refuse. What nobody measured is no slip: lacks.py."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
 from postproc.units import UM, URAD
 
-# The cheapest screws stray 0.5 mm in 300 mm (ISO 3408-3, class 10: 0.21 mm); a slide that turned by 2 mrad would rattle.
-# 10 mrad are 3 mm on 300 mm, which the eye sees beside a square; mrad or mm/m entered for urad are a thousand times off.
+# The cheapest screws stray 0.5 mm in 300 mm (ISO 3408-3, class 10: 0.21 mm); a slide that turned by
+# 2 mrad would rattle. 10 mrad are 3 mm on 300 mm, which the eye sees beside a square; mrad or mm/m
+# entered for urad are a thousand times off.
 LARGEST_UM, LARGEST_URAD, LARGEST_SQUARE = 2000.0, 2000.0, 10_000.0
 LEAST = 0.02  # um or urad: no instrument that is used at machine tools resolves less
 LARGEST_PLAY_UM = 1000.0  # an old router's plastic nut
@@ -39,12 +40,14 @@ def _sizes(machine: Machine) -> list[str]:
             if size > most:
                 likely = "nm" if row < 3 else "nrad, or mrad as urad times a thousand"
                 found.append(
-                    f"{name} reaches {size:.4g} {unit}, more than a machine strays: are its values {likely}?"
+                    f"{name} reaches {size:.4g} {unit}, more than a machine strays: are its values"
+                    f" {likely}?"
                 )
             elif 0 < size < LEAST:
                 likely = "mm" if row < 3 else "mrad (mm/m)"
                 found.append(
-                    f"{name} is {size:.2g} {unit} at most, less than is ever measured: are its values {likely}?"
+                    f"{name} is {size:.2g} {unit} at most, less than is ever measured: are its"
+                    f" values {likely}?"
                 )
     return found
 
@@ -55,8 +58,9 @@ def _square(machine: Machine) -> list[str]:
         for i, value in enumerate(lean / URAD):
             if abs(value) > LARGEST_SQUARE:
                 found.append(
-                    f"squareness {'ABC'[i]}0{x} = {value:g} urad is {abs(value) * 0.3e-3:.2f} mm on 300 mm, which the eye sees: "
-                    f"are these {value / 1e3:g} urad, or nrad? urad are wanted (1 mm/m = 1000)"
+                    f"squareness {'ABC'[i]}0{x} = {value:g} urad is {abs(value) * 0.3e-3:.2f} mm on"
+                    f" 300 mm, which the eye sees: are these {value / 1e3:g} urad, or nrad? urad"
+                    " are wanted (1 mm/m = 1000)"
                 )
     return found
 
@@ -67,7 +71,8 @@ def _play(machine: Machine) -> list[str]:
         size = term.parameters.get("size_um", 0.0)
         if term.name == "backlash" and abs(size) > LARGEST_PLAY_UM:
             found.append(
-                f"backlash of {term.axis} is {size:g} um, {abs(size) / 1e3:g} mm: is its unit right? um are wanted"
+                f"backlash of {term.axis} is {size:g} um, {abs(size) / 1e3:g} mm: is its unit"
+                " right? um are wanted"
             )
     return found
 
@@ -79,7 +84,14 @@ def _refused(machine: Machine) -> list[str]:
     slides = [x for x in machine.letters if x in XYZ]
     ends = [machine.axes[x].travel if x in slides else (0.0, 0.0) for x in machine.letters]
     if machine.limits.outside != "clamp":
-        ends = [(float(t.nodes[0]), float(t.nodes[-1])) if (t := machine.tables.get(x)) is not None else e for x, e in zip(machine.letters, ends, strict=True)]  # fmt: skip
+        ends = [
+            (
+                (float(t.nodes[0]), float(t.nodes[-1]))
+                if (t := machine.tables.get(x)) is not None
+                else e
+            )
+            for x, e in zip(machine.letters, ends, strict=True)
+        ]
     corners = np.stack([g.ravel() for g in np.meshgrid(*ends, indexing="ij")])
     off = np.abs(machine.deviation(corners, np.zeros_like(corners)))
     row, at = np.unravel_index(int(off.argmax()), off.shape)
@@ -87,6 +99,7 @@ def _refused(machine: Machine) -> list[str]:
         return []
     where = " ".join(f"{x}{corners[i, at]:g}" for i, x in enumerate(machine.letters) if x in slides)
     return [
-        f"at {where} the correction of {machine.letters[row]} is {off[row, at]:.3f} mm, and max_correction = "
-        f"{machine.limits.max_correction:g} mm refuses it: mend the machine, or raise [limits] max_correction"
+        f"at {where} the correction of {machine.letters[row]} is {off[row, at]:.3f} mm, and"
+        f" max_correction = {machine.limits.max_correction:g} mm refuses it: mend the machine, or"
+        " raise [limits] max_correction"
     ]

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from postproc import effects
+from postproc import effects, intake
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Axis, EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
@@ -56,8 +56,8 @@ def term(
     axes: dict[str, Axis],
     measured: tuple[float, float] | None,
 ) -> EffectTerm:
-    """An effect with the tables that it adds to a machine with these axes; its U is not stated. measured mm: where it was
-    read."""
+    """An effect with the tables that it adds to a machine with these axes; its U is not stated.
+    measured mm: where it was read."""
     module = effects.load(name)
     found = _applied(module, axis, axes, parameters)
     tables = tuple(_held(t, measured) for t in found[0])
@@ -110,24 +110,24 @@ def _spread(
                 found = _applied(term.module, term.axis, axes, there)
         except (ArithmeticError, ValueError):
             raise toml.fault(
-                "effect", key, f"{key} = {u:g}: effect {term.name} has no meaning at {name} = {there[name]:g}",
-                "U (95 %) must leave the parameter what it is", index,
-            ) from None  # fmt: skip
+                "effect",
+                key,
+                f"{key} = {u:g}: effect {term.name} has no meaning at {name} = {there[name]:g}",
+                "U (95 %) must leave the parameter what it is",
+                index,
+            ) from None
         ends += [_times(_held(table, term.measured), share) for table in found[0]]
         grids += [_times(grid, share) for grid in found[1]]
     return EffectTerm(name, term.axis, {name: u}, None, tuple(ends), tuple(grids))
 
 
 def _measured(toml: TomlFile, entry: dict, index: int) -> tuple[float, float] | None:
-    """mm: from where to where of the axis the readings were that an effect was found in; None where nobody said."""
+    """mm: from where to where of the axis the readings were that an effect was found in; None where
+    nobody said."""
     value = entry.get("measured_mm")
     if value is None:
         return None
-    good = (
-        isinstance(value, list)
-        and len(value) == 2
-        and all(isinstance(v, int | float) and np.isfinite(v) for v in value)
-    )
+    good = isinstance(value, list) and len(value) == 2 and all(map(intake.finite, value))
     if not good or value[0] >= value[1]:
         raise toml.fault(
             "effect",
@@ -139,7 +139,8 @@ def _measured(toml: TomlFile, entry: dict, index: int) -> tuple[float, float] | 
 
 
 def _held(table: AxisTable, measured: tuple[float, float] | None) -> AxisTable:
-    """A table that stays, beyond what was measured, what it was at the last reading: a curve foretells nothing there."""
+    """A table that stays, beyond what was measured, what it was at the last reading: a curve
+    foretells nothing there."""
     if measured is None:
         return table
     low, high = measured

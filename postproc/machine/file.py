@@ -1,4 +1,5 @@
-"""machines/<name>/ to Machine: machine.toml and one CSV table per moving axis (format gcomp-machine/1).
+"""machines/<name>/ to Machine: machine.toml and one CSV table per moving axis (format
+gcomp-machine/1).
 
 Reads strictly: a machine file is trusted with somebody's part. Every complaint names file and line.
 """
@@ -8,40 +9,74 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
+from postproc.machine.angle_file import location, squareness, squareness_u
 from postproc.machine.axis_file import over_turns, read_grid, read_table, read_uncertainty
-from postproc.machine.chain import LINEAR, OPTICS, ROTARY, SECOND, XYZ, along
+from postproc.machine.chain import LINEAR, OPTICS, ROTARY, SECOND, XYZ
 from postproc.machine.effect_file import read_effects
-from postproc.machine.model import Axis, ControlTable, Expansion, Limits, Machine
+from postproc.machine.heat_file import heat
+from postproc.machine.model import Axis, ControlTable, Limits, Machine
 from postproc.machine.tables import COMPONENTS, GridTable
 from postproc.machine.toml_file import TomlFile
 from postproc.machine.tool_point import read_tool_point
-from postproc.units import UM, URAD
+from postproc.units import UM
 
 FORMAT = "gcomp-machine/1"
 KEYS = {
-    "": {"format", "name", "title", "control", "chain", "diameter", "source", "axes", "squareness", "tool", "offsets", "limits", "effect", "reversal", "location", "control_table", "signs", "tool_point", "home"},
-    "axes.": {"travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration", "max_jerk", "centre", "optic", "by", "heat", "left_out"},
+    "": {
+        "format",
+        "name",
+        "title",
+        "control",
+        "chain",
+        "diameter",
+        "source",
+        "axes",
+        "squareness",
+        "tool",
+        "offsets",
+        "limits",
+        "effect",
+        "reversal",
+        "location",
+        "control_table",
+        "signs",
+        "tool_point",
+        "home",
+    },
+    "axes.": {
+        "travel",
+        "least_increment",
+        "table",
+        "measured_at",
+        "max_velocity",
+        "max_acceleration",
+        "max_jerk",
+        "centre",
+        "optic",
+        "by",
+        "heat",
+        "left_out",
+    },
     "control_table": {"control", "file", "settings", "measured", "active", "axis", "set"},
-    "heat": {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm", "sensors", "work_sensors"},
     "tool": set(XYZ),
     "limits": {"max_correction", "max_slope", "outside", "accept_slope", "hysteresis_um"},
-}  # fmt: skip
+}
 UNCERTAINTY = "_uncertainty.csv"  # behind the axis' letter
-PPM = 1e-6  # um/m is mm/mm by a million
 REVERSALS = ("mean", "step", "ramp", "off")
 SIGNS = ("unverified", "verified")
 
 
 def read_machine(folder: Path) -> Machine:
-    """Read a machine folder. Raises MachineError with file and line for anything that is not as the format says."""
+    """Read a machine folder. Raises MachineError with file and line for anything that is not as the
+    format says."""
     path = folder / "machine.toml"
     if not path.is_file():
         raise MachineError(
@@ -79,7 +114,7 @@ def read_machine(folder: Path) -> Machine:
                 raise toml.fault(
                     f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine"
                 )
-    axes = _location(toml, axes)
+    axes = location(toml, axes)
     for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
         if path.name.removesuffix(UNCERTAINTY) not in axes:
             raise MachineError(
@@ -101,16 +136,35 @@ def read_machine(folder: Path) -> Machine:
     toml.check_keys("tool", tool, KEYS["tool"])
     signs = toml.string("", data, "signs", "")
     if signs not in ("", *SIGNS):
-        raise toml.fault("", "signs", f"signs = {signs!r}", "has a measurement after compensation shown them? unverified or verified")  # fmt: skip
+        raise toml.fault(
+            "",
+            "signs",
+            f"signs = {signs!r}",
+            "has a measurement after compensation shown them? unverified or verified",
+        )
     return Machine(
-        name=toml.string("", data, "name", folder.name), title=toml.string("", data, "title", ""),
-        control=toml.string("", data, "control"), chain=chain, axes=axes, diameter=tuple(diameter),
-        square=_squareness(toml, axes), tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
-        control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits, effects=read_effects(toml, axes),
-        source=toml.string("", data, "source", ""), digest=digest.hexdigest()[:8], reversal=reversal, home=_home(toml, axes),
-        square_u=_squareness_u(toml, axes), signs=signs, tool_stated="tool" in data, tool_point=read_tool_point(toml),
+        name=toml.string("", data, "name", folder.name),
+        title=toml.string("", data, "title", ""),
+        control=toml.string("", data, "control"),
+        chain=chain,
+        axes=axes,
+        diameter=tuple(diameter),
+        square=squareness(toml, axes),
+        tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
+        control_tables=_control_tables(toml, digest),
+        offsets=_offsets(toml, axes),
+        limits=limits,
+        effects=read_effects(toml, axes),
+        source=toml.string("", data, "source", ""),
+        digest=digest.hexdigest()[:8],
+        reversal=reversal,
+        home=_home(toml, axes),
+        square_u=squareness_u(toml, axes),
+        signs=signs,
+        tool_stated="tool" in data,
+        tool_point=read_tool_point(toml),
         square_stated=tuple(name for name in toml.table("squareness") if name != "u"),
-    )  # fmt: skip
+    )
 
 
 def _home(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
@@ -166,7 +220,7 @@ def _axis(
         raise toml.fault(
             name, "travel", f"travel is missing in [{name}]", "two ascending numbers, mm"
         )
-    good = isinstance(travel, list) and len(travel) == 2 and all(_finite(t) for t in travel)
+    good = isinstance(travel, list) and len(travel) == 2 and all(map(intake.finite, travel))
     if not good or travel[0] >= travel[1]:
         raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
     for key in ("max_velocity", "max_acceleration", "max_jerk"):
@@ -184,14 +238,14 @@ def _axis(
     table = None
     if "table" in section:
         path = _table_path(toml, name, section["table"], "table")
-        digest.update(path.read_bytes())
+        _counted(path, intake.TABLE, digest)
         table = read_table(path, letter, limits.max_slope)
         if letter in ROTARY:
             table = over_turns(table, float(travel[0]), float(travel[1]), path)
     uncertainty = None
-    path = toml.path.parent / f"{letter}{UNCERTAINTY}"
+    path = _own(toml, name, "table", f"{letter}{UNCERTAINTY}")
     if path.is_file():
-        digest.update(path.read_bytes())
+        _counted(path, intake.TABLE, digest)
         uncertainty = read_uncertainty(path, letter, (float(travel[0]), float(travel[1])), table)
     optic = toml.string(name, section, "optic", "")
     if optic not in ("", *OPTICS):
@@ -202,17 +256,27 @@ def _axis(
             "what the measured point was fixed to: tool or workpiece",
         )
     return Axis(
-        letter, (float(travel[0]), float(travel[1])), least, measured, table, optic, _centre(toml, name, letter, section),
-        grids=_grids(toml, name, letter, section, digest, limits), expansion=_heat(toml, name, section),
-        uncertainty=uncertainty, left_out=_left_out(toml, name, letter, section),
-        centre_stated=tuple(section.get("centre", {})), velocity=toml.number(name, section, "max_velocity", 0.0) / 60.0,
-    )  # fmt: skip
+        letter,
+        (float(travel[0]), float(travel[1])),
+        least,
+        measured,
+        table,
+        optic,
+        _centre(toml, name, letter, section),
+        grids=_grids(toml, name, letter, section, digest, limits),
+        expansion=heat(toml, name, section),
+        uncertainty=uncertainty,
+        left_out=_left_out(toml, name, letter, section),
+        centre_stated=tuple(section.get("centre", {})),
+        velocity=toml.number(name, section, "max_velocity", 0.0) / 60.0,
+    )
 
 
 def _measured_at(
     toml: TomlFile, name: str, letter: str, section: dict, chain: chains.Chain
 ) -> np.ndarray:
-    """(3,) mm: where the other axes stood, by direction; of two slides of one direction, those that the axis carries."""
+    """(3,) mm: where the other axes stood, by direction; of two slides of one direction, those that
+    the axis carries."""
     at = section.get("measured_at", {})
     if not isinstance(at, dict):
         raise toml.fault(name, "measured_at", f"measured_at = {at!r} must be like {{ X = 0.0 }}")
@@ -234,16 +298,42 @@ def _left_out(toml: TomlFile, name: str, letter: str, section: dict) -> tuple[st
     said = section.get("left_out", [])
     names = [f"{component}{letter}" for component in COMPONENTS]
     if not isinstance(said, list) or not all(one in names for one in said):
-        raise toml.fault(name, "left_out", f"left_out = {said!r}", f"components that were measured and not written: {', '.join(names)}")  # fmt: skip
+        raise toml.fault(
+            name,
+            "left_out",
+            f"left_out = {said!r}",
+            f"components that were measured and not written: {', '.join(names)}",
+        )
     return tuple(said)
 
 
 def _table_path(toml: TomlFile, name: str, value: Any, key: str) -> Path:
     if not isinstance(value, str):
         raise toml.fault(name, key, f"{key} = {value!r} is not a text")
-    path = toml.path.parent / value
+    path = _own(toml, name, key, value)
     if not path.is_file():
         raise toml.fault(name, key, f"there is no table {path}")
+    return path
+
+
+def _own(toml: TomlFile, section: str, key: str, name: str, index: int = 0) -> Path:
+    """A file of the machine's folder. Raises MachineError for one that lies elsewhere: a machine
+    comes from a stranger as well, and may name no other file of this computer."""
+    path = intake.inside(toml.path.parent, name)
+    if path is None:
+        raise toml.fault(
+            section,
+            key,
+            f"{key} = {name!r} leads out of the machine's folder",
+            "copy the file into the folder, and name it without a path",
+            index,
+        )
+    return path
+
+
+def _counted(path: Path, most: int, digest: Any) -> Path:
+    """The same path, its bytes in the digest of the map. Raises MachineError for too many."""
+    digest.update(intake.whole(path, most, MachineError))
     return path
 
 
@@ -259,7 +349,7 @@ def _grids(
         if other not in tuple(LINEAR + ROTARY) or other == letter:
             raise toml.fault(name, "by", f"by names {other!r}, which is no other axis")
         path = _table_path(toml, name, value, "by")
-        digest.update(path.read_bytes())
+        _counted(path, intake.TABLE, digest)
         grids.append(read_grid(path, letter, other, limits.max_slope))
     return tuple(grids)
 
@@ -279,138 +369,9 @@ def _centre(toml: TomlFile, name: str, letter: str, section: dict) -> np.ndarray
     return np.array([toml.number(name, centre, x, 0.0, at="centre") for x in XYZ])
 
 
-def _heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
-    """`heat = { scale_um_m_K = 11.5, scale_C = 24.0, work_um_m_K = 11.5, work_C = 21.0, fixed_mm = 0.0 }`."""
-    if "heat" not in section:
-        return None
-    heat = section["heat"]
-    if not isinstance(heat, dict):
-        raise toml.fault(
-            name, "heat", f"heat = {heat!r}", "like heat = { scale_um_m_K = 11.5, scale_C = 24.0 }"
-        )
-    for key in heat:
-        if key not in KEYS["heat"]:
-            raise toml.fault(
-                name,
-                "heat",
-                f"{key!r} is not a key of heat",
-                f"keys: {', '.join(sorted(KEYS['heat']))}",
-            )
-    rate, at, work, work_at, fixed = (
-        toml.number(name, heat, key, default, at="heat")
-        for key, default in (
-            ("scale_um_m_K", 0.0),
-            ("scale_C", 20.0),
-            ("work_um_m_K", 0.0),
-            ("work_C", 20.0),
-            ("fixed_mm", 0.0),
-        )
-    )
-    if max(abs(rate), abs(work)) > 100:
-        raise toml.fault(
-            name,
-            "heat",
-            f"an expansion of {max(abs(rate), abs(work)):g} um/(m K)",
-            "steel has 11.5: check the unit",
-        )
-    return Expansion(rate * PPM, at, work * PPM, work_at, fixed, *_sensors(toml, name, heat))
-
-
-def _sensors(
-    toml: TomlFile, name: str, heat: dict
-) -> tuple[tuple[tuple[str, float | None], ...], tuple[str, ...]]:
-    """`sensors = { T_front_C = 0.0, T_rear_C = 500.0 }`, thermometers of the scale by the slide position at which they sit, or
-    `["T_1_C", "T_2_C"]`, whose mean counts; `work_sensors`, a list."""
-    scale, work = heat.get("sensors", []), heat.get("work_sensors", [])
-    if not isinstance(work, list) or not all(isinstance(c, str) for c in work):
-        raise toml.fault(
-            name,
-            "heat",
-            f"work_sensors = {work!r}",
-            'columns of a log, like work_sensors = ["T_work_C"]',
-        )
-    if isinstance(scale, list) and all(isinstance(c, str) for c in scale):
-        return tuple((c, None) for c in scale), tuple(work)
-    if not isinstance(scale, dict) or not all(_finite(at) for at in scale.values()):
-        raise toml.fault(
-            name, "heat", f"sensors = {scale!r}",
-            'columns of a log, like ["T_1_C", "T_2_C"], or with the mm at which each sits: { T_1_C = 0.0, T_2_C = 500.0 }',
-        )  # fmt: skip
-    placed = sorted(((float(at), c) for c, at in scale.items()))
-    if len({at for at, _ in placed}) < len(placed):
-        raise toml.fault(
-            name, "heat", "two sensors sit at one place", "sensors = [...] takes their mean"
-        )
-    return tuple((c, at) for at, c in placed), tuple(work)
-
-
-def _location(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, Axis]:
-    """[location]: how the line of a rotary axis lies beside the nominal one, `X0C_um = 12.0` (ISO 230-7, ISO 10791-6)."""
-    data = toml.table("location")
-    toml_keys = {
-        f"{d}0{x}_um" for x in axes if x in ROTARY for d in XYZ if XYZ.index(d) != ROTARY.index(x)
-    }
-    toml.check_keys("location", data, toml_keys)
-    result = dict(axes)
-    for key in data:
-        x = key[2]
-        location = result[x].location.copy()
-        location[XYZ.index(key[0])] = toml.number("location", data, key) * UM
-        result[x] = replace(result[x], location=location)
-    return result
-
-
-def _finite(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-
-
-def _squareness(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, np.ndarray]:
-    """[squareness]: axis that leans to (3,) rad."""
-    square: dict[str, np.ndarray] = {}
-    stated = {name: value for name, value in toml.table("squareness").items() if name != "u"}
-    for name, value in _angles(toml, "squareness", stated, axes).items():
-        if value:
-            square.setdefault(name[2], np.zeros(3))[ROTARY.index(name[0])] = value
-    return square
-
-
-def _squareness_u(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
-    """[squareness.u]: name to U (95 %, k = 2), rad."""
-    data = toml.table("squareness").get("u", {})
-    if not isinstance(data, dict):
-        raise toml.fault(
-            "squareness", "u", f"u = {data!r}", "a section [squareness.u] of the same names, urad"
-        )
-    found = _angles(toml, "squareness.u", data, axes)
-    for name, value in found.items():
-        if value < 0:
-            raise toml.fault(
-                "squareness.u",
-                name,
-                f"{name} = {data[name]!r} is below zero",
-                "U is zero or more, urad",
-            )
-    return found
-
-
-def _angles(toml: TomlFile, section: str, data: dict, axes: dict[str, Axis]) -> dict[str, float]:
-    """Names of squareness to rad."""
-    for name in data:
-        own = re.fullmatch(r"[ABC]0[XYZABCUVW]", name) and name[2] in axes
-        if not own or ROTARY.index(name[0]) == (
-            ROTARY.index(name[2]) if name[2] in ROTARY else along(name[2])
-        ):
-            raise toml.fault(
-                section,
-                name,
-                f"{name!r} is not a squareness of this machine",
-                "rotation, 0, axis that leans: B0X, C0Y, A0Z",
-            )
-    return {name: toml.number(section, data, name) * URAD for name in data}
-
-
 def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
-    """[[control_table]]: tables of the control itself, and whether the map was measured with them."""
+    """[[control_table]]: tables of the control itself, and whether the map was measured with
+    them."""
     entries = toml.data.get("control_table", [])
     if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         raise toml.fault(
@@ -422,16 +383,21 @@ def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
         measured, active = entry.get("measured"), entry.get("active", True)
         if measured not in ("on", "off") or not isinstance(active, bool):
             raise toml.fault(
-                "control_table", "measured", f"measured = {measured!r}, active = {active!r}",
-                'was the map measured with this table "on" or "off"? and is it active (true or false) at work?', i,
-            )  # fmt: skip
+                "control_table",
+                "measured",
+                f"measured = {measured!r}, active = {active!r}",
+                'was the map measured with this table "on" or "off"? and is it active (true or'
+                " false) at work?",
+                i,
+            )
         files = {}
         for key in ("file", "settings"):
             if key in entry:
-                path = toml.path.parent / toml.string("control_table", entry, key, index=i)
+                value = toml.string("control_table", entry, key, index=i)
+                path = _own(toml, "control_table", key, value, i)
                 if not path.is_file():
                     raise toml.fault("control_table", key, f"there is no file {path}", index=i)
-                digest.update(path.read_bytes())
+                _counted(path, intake.CONTROL_TABLE, digest)
                 files[key] = path
         if "file" not in files and (measured == "on") != active:
             raise toml.fault(

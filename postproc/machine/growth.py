@@ -1,10 +1,13 @@
-"""What heat does to a machine from moment to moment: drivers (a thermometer, a spindle that turns) and by how much each moves an axis.
+"""What heat does to a machine from moment to moment: drivers (a thermometer, a spindle that turns)
+and by how much each moves an axis.
 
-A driver is one number of the moment times a shape along one axis. Shapes are tables with nodes, so a machine at one moment is an
-ordinary machine with one more table an axis, and cuts, bounds and inverses need not know of heat.
+A driver is one number of the moment times a shape along one axis. Shapes are tables with nodes, so
+a machine at one moment is an ordinary machine with one more table an axis, and cuts, bounds and
+inverses need not know of heat.
 
-A scale or screw with thermometers at several places has, between two of them, the temperature that lies on the line between
-theirs, and grows by the integral of it from the point that does not move; beyond the first and the last it is as warm as there.
+A scale or screw with thermometers at several places has, between two of them, the temperature that
+lies on the line between theirs, and grows by the integral of it from the point that does not move;
+beyond the first and the last it is as warm as there.
 """
 
 from __future__ import annotations
@@ -15,13 +18,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import LINEAR, along
 from postproc.machine.model import Axis, EffectTerm, Expansion, Machine
 from postproc.machine.tables import AxisTable
 from postproc.units import UM
 
 REFERENCE = 20.0  # degrees Celsius (ISO 1)
-PARTS = 32  # of a travel: the integral of a straight line bends by dT alpha L / 8 at most, a thousandth of that is left
+# of a travel: the integral of a straight line bends by dT alpha L / 8 at most, a thousandth of that
+# is left
+PARTS = 32
 SPINDLE = ("T_spindle_C", "T_head_C", "T_headstock_C")
 FRAME = ("T_bed_C", "T_frame_C", "T_base_C", "T_column_C")
 WORK = ("T_work_C", "T_part_C", "T_workpiece_C")
@@ -29,9 +34,10 @@ WORK = ("T_work_C", "T_part_C", "T_workpiece_C")
 
 @dataclass(frozen=True)
 class Driver:
-    """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a spindle's own turns; zero:
-    degrees Celsius at which it does nothing, nan: what it was when the program began; nodes (K,) mm and unit (K,) mm per K, or
-    mm per um of a spindle's growth; spindle: parameters of spindle_growth."""
+    """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a
+    spindle's own turns; zero: degrees Celsius at which it does nothing, nan: what it was when the
+    program began; nodes (K,) mm and unit (K,) mm per K, or mm per um of a spindle's growth;
+    spindle: parameters of spindle_growth."""
 
     name: str
     letter: str
@@ -50,35 +56,42 @@ class Driver:
 def drivers(
     machine: Machine, columns: Collection[str], spindles: bool
 ) -> tuple[tuple[Driver, ...], list[str], list[str]]:
-    """What moves the machine by these columns of a log, and by the spindle where its turns are known; names of columns that the
-    machine asks for and the log lacks; what stays out, in words."""
+    """What moves the machine by these columns of a log, and by the spindle where its turns are
+    known; names of columns that the machine asks for and the log lacks; what stays out, in
+    words."""
     found: list[Driver] = []
     lacking: list[str] = []
     out: list[str] = []
+    turned = [x for x in machine.chain.rotary if machine.chain.side(x) == "workpiece"]
     for x, axis in machine.axes.items():
-        if axis.expansion is not None and x in XYZ:
-            of_scale, of_work = _scale(axis, columns, lacking), _work(axis, columns, lacking)
+        if axis.expansion is not None and x not in LINEAR:
+            out.append(f"growth of {x}, which turns, is not followed")
+        if axis.expansion is not None and x in LINEAR:
+            of_scale = _scale(axis, columns, lacking)
+            of_work = [] if turned else _work(axis, columns, lacking)
             found += of_scale + of_work
             if axis.expansion.scale and not of_scale:
                 out.append(
                     f"no column for the scale of {x}: it stays at {axis.expansion.scale_at:g} C"
                 )
             if axis.expansion.work and not of_work:
-                out.append(
-                    f"no column for the work: along {x} it stays at {axis.expansion.work_at:g} C"
-                )
+                stays = f"along {x} it stays at {axis.expansion.work_at:g} C"
+                why = f"{turned[0]} turns the work" if turned else "no column for the work"
+                out.append(f"{why}: {stays}")
     for term in machine.effects:
         by = _of_effect(machine, term, columns, spindles)
         found += by
         if not by and term.name in ("spindle_growth", "screw_heat", "structure_drift"):
             out.append(
-                f"{term.name} of {term.axis} is not followed: no column of the log says what drives it"
+                f"{term.name} of {term.axis} is not followed: no column of the log says what"
+                " drives it"
             )
     return tuple(found), lacking, out
 
 
 def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> Machine:
-    """The machine at one moment: values (D,) of its drivers. What they do takes the place of the stated temperatures."""
+    """The machine at one moment: values (D,) of its drivers. What they do takes the place of the
+    stated temperatures."""
     terms = []
     for letter in dict.fromkeys(driver.letter for driver in moving):
         own = [
@@ -87,7 +100,7 @@ def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> M
         if own:
             nodes = np.unique(np.concatenate([d.nodes for d, _ in own]))
             both = np.zeros((6, len(nodes)))
-            both[XYZ.index(letter)] = sum(
+            both[along(letter)] = sum(
                 (v * np.interp(nodes, d.nodes, d.unit) for d, v in own), np.zeros(len(nodes))
             )
             terms.append(
@@ -144,7 +157,8 @@ def _scale(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Dri
 def _grown_by(
     axis: Axis, growth: Expansion, places: np.ndarray, k: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes mm, and mm per K of the k-th thermometer: the integral of its share from the fixed point on."""
+    """Nodes mm, and mm per K of the k-th thermometer: the integral of its share from the fixed
+    point on."""
     low, high = axis.travel
     inner = places[(places > low) & (places < high)]
     nodes = np.unique(np.concatenate([np.linspace(low, high, PARTS + 1), inner]))
@@ -174,7 +188,7 @@ def _of_effect(
 ) -> list[Driver]:
     """What goes with a temperature above that at the beginning, or with the spindle's turns."""
     x, p = term.axis, term.parameters
-    if x not in machine.axes or x not in XYZ:
+    if x not in machine.axes or x not in LINEAR:
         return []
     nodes = np.array(machine.axes[x].travel)
 

@@ -1,4 +1,5 @@
-"""What a machine's map does not hold: what nobody measured is zero in it, and looks like a machine without that error."""
+"""What a machine's map does not hold: what nobody measured is zero in it, and looks like a machine
+without that error."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ SQUARE = 100 * URAD  # what a squareness that is not known is imagined as: 0.1 m
 
 def lacks(machine: Machine) -> list[str]:
     """Sentences: squareness and components without a measurement, travel beyond the tables, signs
-    that no second measurement has shown. Empty for a machine without any error, which lacks nothing.
+    that no second measurement has shown. Empty for a machine without any error, which lacks
+    nothing.
     """
     if machine.is_zero and not machine.square:
         return []
@@ -67,7 +69,8 @@ def _lines(machine: Machine) -> list[str]:
 
 
 def _components(machine: Machine) -> list[str]:
-    """Components that act on a slide's direction and stand in no table; "all of Y" for all of an axis."""
+    """Components that act on a slide's direction and stand in no table; "all of Y" for all of an
+    axis."""
     found = []
     for x in machine.chain.axes:
         wanted = [f"{COMPONENTS[row]}{x}" for row in _acting(machine)]
@@ -112,7 +115,8 @@ def _beyond(machine: Machine) -> list[str]:
                 else "places there are refused"
             )
             found.append(
-                f"{x} beyond {first:g} to {last:g} mm, where it was measured; the travel goes {far:g} mm beyond it: {held}"
+                f"{x} beyond {first:g} to {last:g} mm, where it was measured; the travel goes"
+                f" {far:g} mm beyond it: {held}"
             )
     return found
 
@@ -121,5 +125,6 @@ def _signs(machine: Machine) -> list[str]:
     if machine.signs != "unverified":
         return []
     return [
-        "a proof of its signs (unverified): measure again with a corrected program, gcomp accept judges it"
+        "a proof of its signs (unverified): measure again with a corrected program, gcomp accept"
+        " judges it"
     ]

@@ -1,8 +1,10 @@
-"""A machine as tables of one axis each: what each axis' own errors do along X, Y and Z while the other axes stand still.
+"""A machine as tables of one axis each: what each axis' own errors do along X, Y and Z while the
+other axes stand still.
 
-That is all that a control's own compensation knows. Positioning, straightness, squareness (a line in the straightness),
-growth with temperature and effects of an axis are whole in it; what its rotations do at the end of an arm, and tables over a
-second axis, are right at one place of the other axes only, and the notices say by how much elsewhere.
+That is all that a control's own compensation knows. Positioning, straightness, squareness (a line
+in the straightness), growth with temperature and effects of an axis are whole in it; what its
+rotations do at the end of an arm, and tables over a second axis, are right at one place of the
+other axes only, and the notices say by how much elsewhere.
 """
 
 from __future__ import annotations
@@ -19,17 +21,13 @@ from postproc.units import UM
 
 SEEN = 0.05 * UM  # a smaller difference is not worth a node or a notice
 NODES = 2000
-SHARES = (
-    0.25,
-    0.382,
-    0.5,
-    0.75,
-)  # where a table is compared between its nodes; 0.382 so that no period escapes
+# where a table is compared between its nodes; 0.382 so that no period escapes
+SHARES = (0.25, 0.382, 0.5, 0.75)
 
 
 class Marginal(NamedTuple):
-    """One deviation over one axis: moving and along are letters; nodes (K,) mm; forward, reverse (K,) mm, for targets
-    approached in + and in -."""
+    """One deviation over one axis: moving and along are letters; nodes (K,) mm; forward, reverse
+    (K,) mm, for targets approached in + and in -."""
 
     moving: str
     along: str
@@ -39,7 +37,8 @@ class Marginal(NamedTuple):
 
 
 def pose_of(machine: Machine, moving: str, at: dict[str, float]) -> dict[str, float]:
-    """Where the other axes stand: as `at` says, else where `moving` was measured, within their travel; rotary axes at 0."""
+    """Where the other axes stand: as `at` says, else where `moving` was measured, within their
+    travel; rotary axes at 0."""
     result = {}
     for x, axis in machine.axes.items():
         place = float(machine.axes[moving].measured_at[XYZ.index(x)]) if x in XYZ else 0.0
@@ -52,8 +51,8 @@ def marginals(
 ) -> tuple[list[Marginal], list[str]]:
     """The tables that are not zero, and notices in um of what they can not hold.
 
-    at: axis to mm (degrees), where the other axes stand while one moves; an axis that is not named stands where the moving one
-    was measured.
+    at: axis to mm (degrees), where the other axes stand while one moves; an axis that is not named
+    stands where the moving one was measured.
     """
     found: list[Marginal] = []
     notices: list[str] = []
@@ -73,14 +72,16 @@ def marginals(
             name = f"E{along}{moving}"
             if missed[row] > SEEN:
                 notices.append(
-                    f"{name} bends more than {NODES} nodes can follow: up to {missed[row] / UM:.2f} um between them"
+                    f"{name} bends more than {NODES} nodes can follow: up to {missed[row] / UM:.2f}"
+                    " um between them"
                 )
             if spread[row] > SEEN:
                 others = [o for o in by if by[o][row] > SEEN] or list(by)
                 stand = ", ".join(f"{o} = {pose[o]:g}" for o in others)
                 notices.append(
-                    f"{name} is right where {stand}; elsewhere in the travel of {' and '.join(others)} it is off by up to "
-                    f"{spread[row] / UM:.2f} um, which a table of one axis can not hold"
+                    f"{name} is right where {stand}; elsewhere in the travel of"
+                    f" {' and '.join(others)} it is off by up to {spread[row] / UM:.2f} um, which a"
+                    " table of one axis can not hold"
                 )
     notices += _rest(machine, slides)
     return found, notices
@@ -123,7 +124,8 @@ def _along(
 
 
 def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Positions between which straight lines follow the deviation, and (A,) mm of what they still miss."""
+    """Positions between which straight lines follow the deviation, and (A,) mm of what they still
+    miss."""
     low, high = own.axes[moving].travel
     knots = own.knots.get(moving, [])
     nodes = np.unique(np.concatenate(knots)) if knots else np.array([low, high])
@@ -131,10 +133,8 @@ def _nodes(own: Machine, moving: str, pose: dict[str, float]) -> tuple[np.ndarra
         np.clip(np.concatenate([[low, high], nodes]), min(low, nodes[0]), max(high, nodes[-1]))
     )
     outside = np.array([ends[0], nodes[0], nodes[-1], ends[-1]])
-    for way in (
-        1.0,
-        -1.0,
-    ):  # a table that is held beyond its ends needs no node at the end of travel, a line does
+    # a table that is held beyond its ends needs no node at the end of travel, a line does
+    for way in (1.0, -1.0):
         at_ends = _along(own, moving, pose, outside, way)
         if (
             np.abs(at_ends[:, 0] - at_ends[:, 1]).max() > 1e-9
@@ -172,7 +172,8 @@ def _missed(
 def _spread(
     own: Machine, moving: str, pose: dict[str, float], nodes: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """(A,) mm: how far the deviation is from that at the pose, over the travel of all others, and of each other alone."""
+    """(A,) mm: how far the deviation is from that at the pose, over the travel of all others, and
+    of each other alone."""
     places = {}
     for x, axis in own.axes.items():
         if x != moving and x in own.chain.axes:
@@ -203,7 +204,8 @@ def _spread(
 
 
 def _rest(machine: Machine, slides: list[str]) -> list[str]:
-    """A notice where the axes' own parts do not add up to the machine: rotary axes, effects of several axes."""
+    """A notice where the axes' own parts do not add up to the machine: rotary axes, effects of
+    several axes."""
     rows = [machine.axes[x].travel for x in machine.letters]
     if not np.all(np.isfinite([rows[machine.letters.index(x)] for x in machine.chain.axes])):
         return []
@@ -220,7 +222,8 @@ def _rest(machine: Machine, slides: list[str]) -> list[str]:
             total = total - _alone(machine, x).deviation(position, approach)
         worst = np.maximum(worst, np.abs(total).max(axis=1))
     return [
-        f"up to {worst[machine.letters.index(x)] / UM:.2f} um along {x} belong to no single slide (rotary axes, effects of several axes) and stay"
+        f"up to {worst[machine.letters.index(x)] / UM:.2f} um along {x} belong to no single slide"
+        " (rotary axes, effects of several axes) and stay"
         for x in slides
         if worst[machine.letters.index(x)] > SEEN
     ]

@@ -1,4 +1,5 @@
-"""A machine: its axes, its chain, its measured errors and effects, and the one deviation that they add up to."""
+"""A machine: its axes, its chain, its measured errors and effects, and the one deviation that they
+add up to."""
 
 from __future__ import annotations
 
@@ -33,9 +34,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Expansion:
-    """Growth with temperature, linear from the point that does not move. scale, work: 1/K, expansion of the axis' scale (or
-    screw) and of the workpiece; their temperatures, degrees Celsius; fixed: mm, slide position that stays. sensors: columns of a
-    log for the scale, with mm, the slide position at which each thermometer sits, None: they are averaged; work_sensors: for the work."""
+    """Growth with temperature, linear from the point that does not move. scale, work: 1/K,
+    expansion of the axis' scale (or screw) and of the workpiece; their temperatures, degrees
+    Celsius; fixed: mm, slide position that stays. sensors: columns of a log for the scale, with mm,
+    the slide position at which each thermometer sits, None: they are averaged; work_sensors: for
+    the work."""
 
     scale: float = 0.0
     scale_at: float = 20.0
@@ -47,7 +50,8 @@ class Expansion:
 
     @property
     def rate(self) -> float:
-        """mm/mm that the axis goes too far, seen by a part that is measured at 20 degrees Celsius."""
+        """mm/mm that the axis goes too far, seen by a part that is measured at 20 degrees
+        Celsius."""
         return self.scale * (self.scale_at - 20.0) - self.work * (self.work_at - 20.0)
 
 
@@ -89,8 +93,8 @@ class EffectTerm:
     """One accepted effect with its parameters. tables: axis to the errors that it adds where the
     slides stand, none for an effect that a place alone does not decide. spread: for each parameter
     whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
-    by how much U changes the tables. measured mm: from where to where readings told it; its tables stay beyond what they are at the
-    ends; None where nobody said."""
+    by how much U changes the tables. measured mm: from where to where readings told it; its tables
+    stay beyond what they are at the ends; None where nobody said."""
 
     name: str
     axis: str
@@ -104,9 +108,9 @@ class EffectTerm:
 
 @dataclass(frozen=True)
 class ControlTable:
-    """A table with which the control corrects by itself. file, settings: where it stands; measured: whether the map was
-    measured with it; active: whether it is on at work; axis: the one it is for, where the file does not say; more: what
-    its reader must be told."""
+    """A table with which the control corrects by itself. file, settings: where it stands; measured:
+    whether the map was measured with it; active: whether it is on at work; axis: the one it is for,
+    where the file does not say; more: what its reader must be told."""
 
     control: str
     file: Path | None
@@ -119,8 +123,8 @@ class ControlTable:
 
 @dataclass(frozen=True)
 class Limits:
-    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm that the wanted place of a slide
-    may turn back before its lost motion is taken up."""
+    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm that the
+    wanted place of a slide may turn back before its lost motion is taken up."""
 
     max_correction: float = 0.5
     max_slope: float = 0.005
@@ -131,11 +135,13 @@ class Limits:
 @dataclass(frozen=True)
 class Machine:
     """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
-    U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,) mm;
+    U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,)
+    mm;
     offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which they
-    are stated; signs: "verified" where a measurement after compensation has shown them, "unverified" where it is said that none has, "" where nothing is said; tool_stated:
-    whether the folder states the tool's point; tool_point: how the control follows it; growth: what moves it from moment to moment
-    (growth.py), empty where nobody follows its temperatures."""
+    are stated; signs: "verified" where a measurement after compensation has shown them,
+    "unverified" where it is said that none has, "" where nothing is said; tool_stated: whether the
+    folder states the tool's point; tool_point: how the control follows it; growth: what moves it
+    from moment to moment (growth.py), empty where nobody follows its temperatures."""
 
     name: str
     title: str
@@ -207,7 +213,8 @@ class Machine:
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Axis to the range, mm or degrees, that every table of it covers; none for an axis without tables."""
+        """Axis to the range, mm or degrees, that every table of it covers; none for an axis without
+        tables."""
         covered = {x: [table.nodes] for x, table in self.tables.items()}
         for grid in (grid for axis in self.axes.values() for grid in axis.grids):
             covered.setdefault(grid.letter, []).append(grid.nodes)
@@ -240,7 +247,8 @@ class Machine:
 
     @cached_property
     def locations(self) -> dict[str, np.ndarray]:
-        """Axis to (6,) mm and rad: how the line of a rotary axis lies, and how a linear one leans."""
+        """Axis to (6,) mm and rad: how the line of a rotary axis lies, and how a linear one
+        leans."""
         found = {x: axis.location.copy() for x, axis in self.axes.items() if axis.location.any()}
         for x, lean in self.square.items():
             found.setdefault(x, np.zeros(6))[3:] += lean
@@ -266,8 +274,8 @@ class Machine:
 
     @cached_property
     def pretravel(self) -> dict[str, float]:
-        """Axis to mm of its own travel behind a turn over which its largest reversal builds up beyond its own size, where
-        an effect says so."""
+        """Axis to mm of its own travel behind a turn over which its largest reversal builds up
+        beyond its own size, where an effect says so."""
         sizes = {x: [(2 * float(np.abs(t.half[:3]).max()), 0.0)] for x, t in self.tables.items()}
         for term in self.effects:
             way = getattr(term.module, "ramp_mm", lambda **named: 0.0)(**term.parameters)
@@ -279,7 +287,8 @@ class Machine:
 
     @cached_property
     def lateral(self) -> float:
-        """mm: by how much the sides of all axes together can move the others: straightness and angles measured both ways."""
+        """mm: by how much the sides of all axes together can move the others: straightness and
+        angles measured both ways."""
         tables = [(x, t.half) for x, t in self.every_table]
         tables += [
             (grid.letter, (grid.forward - grid.reverse).reshape(6, -1) / 2) for grid in self.grids
@@ -295,7 +304,8 @@ class Machine:
 
     @cached_property
     def least_play(self) -> np.ndarray:
-        """(A,) mm: the smallest lost motion of each axis anywhere; below zero where forward lies beyond reverse."""
+        """(A,) mm: the smallest lost motion of each axis anywhere; below zero where forward lies
+        beyond reverse."""
         least = np.zeros(len(self.letters))
         for row in self.corrected:
             nodes = np.concatenate(self.knots.get(self.letters[row], [np.zeros(1)]))
@@ -305,8 +315,9 @@ class Machine:
         return least
 
     def lost_motion(self, position: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """(R, N) mm: the play of the axes `rows` (R,) at commanded slide positions (A, N): the deviation of an axis along itself
-        when it was approached in - less that in +. Angles and straightness measured both ways are not in it."""
+        """(R, N) mm: the play of the axes `rows` (R,) at commanded slide positions (A, N): the
+        deviation of an axis along itself when it was approached in - less that in +. Angles and
+        straightness measured both ways are not in it."""
         result = np.zeros((len(rows), position.shape[1]))
         for k, row in enumerate(rows):
             letter = self.letters[row]
@@ -338,12 +349,13 @@ class Machine:
         return replace(self, axes={**self.axes, **more}) if more else self
 
     def with_tool(self, length: tuple[float, float, float]) -> Machine:
-        """The same machine with a tool of this length, mm along X Y Z: the tip lies as much before the point that the
-        slides carry."""
+        """The same machine with a tool of this length, mm along X Y Z: the tip lies as much before
+        the point that the slides carry."""
         return replace(self, tool=self.tool - np.array(length))
 
     def at_temperatures(self, celsius: dict[str, float]) -> Machine:
-        """The same machine with other temperatures of its scales (by axis) and of the workpiece ("work")."""
+        """The same machine with other temperatures of its scales (by axis) and of the workpiece
+        ("work")."""
         axes = dict(self.axes)
         for x, axis in self.axes.items():
             if axis.expansion is not None:
@@ -355,10 +367,12 @@ class Machine:
         return replace(self, axes=axes)
 
     def deviation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """(A, N) mm: actual - commanded of each linear axis, at commanded slide positions (A, N) mm.
+        """(A, N) mm: actual - commanded of each linear axis, at commanded slide positions (A, N)
+        mm.
 
-        approach (A, N): -1 to +1, in which direction each axis last moved; 0 is the mean. Axes that the chain does not
-        name have none. A deviation along a direction that the machine has no axis for is left out.
+        approach (A, N): -1 to +1, in which direction each axis last moved; 0 is the mean. Axes that
+        the chain does not name have none. A deviation along a direction that the machine has no
+        axis for is left out.
         """
         q, each = self._at(position, approach)
         if self.chain.rotary:
@@ -372,7 +386,8 @@ class Machine:
 
     @cached_property
     def measured(self) -> dict[str, np.ndarray]:
-        """Axis to (3,) mm: where the axes of its arm stood while it was measured; 0 for those that are none of it."""
+        """Axis to (3,) mm: where the axes of its arm stood while it was measured; 0 for those that
+        are none of it."""
         return {x: self.chain.counted(x, axis.measured_at) for x, axis in self.axes.items()}
 
     @cached_property
@@ -400,8 +415,8 @@ class Machine:
         return self.carried(position, approach)[1]
 
     def carried(self, position: np.ndarray, approach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(3, N) mm by which the tip is off and (3, N) rad by which the tool leans, both in the frame of the workpiece,
-        which turns with it. A chain with rotary axes."""
+        """(3, N) mm by which the tip is off and (3, N) rad by which the tool leans, both in the
+        frame of the workpiece, which turns with it. A chain with rotary axes."""
         q, each = self._at(position, approach)
         return rotary.carried(self.geometry, each, q)
 
@@ -431,7 +446,8 @@ class Machine:
     def _parts(
         self, letter: str, q: dict[str, np.ndarray], s: dict[str, np.ndarray]
     ) -> Parts | None:
-        """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth with temperature."""
+        """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
+        with temperature."""
         axis = self.axes[letter]
         part: Parts | None = None
         if axis.table is not None and axis.table.rows:
@@ -452,7 +468,8 @@ class Machine:
     def contributions(
         self, position: np.ndarray, approach: np.ndarray
     ) -> list[tuple[str, np.ndarray]]:
-        """Name and (A, N) mm of every part of the deviation by itself: components, squareness, effects."""
+        """Name and (A, N) mm of every part of the deviation by itself: components, squareness,
+        effects."""
         result = []
         bare = {x: axis.bare for x, axis in self.axes.items()}
 

@@ -1,8 +1,9 @@
-"""Lost motion has a sign: a slide with play lags behind its command, so that of its own positioning reverse - forward is
-above zero.
+"""Lost motion has a sign: a slide with play lags behind its command, so that of its own positioning
+reverse - forward is above zero.
 
-Approached in + it stops short (deviation below), approached in - it stops short of the other side (above). Below zero the
-slide goes beyond its command: the control takes up more play than there is, or a sign of the numbers is turned.
+Approached in + it stops short (deviation below), approached in - it stops short of the other side
+(above). Below zero the slide goes beyond its command: the control takes up more play than there is,
+or a sign of the numbers is turned.
 """
 
 from __future__ import annotations
@@ -13,21 +14,20 @@ from postproc.machine.chain import LINEAR, XYZ, along
 from postproc.machine.model import Machine
 from postproc.units import UM, URAD
 
-LEAST = {
-    "um": 0.5,
-    "urad": 5.0,
-}  # of the median: less is what few runs scatter by; 5 urad is one second of arc
+# of the median: less is what few runs scatter by; 5 urad is one second of arc
+LEAST = {"um": 0.5, "urad": 5.0}
 WAYS_OUT = (
-    "play makes a slide lag, and is above zero. Is the file negated (corrections, or read towards - of the axis)? "
-    "Are its directions exchanged (--first)? Else the control takes up more backlash than there is: lower it there"
+    "play makes a slide lag, and is above zero. Is the file negated (corrections, or read towards -"
+    " of the axis)? Are its directions exchanged (--first)? Else the control takes up more backlash"
+    " than there is: lower it there"
 )
 
 
 def sentence(component: str, lost: np.ndarray, known_to: float = 0.0) -> str:
     """What is to be said of a component's lost motion, empty where it lags as it should.
 
-    component: EXX; lost (K,) mm or rad: reverse - forward at each target, NaN where one direction was not read; known_to:
-    mm or rad, U (95 %) of its median.
+    component: EXX; lost (K,) mm or rad: reverse - forward at each target, NaN where one direction
+    was not read; known_to: mm or rad, U (95 %) of its median.
     """
     unit, one = ("um", UM) if component[1] in XYZ else ("urad", URAD)
     lost = lost[np.isfinite(lost)] / one
@@ -37,14 +37,15 @@ def sentence(component: str, lost: np.ndarray, known_to: float = 0.0) -> str:
     if middle > -limit:
         return ""
     return (
-        f"{component} goes beyond its command where the axis reverses: reverse - forward is {lost.min():+.1f} to "
-        f"{lost.max():+.1f} {unit}, {middle:+.1f} in the median, below zero at {int((lost < 0).sum())} of {len(lost)} "
-        f"targets; {WAYS_OUT}"
+        f"{component} goes beyond its command where the axis reverses: reverse - forward is"
+        f" {lost.min():+.1f} to {lost.max():+.1f} {unit}, {middle:+.1f} in the median, below zero"
+        f" at {int((lost < 0).sum())} of {len(lost)} targets; {WAYS_OUT}"
     )
 
 
 def of_axis(machine: Machine, letter: str) -> np.ndarray:
-    """(K,) mm or rad: reverse - forward of an axis' own positioning at all its nodes, tables and effects together."""
+    """(K,) mm or rad: reverse - forward of an axis' own positioning at all its nodes, tables and
+    effects together."""
     row = along(letter) if letter in LINEAR else 3 + "ABC".index(letter)
     tables = [table for x, table in machine.every_table if x == letter and np.any(table.half[row])]
     if not tables:

@@ -1,4 +1,5 @@
-"""A machine with a part of its map: some components, squareness and effects, the others as if the machine had not got them.
+"""A machine with a part of its map: some components, squareness and effects, the others as if the
+machine had not got them.
 
 What a control takes out by itself, or what somebody wants to see alone: `--only EXX,EZZ`.
 """
@@ -12,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import LINEAR
 from postproc.machine.model import Axis, EffectTerm, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
@@ -45,7 +46,8 @@ def names(machine: Machine) -> list[str]:
 
 
 def only(machine: Machine, wanted: Iterable[str]) -> Machine:
-    """The machine with these names of its map alone, and with the control's own tables, which work whatever is wanted.
+    """The machine with these names of its map alone, and with the control's own tables, which work
+    whatever is wanted.
 
     A positioning stands for all that acts along its axis: EXX brings backlash:X and heat:X along.
     """
@@ -58,18 +60,23 @@ def only(machine: Machine, wanted: Iterable[str]) -> Machine:
     }
     digest = hashlib.sha256(f"{machine.digest} {sorted(chosen)}".encode()).hexdigest()[:8]
     return replace(
-        machine, axes=axes, square=square, digest=digest, effects=tuple(t for t in machine.effects if _kept(t, chosen)),
+        machine,
+        axes=axes,
+        square=square,
+        digest=digest,
+        effects=tuple(t for t in machine.effects if _kept(t, chosen)),
         square_u={name: u for name, u in machine.square_u.items() if name in chosen},
-    )  # fmt: skip
+    )
 
 
 def largest_left(machine: Machine, part: Machine) -> float:
-    """mm: by how much the whole map goes beyond its part, at most, at places of all axes' tables and travels."""
+    """mm: by how much the whole map goes beyond its part, at most, at places of all axes' tables
+    and travels."""
     places = []
     for x in machine.letters:
         table = machine.tables.get(x)
         nodes = (
-            np.array(machine.axes[x].travel if x in XYZ else (0.0,))
+            np.array(machine.axes[x].travel if x in LINEAR else (0.0,))
             if table is None
             else table.nodes
         )
@@ -84,17 +91,24 @@ def largest_left(machine: Machine, part: Machine) -> float:
 
 def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
     rows = [row for row in range(6) if f"{COMPONENTS[row]}{letter}" in chosen]
-    gone = [f"{name}{letter}" for row, name in enumerate(COMPONENTS) if row not in rows and axis.table is not None and row in axis.table.stated]  # fmt: skip
+    gone = [
+        f"{name}{letter}"
+        for row, name in enumerate(COMPONENTS)
+        if row not in rows and axis.table is not None and row in axis.table.stated
+    ]
     u = axis.uncertainty
     if u is not None:
         u = replace(
             u, table=_table(u.table, rows), stated=tuple(row for row in u.stated if row in rows)
         )
     return replace(
-        axis, table=None if axis.table is None else _table(axis.table, rows), grids=tuple(_table(g, rows) for g in axis.grids),
-        expansion=axis.expansion if f"heat:{letter}" in chosen else None, uncertainty=u,
+        axis,
+        table=None if axis.table is None else _table(axis.table, rows),
+        grids=tuple(_table(g, rows) for g in axis.grids),
+        expansion=axis.expansion if f"heat:{letter}" in chosen else None,
+        uncertainty=u,
         left_out=(*axis.left_out, *gone),
-    )  # fmt: skip
+    )
 
 
 def _table(table: Table, rows: list[int]) -> Table:

@@ -1,4 +1,5 @@
-"""Where machines are found: ./machines, the user's own, and those that come with gcomp, in that order."""
+"""Where machines are found: ./machines, the user's own, and those that come with gcomp, in that
+order."""
 
 from __future__ import annotations
 
@@ -38,7 +39,8 @@ def every() -> dict[str, Path]:
 
 
 def folder_of(name: str) -> Path:
-    """The folder of the machine called `name`, or of that path. Raises UsageError with the names that there are."""
+    """The folder of the machine called `name`, or of that path. Raises UsageError with the names
+    that there are."""
     path = Path(name)
     if (len(path.parts) > 1 or path.is_absolute()) or (path / "machine.toml").is_file():
         if not path.is_dir():
@@ -48,12 +50,13 @@ def folder_of(name: str) -> Path:
     if name not in found:
         raise UsageError(
             f"there is no machine {name!r}",
-            f"machines: {', '.join(found) or 'none'} (looked in {', '.join(map(str, folders()))}); or give the path of a "
-            "machine folder",
+            f"machines: {', '.join(found) or 'none'} (looked in {', '.join(map(str, folders()))});"
+            " or give the path of a machine folder",
         )
     return found[name]
 
 
 def load(name: str) -> Machine:
-    """The machine called `name`, or in the folder of that path. Raises UsageError with the names that there are."""
+    """The machine called `name`, or in the folder of that path. Raises UsageError with the names
+    that there are."""
     return read_machine(folder_of(name))

@@ -1,11 +1,14 @@
-"""Nominal poses of a chain with rotary axes: from slides to the tool tip's place in the part, and back.
+"""Nominal poses of a chain with rotary axes: from slides to the tool tip's place in the part, and
+back.
 
-The tip is where the axes, read from the tool to the workpiece, take the tool's point: tip = D s + f, where the columns of D
-are the directions of the slides, turned by the rotary axes before them, and f is the tip while all slides stand at zero
-(ISO 230-1, rigid bodies). So the slides for a tip are one solution of three equations, and every pose has one.
+The tip is where the axes, read from the tool to the workpiece, take the tool's point: tip = D s +
+f, where the columns of D are the directions of the slides, turned by the rotary axes before them,
+and f is the tip while all slides stand at zero (ISO 230-1, rigid bodies). So the slides for a tip
+are one solution of three equations, and every pose has one.
 
-Places of the tip are told as the slides would stand with every rotary axis at zero and no tool length: the tip less the
-point `[tool]`. Then a work offset means the same with the tool point on and off.
+Places of the tip are told as the slides would stand with every rotary axis at zero and no tool
+length: the tip less the point `[tool]`. Then a work offset means the same with the tool point on
+and off.
 """
 
 from __future__ import annotations
@@ -22,7 +25,8 @@ from postproc.spaces import Space
 
 
 def frames(machine: Machine, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """D (3, 3, N), whose columns are the directions of X Y Z in the part, and f (3, N) mm, at rotary positions of q (A, N)."""
+    """D (3, 3, N), whose columns are the directions of X Y Z in the part, and f (3, N) mm, at
+    rotary positions of q (A, N)."""
     n = q.shape[1]
     rows = {x: i for i, x in enumerate(machine.letters)}
     place = np.repeat(machine.tool[:, None].astype(float), n, axis=1)
@@ -39,7 +43,8 @@ def frames(machine: Machine, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def axes_of(machine: Machine, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(R, 3, N) directions of the rotary axes of the chain, and (3, N) of the tool, away from the part, both in the part."""
+    """(R, 3, N) directions of the rotary axes of the chain, and (3, N) of the tool, away from the
+    part, both in the part."""
     n = q.shape[1]
     rows = {x: i for i, x in enumerate(machine.letters)}
     tool = np.repeat(np.array([[0.0], [0.0], [1.0]]), n, axis=1)
@@ -60,8 +65,8 @@ def tips(machine: Machine, q: np.ndarray) -> np.ndarray:
 
 
 def slides_at(machine: Machine, tip: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """(A, N): q with the slides where they bring the tip to (3, N) mm. Raises MachineError where their directions do not
-    span space."""
+    """(A, N): q with the slides where they bring the tip to (3, N) mm. Raises MachineError where
+    their directions do not span space."""
     ways, place = frames(machine, q)
     matrix = ways.transpose(2, 0, 1)
     bad = np.flatnonzero(np.abs(np.linalg.det(matrix)) < SINGULAR)
@@ -84,7 +89,8 @@ ONE = 1e-6  # rad: directions that are nearer are one
 
 
 class Poses:
-    """The kinematics of one machine, as the text layer may ask for it (postproc.spaces.Kinematics)."""
+    """The kinematics of one machine, as the text layer may ask for it
+    (postproc.spaces.Kinematics)."""
 
     def __init__(self, machine: Machine):
         self.machine = machine
@@ -113,8 +119,8 @@ class Poses:
         return result
 
     def aligned(self, normal: np.ndarray, position: np.ndarray) -> list[np.ndarray]:
-        """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part; that with the shortest
-        way of the axis nearest to the part first, then of the other."""
+        """Positions (A,) within the travels whose tool has the direction `normal` (3,) of the part;
+        that with the shortest way of the axis nearest to the part first, then of the other."""
         rows = [self.machine.letters.index(x) for x in self.rotary]
         found = []
         for angles in _turns_to(self.machine, normal):
@@ -131,7 +137,8 @@ class Poses:
         return [pose for _, pose in found]
 
     def space_at(self, position: np.ndarray) -> Space:
-        """The frame of the part whose axes are the machine's while the rotary axes stand at `position` (A,)."""
+        """The frame of the part whose axes are the machine's while the rotary axes stand at
+        `position` (A,)."""
         none = np.zeros((len(position), 4))
         for x in self.carrying:
             none[self.machine.letters.index(x)] = position[self.machine.letters.index(x)]
@@ -146,11 +153,12 @@ class Poses:
 
 
 def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
-    """Angles of the rotary axes, degrees, in the order of the chain, at which the tool has the direction `normal` (3,).
+    """Angles of the rotary axes, degrees, in the order of the chain, at which the tool has the
+    direction `normal` (3,).
 
-    With R1 R2 z = normal the second axis is where the first one's own direction a sees the tool as it sees the normal:
-    a . R2 z = a . normal, a sine of the angle; the first then turns R2 z into the normal. Where that leaves the first one
-    free (a pole) it stays at zero.
+    With R1 R2 z = normal the second axis is where the first one's own direction a sees the tool as
+    it sees the normal: a . R2 z = a . normal, a sine of the angle; the first then turns R2 z into
+    the normal. Where that leaves the first one free (a pole) it stays at zero.
     """
     ways = [np.eye(3)[ROTARY.index(x)] for x in machine.chain.rotary]
     tool = np.array([0.0, 0.0, 1.0])
@@ -175,7 +183,8 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
 
 
 def _about_to(axis: np.ndarray, one: np.ndarray, other: np.ndarray) -> list[tuple[float, ...]]:
-    """The angle, degrees, by which `axis` turns direction `one` into `other`; none where it can not."""
+    """The angle, degrees, by which `axis` turns direction `one` into `other`; none where it can
+    not."""
     flat = [v - axis * (axis @ v) for v in (one, other)]
     if abs(axis @ one - axis @ other) > ONE:
         return []
@@ -195,7 +204,8 @@ def with_length(machine: Machine, length: np.ndarray) -> Machine:
 def out_of(
     machine: Machine, space: Space | None, length: np.ndarray, place: np.ndarray
 ) -> np.ndarray:
-    """(A, N) slide positions of places (A, N) that are told in a space, with a tool of length (A,)."""
+    """(A, N) slide positions of places (A, N) that are told in a space, with a tool of length
+    (A,)."""
     if space is None:
         return place
     rows = [machine.letters.index(x) for x in XYZ]
@@ -219,28 +229,44 @@ def into(
 
 
 def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """(3, N): a rotation (3, 3) of vectors (3, N), each in the same way however many there are: a product of matrices
-    would round by their number, and output must not depend on how the input was cut."""
+    """(3, N): a rotation (3, 3) of vectors (3, N), each in the same way however many there are: a
+    product of matrices would round by their number, and output must not depend on how the input was
+    cut."""
     return np.stack(
         [row[0] * vectors[0] + row[1] * vectors[1] + row[2] * vectors[2] for row in matrix]
     )
 
 
 def _lacking(machine: Machine) -> tuple[str, str] | None:
-    """What machine.toml must state before the tip can be followed: where the rotary axes' lines lie, and for a head how far
-    the tool stands before them."""
+    """What machine.toml must state before the tip can be followed: where the rotary axes' lines
+    lie, and for a head how far the tool stands before them."""
     missing = [x for x in XYZ if x not in machine.chain.axes]
     if missing:
-        return (f"the machine has no slide {' '.join(missing)}, and no tip can be held with rotary axes then",
-                "let the CAM program write the places of the axes themselves")  # fmt: skip
+        return (
+            (
+                f"the machine has no slide {' '.join(missing)}, and no tip can be held with rotary"
+                " axes then"
+            ),
+            "let the CAM program write the places of the axes themselves",
+        )
     for x in machine.chain.rotary:
         across = [XYZ[i] for i in range(3) if i != ROTARY.index(x)]
         if not set(across) <= set(machine.axes[x].centre_stated):
             words = ", ".join(f"{a} = .." for a in across)
-            return (f"machine.toml does not say where the line of {x} lies",
-                    f"state a point on it in [axes.{x}], mm, all slides at zero: centre = {{ {words} }}")  # fmt: skip
+            return (
+                f"machine.toml does not say where the line of {x} lies",
+                (
+                    f"state a point on it in [axes.{x}], mm, all slides at zero: centre = {{"
+                    f" {words} }}"
+                ),
+            )
     heads = [x for x in machine.chain.rotary if machine.chain.side(x) == "tool"]
     if heads and not machine.tool_stated:
-        return (f"machine.toml does not say how far the spindle's nose stands from the line of {' '.join(heads)}",
-                "state its place in [tool], mm, all axes at zero, without a tool: Z = -150.0")  # fmt: skip
+        return (
+            (
+                "machine.toml does not say how far the spindle's nose stands from the line of"
+                f" {' '.join(heads)}"
+            ),
+            "state its place in [tool], mm, all axes at zero, without a tool: Z = -150.0",
+        )
     return None

@@ -1,13 +1,17 @@
-"""The same sum for chains with rotary axes: errors are carried from the tool back to the workpiece, pose by pose.
+"""The same sum for chains with rotary axes: errors are carried from the tool back to the workpiece,
+pose by pose.
 
-Read from the workpiece to the tool, every axis is a motion N_j of what follows it (a translation along its direction, or
-a rotation about its centre line), and its errors E_j are a small motion beside it. To first order the tool tip is off by
-the sum of every E_j at the place where it acts, turned by the nominal rotations before it. Translations and rotations of
-a rotary axis are those of ISO 230-7: about a point on its centre line, in the frame that does not turn with it. Where its
-centre line lies beside the nominal one (X0C, Y0C) or leans (A0C, B0C) is a motion before N_j and taken back behind it.
+Read from the workpiece to the tool, every axis is a motion N_j of what follows it (a translation
+along its direction, or a rotation about its centre line), and its errors E_j are a small motion
+beside it. To first order the tool tip is off by the sum of every E_j at the place where it acts,
+turned by the nominal rotations before it. Translations and rotations of a rotary axis are those of
+ISO 230-7: about a point on its centre line, in the frame that does not turn with it. Where its
+centre line lies beside the nominal one (X0C, Y0C) or leans (A0C, B0C) is a motion before N_j and
+taken back behind it.
 
-The result is told along the slides, as a correction must move them: a table that turns the part turns their directions.
-How far the tool leans is told by `orientation`; rotary words are corrected for it where that is asked for (tip.py).
+The result is told along the slides, as a correction must move them: a table that turns the part
+turns their directions. How far the tool leans is told by `orientation`; rotary words are corrected
+for it where that is asked for (tip.py).
 """
 
 from __future__ import annotations
@@ -19,14 +23,14 @@ import numpy as np
 from postproc.errors import MachineError
 from postproc.machine.chain import ROTARY, XYZ, Chain, Parts
 
-SINGULAR = (
-    0.1  # determinant of the slides' directions: below, one slide does nearly what another does
-)
+# determinant of the slides' directions: below, one slide does nearly what another does
+SINGULAR = 0.1
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """What does not move. tool (3,) mm; location: axis to (6,) mm and rad, how its line lies beside the nominal one;
+    """What does not move. tool (3,) mm; location: axis to (6,) mm and rad, how its line lies beside
+    the nominal one;
     centre, measured: axis to (3,) mm; optic: axis to what its measured point was fixed to."""
 
     chain: Chain
@@ -40,7 +44,8 @@ class Geometry:
 def tip_deviation(
     g: Geometry, parts: dict[str, Parts], position: dict[str, np.ndarray]
 ) -> list[np.ndarray]:
-    """Three (N,) columns: mm by which the slides X, Y, Z seem to be off. position: axis to (N,) mm or degrees.
+    """Three (N,) columns: mm by which the slides X, Y, Z seem to be off. position: axis to (N,) mm
+    or degrees.
 
     Raises MachineError at a pose where the slides' directions do not span what must be corrected.
     """
@@ -164,7 +169,8 @@ def _along_slides(
     if len(bad):
         pose = ", ".join(f"{x} = {position[x][bad[0]]:g}" for x in chain.rotary)
         raise MachineError(
-            f"at {pose} degrees the slides {' '.join(slides)} no longer move in directions of their own",
+            f"at {pose} degrees the slides {' '.join(slides)} no longer move in directions of"
+            " their own",
             "the position can not be corrected there: keep away from this pose",
         )
     solved = np.linalg.solve(square, np.einsum("nij,in->nj", matrix, off)[:, :, None])[:, :, 0]

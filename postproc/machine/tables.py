@@ -1,7 +1,8 @@
-"""The measured errors of one moving axis: six components over its position, by direction of approach.
+"""The measured errors of one moving axis: six components over its position, by direction of
+approach.
 
-Linear between nodes, as every documented control interpolates its own table; held beyond the ends (whether a position
-may lie there is not decided here).
+Linear between nodes, as every documented control interpolates its own table; held beyond the ends
+(whether a position may lie there is not decided here).
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis 
 
 @dataclass(frozen=True)
 class AxisTable:
-    """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm and rad, for targets
-    approached in + and in -; equal where a component was measured one way. stated: the components
-    that the table has a column of, as rows of COMPONENTS; the others are zero for want of one."""
+    """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm
+    and rad, for targets approached in + and in -; equal where a component was measured one way.
+    stated: the components that the table has a column of, as rows of COMPONENTS; the others are
+    zero for want of one."""
 
     letter: str
     nodes: np.ndarray
@@ -53,7 +55,8 @@ class AxisTable:
         )
 
     def slope_range(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(6, N) how much the slope of each component differs, and (6, N) its largest size, between low and high (N,) mm."""
+        """(6, N) how much the slope of each component differs, and (6, N) its largest size, between
+        low and high (N,) mm."""
         first, last = self.place(low)[0], self.place(high)[0]
         least, most = self.slopes[:, :, first].copy(), self.slopes[:, :, first].copy()
         for k in range(1, int((last - first).max(initial=0)) + 1):
@@ -81,17 +84,20 @@ class AxisTable:
     @cached_property
     def _bins(
         self,
-    ) -> tuple[list[tuple[np.ndarray, np.ndarray]], list[tuple[np.ndarray, np.ndarray] | None]]:
-        """Per live component value and rise at each interval's lower node, of the mean and, if two-way, the half."""
-        mean = [(self.mean[i, :-1].copy(), np.diff(self.mean[i])) for i in self.rows]
-        half = [
-            (self.half[i, :-1].copy(), np.diff(self.half[i])) if np.any(self.half[i]) else None
+    ) -> tuple[np.ndarray, np.ndarray, dict[int, tuple[np.ndarray, np.ndarray]]]:
+        """Value and rise (C, K - 1) of the mean of each live component at each interval's lower
+        node; and component to the same (K - 1,) of its half, where it was measured both ways."""
+        mean = self.mean[self.rows]
+        half = {
+            i: (self.half[i, :-1].copy(), np.diff(self.half[i]))
             for i in self.rows
-        ]
-        return mean, half
+            if np.any(self.half[i])
+        }
+        return mean[:, :-1].copy(), np.diff(mean), half
 
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(N,) index of the node below each position, mm, and (N,) the share of the interval above it, 0 to 1.
+        """(N,) index of the node below each position, mm, and (N,) the share of the interval above
+        it, 0 to 1.
 
         Beyond the ends the first or last interval's, with share 0 or 1.
         """
@@ -103,7 +109,8 @@ class AxisTable:
             return interval, np.subtract(place, interval, out=place)
         low, high, inner, width = self._uneven
         inside = np.minimum(np.maximum(position, low), high)
-        # Nodes but for the first and the last: what lies before all of them is in the first interval.
+        # Nodes but for the first and the last: what lies before all of them is in the first
+        # interval.
         interval = inner.searchsorted(inside, side="right")
         return interval, (inside - self.nodes[interval]) / width[interval]
 
@@ -122,21 +129,25 @@ class AxisTable:
         if not self.rows:
             return result
         interval, share = self.place(position)
-        mean, half = self._bins
-        for i, (base, rise), turn in zip(self.rows, mean, half, strict=True):
-            value = base[interval] + rise[interval] * share
-            if turn is not None:
-                value += approach * (turn[0][interval] + turn[1][interval] * share)
-            result[i] = value
+        base, rise, half = self._bins
+        value = rise.take(interval, axis=1)
+        value *= share
+        value += base.take(interval, axis=1)
+        for i, column in zip(self.rows, value, strict=True):
+            if i in half:
+                low, more = half[i]
+                column += approach * (low[interval] + more[interval] * share)
+            result[i] = column
         return result
 
     def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:
-        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured one way."""
-        if not np.any(self.half[row]):
+        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
+        one way."""
+        half = self._bins[2].get(row)
+        if half is None:
             return 0.0
         interval, share = self.place(position)
-        half = self.half[row]
-        value: np.ndarray = half[interval] + (half[interval + 1] - half[interval]) * share
+        value: np.ndarray = half[0][interval] + half[1][interval] * share
         return value
 
 
@@ -152,11 +163,11 @@ class AxisUncertainty:
 
 @dataclass(frozen=True)
 class GridTable:
-    """What of an axis' errors depends on where a second axis stands; added to its table. Linear in either position between
-    nodes (bilinear in both), held beyond.
+    """What of an axis' errors depends on where a second axis stands; added to its table. Linear in
+    either position between nodes (bilinear in both), held beyond.
 
-    nodes (K,), others (L,) mm or degrees, ascending; forward, reverse (6, K, L) mm and rad, in the order of COMPONENTS, by
-    the direction in which `letter` was approached.
+    nodes (K,), others (L,) mm or degrees, ascending; forward, reverse (6, K, L) mm and rad, in the
+    order of COMPONENTS, by the direction in which `letter` was approached.
     """
 
     letter: str
@@ -210,7 +221,8 @@ class GridTable:
         return result
 
     def half_of(self, row: int, position: np.ndarray, other: np.ndarray) -> np.ndarray | float:
-        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured one way."""
+        """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
+        one way."""
         half = (self.forward[row] - self.reverse[row]) / 2
         if not np.any(half):
             return 0.0
@@ -220,7 +232,8 @@ class GridTable:
 
 
 def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) index of the node below and (N,) share of the interval above it; held beyond the ends."""
+    """(N,) index of the node below and (N,) share of the interval above it; held beyond the
+    ends."""
     inside = np.clip(position, nodes[0], nodes[-1])
     at = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, len(nodes) - 2)
     return at, (inside - nodes[at]) / (nodes[at + 1] - nodes[at])

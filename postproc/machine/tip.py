@@ -1,14 +1,15 @@
-"""A machine as the tool tip sees it: the deviation of places of the tip, and of the rotary axes where the tool's lean is
-corrected too.
+"""A machine as the tool tip sees it: the deviation of places of the tip, and of the rotary axes
+where the tool's lean is corrected too.
 
-With tool centre point control the words X Y Z are the tip's place in the part, and the control's own nominal kinematics
-turn them into slides. What the tip misses by is then simply told along those words: to first order it is what rotary.py
-carries to the part's frame. Nothing has to be told along slides, and no pose but one at which the control itself can not
-hold the tip is refused.
+With tool centre point control the words X Y Z are the tip's place in the part, and the control's
+own nominal kinematics turn them into slides. What the tip misses by is then simply told along those
+words: to first order it is what rotary.py carries to the part's frame. Nothing has to be told along
+slides, and no pose but one at which the control itself can not hold the tip is refused.
 
-A tool that leans is set right by the rotary axes as far as they turn it: the lean across the tool is told along their
-directions in the part. Near a pole (C under A0) one of them hardly moves the tool; from SOFT on downwards less of the lean
-is corrected, so that no axis is sent round for a few microradians.
+A tool that leans is set right by the rotary axes as far as they turn it: the lean across the tool
+is told along their directions in the part. Near a pole (C under A0) one of them hardly moves the
+tool; from SOFT on downwards less of the lean is corrected, so that no axis is sent round for a few
+microradians.
 """
 
 from __future__ import annotations
@@ -26,16 +27,14 @@ from postproc.spaces import Space
 
 SOFT = 0.05  # rad of the tool per rad of an axis: 2.9 degrees beside a pole
 MOST_PARTS = 20_000
-SAMPLES = (
-    (40.0, 9),
-    (160.0, 33),
-    (np.inf, 129),
-)  # degrees that a stroke turns at most, and places looked at on it
+# degrees that a stroke turns at most, and places looked at on it
+SAMPLES = ((40.0, 9), (160.0, 33), (np.inf, 129))
 
 
 @dataclass(frozen=True)
 class TipMachine(Machine):
-    """The machine `base`, with the tool in its spindle, in a `space`. anchor (3,): mm, the point [tool] without a length.
+    """The machine `base`, with the tool in its spindle, in a `space`. anchor (3,): mm, the point
+    [tool] without a length.
     oriented: whether rotary axes are corrected for the tool's lean."""
 
     base: Machine = None  # type: ignore[assignment]
@@ -60,7 +59,8 @@ class TipMachine(Machine):
 
     @cached_property
     def two_way(self) -> np.ndarray:
-        """(A,) bool: axes whose own direction of approach matters: those of the slides behind the words."""
+        """(A,) bool: axes whose own direction of approach matters: those of the slides behind the
+        words."""
         return self.base.two_way
 
     @cached_property
@@ -82,7 +82,8 @@ class TipMachine(Machine):
         return poses.slides_at(self.base, tip + self.anchor[:, None], position)
 
     def deviation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
-        """(A, N) mm and degrees: actual - commanded, at commands (A, N) of the space; approach as Machine.deviation."""
+        """(A, N) mm and degrees: actual - commanded, at commands (A, N) of the space; approach as
+        Machine.deviation."""
         slides = self.slides(position)
         off, lean = self.base.carried(slides, approach)
         result = np.zeros(position.shape)
@@ -113,8 +114,9 @@ def _across(tool: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 def seen_by_tip(
     machine: Machine, length: np.ndarray, space: Space | None, oriented: bool
 ) -> Machine:
-    """The machine with a tool of length (A,) mm, as motions of a space need it; without a space it is the machine itself.
-    In a space no axis has a table, a travel or a side of its own: those are the slides'."""
+    """The machine with a tool of length (A,) mm, as motions of a space need it; without a space it
+    is the machine itself. In a space no axis has a table, a travel or a side of its own: those are
+    the slides'."""
     base = poses.with_length(machine, length)
     if space is None:
         return base
@@ -128,14 +130,16 @@ def seen_by_tip(
 
 
 def tool_directions(machine: Machine, slides: np.ndarray, approach: np.ndarray) -> np.ndarray:
-    """(3, N) the tool's actual direction in the part, away from it, at commanded slide positions (A, N)."""
+    """(3, N) the tool's actual direction in the part, away from it, at commanded slide positions
+    (A, N)."""
     tool = poses.axes_of(machine, slides)[1]
     actual: np.ndarray = tool + np.cross(machine.carried(slides, approach)[1], tool, axis=0)
     return actual
 
 
 class TipBounds(Bounds):
-    """The same for a machine as the tip sees it: by the slides' own way, which is looked at where it bends."""
+    """The same for a machine as the tip sees it: by the slides' own way, which is looked at where
+    it bends."""
 
     machine: TipMachine
 
@@ -150,7 +154,8 @@ class TipBounds(Bounds):
 
     @cached_property
     def steepest(self) -> float:
-        """mm/mm: bound of the deviation's change over the way; a degree takes the slides along by its arm."""
+        """mm/mm: bound of the deviation's change over the way; a degree takes the slides along by
+        its arm."""
         arm = max(self._base.reach(x) for x in self.machine.chain.axes)
         return min(
             self._base.steepest
@@ -165,13 +170,15 @@ class TipBounds(Bounds):
         return self._base.second_order
 
     def local(self, low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(N,) kink and (N,) steepness, mm/mm, wherever: boxes of the tip are none of the slides."""
+        """(N,) kink and (N,) steepness, mm/mm, wherever: boxes of the tip are none of the
+        slides."""
         n = low.shape[1]
         return np.full(n, self.kink), np.full(n, self._base.steepest)
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
-        """(M,) into how many equal parts straight motions (A, M) must be thought cut, so that nothing bends by more than
-        `slack` mm within one: nodes that the slides pass by kink times their way, the rest by second differences."""
+        """(M,) into how many equal parts straight motions (A, M) must be thought cut, so that
+        nothing bends by more than `slack` mm within one: nodes that the slides pass by kink times
+        their way, the rest by second differences."""
         machine = self.machine
         rotary = [machine.letters.index(x) for x in machine.chain.rotary]
         angle = np.abs(target - start)[rotary].max(axis=0)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import re
-import tomllib
 from pathlib import Path
 from typing import Any
 
+from postproc import intake
 from postproc.errors import MachineError, Place
 from postproc.machine.axis_file import text_of
 
@@ -16,17 +15,18 @@ class TomlFile:
     """A TOML document that knows in which line a key stands."""
 
     def __init__(self, path: Path):
-        self.path, self.text = path, text_of(path)
+        self.path, self.text = path, text_of(path, intake.MACHINE)
         try:
-            self.data: dict[str, Any] = tomllib.loads(self.text)
-        except tomllib.TOMLDecodeError as error:
+            self.data: dict[str, Any] = intake.toml(self.text)
+        except ValueError as error:
             found = re.search(r"line (\d+)", str(error))
             raise MachineError(
                 f"not valid TOML: {error}", place=Place(str(path), int(found[1]) if found else 1)
             ) from None
 
     def line(self, section: str, key: str, index: int = 0) -> int:
-        """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout lets us find it."""
+        """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout
+        lets us find it."""
         here, count, fallback = "", -1, 0
         for number, line in enumerate(self.text.splitlines(), 1):
             header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
@@ -79,15 +79,12 @@ class TomlFile:
         at: str = "",
         index: int = 0,
     ) -> float:
-        """A finite number; `at`: the key whose line to name, where this one stands inside a table of its own."""
+        """A finite number; `at`: the key whose line to name, where this one stands inside a table
+        of its own."""
         value = data.get(key, default)
         if value is None:
             raise self.fault(section, at or key, f"{key} is missing in [{section}]", index=index)
-        if (
-            isinstance(value, bool)
-            or not isinstance(value, (int, float))
-            or not math.isfinite(value)
-        ):
+        if not intake.finite(value):
             raise self.fault(section, at or key, f"{key} = {value!r} is not a number", index=index)
         return float(value)
 

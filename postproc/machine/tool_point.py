@@ -1,4 +1,5 @@
-"""[tool_point] of machine.toml: what the control's tool centre point mode is set to on this machine."""
+"""[tool_point] of machine.toml: what the control's tool centre point mode is set to on this
+machine."""
 
 from __future__ import annotations
 
@@ -13,8 +14,9 @@ FRAMES = ("zero", "call")
 
 @dataclass(frozen=True)
 class ToolPoint:
-    """frame: where the tables stand while the axes of the program's frame are the machine's: "zero", at zero; "call", where
-    they stand when the mode is called; "": as the control does. planes: the same of tilted planes. codes: M numbers that switch the mode on (True) and off;
+    """frame: where the tables stand while the axes of the program's frame are the machine's:
+    "zero", at zero; "call", where they stand when the mode is called; "": as the control does.
+    planes: the same of tilted planes. codes: M numbers that switch the mode on (True) and off;
     at_start: whether it is on when a program begins."""
 
     frame: str = ""
@@ -29,8 +31,13 @@ def read_tool_point(toml: TomlFile) -> ToolPoint:
     toml.check_keys("tool_point", data, KEYS)
     frames = {key: toml.string("tool_point", data, key, "") for key in ("frame", "planes")}
     for key in (key for key, frame in frames.items() if frame not in ("", *FRAMES)):
-        raise toml.fault("tool_point", key, f"{key} = {frames[key]!r}", "where the tables stand while X Y Z of the program are "
-                         'the machine\'s: "zero", or "call", as they stand when the mode is called')  # fmt: skip
+        raise toml.fault(
+            "tool_point",
+            key,
+            f"{key} = {frames[key]!r}",
+            "where the tables stand while X Y Z of the program are "
+            'the machine\'s: "zero", or "call", as they stand when the mode is called',
+        )
     start = data.get("at_start", False)
     if not isinstance(start, bool):
         raise toml.fault(

@@ -1,9 +1,11 @@
-"""A whole machine as volumetric formats hold it: components over one axis or two, squareness, the order of the axes.
+"""A whole machine as volumetric formats hold it: components over one axis or two, squareness, the
+order of the axes.
 
-Such formats say neither where an axis was measured nor with what tool. Both only shift the point at which a rotation acts
-by a constant, so they are moved into the translations: eps x (tool - measured_at + arm) = eps x (tool - measured_at) +
-eps x arm, node by node and exactly, because both are linear between the same nodes. What is left counts its arms from the
-machine's zero with tool length zero, and gives the same deviation as the machine.
+Such formats say neither where an axis was measured nor with what tool. Both only shift the point at
+which a rotation acts by a constant, so they are moved into the translations: eps x (tool -
+measured_at + arm) = eps x (tool - measured_at) + eps x arm, node by node and exactly, because both
+are linear between the same nodes. What is left counts its arms from the machine's zero with tool
+length zero, and gives the same deviation as the machine.
 """
 
 from __future__ import annotations
@@ -21,9 +23,11 @@ from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 @dataclass(frozen=True)
 class VolumetricMap:
-    """axes: letter to its six components over its own position; grids: what depends on a second axis, added to them;
-    square: name (rotation, 0, axis that leans: "B0Z") to rad, right-handed, so the axis q u leans by angle x (q u); chain:
-    linear axes from the workpiece to the tool; workpiece_axes: how many of them, from the first, carry the workpiece;
+    """axes: letter to its six components over its own position; grids: what depends on a second
+    axis, added to them;
+    square: name (rotation, 0, axis that leans: "B0Z") to rad, right-handed, so the axis q u leans
+    by angle x (q u); chain: linear axes from the workpiece to the tool; workpiece_axes: how many of
+    them, from the first, carry the workpiece;
     notices: what a file held that is not here."""
 
     axes: dict[str, AxisTable]
@@ -48,7 +52,8 @@ class VolumetricMap:
     def machine(
         self, travel: dict[str, tuple[float, float]] | None = None, name: str = "map"
     ) -> Machine:
-        """The machine of this map: measured at zero, tool length zero. travel: mm, else as far as the tables go."""
+        """The machine of this map: measured at zero, tool length zero. travel: mm, else as far as
+        the tables go."""
         axes = {}
         for x in sorted(self.chain):
             table = self.axes.get(x)
@@ -69,9 +74,10 @@ class VolumetricMap:
 def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     """The machine's map, and what of it is not exact: component to mm, between nodes.
 
-    Only an axis whose measured point went along with the other side than the axis carries (Axis.optic) is not exact there:
-    its own position times its rotation bends between nodes. Raises MachineError for a chain with rotary axes. Growth with
-    temperature and effects are not part of a map: a notice names them.
+    Only an axis whose measured point went along with the other side than the axis carries
+    (Axis.optic) is not exact there: its own position times its rotation bends between nodes. Raises
+    MachineError for a chain with rotary axes. Growth with temperature and effects are not part of a
+    map: a notice names them.
     """
     if machine.chain.rotary:
         raise MachineError(
@@ -116,17 +122,19 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     if machine.tool.any() and machine.turns:
         at = ", ".join(f"{v:g}" for v in machine.tool)
         notices.append(
-            f"the tool of the machine's file ({at} mm) is part of the translations: a longer one counts from there"
+            f"the tool of the machine's file ({at} mm) is part of the translations: a longer one"
+            " counts from there"
         )
     chain = machine.chain
-    return VolumetricMap(
-        axes, tuple(grids), square, chain.axes, chain.workpiece_side, tuple(notices)
-    ), left
+    return (
+        VolumetricMap(axes, tuple(grids), square, chain.axes, chain.workpiece_side, tuple(notices)),
+        left,
+    )
 
 
 def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
-    """Component to mm: by how much the tool stays off where only the mean of both directions is written; a rotation at its
-    longest arm within the machine's travel."""
+    """Component to mm: by how much the tool stays off where only the mean of both directions is
+    written; a rotation at its longest arm within the machine's travel."""
     left: dict[str, float] = {}
     tables: list[AxisTable | GridTable] = [*found.axes.values(), *found.grids]
     for table in tables:
@@ -145,7 +153,8 @@ def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
 def merged(
     letter: str, components: Iterable[tuple[int, np.ndarray, np.ndarray, np.ndarray]]
 ) -> AxisTable:
-    """One axis' table from components with nodes of their own: (row, nodes (K,) mm, forward, reverse (K,)) each."""
+    """One axis' table from components with nodes of their own: (row, nodes (K,) mm, forward,
+    reverse (K,)) each."""
     parts = list(components)
     nodes = np.unique(np.concatenate([nodes for _, nodes, _, _ in parts]))
     forward, reverse = np.zeros((6, len(nodes))), np.zeros((6, len(nodes)))
@@ -167,7 +176,8 @@ def _moved(
 
 
 def _bend(table: AxisTable | GridTable, letter: str) -> dict[str, float]:
-    """Component to mm: a product of two straight lines misses its chord by at most a quarter of both rises."""
+    """Component to mm: a product of two straight lines misses its chord by at most a quarter of
+    both rises."""
     both = np.stack([table.forward, table.reverse])[:, 3:]
     gaps = np.diff(table.nodes).reshape((-1,) + (1,) * (table.forward.ndim - 2))
     rise = (np.abs(np.diff(both, axis=2)) * gaps).reshape(2, 3, -1).max(axis=(0, 2)) / 4

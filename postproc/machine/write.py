@@ -23,8 +23,9 @@ SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effe
 
 
 def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
-    """machine.toml. data: as TOML reads it; comments: dotted key ("axes.Z.travel", or "" for the top of the file) to what
-    stands behind it. Keys keep their order within the order of the format."""
+    """machine.toml. data: as TOML reads it; comments: dotted key ("axes.Z.travel", or "" for the
+    top of the file) to what stands behind it. Keys keep their order within the order of the
+    format."""
     lines = [f"# {_comment(line)}" for line in comments.get("", "").splitlines()]
     plain = {k: v for k, v in data.items() if not _is_section(v)}
     order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
@@ -54,7 +55,8 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
 def axis_table(
     letter: str, nodes: np.ndarray, columns: Mapping[str, np.ndarray], comments: Iterable[str] = ()
 ) -> str:
-    """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit; comments: lines above."""
+    """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit;
+    comments: lines above."""
     position = f"{letter}_mm" if letter in LINEAR else f"{letter}_deg"
     lines = [f"# {_comment(c)}" for c in comments] + [",".join([position, *columns])]
     for k, node in enumerate(nodes):

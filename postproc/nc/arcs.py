@@ -1,12 +1,14 @@
 """From arc words to circles: centre, radii and sweep, as the control sees them.
 
-Plane axes are ordered as RS274/NGC 3.5.3 has them: G17 X Y, G18 Z X, G19 Y Z; counter-clockwise turns the first towards
-the second. I J K are radii whatever the diameter mode. R gives the shorter way round, -R the longer.
+Plane axes are ordered as RS274/NGC 3.5.3 has them: G17 X Y, G18 Z X, G19 Y Z; counter-clockwise
+turns the first towards the second. I J K are radii whatever the diameter mode. R gives the shorter
+way round, -R the longer.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -23,7 +25,8 @@ PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", 
 
 @dataclass(frozen=True)
 class Circle:
-    """The modal columns that arcs need, at the N moving blocks: plane code, whether centres are absolute, G53."""
+    """The modal columns that arcs need, at the N moving blocks: plane code, whether centres are
+    absolute, G53."""
 
     block: np.ndarray
     code: np.ndarray
@@ -35,7 +38,8 @@ class Circle:
 def arcs_of(
     batch: Batch, places: Places, circle: Circle, centre_words: dict[str, np.ndarray]
 ) -> Arcs:
-    """The arcs of a batch. What is wrong with one becomes its motion's reason: it matters only where it is corrected."""
+    """The arcs of a batch. What is wrong with one becomes its motion's reason: it matters only
+    where it is corrected."""
     arc = ((circle.code == CLOCKWISE) | (circle.code == COUNTER)).nonzero()[0]
     if not len(arc):
         return _empty()
@@ -145,12 +149,23 @@ def arcs_of(
     sweep = _turns(batch, circle, arc, sweep)
     _check(batch, blocks, good & known & ~missing, radius, radius_end)
     return Arcs(
-        motion=arc, first=first, second=second, centre=centre, angle=angle, sweep=sweep, radius=radius,
-        radius_end=radius_end, grid=grid, words=centre_word, absolute=stated, origin=origin,
+        motion=arc,
+        first=first,
+        second=second,
+        centre=centre,
+        angle=angle,
+        sweep=sweep,
+        radius=radius,
+        radius_end=radius_end,
+        grid=grid,
+        words=centre_word,
+        absolute=stated,
+        origin=origin,
         by_radius=np.where(by_radius, value[2], 0),
-    )  # fmt: skip
+    )
 
 
+@cache
 def _empty() -> Arcs:
     i, f = np.zeros(0, np.int64), np.zeros(0)
     two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
@@ -179,7 +194,8 @@ def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, count
     for i in short.nonzero()[0][:1]:
         batch.blame(
             blocks[short],
-            f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter {2 * abs(radius[i]):.4f})",
+            f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter"
+            f" {2 * abs(radius[i]):.4f})",
             "check R and the end point",
         )
     batch.blame(
@@ -238,7 +254,9 @@ def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
         arc_tolerance_mm = limit[i]
         batch.blame(
             blocks[i : i + 1],
-            f"the arc misses its own end point by {miss[i]:.4f} mm (limit {arc_tolerance_mm:.4g} mm)",
-            "I J K were read as " + ("absolute" if batch.held_absolute(blocks[i]) else "incremental")
+            f"the arc misses its own end point by {miss[i]:.4f} mm (limit"
+            f" {arc_tolerance_mm:.4g} mm)",
+            "I J K were read as "
+            + ("absolute" if batch.held_absolute(blocks[i]) else "incremental")
             + ": if the program means it the other way, say so with --arc-centre",
-        )  # fmt: skip
+        )

@@ -20,17 +20,19 @@ if TYPE_CHECKING:
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
-UNDER = "under cycles"  # not a group of the tables: the last of G0 to G3, which a canned cycle leaves as it is
+# not a group of the tables: the last of G0 to G3, which a canned cycle leaves as it is
+UNDER = "under cycles"
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
 
 
 def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
-    """(n,) ten times the number behind each G, KEYWORD and more for keywords; -1 for what no code can be."""
+    """(n,) ten times the number behind each G, KEYWORD and more for keywords; -1 for what no code
+    can be."""
     mantissa, decimals = w.mantissa[place], w.decimals[place]
     number = mantissa * 10
-    if decimals.any():
+    if np.count_nonzero(decimals):
         power = 10 ** np.minimum(decimals, 17)
         number = np.where(decimals > 0, number // power, number)
         number = np.where((decimals < 18) & (number * power == mantissa * 10), number, -1)
@@ -39,7 +41,8 @@ def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
 
 
 def _scales(units, least: float, linear: bool):
-    """Ticks of one unit and of one least increment (mm) under G20 (200) or another code: (B,) or a number each."""
+    """Ticks of one unit and of one least increment (mm) under G20 (200) or another code: (B,) or a
+    number each."""
     grid = round(least * TICKS_PER_MM)
     if not linear:
         return np.int64(TICKS_PER_MM), np.int64(grid)
@@ -68,9 +71,8 @@ class Batch:
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
         present = sorted(set(words.letter.tobytes()))
-        self.places = {
-            chr(c): (words.letter == c).nonzero()[0] for c in present
-        }  # letter to its words
+        # letter to its words
+        self.places = {chr(c): (words.letter == c).nonzero()[0] for c in present}
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
@@ -83,15 +85,13 @@ class Batch:
         self.loses = np.zeros(self.n, bool)  # (B,) sends axes to places that are not known
         self.foreign = np.zeros(self.n, bool)  # (B,) moves, or may, in a way that is not followed
         self.machine = np.zeros(self.n, bool)  # (B,) G53
-        self.offset = np.zeros(
-            (len(self.rows), 1), np.int64
-        )  # (A, B) or (A, 1) ticks, zero of absolute words
+        # (A, B) or (A, 1) ticks, zero of absolute words
+        self.offset = np.zeros((len(self.rows), 1), np.int64)
         self.tool, self.feed, self.renamed = state.tool, state.feed, state.renamed
         self.tool_after, self.next_tool = state.tool, state.next_tool
         self.beside = state.beside
-        self.beside_missing: list[
-            tuple[int, int]
-        ] = []  # block and number of tools that no table states
+        # block and number of tools that no table states
+        self.beside_missing: list[tuple[int, int]] = []
         self.cycle: InCycle | None = None
         self.presets = no_presets()
         self.zero_known = True
@@ -106,7 +106,8 @@ class Batch:
         )
 
     def _live(self) -> np.ndarray:
-        """(B,) bool: blocks that the control reads; none after the end of the program, none that block delete drops."""
+        """(B,) bool: blocks that the control reads; none after the end of the program, none that
+        block delete drops."""
         w, live = self.words, np.ones(self.n, dtype=bool)
         if self.setup.block_delete:
             live &= ~w.skip
@@ -123,7 +124,7 @@ class Batch:
                 live[w.block[place] + 1 :] = False
                 self.ended = True
                 break
-        if not live.all():
+        if np.count_nonzero(live) < self.n:
             self.places = {letter: p[live[w.block[p]]] for letter, p in self.places.items()}
             self.places = {letter: p for letter, p in self.places.items() if len(p)}
         return live
@@ -170,12 +171,12 @@ class Batch:
         return self.words.mantissa[place] / 10.0 ** self.words.decimals[place]
 
     def ticks(self, place: np.ndarray, scale) -> np.ndarray:
-        """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the tick beyond."""
+        """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the
+        tick beyond."""
         mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
         scale = np.asarray(scale, np.int64)
-        if (
-            scale.size == 1
-        ):  # one unit for all: look the ticks of a last digit up by the number of decimals
+        # one unit for all: look the ticks of a last digit up by the number of decimals
+        if scale.size == 1:
             per = (scale // POWERS[:10])[np.minimum(decimals, 9)]
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
@@ -199,7 +200,8 @@ class Batch:
         return value
 
     def read_codes(self) -> None:
-        """Sort the G words into their modal groups: `given` maps a group to a (B,) column, NONE where not named."""
+        """Sort the G words into their modal groups: `given` maps a group to a (B,) column, NONE
+        where not named."""
         place = self.places.get("G", NO_WORDS)
         keyword = self.places.get(chr(KEYWORD_LETTER))
         if keyword is not None:
@@ -240,16 +242,14 @@ class Batch:
                     "keep one",
                 )
             if name == "motion":
-                written = of & (
-                    self.dialect.meant[written_codes(w, place)] == number
-                )  # G80 names no other code
+                # G80 names no other code
+                written = of & (self.dialect.meant[written_codes(w, place)] == number)
                 self.code_word[block[written]] = place[written]
             elif name == "cycle":
                 tap = of & self.dialect.is_hole[np.maximum(number, 0)]
                 self.code_word[block[tap]] = place[tap]
-        if (
-            "cycle" in self.dialect.groups
-        ):  # G0 to G3, and G80 of any group, end a cycle of a group of its own
+        # G0 to G3, and G80 of any group, end a cycle of a group of its own
+        if "cycle" in self.dialect.groups:
             cycle = self.given.setdefault("cycle", np.full(self.n, NONE, np.int64))
             ends = self.given.get("motion", np.full(self.n, NONE)) != NONE
             ends[block[was == 800]] = True
@@ -262,8 +262,9 @@ class Batch:
     def _back_from_cycles(
         self, number: np.ndarray, block: np.ndarray, of: np.ndarray
     ) -> np.ndarray:
-        """(K,) the numbers, G80 as the code of G0 to G3 that holds behind it, on controls that have cycles in a group of their
-        own: "group 01 G codes are not affected by a canned cycle" (Fanuc B-64304EN-2, "Canned cycle for drilling")."""
+        """(K,) the numbers, G80 as the code of G0 to G3 that holds behind it, on controls that have
+        cycles in a group of their own: "group 01 G codes are not affected by a canned cycle" (Fanuc
+        B-64304EN-2, "Canned cycle for drilling")."""
         if self.dialect.language != "fanuc":
             return number
         plain = of & np.isin(number, (0, 10, 20, 30))
@@ -274,7 +275,8 @@ class Batch:
         return np.where(of & (number == 800) & (under != NONE), under, number)
 
     def read_homing(self) -> None:
-        """$H of GRBL takes all axes where homing takes them: like G28, unless that has a place of its own."""
+        """$H of GRBL takes all axes where homing takes them: like G28, unless that has a place of
+        its own."""
         place = self.places.get(chr(HOMING))
         if place is None:
             return
@@ -285,7 +287,8 @@ class Batch:
         self.single[280] = np.sort(np.concatenate([self.single.get(280, NO_WORDS), block]))
 
     def _carried_mode(self) -> None:
-        """Whether words of carried axes are absolute (900) or increments (910): M82 M83, and G90 G91 where they count."""
+        """Whether words of carried axes are absolute (900) or increments (910): M82 M83, and G90
+        G91 where they count."""
         column = np.full(self.n, NONE, np.int64)
         if self.dialect.carried_by_distance and "distance" in self.given:
             column = self.given["distance"].copy()
@@ -295,7 +298,8 @@ class Batch:
         self.given["carried"] = column
 
     def held(self, group: str):
-        """The code of a group in force at each block: (B,) where the batch names it, else one number."""
+        """The code of a group in force at each block: (B,) where the batch names it, else one
+        number."""
         if group not in self.given:
             return self.state.codes.get(group, NONE)
         return hold_last(self.given[group], self.state.codes.get(group, NONE))

@@ -1,9 +1,11 @@
-"""How the tool stands beside the programmed contour: G41 G42 as columns of the plane, the tool's radius and its nose.
+"""How the tool stands beside the programmed contour: G41 G42 as columns of the plane, the tool's
+radius and its nose.
 
-The control shifts the path by the radius, at right angles to every block. Which radius that is depends on the control:
-LinuxCNC takes the diameter of the tool that D names, or of the one in the spindle, and with G41.1 G42.1 D is the diameter
-itself (src/emc/rs274ngc/interp_convert.cc, convert_cutter_compensation_on); Fanuc mills count offsets by the last D,
-lathes by T0101, Siemens by T and D. What is not stated is not known: nan.
+The control shifts the path by the radius, at right angles to every block. Which radius that is
+depends on the control: LinuxCNC takes the diameter of the tool that D names, or of the one in the
+spindle, and with G41.1 G42.1 D is the diameter itself (src/emc/rs274ngc/interp_convert.cc,
+convert_cutter_compensation_on); Fanuc mills count offsets by the last D, lathes by T0101, Siemens
+by T and D. What is not stated is not known: nan.
 
 The first block behind G40 goes to its programmed end in both axes of the plane, named or not.
 """
@@ -23,8 +25,9 @@ from postproc.nc.zeros import stated, stated_tool
 from postproc.units import MM_PER_INCH
 
 LEFT, DYNAMIC = (410, 411), (411, 421)
-# Where the point that the control drives lies from the centre of the nose, in radii along Z and X (G18), by the number
-# of the tool's orientation. LinuxCNC: interp_queue.cc, latheorigin_z and latheorigin_x; Fanuc: imaginary tool nose.
+# Where the point that the control drives lies from the centre of the nose, in radii along Z and X
+# (G18), by the number of the tool's orientation. LinuxCNC: interp_queue.cc, latheorigin_z and
+# latheorigin_x; Fanuc: imaginary tool nose.
 LINUXCNC_NOSE = {
     1: (1, -1),
     2: (-1, -1),
@@ -48,7 +51,8 @@ FANUC_NOSE = {
 
 
 def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
-    """Motions' columns cutter, plane, radius and nose, at the moving blocks. Sets `b.beside` to what the next batch needs."""
+    """Motions' columns cutter, plane, radius and nose, at the moving blocks. Sets `b.beside` to
+    what the next batch needs."""
     n, held = len(block), b.held("cutter")
     named = (
         "cutter" in b.given
@@ -58,8 +62,11 @@ def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
     )
     if not b.dialect.beside or not named:
         return {
-            "cutter": np.zeros(n, np.int8), "plane": np.full((2, n), -1), "radius": np.zeros(n), "nose": np.zeros((2, n)),
-        }  # fmt: skip
+            "cutter": np.zeros(n, np.int8),
+            "plane": np.full((2, n), -1),
+            "radius": np.zeros(n),
+            "nose": np.zeros((2, n)),
+        }
     on = np.isin(spread(held, b.n)[block], b.dialect.beside)
     before = np.concatenate([[b.state.beside.on], on[:-1]])
     radius, nose = _tools(b)
@@ -84,11 +91,12 @@ def _planes(b: Batch, block: np.ndarray) -> np.ndarray:
     return plane
 
 
-# -- which tool ----------------------------------------------------------------------------------------------------------
+# -- which tool ------------------------------------------------------------------------------------
 
 
 def _tools(b: Batch) -> tuple[np.ndarray, np.ndarray]:
-    """(B,) mm radius, + where the centre lies left of the path, and (2, B) mm from it to the point that is driven."""
+    """(B,) mm radius, + where the centre lies left of the path, and (2, B) mm from it to the point
+    that is driven."""
     given = b.given.get("cutter")
     begins = np.flatnonzero(np.isin(given, b.dialect.beside)).tolist() if given is not None else []
     named = b.places.get("D", np.zeros(0, np.int64))

@@ -1,8 +1,8 @@
 """A corrected contour that the control could not follow is not handed on.
 
-A correction turns blocks by a fraction of a degree, and a cut may come to lie before an inside corner that nobody could
-foresee. Both contours are followed with LinuxCNC's rules; where the nominal one passes and the corrected does not, the
-block is refused.
+A correction turns blocks by a fraction of a degree, and a cut may come to lie before an inside
+corner that nobody could foresee. Both contours are followed with LinuxCNC's rules; where the
+nominal one passes and the corrected does not, the block is refused.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ from postproc.nc.shifted import Block, Gouge, Shifted
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM
 
-LIMIT = "inside G41 G42 a correction can make a corner too narrow: let the CAM program write the tool centre path there"
+LIMIT = (
+    "inside G41 G42 a correction can make a corner too narrow: let the CAM program write the tool"
+    " centre path there"
+)
 
 
 @dataclass
@@ -32,8 +35,8 @@ class Contours:
 
 
 def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
-    """The contours behind a batch; `before` stays as it is. Raises BlockFault for a block that only the nominal program
-    could cut."""
+    """The contours behind a batch; `before` stays as it is. Raises BlockFault for a block that only
+    the nominal program could cut."""
     inside = np.flatnonzero(motions.cutter != FREE)
     if not len(inside):
         return before

@@ -1,8 +1,10 @@
-"""What LinuxCNC refuses of a program with G41 G42: codes, and contours that the tool can not follow.
+"""What LinuxCNC refuses of a program with G41 G42: codes, and contours that the tool can not
+follow.
 
-The control stops there by itself, so nothing is corrected from there on: a reason stands beside every motion behind it.
-Source: LinuxCNC, src/emc/rs274ngc/interp_convert.cc (convert_cutter_compensation_on, convert_set_plane,
-convert_coordinate_system, convert_home, convert_straight), interp_check.cc.
+The control stops there by itself, so nothing is corrected from there on: a reason stands beside
+every motion behind it.
+Source: LinuxCNC, src/emc/rs274ngc/interp_convert.cc (convert_cutter_compensation_on,
+convert_set_plane, convert_coordinate_system, convert_home, convert_straight), interp_check.cc.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ def refuse_beside(b: Batch, motions: Motions) -> Motions:
         b.state.beside.on
         or b.state.beside.fault
         or b.beside.on
-        or motions.cutter.any()
+        or np.count_nonzero(motions.cutter)
         or "cutter" in b.given
     ):
         return motions
@@ -134,8 +136,8 @@ def _followed(shifted: Shifted | None, motions: Motions, i: int) -> Shifted | No
 
 
 def begun(motions: Motions, i: int) -> Shifted | None:
-    """A follower for the contour that motion i begins; None where it ends one, or can not be followed: by an arc, from an
-    unknown place, or with a tool that is not stated."""
+    """A follower for the contour that motion i begins; None where it ends one, or can not be
+    followed: by an arc, from an unknown place, or with a tool that is not stated."""
     radius = float(motions.radius[i])
     known = motions.start_known[:, i].all() and motions.target_known[:, i].all()
     arc = motions.code[i] in (CLOCKWISE, COUNTER)

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 
 def centre_words(b: Batch) -> None:
-    """I J K or R of kept arcs; R becomes a centre where no R will do; none in what became a chord."""
+    """I J K or R of kept arcs; R becomes a centre where no R will do; none in what became a
+    chord."""
     m, p = b.m, b.p
     if not len(m.arcs):
         return
@@ -42,7 +43,8 @@ def centre_words(b: Batch) -> None:
 def _radii(
     b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray
 ) -> None:
-    """R words: their numbers in the blocks that have them, none where a piece needs a centre, new ones behind."""
+    """R words: their numbers in the blocks that have them, none where a piece needs a centre, new
+    ones behind."""
     word = b.m.arcs.words[2, arc]
     gone = (word >= 0) & (b.p.radius[piece] == 0)
     b.delete(word[gone], mine[gone])
@@ -61,7 +63,8 @@ def _radii(
 
 
 def _radius_number(b: Batch, piece: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(K,) whole numbers and decimals of the R words of pieces; the programmed number keeps its own decimals."""
+    """(K,) whole numbers and decimals of the R words of pieces; the programmed number keeps its own
+    decimals."""
     word, radius = b.m.arcs.words[2, arc], b.p.radius[piece]
     least = np.minimum(*(_centre_decimals(b, arc, k, np.full(len(arc), -1)) for k in range(2)))
     own = np.minimum(b.w.decimals[word], MOST_DECIMALS)
@@ -71,7 +74,8 @@ def _radius_number(b: Batch, piece: np.ndarray, arc: np.ndarray) -> tuple[np.nda
 
 
 def _spelling(b: Batch, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
-    """(K, L) uint8: what stands before the number of an R word, as the motion's own block has it: " R", " CR="."""
+    """(K, L) uint8: what stands before the number of an R word, as the motion's own block has it: "
+    R", " CR="."""
     word = b.m.arcs.words[2, arc]
     texts = [b.w.text[i:j].strip() for i, j in zip(b.w.start[word], b.w.number[word], strict=True)]
     prefix = np.zeros((len(texts), 1 + max(map(len, texts), default=0)), np.uint8)
@@ -82,7 +86,8 @@ def _spelling(b: Batch, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
 
 
 def _centres(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: int) -> None:
-    """The words for k = 0 or 1, the plane's first or second centre word, in the motions' own blocks."""
+    """The words for k = 0 or 1, the plane's first or second centre word, in the motions' own
+    blocks."""
     m, p, w = b.m, b.p, b.w
     is_arc, by_radius = p.arc[piece] >= 0, m.arcs.words[2, arc] >= 0
     word = m.arcs.words[k, arc]
@@ -115,7 +120,8 @@ def _further_centres(b: Batch, later: np.ndarray, k: int) -> None:
     """The same in blocks put in behind."""
     m, p, arc = b.m, b.p, b.p.arc[later]
     decimals = _centre_decimals(b, arc, k, np.full(len(later), -1))
-    # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have it are incremental.
+    # I=AC() is a word's own affair: blocks put in follow the mode in force, and controls that have
+    # it are incremental.
     absolute = m.arcs.absolute[k, arc] & ~_by_letter(b, m.arcs.words[k, arc])
     wanted = np.where(absolute, _centre(b, later, arc, k), p.centre[k, later])
     number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, arc, k))
@@ -156,7 +162,8 @@ def _centre_decimals(b: Batch, arc, k, word):
 
 
 def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None:
-    """Put the words for k = 0 or 1, the plane's first or second centre word, in at the places `at`."""
+    """Put the words for k = 0 or 1, the plane's first or second centre word, in at the places
+    `at`."""
     letters = {
         (b.axes.index(first), b.axes.index(second)): words
         for first, second, *words in PLANES.values()

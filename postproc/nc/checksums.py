@@ -1,11 +1,13 @@
-"""Line numbers and checksums of a stream as hosts send it to RepRap firmware: `N12 G1 X1 Y2*85 ; remark`.
+"""Line numbers and checksums of a stream as hosts send it to RepRap firmware: `N12 G1 X1 Y2*85 ;
+remark`.
 
-The checksum is all bytes before the `*` combined by exclusive or. The receiver wants consecutive numbers, each with its
-checksum; M110 sets the number from which it counts. A number without a checksum before the first line that has both is a
-CNC program's label, and stays as it is.
+The checksum is all bytes before the `*` combined by exclusive or. The receiver wants consecutive
+numbers, each with its checksum; M110 sets the number from which it counts. A number without a
+checksum before the first line that has both is a CNC program's label, and stays as it is.
 
-Sources: Marlin/src/gcode/queue.cpp (get_serial_commands), RepRapFirmware's StringParser::Put. They differ in whether
-blanks before the N count, so a checksum is right either way, and lines that are written anew have no such blanks.
+Sources: Marlin/src/gcode/queue.cpp (get_serial_commands), RepRapFirmware's StringParser::Put. They
+differ in whether blanks before the N count, so a checksum is right either way, and lines that are
+written anew have no such blanks.
 """
 
 from __future__ import annotations
@@ -26,8 +28,9 @@ BLANK = b" \t\r"
 
 
 class Numbering(NamedTuple):
-    """What one piece of a stream hands to the next. last: the number that was last written, None before the first line
-    that has a number and a checksum; shift: how many lines were added since the receiver's count was last set."""
+    """What one piece of a stream hands to the next. last: the number that was last written, None
+    before the first line that has a number and a checksum; shift: how many lines were added since
+    the receiver's count was last set."""
 
     last: int | None = None
     shift: int = 0
@@ -37,7 +40,8 @@ START = Numbering()
 
 
 def cover(code: bytes) -> bytes:
-    """The same text, as long as it was, with blanks in place of checksums, so that the lexer does not see them."""
+    """The same text, as long as it was, with blanks in place of checksums, so that the lexer does
+    not see them."""
     if b"*" not in code:
         return code
     covered = bytearray(code)
@@ -47,20 +51,24 @@ def cover(code: bytes) -> bytes:
 
 
 def check(text: bytes) -> tuple[int, str] | None:
-    """The first line (from 0) whose checksum is wrong, and what it is and should be; None where all are right."""
+    """The first line (from 0) whose checksum is wrong, and what it is and should be; None where all
+    are right."""
     if b"*" not in text:
         return None
     for start, star, stop in _marks(text):
         code, value = text[start:star], int(text[star + 1 : stop])
         if value not in _right(code):
-            message = f"the checksum is *{value}, and the bytes before it give *{_xor(code.lstrip(BLANK))}"
+            message = (
+                f"the checksum is *{value}, and the bytes before it give"
+                f" *{_xor(code.lstrip(BLANK))}"
+            )
             return text.count(b"\n", 0, start), message
     return None
 
 
 def bare(text: bytes) -> bytes:
-    """A whole stream without its numbers and checksums, line by line: of other lines they would be wrong. One whose checksums
-    are wrong, or that has none, stays as it is."""
+    """A whole stream without its numbers and checksums, line by line: of other lines they would be
+    wrong. One whose checksums are wrong, or that has none, stays as it is."""
     if b"*" not in text or check(text) is not None:
         return text
     result = bytearray(text)
@@ -73,12 +81,14 @@ def bare(text: bytes) -> bytes:
 
 
 def renumber(text: bytes, state: Numbering = START) -> tuple[bytes, Numbering]:
-    """Corrected lines, with the numbers and checksums that a receiver wants; and what the next piece needs.
+    """Corrected lines, with the numbers and checksums that a receiver wants; and what the next
+    piece needs.
 
-    `text`: whole lines, only the last of the stream may lack its end. Once a stream has begun, a line with words and
-    without N is one that was added: it takes the next number and a checksum, and all later numbers are shifted by one,
-    until M110 sets the count anew. A checksum that does not fit its line is computed anew; where there was none behind
-    an N, none is invented. Lines that need no change, comments and blank lines keep their bytes.
+    `text`: whole lines, only the last of the stream may lack its end. Once a stream has begun, a
+    line with words and without N is one that was added: it takes the next number and a checksum,
+    and all later numbers are shifted by one, until M110 sets the count anew. A checksum that does
+    not fit its line is computed anew; where there was none behind an N, none is invented. Lines
+    that need no change, comments and blank lines keep their bytes.
     """
     if state.last is None and b"*" not in text:
         return text, state
@@ -101,9 +111,9 @@ def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     if RESET.search(code) and begun:
         again = LATER_NUMBER.search(code, number.end() if number else 0)
         count = again[1] if again else number[2] if number else None
-        return _sealed(line, code, code, mark, tail), Numbering(
-            int(count), 0
-        ) if count is not None else state
+        return _sealed(line, code, code, mark, tail), (
+            Numbering(int(count), 0) if count is not None else state
+        )
     if number is not None and begun:
         own = int(number[2])
         last = own + state.shift

@@ -1,4 +1,5 @@
-"""Columns over blocks: values that hold until the next one is given. A value that never changes may stay a number."""
+"""Columns over blocks: values that hold until the next one is given. A value that never changes may
+stay a number."""
 
 from __future__ import annotations
 

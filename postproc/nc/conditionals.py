@@ -1,10 +1,13 @@
-"""Conditions and loops that a control runs by itself, told by indentation: RepRapFirmware's if, elif, else and while.
+"""Conditions and loops that a control runs by itself, told by indentation: RepRapFirmware's if,
+elif, else and while.
 
-Which of their lines run, and how often, is known at the machine alone. What moves nothing may stand there; behind homing and
-levelling no place is known; what moves, or changes what words mean, can not be followed.
+Which of their lines run, and how often, is known at the machine alone. What moves nothing may stand
+there; behind homing and levelling no place is known; what moves, or changes what words mean, can
+not be followed.
 
-Source: Duet3D/RepRapFirmware, GCodes/GCodeBuffer/StringParser.cpp (CheckMetaCommand, ProcessConditionalGCode): a block
-ends where a line is indented no further than the line that began it.
+Source: Duet3D/RepRapFirmware, GCodes/GCodeBuffer/StringParser.cpp (CheckMetaCommand,
+ProcessConditionalGCode): a block ends where a line is indented no further than the line that began
+it.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Words that are no target of a motion and change all the same: the bottom of a hole, and coordinates given to the place
-where the machine stands."""
+"""Words that are no target of a motion and change all the same: the bottom of a hole, and
+coordinates given to the place where the machine stands."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 
 def hole_words(b: Batch) -> None:
-    """The bottom's word of every hole: kept where it holds, else anew, or put in where the one of the hole before would
-    hold and is another."""
+    """The bottom's word of every hole: kept where it holds, else anew, or put in where the one of
+    the hole before would hold and is another."""
     m, p, w, holes = b.m, b.p, b.w, b.m.holes
     if not len(holes):
         return
@@ -51,8 +51,9 @@ def hole_words(b: Batch) -> None:
 
 
 def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> None:
-    """G92 X and its like name the nominal place; the machine stands beside it, so the word is moved by as much. shift
-    (A, N + 1): ticks, before each motion. An axis that G28 has taken elsewhere since stands beside nothing."""
+    """G92 X and its like name the nominal place; the machine stands beside it, so the word is moved
+    by as much. shift (A, N + 1): ticks, before each motion. An axis that G28 has taken elsewhere
+    since stands beside nothing."""
     t = m.presets
     for k in range(len(t)):
         at = t.axis[k], min(int(t.motion[k]), shift.shape[1] - 1)
@@ -65,5 +66,9 @@ def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> Non
         number = int(w.mantissa[word]) // 10 ** (own - kept) * int(POWERS[decimals - kept])
         more = counts(np.array([ticks]), t.scale[k : k + 1], np.array([decimals]))
         splice.numbers(
-            w.number[[word]], w.stop[[word]], np.zeros(1, np.int64), number + more, np.array([decimals], np.int64)
-        )  # fmt: skip
+            w.number[[word]],
+            w.stop[[word]],
+            np.zeros(1, np.int64),
+            number + more,
+            np.array([decimals], np.int64),
+        )

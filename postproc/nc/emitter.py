@@ -1,8 +1,10 @@
-"""Pieces to text: a word that need not change keeps its bytes, and so does everything that is not a word.
+"""Pieces to text: a word that need not change keeps its bytes, and so does everything that is not a
+word.
 
-The first piece of a motion is written into its own block, which keeps N, F, S, T, M and comments; further pieces become
-blocks of their own behind it, in the block's own style (spaces, line end, block delete). Codes that a control executes
-after the motion (M0 M1 M2 M5 M9 M30) move to the last piece.
+The first piece of a motion is written into its own block, which keeps N, F, S, T, M and comments;
+further pieces become blocks of their own behind it, in the block's own style (spaces, line end,
+block delete). Codes that a control executes after the motion (M0 M1 M2 M5 M9 M30) move to the last
+piece.
 """
 
 from __future__ import annotations
@@ -12,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from postproc.motions import FOREIGN, Motions
-from postproc.nc import codes
+from postproc.nc.added_blocks import frames_of_blocks, late_codes
 from postproc.nc.centres import centre_words
 from postproc.nc.columns import begins
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
-from postproc.nc.feeds import kept_feeds
+from postproc.nc.feeds import kept_feeds, states_feed
 from postproc.nc.interpreter import Setup
 from postproc.nc.inverse_time import inverse_time
 from postproc.nc.lexer import RELATIVE, Words
@@ -37,8 +39,9 @@ AFTER, AFTER_END = (
 
 @dataclass(frozen=True)
 class Written:
-    """What one batch hands to the next: the motion code that the output last wrote (-1: as the program), whether the
-    marker stands, the line end in use, and the F that it has in force where the program has another (else nan)."""
+    """What one batch hands to the next: the motion code that the output last wrote (-1: as the
+    program), whether the marker stands, the line end in use, and the F that it has in force where
+    the program has another (else nan)."""
 
     code: int = -1
     marked: bool = False
@@ -65,6 +68,8 @@ class Emitter:
                 newline=b"\r\n" if words.text[first - 1 : first] == b"\r" and first > 0 else b"\n",
             )
         if not len(motions):
+            if state.feed == state.feed and states_feed(words):
+                state = replace(state, feed=float("nan"))
             if not len(motions.presets) or not any(state.shift):
                 return words.text, state, 0, 0
             splice = Splice(words.text)
@@ -86,9 +91,8 @@ class Batch:
         self.touched = np.zeros(len(motions), bool)
         self.byte = np.frombuffer(words.text + b"\0", np.uint8)
         self.bottom = state.bottom
-        self.spelled = (
-            emitter.dialect.grammar.is_respelled
-        )  # whether words may carry letters of other spellings
+        # whether words may carry letters of other spellings
+        self.spelled = emitter.dialect.grammar.is_respelled
         self.several = ~(self.first & self.final)
         self.layout()
 
@@ -103,10 +107,10 @@ class Batch:
         added = len(self.p) - len(self.m)
         if added:
             inverse_time(self)
-            self.late_codes()
+            late_codes(self)
             exact_stops(self)
             thread_words(self)
-            self.frames_of_blocks((~self.first).nonzero()[0])
+            frames_of_blocks(self, (~self.first).nonzero()[0])
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
         state = replace(
             self.state, code=self._last_code(), shift=shift, bottom=self.bottom, feed=feed
@@ -121,15 +125,16 @@ class Batch:
         return self.splice.result(), state, len(touched), added
 
     def _shift(self) -> np.ndarray:
-        """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion, and behind the last."""
+        """(A, N + 1) ticks by which the axes stand beside their nominal places before each motion,
+        and behind the last."""
         first = self.state.shift or (0,) * len(self.axes)
         return np.concatenate(
             [np.array([first]).T, self.p.end[:, self.final] - self.m.target], axis=1
         )
 
     def layout(self) -> None:
-        """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,) before its first,
-        and whether its words are spaced."""
+        """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,)
+        before its first, and whether its words are spaced."""
         m, w = self.m, self.w
         every = m.word
         all_words = every
@@ -164,11 +169,10 @@ class Batch:
         self.spaced = (
             blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
         )
-        self.spaced |= (
-            self.e.dialect.grammar.assigns
-        )  # G64X=5 would be read as no code and its word
+        # G64X=5 would be read as no code and its word
+        self.spaced |= self.e.dialect.grammar.assigns
 
-    # -- G words -------------------------------------------------------------------------------------------------------
+    # -- G words -----------------------------------------------------------------------------------
 
     def motion_codes(self) -> None:
         """Name the motion code where the output's differs from the program's."""
@@ -177,9 +181,8 @@ class Batch:
         last_code[last_code == FOREIGN] = -1  # what it leaves in force is the program's own affair
         before = np.empty_like(last_code)
         before[0], before[1:] = self.state.code, last_code[:-1]
-        before = np.where(
-            m.renamed | (before < 0), m.code, before
-        )  # the program named its code anew since
+        # the program named its code anew since
+        before = np.where(m.renamed | (before < 0), m.code, before)
         explicit, followed = m.code_word >= 0, m.code != FOREIGN
         change = (explicit & (first_code != m.code) & followed).nonzero()[0]
         if len(change):
@@ -211,13 +214,13 @@ class Batch:
         code = int(self.p.code[-1])
         return code if code != FOREIGN else -1
 
-    # -- axis words ----------------------------------------------------------------------------------------------------
+    # -- axis words --------------------------------------------------------------------------------
 
-    def value(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
+    def value(self, row: int | np.ndarray, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""
         return counts(self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]], decimals)
 
-    def _ticks(self, row: int, piece: np.ndarray) -> np.ndarray:
+    def _ticks(self, row: int | np.ndarray, piece: np.ndarray) -> np.ndarray:
         """(K,) what the axis word of pieces is worth."""
         m, p = self.m, self.p
         motion = p.motion[piece]
@@ -227,7 +230,7 @@ class Batch:
             incremental = np.where(by_letter, m.relative[motion], incremental)
         return p.end[row, piece] - np.where(incremental, p.start[row, piece], m.origin[row, motion])
 
-    def _by_letter(self, row: int, motion: np.ndarray) -> np.ndarray:
+    def _by_letter(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
         """(K,) bool: words whose own spelling says whether they are absolute."""
         word = self.m.word[row, motion]
         return (
@@ -236,15 +239,17 @@ class Batch:
             else word >= 0
         )
 
-    def decimals(self, row: int, motion: np.ndarray) -> np.ndarray:
-        """(K,) decimals to write: the least increment's, or the programmed word's own if it has more."""
+    def decimals(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
+        """(K,) decimals to write: the least increment's, or the programmed word's own if it has
+        more."""
         m, w = self.m, self.w
         word = m.word[row, motion]
         own = np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0) if len(w.decimals) else 0
         return np.minimum(np.maximum(m.places[row, motion], own), MOST_DECIMALS)
 
     def _enough(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
-        """(K,) as many decimals as new words need: more than the least increment's where the nominal place has more."""
+        """(K,) as many decimals as new words need: more than the least increment's where the
+        nominal place has more."""
         ticks, scale = self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]]
         for _ in range(MOST_DECIMALS):
             decimals = decimals + (
@@ -261,29 +266,27 @@ class Batch:
         followed = ~m.alone
         named = m.word >= 0
         suspect &= named & followed
-        # In blocks of their own, and put into the motion's where it does not name an axis that moves.
+        # In blocks of their own, and put into the motion's where it does not name an axis that
+        # moves.
         missing = ~named & (ends != starts) & m.target_known
         missing &= followed & (m.code != FOREIGN) & p.corrected[first]
         if len(m.holes):
             missing[m.holes.axis, m.holes.motion] = False
         added = (~self.first).nonzero()[0]
-        rewritten, put_in = suspect.any(axis=1).tolist(), missing.any(axis=1).tolist()
-        for row, letter in enumerate(self.axes):
-            if rewritten[row]:
-                self._rewrite(row, first[suspect[row]])
-            write = first[missing[row]] if put_in[row] else first[:0]
+        self._rewrite(*suspect.nonzero())
+        for row, letter in enumerate(self.axes) if len(added) or np.count_nonzero(missing) else ():
+            write = first[missing[row]]
             if len(added):
                 moves = p.end[row, added] != p.start[row, added]
                 write = np.sort(np.concatenate([write, added[moves | self._in_plane(row, added)]]))
             if len(write):
                 self._put_in(row, letter, write)
 
-    def _rewrite(self, row: int, piece: np.ndarray) -> None:
-        """Change the numbers of words that stand in the text."""
-        motion = self.p.motion[piece]
+    def _rewrite(self, row: np.ndarray, motion: np.ndarray) -> None:
+        """Change the numbers of words (K,) that stand in the text."""
         word = self.m.word[row, motion]
         decimals = self.decimals(row, motion)
-        value = self.value(row, piece, decimals)
+        value = self.value(row, self.first.nonzero()[0][motion], decimals)
         differs = value != self._stands(word, decimals)
         self._replace(word, value, decimals, differs)
         self.touched[motion[differs]] = True
@@ -344,7 +347,8 @@ class Batch:
         )
 
     def _letters(self, row: int, letter: str, motion: np.ndarray) -> np.ndarray:
-        """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has one."""
+        """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has
+        one."""
         word = self.m.word[row, motion]
         if not len(self.w.start):
             return np.full(len(motion), ord(letter), np.uint8)
@@ -394,78 +398,3 @@ class Batch:
         stop = stop + ((self.byte[stop] == ord(" ")) & leads)
         self.splice.constants(start, stop, np.zeros(len(word)), b"")
         self.touched[motion] = True
-
-    # -- the rest of a block that was cut ------------------------------------------------------------------------------
-
-    def late_codes(self) -> None:
-        """M codes that act after the motion go to its last piece."""
-        m, w = self.m, self.w
-        cut = np.zeros(w.blocks, bool)
-        cut[m.block[self.p.motion[self.several]]] = True
-        late = (
-            (w.letter == ord("M"))
-            & cut[w.block]
-            & np.isin(w.mantissa, codes.AFTER_MOTION)
-            & (w.decimals == 0)
-        ).nonzero()[0]
-        for word in late:
-            motion = int(np.searchsorted(m.block, w.block[word]))
-            last = int((self.p.motion == motion).nonzero()[0][-1])
-            text = w.text[w.start[word] : w.stop[word]]
-            start = int(w.start[word])
-            start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "
-            self.splice.texts([start], [w.stop[word]], [0], [b""])
-            at = int(self.behind()[motion])
-            self.splice.texts(
-                [at],
-                [at],
-                [int(self.rank(np.array([last]))[0]) + 60],
-                [(b" " if self.spaced[motion] else b"") + text],
-            )
-
-    def frames_of_blocks(self, added: np.ndarray) -> None:
-        """What surrounds the words of an added block: line ends, block delete, a code that changed."""
-        m, p, w = self.m, self.p, self.w
-        motion = p.motion[added]
-        block = m.block[motion]
-        stop, rank, at = w.block_stop[block], self.rank(added), self.behind()[motion]
-        end = self.byte[stop]
-        marks = [ord(mark) for mark in (";", self.e.dialect.block_end) if mark]
-        line = (stop < len(w.text)) & ~np.isin(
-            end, marks
-        )  # it ends with its line, as nearly all do
-        returns = (self.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
-        skip, code = w.skip[block], np.where(self.names_code[added], p.code[added], -1)
-        lead_of = [
-            (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
-        ]
-        kind = 2 * code + skip
-        for k in sorted(set(kind[line].tolist())):
-            which = line & (kind == k)
-            self.splice.constants(at[which], at[which], rank[which], lead_of[k + 2])
-        for text, which in ((b"\r\n", line & returns), (b"\n", line & ~returns)):
-            self.splice.constants(at[which], at[which], rank[which] + 90, text)
-        lead: list[bytes] = []
-        tail: list[bytes] = []
-        others = (~line).nonzero()[0]
-        for k in others:
-            before, after = self._ends(int(stop[k]))
-            lead.append(before + lead_of[kind[k] + 2])
-            tail.append(after)
-        self.splice.texts(at[others], at[others], rank[others], lead)
-        self.splice.texts(at[others], at[others], rank[others] + 90, tail)
-
-    def _ends(self, stop: int) -> tuple[bytes, bytes]:
-        """What stands before and behind an added block, after a block that ends at `stop`: at the end of the text, or with a
-        mark of its own."""
-        text = self.w.text
-        if stop >= len(text):
-            return self.state.newline or b"\n", b""
-        mark = text[stop - (text[stop - 1 : stop] == b" ") : stop + 1]
-        line_end = text.find(b"\n", stop)
-        rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
-        if rest.strip():
-            return b" ", mark
-        if line_end < 0:
-            return self.state.newline or b"\n", mark
-        return b"\r\n" if rest.endswith(b"\r") else b"\n", mark

@@ -1,4 +1,5 @@
-"""What is wrong with a text that is no plain block, and the way out: one sentence for each thing that people write."""
+"""What is wrong with a text that is no plain block, and the way out: one sentence for each thing
+that people write."""
 
 from __future__ import annotations
 
@@ -6,28 +7,35 @@ import re
 
 ADVICE_NUMBER = "no control resolves that: write fewer digits"
 ADVICE_EXPRESSION = (
-    "variables, expressions, O-words and macro statements run with --expand, which writes them out as plain blocks; "
-    "or is it for another control? --dialect"
+    "variables, expressions, O-words and macro statements run with --expand, which writes them out"
+    " as plain blocks; or is it for another control? --dialect"
 )
-ADVICE_POLAR = "LinuxCNC's polar words @ and ^ run with --expand, which writes X and Y; or is it for another control? --dialect"
+ADVICE_POLAR = (
+    "LinuxCNC's polar words @ and ^ run with --expand, which writes X and Y; or is it for another"
+    " control? --dialect"
+)
+ADVICE_CORNER = "--expand writes ,R and ,C between straight lines out; else write the corner out"
+ADVICE_NO_CORNER = "corner rounding and chamfers (,R ,C ,A) are not followed: write the corner out"
 ADVICE_NO_LANGUAGE = (
-    "variables, expressions, O-words and macro statements of this control are not run: let the CAM program write plain "
-    "blocks; or is it for another control? --dialect"
+    "variables, expressions, O-words and macro statements of this control are not run: let the CAM"
+    " program write plain blocks; or is it for another control? --dialect"
 )
 STATEMENT = re.compile(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
-    rb"CYCLE[0-9]+)(?![A-Z])|\bO<", re.IGNORECASE,
-)  # fmt: skip
+    rb"CYCLE[0-9]+)(?![A-Z])|\bO<",
+    re.IGNORECASE,
+)
 ARGUMENTS = re.compile(rb"\([^()\n]*\)(?![0-9.])")  # of a call, behind its name: L140(2)
 STATEMENT_WORD = re.compile(
     rb"(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEATB?|UNTIL|LOOP|FOR|DEF|PROC|EXTERN|CASE|RETURN|RET|ELSE|ELSEIF|MCALL|"
-    rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>", re.IGNORECASE,
-)  # fmt: skip
+    rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>",
+    re.IGNORECASE,
+)
 LETTER_O = re.compile(
     rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)"
 )
 POLAR = re.compile(rb"[@^][ \t]*[-+.0-9]")
-CORNER = re.compile(rb",[ \t]*[RCArca]")
+CORNER = re.compile(rb",[ \t]*([RCrc]|[Aa])")
 COMMA = re.compile(rb"[0-9],[0-9]")
 TWO_POINTS = re.compile(rb"[0-9]*\.[0-9]*\.")
 LONE_RETURN = re.compile(rb"\r(?![\r\n]|\Z)")
@@ -46,8 +54,9 @@ def advice_at(code: bytes, offset: int) -> str:
     line = line_at(code, offset)
     here = offset - (code.rfind(b"\n", 0, offset) + 1)
     around = line[max(0, here - 12) : here + 13]
-    if CORNER.match(line, here):
-        return "corner rounding and chamfers (,R ,C ,A) are not followed: write the corner out"
+    corner = CORNER.match(line, here)
+    if corner:
+        return ADVICE_CORNER if corner[1] in b"RCrc" else ADVICE_NO_CORNER
     if COMMA.search(around):
         return "a number takes a decimal point, not a comma: 20.5"
     if TWO_POINTS.search(around):
@@ -73,11 +82,15 @@ def bare(code: bytes, offset: int) -> tuple[str, str]:
 
 
 def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) -> tuple[str, str]:
-    """A character that belongs to no word: message and advice. `code` is `text` without its comments."""
+    """A character that belongs to no word: message and advice. `code` is `text` without its
+    comments."""
     byte, character = code[offset], chr(code[offset])
     if text[offset] == ord("\r"):
         return (
-            "a carriage return without a line feed ends no line here: two blocks would be read as one",
+            (
+                "a carriage return without a line feed ends no line here: two blocks would be read"
+                " as one"
+            ),
             "save the program with LF or CR LF line ends",
         )
     if slash and code[offset : offset + 2] == b"//":
@@ -88,9 +101,11 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
     if slash:
         return (
             "'/' is block delete only as the first character of a block, without a number",
-            "put it first, or take it out"
-            if not STATEMENT.search(line_at(code, offset))
-            else ADVICE_EXPRESSION,
+            (
+                "put it first, or take it out"
+                if not STATEMENT.search(line_at(code, offset))
+                else ADVICE_EXPRESSION
+            ),
         )
     if in_number:
         return f"{character!r} does not belong to a number here", advice_at(code, offset)
@@ -98,7 +113,10 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
         return f"{character!r} is not part of a plain NC block", ADVICE_EXPRESSION
     if character == "(":
         return (
-            "a comment is opened and not closed in its line, opened twice, or breaks a number in two",
+            (
+                "a comment is opened and not closed in its line, opened twice, or breaks a number"
+                " in two"
+            ),
             "close it with ')' and put it between words",
         )
     if character == ")":

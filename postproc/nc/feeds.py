@@ -1,9 +1,11 @@
-"""F in a block in which only rotary axes, or second slides (U V W), were to move, and corrections now move X Y Z too.
+"""F in a block in which only rotary axes, or second slides (U V W), were to move, and corrections
+now move X Y Z too.
 
-LinuxCNC takes F along X Y Z where any of them moves, else along U V W, else as degrees a minute, and gives the other axes the
-time that they need (emccanon.cc, getStraightVelocity; NIST IR 6556, 2.1.2.5). With 9 um of correction in X a turn of 90 degrees at F360
-would be one of 9 um at 360 mm/min: as fast as the rotary axis can. So each piece gets the F with which it takes
-the time that it had, and the next motion the program's F again.
+LinuxCNC takes F along X Y Z where any of them moves, else along U V W, else as degrees a minute,
+and gives the other axes the time that they need (emccanon.cc, getStraightVelocity; NIST IR 6556,
+2.1.2.5). With 9 um of correction in X a turn of 90 degrees at F360 would be one of 9 um at 360
+mm/min: as fast as the rotary axis can. So each piece gets the F with which it takes the time that
+it had, and the next motion the program's F again.
 """
 
 from __future__ import annotations
@@ -19,14 +21,16 @@ from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
 if TYPE_CHECKING:
     from postproc.nc.emitter import Batch
+    from postproc.nc.lexer import Words
 
 GROUPS = ("XYZ", "UVW", "ABC")  # the first of them that moves is the one whose way F is along
 SAME = 0.01  # of a feed: less is what every correction does to the length of a block
 
 
 def kept_feeds(b: Batch) -> float:
-    """Write F where a block's pieces would else be run in another time. Returns the F that the output has in force where
-    the program has another one, else nan."""
+    """Write F where a block's pieces would else be run in another time. Returns the F that the
+    output has in force where the program has another one, else nan. Raises BlockFault where a
+    correction would change a time that nobody knows."""
     m, p = b.m, b.p
     rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
     stands = b.state.feed
@@ -36,39 +40,76 @@ def kept_feeds(b: Batch) -> float:
     ratio = _ratios(b, rows, special)
     first = b.first.nonzero()[0]
     takes = (m.code != RAPID) & (m.code != THREAD) & ~m.inverse & (m.feed > 0)
-    for i in map(int, takes.nonzero()[0]):
+    anew, anew_behind = _stated(b)
+    for i in map(int, (takes | anew).nonzero()[0]):
         stop = int(first[i + 1]) if i + 1 < len(first) else len(p)
-        if m.feed_word[i] >= 0:
+        if anew[i]:
             stands = np.nan
-        for k in range(int(first[i]), stop):
+        for k in range(int(first[i]), stop if takes[i] else 0):
             wanted = m.feed[i] * ratio[k]
             written = m.feed[i] if stands != stands else stands
             if p.code[k] == RAPID or abs(wanted - written) <= SAME * wanted:
                 continue
             _write(b, i, k, wanted)
             stands = wanted if ratio[k] != 1.0 else np.nan
-    return float(stands)
+    return float("nan" if anew_behind else stands)
+
+
+def states_feed(words: Words) -> bool:
+    """Whether an F stands anywhere in these blocks."""
+    return bool((words.letter == ord("F")).any())
+
+
+def _stated(b: Batch) -> tuple[np.ndarray, bool]:
+    """(N,) bool: an F stands in the motion's block, or in one since the motion before; and whether
+    one stands behind the last."""
+    blocks = b.w.block[b.w.letter == ord("F")]
+    count = np.searchsorted(blocks, b.m.block, side="right")
+    return np.diff(count, prepend=0) > 0, len(blocks) > count[-1]
 
 
 def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
-    """(N,) bool: feeds in which axes beside X Y Z move, and whose pieces are not as long as they were by more than `SAME`."""
+    """(N,) bool: corrected feeds in which axes beside X Y Z move."""
     m = b.m
-    if not (rows[1] or rows[2]):
+    beside = rows[1] + rows[2]
+    if not beside:
         return np.zeros(len(m), bool)
-    moves = (m.target != m.start)[rows[1] + rows[2]].any(axis=0) & (
-        m.start_known & m.target_known
-    ).all(axis=0)
-    return moves & (m.code == FEED) & ~m.inverse & b.p.corrected[b.first]
+    feeds = (m.code == FEED) & ~m.inverse & b.p.corrected[b.first]
+    known = m.start_known & m.target_known
+    turned = ((m.word >= 0) & ~known)[beside] & feeds
+    if turned.any():
+        _same_time(b, rows[0], beside, turned)
+    moves = ((m.target != m.start) & known)[beside].any(axis=0)
+    return moves & feeds & known[rows[0]].all(axis=0)
+
+
+def _same_time(b: Batch, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
+    """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which nobody
+    knows how far it moves: the time of that block is not known."""
+    m, p = b.m, b.p
+    led = (m.target != m.start)[linear].any(axis=0)
+    shifted = np.zeros(len(m), bool)
+    np.logical_or.at(shifted, p.motion, (p.end != p.start)[linear].any(axis=0))
+    for i in (turned.any(axis=0) & ~led & shifted).nonzero()[0][:1]:
+        axis = b.axes[beside[int(np.argmax(turned[:, i]))]]
+        raise BlockFault(
+            int(i),
+            f"where {axis} stands before this feed is not known, and so not the time that it takes:"
+            " F would be along the corrections of X Y Z",
+            f"move {axis} to an absolute position before, or say where it is: --start {axis}0",
+        )
 
 
 def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
-    """(P,) by how much F must be larger in each piece, 1 where it stays. Raises BlockFault where F is not known as a number."""
+    """(P,) by how much F must be larger in each piece, 1 where it stays. Raises BlockFault where F
+    is not known as a number."""
     m, p = b.m, b.p
     result = np.ones(len(p))
     which = (special[p.motion] & (p.share > 0)).nonzero()[0]
     motion = p.motion[which]
-    nominal, kind = _along(b, rows, m.start[:, motion], m.target[:, motion], motion)
-    written, now = _along(b, rows, p.start[:, which], p.end[:, which], motion)
+    known = (m.start_known & m.target_known)[:, motion]
+    nominal, kind = _along(b, rows, (m.target - m.start)[:, motion] * known, motion)
+    written, now = _along(b, rows, (p.end - p.start)[:, which] * known, motion)
     ratio = np.divide(
         written,
         nominal * p.share[which],
@@ -78,23 +119,24 @@ def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     other = (kind != now) | (np.abs(ratio - 1.0) > SAME)
     for k in (other & ~(m.feed[motion] > 0)).nonzero()[0][:1]:
         raise BlockFault(
-            int(motion[k]), "a feed of rotary axes whose F is not known as a number: corrections of X Y Z would change its speed",
+            int(motion[k]),
+            "a feed of rotary axes whose F is not known as a number: corrections of X Y Z would"
+            " change its speed",
             "write F as a number",
-        )  # fmt: skip
+        )
     result[which[other]] = ratio[other]
     return result
 
 
-def _along(b: Batch, rows: list[list[int]], start: np.ndarray, end: np.ndarray, motion: np.ndarray):
-    """(K,) the way that F is along, in mm, inches or degrees, and (K,) which of GROUPS that is."""
+def _along(b: Batch, rows: list[list[int]], way: np.ndarray, motion: np.ndarray):
+    """(K,) the length of `way` (A, K), ticks, that F is along, in mm, inches or degrees, and (K,)
+    which of GROUPS that is."""
     linear = rows[0] + rows[1]
     inch = (b.m.scale[linear][:, motion] % TICKS_PER_INCH == 0).any(axis=0)
     unit = np.stack(
         [np.where(inch, TICKS_PER_INCH, TICKS_PER_MM)] * 2 + [np.full(len(motion), TICKS_PER_MM)]
     )
-    ways = np.stack(
-        [np.sqrt((((end - start)[group] / TICKS_PER_MM) ** 2).sum(axis=0)) for group in rows]
-    )
+    ways = np.stack([np.sqrt(((way[group] / TICKS_PER_MM) ** 2).sum(axis=0)) for group in rows])
     kind = np.argmax(ways > 0, axis=0)
     own = (kind, np.arange(len(motion)))
     return ways[own] * (TICKS_PER_MM / unit[own]), kind

@@ -1,11 +1,12 @@
 """Shifts of the coordinates: G52, G92 and its kin, G10, G43 and its kin, G54.1, TRANS.
 
-A block that changes a shift begins a segment of its own, so that within a segment every shift is one number per axis and
-all else stays columns. What a shift depends on and nobody has said becomes a reason beside the motions: it matters only
-where a correction depends on the place.
+A block that changes a shift begins a segment of its own, so that within a segment every shift is
+one number per axis and all else stays columns. What a shift depends on and nobody has said becomes
+a reason beside the motions: it matters only where a correction depends on the place.
 
-Sources: NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc B-63944EN, chapter
-"Coordinate system"; Siemens 840D Programming Guide Fundamentals, "Frame instructions".
+Sources: NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc
+B-63944EN, chapter "Coordinate system"; Siemens 840D Programming Guide Fundamentals, "Frame
+instructions".
 """
 
 from __future__ import annotations
@@ -38,17 +39,13 @@ EXPAND = "--expand writes the program out in plain coordinates"
 
 
 def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
-    """Let the first block of a segment change the shifts, if it does; sets b.frame and b.offsets."""
-    for number, does in b.dialect.frame_codes.items() if b.given or b.single else ():
-        code = b.dialect.by_number[number]
-        named = b.given[code.group][:1] == number if code.group in b.given else np.zeros(0, bool)
-        if code.group and not named.any():
-            continue
-        if not code.group and not (b.single.get(number, np.ones(1))[:1] == 0).any():
-            continue
-        if not b.live[0]:
-            continue
-        ACTIONS[does](b, axis_words, code.word)
+    """Let the first block of a segment change the shifts, if it does; sets b.frame and
+    b.offsets."""
+    begun = {int(column[0]) for column in b.given.values()}
+    begun |= {number for number in b.single if begins_with(b, number)}
+    for number, does in b.dialect.frame_codes.items():
+        if number in begun and b.live[0]:
+            ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
     letter = b.dialect.length_letter
     if letter != "H" and number_of(b, letter) is not None:
         length_by(b, letter, int(number_of(b, letter) or 0))
@@ -67,9 +64,20 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
     tips.switched(b, axis_words)
     tips.settle(b)
     for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
-        if b.live[0] and (b.single.get(number, np.ones(1))[:1] == 0).any():
+        if b.live[0] and begins_with(b, number):
             planes.plane_align(b, b.dialect.by_number[number].word)
     _swivelled(b)
+
+
+LOST = (
+    "a block between the start and here (homing, a macro) leads it nowhere known: run the program"
+    " up to here by itself, and the rest with its own --start"
+)
+
+
+def begins_with(b: Batch, number: int) -> bool:
+    """Whether a code without a group stands in the first block."""
+    return number in b.single and 0 in b.single[number][:1]
 
 
 def _set(b: Batch, axis_words, word: str) -> None:
@@ -93,9 +101,16 @@ def _set(b: Batch, axis_words, word: str) -> None:
     reason = None
     if missing:
         reason = (
-            f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that is not known",
-            f"say where it stands before the program, mm, radius, machine coordinates: --start "
-            f"{','.join(x + '0' for x in missing)}",
+            (
+                f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that"
+                " is not known"
+            ),
+            (
+                f"say where it stands before the program, mm, radius, machine coordinates: --start"
+                f" {','.join(x + '0' for x in missing)}"
+                if not all(x in b.setup.start for x in missing)
+                else LOST
+            ),
         )
     b.frame = with_known(
         replace(frame, preset=changed(frame.preset, preset), preset_on=True), "preset", reason
@@ -131,19 +146,24 @@ def _local(b: Batch, axis_words, word: str) -> None:
 
 
 def _data(b: Batch, axis_words, word: str) -> None:
-    """G10: the program writes offsets. L2 a work offset, L20 so that the axes stand at these coordinates (Fanuc: an
-    additional work offset), L1 L10 L11 a tool's."""
+    """G10: the program writes offsets. L2 a work offset, L20 so that the axes stand at these
+    coordinates (Fanuc: an additional work offset), L1 L10 L11 a tool's."""
     line, number = number_of(b, "L"), number_of(b, "P")
     values = values_of(b, axis_words)
-    if not values and (
-        number_of(b, "R") is None or b.dialect.carried
-    ):  # G10 P0 S200 R150: temperatures of a tool
+    # G10 P0 S200 R150: temperatures of a tool
+    if not values and (number_of(b, "R") is None or b.dialect.carried):
         return
     if line is None and b.dialect.tool_offsets and number is not None:
         line = 10.0
     if line not in (1, 2, 10, 11, 20) or number is None or number != int(number) or number < 0:
-        b.frame = with_known(b.frame, "data", (f"G10 L{line:g} is not followed" if line is not None else "G10 without L",
-            "it sets data of the control: set them before the program, and take the block out"))  # fmt: skip
+        b.frame = with_known(
+            b.frame,
+            "data",
+            (
+                f"G10 L{line:g} is not followed" if line is not None else "G10 without L",
+                "it sets data of the control: set them before the program, and take the block out",
+            ),
+        )
         return
     p = int(number)
     if line in (1, 10, 11):
@@ -192,7 +212,8 @@ def _data(b: Batch, axis_words, word: str) -> None:
 
 
 def _turned(b: Batch, axis_words, word: str) -> None:
-    """ROT SCALE MIRROR of Siemens: alone they take the whole programmable frame back, with words they turn or scale it."""
+    """ROT SCALE MIRROR of Siemens: alone they take the whole programmable frame back, with words
+    they turn or scale it."""
     low, high = np.searchsorted(b.words.block, [0, 1])
     bare = not any(b.words.letter[k] not in (ord("N"), KEYWORD_LETTER) for k in range(low, high))
     if bare:
@@ -208,8 +229,9 @@ def _turned(b: Batch, axis_words, word: str) -> None:
 
 
 def _store(b: Batch, axis_words, word: str) -> None:
-    """G28.1: the place where the machine stands becomes the reference point. It stands beside the nominal place by the
-    correction, so from here on nobody knows where G28 goes, to the last micrometre."""
+    """G28.1: the place where the machine stands becomes the reference point. It stands beside the
+    nominal place by the correction, so from here on nobody knows where G28 goes, to the last
+    micrometre."""
     b.offsets = {**b.offsets, word.split(".")[0]: {}}
 
 
@@ -254,7 +276,7 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
 def _swivelled(b: Batch) -> None:
     """CYCLE800 turns the rotary axes itself."""
     for number in (n for n, does in b.dialect.frame_codes.items() if does == "swivel"):
-        if not b.live[0] or (b.single.get(number, np.ones(1))[:1] != 0).all():
+        if not b.live[0] or not begins_with(b, number):
             continue
         if swivel.retracts(b):
             known = b.state.known.copy()
@@ -281,12 +303,30 @@ def _no_length(b: Batch, axis_words, word: str) -> None:
 
 
 ACTIONS = {
-    "local": _local, "set": _set, "set zero": _set_zero, "set off": _set_off, "set back": _set_back, "data": _data,
-    "length": _length, "length words": length_words, "length more": lambda b, a, w: length_of(b, a, w, add=True),
-    "length minus": lambda b, a, w: _length(b, a, w, sign=-1), "no length": _no_length, "extended": _extended,
-    "numbered": _numbered, "tip": tips.tip_by_length, "tip on": tips.tip_on, "tip off": tips.tip_off,
-    "plane": planes.plane_on, "plane off": planes.plane_off, "plane align": lambda b, a, w: None,  # below, behind the rest
+    "local": _local,
+    "set": _set,
+    "set zero": _set_zero,
+    "set off": _set_off,
+    "set back": _set_back,
+    "data": _data,
+    "length": _length,
+    "length words": length_words,
+    "length more": lambda b, a, w: length_of(b, a, w, add=True),
+    "length minus": lambda b, a, w: _length(b, a, w, sign=-1),
+    "no length": _no_length,
+    "extended": _extended,
+    "numbered": _numbered,
+    "tip": tips.tip_by_length,
+    "tip on": tips.tip_on,
+    "tip off": tips.tip_off,
+    # below, behind the rest
+    "plane": planes.plane_on,
+    "plane off": planes.plane_off,
+    "plane align": lambda b, a, w: None,
     "swivel": swivel.swivel,
-    "trans": _trans, "atrans": lambda b, a, w: _trans(b, a, w, add=True), "no frame": _set_zero,
-    "store": _store, "frame": _turned,
-}  # fmt: skip
+    "trans": _trans,
+    "atrans": lambda b, a, w: _trans(b, a, w, add=True),
+    "no frame": _set_zero,
+    "store": _store,
+    "frame": _turned,
+}

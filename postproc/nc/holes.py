@@ -1,8 +1,10 @@
-"""Canned cycles for holes, in place: X and Y are the hole's place, Z its bottom, R the level from which it is drilled.
+"""Canned cycles for holes, in place: X and Y are the hole's place, Z its bottom, R the level from
+which it is drilled.
 
-The block stays a cycle; what is corrected are its words. Z and R hold from block to block; the axis that drills is the
-one across the plane. Without R a Fanuc drills from where it stands: G80 leaves "R = 0 and Z = 0 in incremental
-command" (B-63534EN, "Canned cycle cancel"). Sources: NIST RS274/NGC 3.5.16; Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
+The block stays a cycle; what is corrected are its words. Z and R hold from block to block; the axis
+that drills is the one across the plane. Without R a Fanuc drills from where it stands: G80 leaves
+"R = 0 and Z = 0 in incremental command" (B-63534EN, "Canned cycle cancel"). Sources: NIST RS274/NGC
+3.5.16; Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
 (tests/linuxcnc/README.md).
 """
 
@@ -20,6 +22,8 @@ from postproc.nc.state import Cycle
 from postproc.units import TICKS_PER_MM
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
+PLANES = {letter: code for code, letter in ACROSS.items()}
+OTHER_PLANE = "a hole of a canned cycle in another plane than the cycle was called in"
 SAME_LEVEL = round(0.5 * TICKS_PER_MM)
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
 WITHOUT_R = (
@@ -30,9 +34,9 @@ BY_CAM = "let the CAM program write the hole out as G0 and G1"  # where nothing 
 
 @dataclass
 class InCycle:
-    """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all of them, and per hole
-    (k,) the ticks where the axis ends up, the bottom, R, the zero of the bottom's word, that word, and whether the axis
-    goes back to the initial level."""
+    """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
+    of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
+    bottom's word, that word, and whether the axis goes back to the initial level."""
 
     letter: str
     row: int
@@ -53,21 +57,29 @@ def _way_out(b: Batch) -> str:
     return WRITE_OUT if b.dialect.holes_written_out else BY_CAM
 
 
+def _called(b: Batch, block: int) -> bool:
+    """Whether the code of a canned cycle stands in a block."""
+    codes = [b.given[group][block] for group in ("motion", "cycle") if group in b.given]
+    return bool(b.dialect.is_hole[np.maximum(codes, 0)].any()) if codes else False
+
+
 def in_cycle(
     b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
 ) -> InCycle | None:
-    """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in force."""
+    """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in
+    force."""
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
-    if not mask.any():
+    if not np.count_nonzero(mask):
         return None
-    planes = np.broadcast_to(b.held("plane"), b.n)[mask]
-    letter = b.dialect.hole_axis.get(int(motion[mask][0]), "")
+    planes = np.broadcast_to(b.held("plane"), b.n)
+    cycle, first = b.state.cycle, int(np.argmax(mask))
+    letter = b.dialect.hole_axis.get(int(motion[first]), "")
     of_lathe = bool(letter)
-    if of_lathe:
-        planes = motion[mask]
-    else:
-        letter = ACROSS.get(int(planes[0]), "")
-    if (planes != planes[0]).any() or letter not in b.rows:
+    if not of_lathe:
+        letter = ACROSS.get(int(planes[first]), "")
+        if cycle is not None and not _called(b, first):  # it goes on
+            letter = cycle.letter
+    if letter not in b.rows:
         b.blame(
             mask.nonzero()[0],
             f"a canned cycle across {letter or 'a plane'}, which can not be followed",
@@ -75,9 +87,9 @@ def in_cycle(
         )
         return None
     row = b.rows[letter]
-    cycle = b.state.cycle or Cycle(
-        initial=int(b.state.position[row]), known=bool(b.state.known[row])
-    )
+    if cycle is None or cycle.letter != letter:
+        initial, known = int(b.state.position[row]), bool(b.state.known[row])
+        cycle = Cycle(letter, initial=initial, known=known)
     absolute = np.broadcast_to(b.held("distance"), b.n) != 910
     if b.dialect.there_and_back[np.maximum(motion, 0)[mask]].any():
         return _there_and_back(b, mask, motion, letter, cycle, absolute, axis_words)
@@ -88,6 +100,9 @@ def in_cycle(
     level_word = level_word[mask[b.words.block[level_word]]]
     drills = mask & b.has_axis & ~b.taken
     drills[b.words.block[level_word]] = True
+    if not of_lathe:  # its code says the axis
+        turned = drills & (planes != PLANES[letter])
+        b.blame(turned.nonzero()[0], OTHER_PLANE, _way_out(b))
     scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
     offset = np.broadcast_to(b.offset[row], b.n)
     by_increment = b.words.block[increment][mask[b.words.block[increment]]]
@@ -105,7 +120,7 @@ def in_cycle(
         )
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
-    _repeats(b, mask, drills)
+    stored = _repeats(b, mask, drills, cycle.stored)
     holes = drills.nonzero()[0]
     word = np.full(b.n, -1, np.int64)
     word[b.words.block[depth]] = depth
@@ -124,14 +139,29 @@ def in_cycle(
     after = None
     if mask[-1]:
         after = Cycle(
-            int(level[last]) if has_level[last] else None, int(bottom[last]) if has_bottom[last] else None,
-            cycle.initial, cycle.known, bool(at_level[-1] | cycle.at_level),
-        )  # fmt: skip
+            letter,
+            int(level[last]) if has_level[last] else None,
+            int(bottom[last]) if has_bottom[last] else None,
+            cycle.initial,
+            cycle.known,
+            bool(at_level[-1] | cycle.at_level),
+            stored,
+        )
     return InCycle(
-        letter=letter, row=row, mask=mask, blocks=holes, target=np.where(initial, cycle.initial, level)[holes],
-        bottom=bottom[holes], level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
-        initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
-    )  # fmt: skip
+        letter=letter,
+        row=row,
+        mask=mask,
+        blocks=holes,
+        target=np.where(initial, cycle.initial, level)[holes],
+        bottom=bottom[holes],
+        level=level[holes],
+        zero=np.where(absolute, offset, level)[holes],
+        word=word[holes],
+        initial=initial[holes],
+        code=motion[holes],
+        known=cycle.known,
+        after=after,
+    )
 
 
 def _there_and_back(
@@ -143,7 +173,8 @@ def _there_and_back(
     absolute: np.ndarray,
     axis_words,
 ) -> InCycle:
-    """G33.1: in step with the spindle from where the axes stand to the words, and back there (LinuxCNC as measured)."""
+    """G33.1: in step with the spindle from where the axes stand to the words, and back there
+    (LinuxCNC as measured)."""
     row = b.rows[letter]
     word = np.full(b.n, -1, np.int64)
     place = axis_words[letter][0]
@@ -165,13 +196,25 @@ def _there_and_back(
         b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
     )
     return InCycle(
-        letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes], level=level[holes],
-        zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool), code=motion[holes], known=cycle.known, after=None,
-    )  # fmt: skip
+        letter=letter,
+        row=row,
+        mask=mask,
+        blocks=holes,
+        target=level[holes],
+        bottom=bottom[holes],
+        level=level[holes],
+        zero=zero[holes],
+        word=word[holes],
+        initial=np.ones(len(holes), bool),
+        code=motion[holes],
+        known=cycle.known,
+        after=None,
+    )
 
 
 def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None):
-    """(B,) ticks of a word that holds until the next one, counted from `zero`, and whether it was ever given."""
+    """(B,) ticks of a word that holds until the next one, counted from `zero`, and whether it was
+    ever given."""
     block = b.words.block[place]
     value = np.full(b.n, 0 if carry is None else carry, np.int64)
     named = np.zeros(b.n, bool)
@@ -192,17 +235,29 @@ def _from_start(
     return np.where(has_level, level, cycle.initial)
 
 
-def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray) -> None:
-    """L or K: so many holes; none stores the words alone."""
+def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str) -> str:
+    """L or K: so many holes; none stores the words alone, for the next hole. Takes the letter of
+    such a block that came without a hole behind it before the batch, and returns that behind it."""
+    before = {-1: stored} if stored else {}  # block to letter
+    several = []
     for letter in b.dialect.repeats:
         place = b.places.get(letter, np.zeros(0, np.int64))
         place = place[mask[b.words.block[place]]]
         count, block = b.numbers(place), b.words.block[place]
         drills[block[count == 0]] = False
-        following = np.searchsorted(drills.nonzero()[0], block[count == 0])
-        after = drills.nonzero()[0][following[following < drills.sum()]]
-        b.blame(after, f"{letter}0 before this hole stores words without drilling", _way_out(b))
-        b.blame(block[(count != 1) & (count != 0)], "a cycle that is repeated", _way_out(b))
+        before |= dict.fromkeys(block[count == 0].tolist(), letter)
+        several.append(block[(count != 1) & (count != 0)])
+    holes = drills.nonzero()[0]
+    for at, letter in before.items():
+        b.blame(
+            holes[holes > at][:1],
+            f"{letter}0 before this hole stores words without drilling",
+            _way_out(b),
+        )
+    for block in several:
+        b.blame(block, "a cycle that is repeated", _way_out(b))
+    last = max(before, default=-1)
+    return "" if len(holes) and holes[-1] > last else before.get(last, "")
 
 
 def _blame(b: Batch, holes, has_level, has_bottom, level, bottom, letter: str) -> None:
@@ -229,7 +284,13 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
         return no_holes()
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
     return Holes(
-        motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level, zero=cycle.zero,
-        word=cycle.word, initial=cycle.initial,
-        tap=b.dialect.is_tap[code], place=~b.dialect.there_and_back[code],
-    )  # fmt: skip
+        motion=motion,
+        axis=np.full(len(motion), cycle.row),
+        bottom=cycle.bottom,
+        level=cycle.level,
+        zero=cycle.zero,
+        word=cycle.word,
+        initial=cycle.initial,
+        tap=b.dialect.is_tap[code],
+        place=~b.dialect.there_and_back[code],
+    )

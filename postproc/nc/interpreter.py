@@ -1,11 +1,12 @@
 """Words and modal state in, motions out.
 
-Follows the program as the control would, up to where the tool shall be; knows nothing of errors. Each modal group is a
-column over the blocks, filled down from the last code given; a group that no block names stays a single number. Absolute
-words set a position, incremental words add to it; both in whole ticks, so any cut of the input gives the same positions.
+Follows the program as the control would, up to where the tool shall be; knows nothing of errors.
+Each modal group is a column over the blocks, filled down from the last code given; a group that no
+block names stays a single number. Absolute words set a position, incremental words add to it; both
+in whole ticks, so any cut of the input gives the same positions.
 
-Not followed here, and handed on as motions with a reason (postproc.nc.codes): cycles, cutter radius, tool length,
-shifts of the coordinates, subprograms.
+Not followed here, and handed on as motions with a reason (postproc.nc.codes): cycles, cutter
+radius, tool length, shifts of the coordinates, subprograms.
 """
 
 from __future__ import annotations
@@ -15,8 +16,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.errors import BlockFault, Notice
-from postproc.motions import FOREIGN, Motions, join
+from postproc.errors import BlockFault, GcompError, Notice
+from postproc.motions import FOREIGN, Motions, join, no_spells
 from postproc.nc import frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import LINEAR, Batch, written_codes
@@ -59,10 +60,14 @@ class Interpreter:
     def __init__(self, dialect: Dialect, setup: Setup):
         self.dialect, self.setup = dialect, setup
         self.rows = {letter: i for i, letter in enumerate(setup.axes)}
+        for own in (x for x in dialect.increments if x in self.rows):
+            raise GcompError(
+                f"the machine has an axis {own}, and {own} is an increment of"
+                f" {dialect.increments[own]} on {dialect.title}",
+                "name the dialect in which that axis is programmed: --dialect",
+            )
         self.increment_rows = {
-            u: self.rows[x]
-            for u, x in dialect.increments.items()
-            if x in self.rows and u not in self.rows
+            u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows
         }
         centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
         self.letters = (
@@ -114,7 +119,8 @@ class Interpreter:
         return first_frame(self.setup.kinematics, replace(frame, preset=np.array(preset, np.int64)))
 
     def run(self, words: Words, state: ModalState) -> tuple[Motions, ModalState, list[Notice]]:
-        """Motions of a batch. Raises BlockFault for the first block that can not be followed; nothing is changed then."""
+        """Motions of a batch. Raises BlockFault for the first block that can not be followed;
+        nothing is changed then."""
         cuts = self._segments(words, state)
         if len(cuts) <= 2:
             return follow(Batch(self, words, state))
@@ -134,7 +140,8 @@ class Interpreter:
         return join(parts, blocks, starts), state, notices
 
     def _segments(self, words: Words, state: ModalState) -> list[int]:
-        """Blocks at which segments begin, and the number of blocks: a block that shifts the coordinates begins one."""
+        """Blocks at which segments begin, and the number of blocks: a block that shifts the
+        coordinates begins one."""
         if state.ended:
             return [0, words.blocks]
         place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
@@ -161,7 +168,8 @@ class Interpreter:
 
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
-    """In the order of a control: letters, codes, what they take away from the motion, then positions and arcs."""
+    """In the order of a control: letters, codes, what they take away from the motion, then
+    positions and arcs."""
     drop_arguments(b)
     check_letters(b)
     b.read_codes()
@@ -232,7 +240,8 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
 
 
 def count_increments(b: Batch) -> None:
-    """A number without a decimal point counts least increments: X1000 is X1.000 where they are 0.001."""
+    """A number without a decimal point counts least increments: X1000 is X1.000 where they are
+    0.001."""
     w = b.words
     places = {x: -round(np.log10(b.setup.least_increment.get(x, 1e-4))) for x in b.rows}
     linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
@@ -246,7 +255,8 @@ def count_increments(b: Batch) -> None:
 
 
 def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
-    """Codes that act in their own block only: G28 and G30 take the axis words, G53 changes their frame, G4 waits."""
+    """Codes that act in their own block only: G28 and G30 take the axis words, G53 changes their
+    frame, G4 waits."""
     for number, block in b.single.items():
         code = b.dialect.by_number[number]
         if code.takes:
@@ -290,7 +300,7 @@ def columns(
     n = b.n
     motion = motion[block]
     code = b.dialect.kind[np.maximum(motion, 0)]
-    if b.foreign.any():
+    if np.count_nonzero(b.foreign):
         code[b.foreign[block]] = FOREIGN
     feed_place = b.once("F")
     if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
@@ -301,9 +311,8 @@ def columns(
     if len(feed_place) or untold is not None:
         feed.fill(np.nan)
         feed[b.words.block[feed_place]] = b.numbers(feed_place)
-        feed[b.words.block[untold] if untold is not None else []] = (
-            0.0  # a value that only the machine knows
-        )
+        # a value that only the machine knows
+        feed[b.words.block[untold] if untold is not None else []] = 0.0
         feed_word[b.words.block[feed_place]] = feed_place
         feed = hold_last_float(feed, b.state.feed)
         b.feed = float(feed[-1])
@@ -323,7 +332,7 @@ def columns(
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
     mode = b.held("feed mode")
     inverse = spread(mode, n)[block] == 930
-    if np.any(mode == 930):
+    if np.count_nonzero(mode == 930):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if untold is not None:
             told = inverse & np.isin(block, b.words.block[untold])
@@ -345,14 +354,40 @@ def columns(
     arcs = arcs_of(b, places, circle, centre_words)
     whole, lead = thread_columns(b, block, code, motion, feed[block])
     motions = Motions(
-        block=block, code=code, start=places.start, target=places.target, start_known=places.start_known,
-        target_known=places.target_known, word=places.word, incremental=places.incremental, grid=places.grid,
-        scale=places.scale, origin=places.origin, places=places.least, alone=alone, inverse=inverse, feed=feed[block],
-        feed_word=feed_word[block], code_word=b.code_word[block], reason=b.reason[block], renamed=renamed, arcs=arcs,
-        reasons=b.reasons, sent=places.sent, holes=holes_of(b, b.cycle, block), presets=b.presets, **beside_columns(b, block), stop=stop_column(b, block), relative=spread(b.held("distance"), n)[block] == 910,
-        length=np.repeat(b.frame.length[:, None], len(block), axis=1), whole=whole, lead=lead,
-        space=np.full(len(block), int(b.frame.space is not None)), spaces=[None, b.frame.space],
-    )  # fmt: skip
+        block=block,
+        code=code,
+        start=places.start,
+        target=places.target,
+        start_known=places.start_known,
+        target_known=places.target_known,
+        word=places.word,
+        incremental=places.incremental,
+        grid=places.grid,
+        scale=places.scale,
+        origin=places.origin,
+        places=places.least,
+        alone=alone,
+        inverse=inverse,
+        feed=feed[block],
+        feed_word=feed_word[block],
+        code_word=b.code_word[block],
+        reason=b.reason[block],
+        renamed=renamed,
+        arcs=arcs,
+        reasons=b.reasons,
+        sent=places.sent,
+        holes=holes_of(b, b.cycle, block),
+        presets=b.presets,
+        spells=no_spells(),
+        **beside_columns(b, block),
+        stop=stop_column(b, block),
+        relative=spread(b.held("distance"), n)[block] == 910,
+        length=np.repeat(b.frame.length[:, None], len(block), axis=1),
+        whole=whole,
+        lead=lead,
+        space=np.full(len(block), int(b.frame.space is not None)),
+        spaces=[None, b.frame.space],
+    )
     return refuse_beside(b, motions)
 
 
@@ -373,10 +408,24 @@ def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
 
 def next_state(b: Batch, places: Places) -> ModalState:
     return replace(
-        b.state, codes=b.after(), position=places.end_position, known=places.end_known, tool=b.tool_after,
-        feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1], zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, offsets=b.offsets,
-        cycle=b.cycle.after if b.cycle else None, beside=b.beside, tool_number=tool_in_use(b), next_tool=b.next_tool,
-    )  # fmt: skip
+        b.state,
+        codes=b.after(),
+        position=places.end_position,
+        known=places.end_known,
+        tool=b.tool_after,
+        feed=b.feed,
+        ended=b.ended,
+        renamed=b.renamed,
+        origin=b.offset[:, -1],
+        zero_known=b.zero_known,
+        frame=b.frame,
+        sent=places.end_sent,
+        offsets=b.offsets,
+        cycle=b.cycle.after if b.cycle else None,
+        beside=b.beside,
+        tool_number=tool_in_use(b),
+        next_tool=b.next_tool,
+    )
 
 
 def tool_in_use(b: Batch) -> int:

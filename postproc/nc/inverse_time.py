@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 
 def inverse_time(b: Batch) -> None:
-    """G93: every piece takes its part of the time. A take-up goes as fast as the motion it precedes."""
+    """G93: every piece takes its part of the time. A take-up goes as fast as the motion it
+    precedes."""
     m, p, w = b.m, b.p, b.w
     for i in map(int, (m.inverse[p.motion] & b.several & (p.code != RAPID)).nonzero()[0]):
         motion = p.motion[i]

@@ -1,8 +1,9 @@
 """Threading cycles of lathes (G76, G92, G78): they stay as they are, in step with the spindle.
 
-Their passes are the control's, and each begins at the same angle of the spindle. They end where they began, so what
-stands behind them is corrected as if they were not there; what they cut is not, which a notice says. Sources: Fanuc
-B-64304EN-1, "Multiple thread cutting cycle", "Thread cutting cycle"; Haas lathe operator's manual, G76, G92.
+Their passes are the control's, and each begins at the same angle of the spindle. They end where
+they began, so what stands behind them is corrected as if they were not there; what they cut is not,
+which a notice says. Sources: Fanuc B-64304EN-1, "Multiple thread cutting cycle", "Thread cutting
+cycle"; Haas lathe operator's manual, G76, G92.
 """
 
 from __future__ import annotations
@@ -24,5 +25,8 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
         mask &= b.has_axis
         if mask.any():
             b.taken |= mask
-            said = f"{code.word} ({code.meaning}) stays as it is, in step with the spindle: its thread is cut uncorrected"
+            said = (
+                f"{code.word} ({code.meaning}) stays as it is, in step with the spindle: its thread"
+                " is cut uncorrected"
+            )
             b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[mask.argmax()])))

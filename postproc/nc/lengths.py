@@ -21,15 +21,23 @@ from postproc.nc.zeros import (
 )
 from postproc.units import TICKS_PER_MM
 
-UNNAMED = ("G43 without H takes the length of the tool in the spindle, and which that is is not known",
-           "write the tool's number with T and M6 before it, or G43 H with its number")  # fmt: skip
+UNNAMED = (
+    "G43 without H takes the length of the tool in the spindle, and which that is is not known",
+    "write the tool's number with T and M6 before it, or G43 H with its number",
+)
 
 
 def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[int, bool]]) -> None:
     """G10 L1 L10 L11 P: the offsets of a tool; what G43 has in force stays until the next G43."""
     if b.dialect.tool_offsets:
-        b.frame = with_known(b.frame, "data", ("G10 sets a tool offset", "state the tool offsets with --offset T0101=X..,Z.., "
-                         "and take the block out"))  # fmt: skip
+        b.frame = with_known(
+            b.frame,
+            "data",
+            (
+                "G10 sets a tool offset",
+                "state the tool offsets with --offset T0101=X..,Z.., and take the block out",
+            ),
+        )
         return
     name = f"H{p}"
     radius = number_of(b, "R")
@@ -43,9 +51,8 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
         note_presets(b, axis_words, values)
     for letter, (value, _) in values.items():
         row = b.rows[letter]
-        if (
-            line in (10, 11) and not b.dialect.extended_by_p
-        ):  # so that the axis stands at this coordinate
+        # so that the axis stands at this coordinate
+        if line in (10, 11) and not b.dialect.extended_by_p:
             if line == 10:
                 base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
             else:  # in G59.3, without G92
@@ -56,8 +63,9 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
 
 
 def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
-    """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the offset value of H0 is
-    always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured): the length of the tool in the spindle."""
+    """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the
+    offset value of H0 is always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured):
+    the length of the tool in the spindle."""
     number = number_of(b, "H")
     if number is None:
         number = float(_tool_in_spindle(b))
@@ -70,8 +78,17 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
         place = {}
     length = None if place is None else sign * ticks_of(b, place)
     if length is None:
-        reason = (f"the tool length H{int(number)} is not stated", f"say it in mm: --offset H{int(number)}=Z0 "
-                  "or --offsets FILE with the control's tool table") if number > 0 else UNNAMED  # fmt: skip
+        reason = (
+            (
+                f"the tool length H{int(number)} is not stated",
+                (
+                    f"say it in mm: --offset H{int(number)}=Z0 "
+                    "or --offsets FILE with the control's tool table"
+                ),
+            )
+            if number > 0
+            else UNNAMED
+        )
         b.frame = with_known(b.frame, "length", reason)
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])
@@ -80,14 +97,20 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
 
 
 def _of_h0(b: Batch, add: bool) -> float:
-    """The tool whose length H0 of LinuxCNC takes: the one in the spindle (G43.2: before the block's own M6, as measured);
-    before any M6 none, which is said."""
+    """The tool whose length H0 of LinuxCNC takes: the one in the spindle (G43.2: before the block's
+    own M6, as measured); before any M6 none, which is said."""
     number = b.state.tool_number if add else _tool_in_spindle(b)
     if number >= 0:
         return float(number)
     if stated_tool(b, "H", 0) is None:
-        b.notices.append(Notice("H0", "G43 H0 takes the length of the tool in the spindle, and no M6 says which that is: "
-                                "taken as no length; else --offset H0=Z.. in mm", int(b.words.line[0])))  # fmt: skip
+        b.notices.append(
+            Notice(
+                "H0",
+                "G43 H0 takes the length of the tool in the spindle, and no M6 says which that is: "
+                "taken as no length; else --offset H0=Z.. in mm",
+                int(b.words.line[0]),
+            )
+        )
     return 0.0
 
 
@@ -101,27 +124,36 @@ def _tool_in_spindle(b: Batch) -> int:
 
 
 def _units_changed(b: Batch) -> bool:
-    """LinuxCNC keeps the number of a length when G20 or G21 changes its unit, and so thinks that it stands elsewhere when
-    the length changes next: the next motion goes astray, as measured."""
+    """LinuxCNC keeps the number of a length when G20 or G21 changes its unit, and so thinks that it
+    stands elsewhere when the length changes next: the next motion goes astray, as measured."""
     if not b.dialect.local_is_preset or not b.frame.length.any():
         return False
     units = int(np.broadcast_to(b.held("units"), b.n)[0])
     if units == b.frame.length_units:
         return False
-    reason = ("the tool length changes in other units than it was set in", "this control then takes every axis to a wrong "
-              "place: write G49 before G20 or G21")  # fmt: skip
+    reason = (
+        "the tool length changes in other units than it was set in",
+        "this control then takes every axis to a wrong place: write G49 before G20 or G21",
+    )
     b.frame = with_known(b.frame, "units", reason)
     return True
 
 
 def length_by(b: Batch, letter: str, number: int) -> None:
-    """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none, and so is less."""
+    """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none, and
+    so is less."""
     name = f"{letter}{number}"
     place = stated_tool(b, letter, number) if number > 0 else {}  # T-1: no tool at all
     reason = None
     if place is None and b.dialect.homes:
-        b.notices.append(Notice(name, f"{name}: no offset is stated for it, and it is taken as none, as with one nozzle; "
-                         f"else --offset {name}=X..,Y..,Z.. in mm", int(b.words.line[0])))  # fmt: skip
+        b.notices.append(
+            Notice(
+                name,
+                f"{name}: no offset is stated for it, and it is taken as none, as with one nozzle; "
+                f"else --offset {name}=X..,Y..,Z.. in mm",
+                int(b.words.line[0]),
+            )
+        )
     elif place is None:
         reason = (
             f"the tool length {name} is not stated",
@@ -135,9 +167,10 @@ def length_words(b: Batch, axis_words, word: str) -> None:
     values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
     if values and b.code_word[0] >= 0:
         b.blame(
-            np.zeros(1, np.int64), f"{word} and a motion code in one block: its words are the length and the target too",
+            np.zeros(1, np.int64),
+            f"{word} and a motion code in one block: its words are the length and the target too",
             "write the motion in a block of its own",
-        )  # fmt: skip
+        )
     if _units_changed(b):
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])

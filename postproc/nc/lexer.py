@@ -1,13 +1,16 @@
-"""Program text to words: every word with its letter, its exact decimal number and its place in the text.
+"""Program text to words: every word with its letter, its exact decimal number and its place in the
+text.
 
     line    = block { end-of-block block } newline
-    block   = [ "/" ] { word }               blanks and comments may stand anywhere between characters
+    block   = [ "/" ] { word }               blanks and comments may stand anywhere between
+            characters
     word    = letter number
     number  = [ "+" | "-" ] digits [ "." [ digits ] ] | [ sign ] "." digits
 
-The text is looked at as a column of bytes: one table lookup gives each its class, and everything that is not a digit
-is a mark. A word is a letter's mark, perhaps a sign's, perhaps a point's, and ends at the next mark. Numbers are read
-as whole mantissas, so nothing is rounded here. The lexer does not know what a word means.
+The text is looked at as a column of bytes: one table lookup gives each its class, and everything
+that is not a digit is a mark. A word is a letter's mark, perhaps a sign's, perhaps a point's, and
+ends at the next mark. Numbers are read as whole mantissas, so nothing is rounded here. The lexer
+does not know what a word means.
 """
 
 from __future__ import annotations
@@ -26,7 +29,8 @@ BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
 THREE_ENDS = np.full(3, END, np.uint8)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
-# Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their count.
+# Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their
+# count.
 LOW_NIBBLES, PAIRS, FOURS = map(
     np.uint64, (0x0F0F0F0F0F0F0F0F, 0x00FF00FF00FF00FF, 0x0000FFFF0000FFFF)
 )
@@ -41,15 +45,19 @@ COMMENTS = {
 
 
 class Grammar(NamedTuple):
-    """How a dialect's text is cut into words. `semicolon`: "comment", or "end of block" with several blocks in a line.
-    `parentheses`: whether ( ) are comments. `keywords`: words that are codes by themselves (TRANS, DIAMON). `spellings`:
-    what else a word may be written as: "CR=" for R, "TURN=" for P. `assigns`: whether X=1 is X1 and X=IC(1) a distance.
+    """How a dialect's text is cut into words. `semicolon`: "comment", or "end of block" with
+    several blocks in a line.
+    `parentheses`: whether ( ) are comments. `keywords`: words that are codes by themselves (TRANS,
+    DIAMON). `spellings`: what else a word may be written as: "CR=" for R, "TURN=" for P. `assigns`:
+    whether X=1 is X1 and X=IC(1) a distance.
     `checksums`: whether *85 may end a line.
-    `ignores`: regular expressions of text that moves nothing and is no word (MSG("...")); what their group holds stays. `bare_letters`:
-    whether a letter may stand without a number where it moves nothing (G28 X Y, M84 E). `macros`: regular expressions of
-    lines that run text which only the machine has, what their group holds stays; each with 0, or with the number, from 1, of
-    the sentence why it can not be followed. `homing`: a regular expression of what homes all axes. `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a character that
-    ends a block besides the line's end."""
+    `ignores`: regular expressions of text that moves nothing and is no word (MSG("...")); what
+    their group holds stays. `bare_letters`: whether a letter may stand without a number where it
+    moves nothing (G28 X Y, M84 E). `macros`: regular expressions of lines that run text which only
+    the machine has, what their group holds stays; each with 0, or with the number, from 1, of the
+    sentence why it can not be followed. `homing`: a regular expression of what homes all axes.
+    `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a
+    character that ends a block besides the line's end."""
 
     semicolon: str = "comment"
     parentheses: bool = True
@@ -82,10 +90,10 @@ class Grammar(NamedTuple):
 
 
 PLAIN = Grammar()
-# Letters, beyond those of a program, under which other spellings are handed on (postproc.nc.spellings): codes that are
-# words, parameters that move nothing, and axis or centre words with IC() or AC().
-# None of these has the case bit 0x20, which is taken off. Macros, F words whose value only the machine knows, and axes that
-# are named alone (G28 X) need no number.
+# Letters, beyond those of a program, under which other spellings are handed on
+# (postproc.nc.spellings): codes that are words, parameters that move nothing, and axis or centre
+# words with IC() or AC(). None of these has the case bit 0x20, which is taken off. Macros, F words
+# whose value only the machine knows, and axes that are named alone (G28 X) need no number.
 KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING, RELATIVE, ABSOLUTE, BARE = (
     0x80,
     0x81,
@@ -116,10 +124,11 @@ AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 class Words:
     """The words of a batch of whole lines. W words, B blocks; offsets count bytes of `text`.
 
-    letter (W,) uint8 upper case; mantissa (W,) int64 and decimals (W,): the number is mantissa / 10**decimals;
-    pointed (W,) whether it has a decimal point; block (W,) ascending; start, number, stop (W,): the letter, the first
-    character of the number, the end. block_start, block_stop, line (B,): the block without its end mark, and the
-    line it stands in, from 0; skip (B,): begins with "/". tape: offset of the first "%", or -1.
+    letter (W,) uint8 upper case; mantissa (W,) int64 and decimals (W,): the number is mantissa /
+    10**decimals; pointed (W,) whether it has a decimal point; block (W,) ascending; start, number,
+    stop (W,): the letter, the first character of the number, the end. block_start, block_stop, line
+    (B,): the block without its end mark, and the line it stands in, from 0; skip (B,): begins with
+    "/". tape: offset of the first "%", or -1.
     fault: what is wrong with the block after the last one here, if anything is.
     """
 
@@ -205,8 +214,9 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
 
 
 def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
-    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the dialect's; `drop`: blocks
-    that begin with "/" are not executed, so that it does not matter what stands in them.
+    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the
+    dialect's; `drop`: blocks that begin with "/" are not executed, so that it does not matter what
+    stands in them.
 
     Never raises for bad text: the words before the first bad block come back with its `fault`.
     """
@@ -270,12 +280,13 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     block_first[1:] = end_at[:-1] + 1
     first_kind = kind[block_first]
     skip = first_kind == SLASH
-    if skip.any():
+    if np.count_nonzero(skip):
         used[np.searchsorted(mark, block_first[skip])] = True
 
     fault = None
     wrong = (digits < 1) | (digits > LONGEST_NUMBER)
-    if not used.all() or wrong.any() or (first_kind == DIGIT).any():
+    odd = map(np.count_nonzero, (~used, wrong, first_kind == DIGIT))
+    if any(odd):
         fault, tape = _first_fault(
             text,
             code,
@@ -298,7 +309,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     end_offset = offset[end_at]
     block_start, line = np.zeros(len(end_at), np.int64), np.zeros(len(end_at), np.int64)
     block_start[1:] = end_offset[:-1] + 1
-    np.cumsum(byte[end_at[:-1]] == ord("\n"), out=line[1:])
+    (byte[end_at[:-1]] == ord("\n")).cumsum(out=line[1:])
     behind = byte[np.minimum(here + 1, len(at) - 1)]
     words = Words(
         text=text,
@@ -322,7 +333,8 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
 
 
 def _blank(comment: re.Match[bytes]) -> bytes:
-    """As many blanks; but a comment before a digit breaks a number in two, and stays, to be refused."""
+    """As many blanks; but a comment before a digit breaks a number in two, and stays, to be
+    refused."""
     end = comment.end()
     if NUMBER_FOLLOWS.match(comment.string, end):
         return comment[0]
@@ -339,11 +351,14 @@ def _block_at(words: Words, offset: int) -> int:
 
 
 def _mantissa(byte, begin, whole, decimals, pointed, negative):
-    """(W,) int64 the digits of each number as one integer, with its sign; the point is stepped over."""
+    """(W,) int64 the digits of each number as one integer, with its sign; the point is stepped
+    over."""
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
-    value = _digits(eight, begin, whole) * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
-    value += _digits(eight, begin + whole + pointed, decimals)
+    behind = begin + whole + pointed
+    both = _digits(eight, np.concatenate([begin, behind]), np.concatenate([whole, decimals]))
+    value = both[: len(begin)] * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
+    value += both[len(begin) :]
     for i in (np.maximum(whole, decimals) > 8).nonzero()[0]:
         text = (
             byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]]
@@ -355,7 +370,8 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
 
 
 def _digits(eight, begin, count):
-    """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights are joined at once."""
+    """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights
+    are joined at once."""
     value = (eight.take(begin, mode="clip") & LOW_NIBBLES) << SHIFT[np.minimum(count, 8)]
     value = (value * TENS) >> EIGHT
     value = ((value & PAIRS) * HUNDREDS) >> SIXTEEN
@@ -366,7 +382,8 @@ def _digits(eight, begin, count):
 def _first_fault(
     text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
 ):
-    """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1: none)."""
+    """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1:
+    none)."""
     faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice
     tape = -1
     for i in (~used[:-3]).nonzero()[0][:2000]:

@@ -8,16 +8,15 @@ MOST_DECIMALS = 9
 INSERT_WORD = 100  # rank of words put in behind a block's last one
 POWERS = 10 ** np.arange(19)
 
-_FOUR = np.frombuffer("".join(f"{i:04d}" for i in range(10000)).encode(), np.uint8).reshape(
-    10000, 4
-)
+_FOUR = (np.arange(10000)[:, None] // POWERS[3::-1] % 10 + ord("0")).astype(np.uint8)
 
 
 def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """(T, W) uint8 cells holding value / 10**decimals, right-aligned, and (T,) where each text begins in its cell.
+    """(T, W) uint8 cells holding value / 10**decimals, right-aligned, and (T,) where each text
+    begins in its cell.
 
-    value (T,) int64. Always with a decimal point, never with a plus sign; minus zero does not occur. `room`: columns kept
-    free at the left.
+    value (T,) int64. Always with a decimal point, never with a plus sign; minus zero does not
+    occur. `room`: columns kept free at the left.
     """
     size = np.abs(value)
     most = max(len(str(int(size.max(initial=0)))), decimals + 1)
@@ -38,7 +37,7 @@ def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.n
     cell[:, width - decimals - 1] = ord(".")
     cell[:, width - decimals - 1 - whole : width - decimals - 1] = digit[:, :whole]
     begin = width - 1 - count
-    negative = np.flatnonzero(value < 0)
+    negative = (value < 0).nonzero()[0]
     begin[negative] -= 1
     cell[negative, begin[negative]] = ord("-")
     return cell, begin

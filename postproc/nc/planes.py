@@ -1,9 +1,11 @@
-"""Tilted planes: G68.2 of Fanuc with its Euler angles, G53.1, which turns the tool into the plane, and G69.
+"""Tilted planes: G68.2 of Fanuc with its Euler angles, G53.1, which turns the tool into the plane,
+and G69.
 
-X Y Z are coordinates of the plane: a place w is the place O + Rz(I) Rx(J) Rz(K) w of the work offset's coordinates, O the
-words X Y Z of G68.2 (B-64484EN-2, "Tilted working plane indexing", Euler angles: about Z, the new X, the new Z). The frame
-goes with the part as it lies with the tables at zero. Once the tool stands across the plane, a tip at w is a tip in the
-part, and is followed as one (tips.py).
+X Y Z are coordinates of the plane: a place w is the place O + Rz(I) Rx(J) Rz(K) w of the work
+offset's coordinates, O the words X Y Z of G68.2 (B-64484EN-2, "Tilted working plane indexing",
+Euler angles: about Z, the new X, the new Z). The frame goes with the part as it lies with the
+tables at zero. Once the tool stands across the plane, a tip at w is a tip in the part, and is
+followed as one (tips.py).
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ def plane_on(b: Batch, axis_words, word: str) -> None:
 
 
 def turned(axes: tuple[int, ...], degrees: list[float]) -> np.ndarray:
-    """(3, 3): turns about axes of their own (0 1 2: X Y Z), each in the frame that the one before has turned."""
+    """(3, 3): turns about axes of their own (0 1 2: X Y Z), each in the frame that the one before
+    has turned."""
     result = np.eye(3)
     for axis, angle in zip(axes, degrees, strict=True):
         result = result @ _about(axis, float(np.radians(angle)))
@@ -45,7 +48,8 @@ def turned(axes: tuple[int, ...], degrees: list[float]) -> np.ndarray:
 def tilt(
     b: Batch, word: str, turn: np.ndarray, zero: np.ndarray, reason: tuple[str, str] | None
 ) -> None:
-    """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work offset's."""
+    """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work
+    offset's."""
     kinematics = b.setup.kinematics
     if kinematics is None or kinematics.lacking or any(x not in b.rows for x in "XYZ"):
         lacking = kinematics.lacking if kinematics is not None else None
@@ -58,8 +62,13 @@ def tilt(
     away = [x for x in kinematics.carrying if b.state.position[b.rows[x]]]
     counts = kinematics.planes or b.dialect.plane_frame
     if counts != "zero" and (lost or (away and not counts)):
-        reason = (f"{word} while {' '.join(lost or away)} does not stand at zero: from which frame the plane counts then differs",
-                  STATE_FRAME.replace("frame =", "planes ="))  # fmt: skip
+        reason = (
+            (
+                f"{word} while {' '.join(lost or away)} does not stand at zero: from which frame"
+                " the plane counts then differs"
+            ),
+            STATE_FRAME.replace("frame =", "planes ="),
+        )
     rows, frame = [b.rows[x] for x in "XYZ"], b.frame
     shift = frame.local + frame.trans + (frame.preset if frame.preset_on else 0)
     work = (work_columns(b)[:, 0] + shift)[rows] / TICKS_PER_MM
@@ -74,8 +83,8 @@ def plane_off(b: Batch, axis_words, word: str) -> None:
 
 
 def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
-    """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`. sign: that of the axis
-    nearest to the tool, where the program says it, else 0."""
+    """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`.
+    sign: that of the axis nearest to the tool, where the program says it, else 0."""
     kinematics, frame = b.setup.kinematics, b.frame
     if kinematics is None or frame.plane is None or PLANE in frame.unknown:
         return
@@ -89,8 +98,10 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
             f"look at the angles before {word}",
         )
         if found:
-            reason = (f"{word} may turn the rotary axes in two ways, and where they stand is not known",
-                      f"write {' '.join(kinematics.rotary)} in a block before the plane")  # fmt: skip
+            reason = (
+                f"{word} may turn the rotary axes in two ways, and where they stand is not known",
+                f"write {' '.join(kinematics.rotary)} in a block before the plane",
+            )
         b.frame = with_known(frame, PLANE, reason)
         return
     position, sent = b.state.position.copy(), np.zeros(len(b.rows), bool)
@@ -107,7 +118,10 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
             " ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary)
             for f in (found[0], others[0])
         ]
-        said = f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to {ways[1]}, write the rotary axes before it"
+        said = (
+            f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to"
+            f" {ways[1]}, write the rotary axes before it"
+        )
         b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
     if moved:
         slides = _slides(b, position)
@@ -119,8 +133,8 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
 
 
 def _slides(b: Batch, position: np.ndarray):
-    """A function from ticks with other rotary positions to the places of the space and what is known, slides as they are
-    at `position` (A,)."""
+    """A function from ticks with other rotary positions to the places of the space and what is
+    known, slides as they are at `position` (A,)."""
     kinematics, frame = b.setup.kinematics, b.frame
     assert kinematics is not None
     told = (frame.space, frame.length / TICKS_PER_MM)
@@ -164,8 +178,11 @@ def refuse_planes(b: Batch, axis_words) -> None:
         [b.words.block[p] for x in kinematics.rotary for p in axis_words.get(x, ())] or [every[:0]]
     )
     if len(turning):
-        b.blame(every[int(turning.min()) :], "a rotary axis moves in a tilted plane without the tool point",
-                "turn it before the plane is called, or let the control turn it across")  # fmt: skip
+        b.blame(
+            every[int(turning.min()) :],
+            "a rotary axis moves in a tilted plane without the tool point",
+            "turn it before the plane is called, or let the control turn it across",
+        )
     rotary = [b.rows[x] for x in kinematics.rotary]
     if not b.state.known[rotary].all() or not b.state.position[rotary].any():
         return

@@ -1,4 +1,5 @@
-"""From axis words to places: absolute words set a position, incremental ones add to it, all in whole ticks."""
+"""From axis words to places: absolute words set a position, incremental ones add to it, all in
+whole ticks."""
 
 from __future__ import annotations
 
@@ -16,9 +17,9 @@ from postproc.units import TICKS_PER_MM
 
 @dataclass
 class Places:
-    """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how each axis' word is (or
-    would be) written; sent: whether G28 has taken the axis elsewhere since the
-    motion before; end_position, end_known, end_sent (A,): behind the batch."""
+    """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how
+    each axis' word is (or would be) written; sent: whether G28 has taken the axis elsewhere since
+    the motion before; end_position, end_known, end_sent (A,): behind the batch."""
 
     start: np.ndarray
     target: np.ndarray
@@ -44,13 +45,24 @@ def position(
     shape = (len(b.rows), len(block))
     whole = [np.zeros(shape, np.int64) for _ in range(6)]
     p = Places(
-        start=whole[0], target=whole[1], start_known=np.zeros(shape, bool), target_known=np.zeros(shape, bool),
-        word=np.full(shape, -1, np.int64), incremental=np.zeros(shape, bool), grid=whole[2], scale=whole[3], origin=whole[4],
-        least=whole[5], sent=np.zeros(shape, bool), end_sent=np.zeros(len(b.rows), bool), end_position=b.state.position.copy(), end_known=b.state.known.copy(),
-    )  # fmt: skip
+        start=whole[0],
+        target=whole[1],
+        start_known=np.zeros(shape, bool),
+        target_known=np.zeros(shape, bool),
+        word=np.full(shape, -1, np.int64),
+        incremental=np.zeros(shape, bool),
+        grid=whole[2],
+        scale=whole[3],
+        origin=whole[4],
+        least=whole[5],
+        sent=np.zeros(shape, bool),
+        end_sent=np.zeros(len(b.rows), bool),
+        end_position=b.state.position.copy(),
+        end_known=b.state.known.copy(),
+    )
     taken, machine = b.taken, b.machine
     forget = b.loses | b.foreign
-    any_taken, any_machine, forgets = taken.any(), machine.any(), forget.any()
+    any_taken, any_machine, forgets = map(np.count_nonzero, (taken, machine, forget))
     distance_held, carried_held, inch = (
         b.held("distance"),
         b.held("carried"),
@@ -58,7 +70,11 @@ def position(
     )
     spelled = b.dialect.grammar.is_respelled
     sends = 280 in b.single or 300 in b.single
+    was_sent = b.state.sent is not None and np.count_nonzero(b.state.sent)
+    nothing = not (len(block) or forgets or sends or was_sent or b.cycle)
     for letter, row in b.rows.items():
+        if nothing and not any(map(len, axis_words[letter])):
+            continue
         carried = letter in b.dialect.carried  # homing takes the slides away, not the filament
         distance = carried_held if carried else distance_held
         if carried and b.dialect.relative_with_distance:
@@ -94,9 +110,9 @@ def position(
         by = w.block[place]
         relative = distance == 910
         is_inc = at(relative, by) & ~machine[by]
-        if spelled or len(increment):
+        if (spelled and len(place)) or len(increment):
             is_inc = np.where(w.letter[place] == ord(letter), is_inc, w.letter[place] < ABSOLUTE)
-        added, due = is_inc.any(), bool(b.frame.due[row])
+        added, due = np.count_nonzero(is_inc), bool(b.frame.due[row])
         named = np.zeros(n, bool)
         if len(by) or cycle:
             value = b.ticks(place, at(scale, by))
@@ -147,7 +163,7 @@ def position(
             word.fill(-1)
             word[by] = place
             p.word[row] = word[block]
-        if added or np.any(relative):
+        if added or np.count_nonzero(relative):
             inc = np.broadcast_to(relative, n).copy()
             if due:  # a word put in must not be one that may travel the shift: X=AC()
                 inc[: by[0] if len(by) else n] = False
@@ -172,7 +188,8 @@ def places_of(increment: float) -> int:
 
 
 def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget: np.ndarray):
-    """(B,) positions, events and lost places where G28 and G30 send an axis away, and (B,) bool where they do."""
+    """(B,) positions, events and lost places where G28 and G30 send an axis away, and (B,) bool
+    where they do."""
     drop = forget.copy()
     away = np.zeros(b.n, bool)
     for number in (280, 300):
@@ -198,7 +215,8 @@ def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget
 def _taken_along(
     b: Batch, letter: str, place: int | None, position: np.ndarray, drop: np.ndarray
 ) -> np.ndarray:
-    """(B,) lost places, with those of an axis that homing Z alone may take along; one that is at home stays there."""
+    """(B,) lost places, with those of an axis that homing Z alone may take along; one that is at
+    home stays there."""
     own, z = np.zeros(b.n, bool), np.zeros(b.n, bool)
     _reference(b, 280, letter, own)
     _reference(b, 280, "Z", z)
@@ -221,15 +239,17 @@ def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool
 def _due(
     b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray
 ) -> np.ndarray:
-    """Values with the shift that the first increment after TRANS travels too, as this control does unless it is set
-    otherwise; what that setting is nobody knows here, so no correction may depend on it."""
+    """Values with the shift that the first increment after TRANS travels too, as this control does
+    unless it is set otherwise; what that setting is nobody knows here, so no correction may depend
+    on it."""
     due = int(b.frame.due[row])
     b.frame = replace(b.frame, due=np.where(np.arange(len(b.frame.due)) == row, 0, b.frame.due))
     if not is_inc[0]:
         return value
     b.blame(
         by[:1],
-        f"an increment of {letter} right after its zero was shifted: whether it travels the shift is a setting of the control",
+        f"an increment of {letter} right after its zero was shifted: whether it travels the shift"
+        " is a setting of the control",
         f"write {letter} as an absolute place after TRANS",
     )
     value = value.copy()
@@ -238,7 +258,8 @@ def _due(
 
 
 def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int):
-    """(B,) positions and events where blocks `there` send the axis to a place: what follows counts from it."""
+    """(B,) positions and events where blocks `there` send the axis to a place: what follows counts
+    from it."""
     position, named = position.copy(), named.copy()
     for block in there:
         later = named[block + 1 :].nonzero()[0]

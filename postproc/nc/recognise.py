@@ -1,9 +1,10 @@
 """Which control a program is written for, told by what its text requires and by what it excludes.
 
-Every dialect says what its programs show and others do not (`signs`, `remarks`): what the text *requires*. It *excludes* a
-dialect by codes that the control has not, by letters that mean nothing to it, by how `;` and ( ) are used, and by what its
-file lists (`excludes`). Programs of plain G0 and G1 fit many dialects, and then many names come back, with nothing for any
-of them. `better` is what a hint needs: another dialect, and what it reads that the one in use does not.
+Every dialect says what its programs show and others do not (`signs`, `remarks`): what the text
+*requires*. It *excludes* a dialect by codes that the control has not, by letters that mean nothing
+to it, by how `;` and ( ) are used, and by what its file lists (`excludes`). Programs of plain G0
+and G1 fit many dialects, and then many names come back, with nothing for any of them. `better` is
+what a hint needs: another dialect, and what it reads that the one in use does not.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from postproc.nc.codes import code_number
 from postproc.nc.dialects import Dialect
 
 HEAD = 65_536  # bytes that are looked at
+LONGEST = 2_000  # characters of a line that are looked at: no control reads as many
 MOST = 60  # characters of evidence shown
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*")
 CODE = re.compile(r"(?<![A-Z0-9_$#<.\"])([GM])[ \t]*(\d{1,4}(?:\.\d)?)(?![\d.]*[A-Z_]{2})")
@@ -25,7 +27,7 @@ BLOCK_ENDS = re.compile(r";[ \t\r]*$", re.MULTILINE)
 REMARK = re.compile(
     r";[ \t]*[A-Z][A-Z]+\b(?![ \t]*[=(])|;[ \t]*[-=*#_]{3}|^[ \t]*;[ \t]*\S", re.MULTILINE
 )
-ROUND = re.compile(r"(?:^|[ \t])\([^()\n]*[A-Z][^()\n]*\)", re.MULTILINE)
+ROUND = re.compile(r"(?:^|[ \t])\([^()\nA-Z]*[A-Z][^()\n]*\)", re.MULTILINE)
 BARE = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?[XYZ][ \t]*[-+]?\.?\d", re.MULTILINE)
 ACROSS = re.compile(r"(?<![A-Z0-9_])Y[ \t]*[-+]?\.?\d|(?<=\d|\.)Y[ \t]*[-+]?\.?\d")
 # What is left of the last word that a pattern found: of X=IC(5) behind X=I, of P200 behind P2.
@@ -33,10 +35,8 @@ ASSIGNED, VALUE = re.compile(r"=[ \t]*[^\s=]?\Z"), re.compile(r"[-+A-Z0-9.]*(?:\
 NUMBER = re.compile(
     r"(?<=[A-Z])[ \t]*[-+]?[0-9][0-9.]*|(?<=[A-Z])[ \t]*[-+]?\.[0-9]+|(?<=[0-9.])[0-9.]+"
 )
-FEW, MOST_NAMED = (
-    2,
-    5,
-)  # M codes that a machine's builder may have added; unknown ones that are named
+# M codes that a machine's builder may have added; unknown ones that are named
+FEW, MOST_NAMED = 2, 5
 MANY = 0.5  # share of lines that end in ; where it is the end of a block
 
 
@@ -47,6 +47,7 @@ class Text:
         written = text[:HEAD].decode("latin-1").replace("\r", "")
         if len(text) > HEAD:
             written = written[: written.rfind("\n") + 1]
+        written = "\n".join(line[:LONGEST] for line in written.split("\n"))
         head = written.upper()
         self.whole, self.written = head, written.split("\n")
         self.code = COMMENT.sub(" ", COMMENT.sub(_blank, head))
@@ -69,7 +70,8 @@ class Text:
         return self.found[key]
 
     def quoted(self, match: re.Match[str], line: int) -> str:
-        """What a pattern found, to the end of its last word, and in the case in which it stands in its line."""
+        """What a pattern found, to the end of its last word, and in the case in which it stands in
+        its line."""
         found, own = match[0].strip(), self.written[line - 1]
         at = own.upper().find(found)
         if at < 0:
@@ -87,8 +89,9 @@ def _blank(comment: re.Match[str]) -> str:
 
 
 def recognise(text: bytes) -> list[tuple[str, list[str]]]:
-    """Names of the dialects that a program may be written in, most likely first, with the evidence for each. Several
-    with as much evidence as the first can not be told apart. Empty: this shows no program of any."""
+    """Names of the dialects that a program may be written in, most likely first, with the evidence
+    for each. Several with as much evidence as the first can not be told apart. Empty: this shows no
+    program of any."""
     shown = Text(text)
     if not shown.codes["G"] and not shown.codes["M"] and b"\0" in text[:HEAD]:
         return []
@@ -117,14 +120,15 @@ def recognise(text: bytes) -> list[tuple[str, list[str]]]:
 
 
 def between(text: bytes) -> list[str]:
-    """The dialects that a program fits equally well: one name where it is clear, several where it can not be told."""
+    """The dialects that a program fits equally well: one name where it is clear, several where it
+    can not be told."""
     found = recognise(text)
     return [name for name, evidence in found if len(evidence) == len(found[0][1])]
 
 
 def better(text: bytes, name: str) -> tuple[str, str] | None:
-    """Another dialect than `name` that the text is clearly of, and what it requires that `name` has not; None where there is
-    none, or several."""
+    """Another dialect than `name` that the text is clearly of, and what it requires that `name` has
+    not; None where there is none, or several."""
     found = recognise(text)
     if not found or name in (n for n, evidence in found if len(evidence) >= len(found[0][1])):
         return None
@@ -135,6 +139,17 @@ def better(text: bytes, name: str) -> tuple[str, str] | None:
     own = {*_signs(shown, dialects.load(name)), *_layout(shown, dialects.load(name))}
     reason = next((e for e in evidence if e not in own), None)
     return None if reason is None else (first, reason)
+
+
+def only_passed(text: bytes, dialect: Dialect, other: Dialect) -> bool:
+    """Whether the text has an M code that `dialect` refuses and `other` does not know: there it
+    passes, with a notice, though it may move an axis or run other text."""
+    return any(
+        number // 10 in dialect.m_refuses
+        and number // 10 not in other.m_codes
+        and number // 10 not in other.m_refuses
+        for number, _, _ in Text(text).codes["M"]
+    )
 
 
 def verdict(text: bytes) -> str:
@@ -186,7 +201,7 @@ def against(shown: Text, dialect: Dialect) -> Iterator[str]:
         remark = shown.search(REMARK, "whole")
         if remark:
             yield f"; begins a remark (line {shown.line(remark.start())})"
-    if not dialect.grammar.parentheses and ROUND.search(shown.whole):
+    if not dialect.grammar.parentheses and shown.search(ROUND, "whole"):
         yield "( ) are comments"
 
 

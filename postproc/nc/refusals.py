@@ -5,6 +5,8 @@ A reason is kept beside the motion: it matters only where a correction depends o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from postproc.errors import Notice
@@ -29,15 +31,24 @@ CENTRES = range(AXES.index("I"), len(AXES))
 
 
 def drop_arguments(b: Batch) -> None:
-    """What stands in a block that calls a macro is handed over to it: no axis, no feed, and I J K may stand there ten times."""
+    """What stands in a block that calls a macro is handed over to it: no axis, no feed, and I J K
+    may stand there ten times. A of a thread in many passes (G76) is the angle of its tool (Haas
+    lathe operator's manual, G76; Fanuc B-64304EN-1, the same with the format of series 10/11)."""
+    threads = [n for n, code in b.dialect.stays.items() if not code.group]
+    _drop(b, b.dialect.calls, [x for x in b.places if x not in "GMNOP"])
+    _drop(b, threads, [x for x in b.places if x == "A"])
+
+
+def _drop(b: Batch, numbers: Sequence[int], letters: list[str]) -> None:
+    """Take words with these letters out of blocks with these codes."""
     place = b.places.get("G")
-    if place is None or not b.dialect.calls:
+    if place is None or not numbers or not letters:
         return
     number = b.words.mantissa[place] * 10 // 10 ** np.minimum(b.words.decimals[place], 6)
-    calls = b.words.block[place[np.isin(number, b.dialect.calls)]]
+    calls = b.words.block[place[np.isin(number, numbers)]]
     if not len(calls):
         return
-    for letter in [x for x in b.places if x not in "GMNOP"]:
+    for letter in letters:
         kept = b.places[letter]
         kept = kept[~np.isin(b.words.block[kept], calls)]
         b.places[letter] = kept
@@ -64,30 +75,43 @@ def check_letters(b: Batch) -> None:
             or letter in b.dialect.carried
             or (letter == "E" and b.dialect.grammar.assigns)
         ):
-            raise b.fault(
-                place[0],
-                f"the machine has no axis {letter}",
-                f"its axes are {' '.join(b.setup.axes)}; choose the right --machine",
-            )
+            raise b.fault(place[0], f"the machine has no axis {letter}", _no_axis(b, letter, place))
         raise b.fault(
             place[0],
             f"the letter {letter} has no meaning in {b.dialect.title}",
             "it could move an axis: use another --dialect, or take it out",
         )
-    if b.words.skip.any() and not b.state.ended:
+    if np.count_nonzero(b.words.skip) and not b.state.ended:
         how = (
             "left alone, as with the switch on"
             if b.setup.block_delete
             else "read as executed, as with the switch off"
         )
         b.notices.append(
-            Notice("block delete", f"blocks that begin with / are {how}; with the switch the other way the output is "
-                   "not right (--block-delete on|off)", int(b.words.line[b.words.skip.nonzero()[0][0]]))
-        )  # fmt: skip
+            Notice(
+                "block delete",
+                f"blocks that begin with / are {how}; with the switch the other way the output is "
+                "not right (--block-delete on|off)",
+                int(b.words.line[b.words.skip.nonzero()[0][0]]),
+            )
+        )
+
+
+def _no_axis(b: Batch, letter: str, place: np.ndarray) -> str:
+    """The way out of a word of an axis that is not there: beside X or Z a lathe's may be a corner
+    (C) or the angle of the line (A), which --expand writes out."""
+    axes = f"its axes are {' '.join(b.setup.axes)}; choose the right --machine"
+    block = b.words.block[place[0]]
+    beside = any(np.any(b.words.block[b.places[x]] == block) for x in "XZUW" if x in b.places)
+    if not beside or not (b.dialect.tool_offsets and letter in "AC"):
+        return axes
+    meant = "the angle of a line" if letter == "A" else "a chamfer"
+    return f"{axes}; {codes.IF_IT_IS} {meant}: --expand writes it out"
 
 
 def check_points(b: Batch) -> None:
-    """Say once that coordinates without a decimal point mean different things to different controls."""
+    """Say once that coordinates without a decimal point mean different things to different
+    controls."""
     if b.dialect.integer_notice:
         for letter in b.rows:
             place = b.places.get(letter)
@@ -118,7 +142,8 @@ def refused_groups(b: Batch) -> None:
             for number in sorted(set(column[column != NONE].tolist())):
                 code = b.dialect.by_number[int(number)]
                 if code.takes:
-                    # G43.1 with a motion code in its block shifts by its words and then moves by them.
+                    # G43.1 with a motion code in its block shifts by its words and then moves by
+                    # them.
                     both = (b.code_word >= 0) & (code.does == "length words")
                     b.taken |= (column == number) & ~both
                     harmless = (column == number) & ~b.has_axis & (number != 100) & (not code.does)
@@ -161,8 +186,8 @@ def m_codes(b: Batch) -> None:
 
 
 def macros(b: Batch) -> None:
-    """Text that only the machine has: it may move every axis, so no place is known behind it; what shifts the coordinates
-    or brings modes back can not be followed."""
+    """Text that only the machine has: it may move every axis, so no place is known behind it; what
+    shifts the coordinates or brings modes back can not be followed."""
     if b.dialect.tools_move and "T" in b.places:
         b.loses[b.words.block[b.places["T"]]] = True
     place = b.places.get(chr(MACRO))
@@ -178,9 +203,14 @@ def macros(b: Batch) -> None:
     if not number.all():
         first = int(place[number == 0][0])
         b.notices.append(
-            Notice("macro", f"{_name_of(b, first)} runs text that only the machine has: it passes, modes are taken to be "
-                   "behind it what they were, and no axis has a known place until the program names one", int(b.words.line[b.words.block[first]]))
-        )  # fmt: skip
+            Notice(
+                "macro",
+                f"{_name_of(b, first)} runs text that only the machine has: it passes, modes are"
+                " taken to be behind it what they were, and no axis has a known place until the"
+                " program names one",
+                int(b.words.line[b.words.block[first]]),
+            )
+        )
 
 
 def _name_of(b: Batch, place: int) -> str:
@@ -191,7 +221,7 @@ def _name_of(b: Batch, place: int) -> str:
 
 def _called(b: Batch, number: int) -> str:
     meaning = codes.CALLS.get(number, b.dialect.m_codes.get(number, ""))
-    return f"M{number} ({meaning})" if meaning else f"M{number}"
+    return f"M{number} ({meaning})" if meaning else f"M{number} can not be followed"
 
 
 def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
@@ -235,13 +265,15 @@ def single_commands(b: Batch) -> None:
     twice = (block[1:] == block[:-1]).nonzero()[0]
     if len(twice):
         raise b.fault(
-            commands[twice[0] + 1], "two commands in one line, and this control obeys only the first",
+            commands[twice[0] + 1],
+            "two commands in one line, and this control obeys only the first",
             "write each in a line of its own",
-        )  # fmt: skip
+        )
 
 
 def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
-    """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without one."""
+    """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without
+    one."""
     letters = [letter for letter in b.dialect.letters if letter in b.places]
     if not letters:
         return
@@ -258,13 +290,16 @@ def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
 
 
 def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndarray) -> None:
-    """I J K R in a block that is no arc: round a corner on some controls, an error on others. straight (B,) bool."""
+    """I J K R in a block that is no arc: round a corner on some controls, an error on others.
+    straight (B,) bool."""
     for letter, place in centre_words.items():
         block = b.words.block[place]
         b.blame(
             block[straight[block]],
             f"{letter} in a straight motion",
-            "corner rounding and chamfers: --expand writes RND, CHF and CHR out"
-            if b.dialect.grammar.assigns
-            else "corner rounding and chamfers are not followed: write the corner out",
+            (
+                "corner rounding and chamfers: --expand writes RND, CHF and CHR out"
+                if b.dialect.grammar.assigns
+                else "corner rounding and chamfers are not followed: write the corner out"
+            ),
         )

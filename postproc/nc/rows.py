@@ -1,6 +1,8 @@
-"""Rows of codes that several dialects share: one list per modal group, as NIST RS274/NGC and Fanuc have them.
+"""Rows of codes that several dialects share: one list per modal group, as NIST RS274/NGC and Fanuc
+have them.
 
-A list holds what all who use it mean alike; what one control means otherwise is a row in its own file.
+A list holds what all who use it mean alike; what one control means otherwise is a row in its own
+file.
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ def rows(
     does: str = "",
     like: str = "",
 ) -> list[Code]:
-    """One row per entry of `table`, "54.1" to its meaning, or "TRANS" to its. `like`: what all of them are."""
+    """One row per entry of `table`, "54.1" to its meaning, or "TRANS" to its. `like`: what all of
+    them are."""
     return [
         Code("G" + word if word[0].isdigit() else word, group, meaning, takes, refuses, does, like)
         for word, meaning in table.items()
@@ -112,7 +115,7 @@ MACRO = [
 # What every control for cutting has here; each adds its units, frames and cycles.
 COMMON = [*MOTION, *PLANE, *DISTANCE, *WORK, *REFERENCE, *MACHINE_FRAME, *DWELL]
 
-# -- Fanuc: what mills and lathes share, and what the lathes of all three G-code systems share -----------------------
+# -- Fanuc: what mills and lathes share, and what the lathes of all three G-code systems share -----
 
 FANUC = [
     *rows("", {"9": "exact stop in this block", "11": "end of data input"}),
@@ -136,22 +139,39 @@ FANUC = [
 # Blanks that MANUAL GUIDE i draws (B-63874EN, "Blank form"): they move nothing.
 BLANKS = r"G190[0-3](?:[ \t]*[A-Z][ \t]*[-+.\d]+)*"
 FANUC_LATHE = [
-    *MOTION, *PLANE, *WORK, *SPINDLE, *REFERENCE, *MACHINE_FRAME, *DWELL, *DATA, *LOCAL, *FANUC,
-    *NO_LENGTH, *rows("tool length", {"43": "tool length"}, refuses=codes.LENGTH),
+    *MOTION,
+    *PLANE,
+    *WORK,
+    *SPINDLE,
+    *REFERENCE,
+    *MACHINE_FRAME,
+    *DWELL,
+    *DATA,
+    *LOCAL,
+    *FANUC,
+    *NO_LENGTH,
+    *rows("tool length", {"43": "tool length"}, refuses=codes.LENGTH),
     *rows("cycle", {"80": "end of drilling cycles"}),
     *rows(
         "motion",
         {
-            "83": "face drilling", "85": "face boring", "87": "side drilling", "89": "side boring",
+            "83": "face drilling",
+            "85": "face boring",
+            "87": "side drilling",
+            "89": "side boring",
         },
         refuses=codes.CYCLE,
     ),
     *rows("cycle", {"84": "face tapping"}, does="tap Z"),
     *rows("cycle", {"88": "side tapping"}, does="tap X"),
-    *rows("motion", {"36": "tool offset of X, measured", "37": "tool offset of Z, measured"}, refuses=codes.PROBE),
+    *rows(
+        "motion",
+        {"36": "tool offset of X, measured", "37": "tool offset of Z, measured"},
+        refuses=codes.PROBE,
+    ),
     *rows("mirror", {"69": "no mirror"}),
     *rows("mirror", {"68": "double turret mirror"}, refuses=codes.UNTURNED),
-]  # fmt: skip
+]
 
 # What programs with Fanuc's macro language and subprograms show, and no others do.
 MACRO_SIGNS = (

@@ -1,11 +1,13 @@
-"""The way of the tool's centre that LinuxCNC makes of a contour under G41 G42, with its rules of gouging.
+"""The way of the tool's centre that LinuxCNC makes of a contour under G41 G42, with its rules of
+gouging.
 
-A follower of its own, block by block: an outside corner is an arc around the corner, an inside corner the place where the
-shifted blocks meet, and a bend of less than CORNER is none. A block is kept in a queue until the next one that moves in the
-plane says where it ends, as in the control, so that blocks along the tool between two of the contour end there too.
+A follower of its own, block by block: an outside corner is an arc around the corner, an inside
+corner the place where the shifted blocks meet, and a bend of less than CORNER is none. A block is
+kept in a queue until the next one that moves in the plane says where it ends, as in the control, so
+that blocks along the tool between two of the contour end there too.
 
-Source: LinuxCNC, src/emc/rs274ngc/interp_convert.cc (convert_straight_comp1 and 2, convert_arc_comp2), interp_queue.cc
-(move_endpoint_and_flush); the names of angles are theirs.
+Source: LinuxCNC, src/emc/rs274ngc/interp_convert.cc (convert_straight_comp1 and 2,
+convert_arc_comp2), interp_queue.cc (move_endpoint_and_flush); the names of angles are theirs.
 """
 
 from __future__ import annotations
@@ -29,8 +31,9 @@ class Gouge(Exception):
 
 @dataclass
 class Way:
-    """A straight way or an arc of the centre. owner: the motion that it belongs to; start, end (A,): mm; plane: rows of the
-    two axes; centre: mm in the plane, turns and sweep: rad, signed, of an arc, else 0; direction: of the contour's block,
+    """A straight way or an arc of the centre. owner: the motion that it belongs to; start, end
+    (A,): mm; plane: rows of the two axes; centre: mm in the plane, turns and sweep: rad, signed, of
+    an arc, else 0; direction: of the contour's block,
     and programmed: rad, size of the sweep of its arc;
     measured: for those who read it."""
 
@@ -49,8 +52,8 @@ class Way:
 
 @dataclass
 class Block:
-    """A motion of the contour: its number, its end (A,) mm, whether it is a rapid, and an arc's centre and turns: + for
-    counter-clockwise, more than 1 for more than a turn."""
+    """A motion of the contour: its number, its end (A,) mm, whether it is a rapid, and an arc's
+    centre and turns: + for counter-clockwise, more than 1 for more than a turn."""
 
     owner: int
     end: np.ndarray
@@ -61,9 +64,9 @@ class Block:
 
 @dataclass
 class Shifted:
-    """Follows a contour with a tool. plane: rows of its axes; radius: mm; side: LEFT or RIGHT; nose: mm in the
-    plane from the centre to the point that the control drives. `done`: ways that will not
-    change any more; backwards: whether one ran against its block."""
+    """Follows a contour with a tool. plane: rows of its axes; radius: mm; side: LEFT or RIGHT;
+    nose: mm in the plane from the centre to the point that the control drives. `done`: ways that
+    will not change any more; backwards: whether one ran against its block."""
 
     plane: tuple[int, int]
     radius: float
@@ -100,8 +103,8 @@ class Shifted:
             self._straight(block)
 
     def leave(self, block: Block) -> None:
-        """The first block behind G40: to its end, whether it names both axes of the plane or not. Raises Gouge: what
-        waits must reach its own end (convert_cutter_compensation_off)."""
+        """The first block behind G40: to its end, whether it names both axes of the plane or not.
+        Raises Gouge: what waits must reach its own end (convert_cutter_compensation_off)."""
         self._move_end(self.current)
         self.nose = (0.0, 0.0)
         self._enqueue(block, self._in_plane(block.end), (0.0, 0.0))
@@ -120,7 +123,8 @@ class Shifted:
         self.queue, self.endpoint = [], None
 
     def _look_back(self, way: Way) -> None:
-        """Note a straight way that runs against its block: LinuxCNC does not refuse it, but it cuts where nobody meant to."""
+        """Note a straight way that runs against its block: LinuxCNC does not refuse it, but it cuts
+        where nobody meant to."""
         first, second = self.plane
         way_back = way.direction[0] * (way.end[first] - way.start[first]) + way.direction[1] * (
             way.end[second] - way.start[second]
@@ -128,7 +132,8 @@ class Shifted:
         self.backwards |= way_back < -AGAINST * hypot(*way.direction)
 
     def _drive(self, way: Way) -> None:
-        """From the centre of the nose to the point that the control drives; the way in begins with that point."""
+        """From the centre of the nose to the point that the control drives; the way in begins with
+        that point."""
         way.start, way.end = self.driven, way.end.copy()
         for k, row in enumerate(self.plane):
             way.end[row] += self.nose[k]
@@ -136,7 +141,7 @@ class Shifted:
             way.centre = way.centre[0] + self.nose[0], way.centre[1] + self.nose[1]
         self.driven = way.end
 
-    # -- straight blocks -------------------------------------------------------------------------------------------------
+    # -- straight blocks ---------------------------------------------------------------------------
 
     def _straight(self, block: Block) -> None:
         p, op, c = self._in_plane(block.end), self.programmed, self.current
@@ -191,12 +196,13 @@ class Shifted:
         cosine = (d - r if inside else d + r) / old
         if not -1.0 <= cosine <= 1.0:
             raise Gouge(
-                "Arc to straight motion makes a corner the compensated tool can't fit in without gouging"
+                "Arc to straight motion makes a corner the compensated tool can't fit in without"
+                " gouging"
             )
         angle = theta + pi + (-sense if inside else sense) * acos(cosine)
         return front.centre[0] + old * cos(angle), front.centre[1] + old * sin(angle)
 
-    # -- arcs ------------------------------------------------------------------------------------------------------------
+    # -- arcs --------------------------------------------------------------------------------------
 
     def _arc(self, block: Block) -> None:
         assert block.centre is not None
@@ -266,7 +272,7 @@ class Shifted:
         angle = atan2(m[1] - f[1], m[0] - f[0]) + (sense if within else -sense) * acos(a)
         return f[0] + old * cos(angle), f[1] + old * sin(angle)
 
-    # -- the queue -------------------------------------------------------------------------------------------------------
+    # -- the queue ---------------------------------------------------------------------------------
 
     def _around(self, block: Block, corner: Point, end: Point) -> None:
         """An arc around an outside corner; a rapid cuts it."""

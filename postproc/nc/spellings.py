@@ -1,8 +1,10 @@
-"""Other spellings of a word, brought to the one that the lexer reads: a letter, then a number, at the same places.
+"""Other spellings of a word, brought to the one that the lexer reads: a letter, then a number, at
+the same places.
 
-X=5 is X5, X=IC(5) a distance whatever G90 G91 say, X=AC(5) a place; CR=5 is R5; TRANS is a code that is a word by
-itself. Every byte keeps its place, so what is written back lands where it was read. Sources: Siemens 840D Programming
-Guide Fundamentals, "Extended address" and "AC, IC"; Marlin and RepRap G-code documentation.
+X=5 is X5, X=IC(5) a distance whatever G90 G91 say, X=AC(5) a place; CR=5 is R5; TRANS is a code
+that is a word by itself. Every byte keeps its place, so what is written back lands where it was
+read. Sources: Siemens 840D Programming Guide Fundamentals, "Extended address" and "AC, IC"; Marlin
+and RepRap G-code documentation.
 """
 
 from __future__ import annotations
@@ -33,12 +35,12 @@ ASSIGNED = re.compile(
     + rb"))",
     re.IGNORECASE,
 )
-NAMED = re.compile(
-    rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\""
-)  # T="MILL 8": a name, no number
+# T="MILL 8": a name, no number
+NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
 MOVELESS = re.compile(
-    rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg][ \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
+    rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg]["
+    rb" \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
 )
 BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
 SETTINGS = re.compile(rb"[D-FH-MO-TQ][ \t]*[+-]?[0-9.]+", re.IGNORECASE)  # of homing: R5, P0 T300
@@ -55,9 +57,8 @@ REPLACED = bytes.maketrans(MARKS, b"\xff" * len(MARKS))
 
 def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
-    code = code.translate(
-        REPLACED
-    )  # the letters that stand for spellings are none of the program's own
+    # the letters that stand for spellings are none of the program's own
+    code = code.translate(REPLACED)
     if grammar.checksums and b"*" in code:
         code = checksums.cover(code)
     for pattern in _ignored(grammar):
@@ -107,7 +108,8 @@ def _macros(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], int], ...]:
 
 @lru_cache
 def _spelled(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], bytes], ...]:
-    """Spellings such as CR= with the letter that they stand for, "" for a parameter that moves nothing."""
+    """Spellings such as CR= with the letter that they stand for, "" for a parameter that moves
+    nothing."""
     result = []
     for spelling, letter in grammar.spellings:
         name = re.escape(spelling.rstrip("=").encode())
@@ -144,9 +146,10 @@ def _blank(match: re.Match[bytes]) -> bytes:
         return b" " * len(match[0])
     kept = match.span(1)
     return (
-        b" " * (kept[0] - match.start()) + match[1] + b" " * (match.end() - kept[1]) if match[1] is not None
+        b" " * (kept[0] - match.start()) + match[1] + b" " * (match.end() - kept[1])
+        if match[1] is not None
         else b" " * len(match[0])
-    )  # fmt: skip
+    )
 
 
 def _named(match: re.Match[bytes]) -> bytes:
@@ -175,7 +178,8 @@ def _named_alone(match: re.Match[bytes]) -> bytes:
 
 
 def _macro(number: int, match: re.Match[bytes]) -> bytes:
-    """One word that stands for the text behind a name: MACRO, and the number of the reason why not."""
+    """One word that stands for the text behind a name: MACRO, and the number of the reason why
+    not."""
     begin = match.end(1) if match.re.groups and match[1] else match.start()
     kept, text = match[0][: begin - match.start()], match[0][begin - match.start() :]
     blank = text[: len(text) - len(text.lstrip())]

@@ -8,8 +8,8 @@ from postproc.nc.numbers import decimal_cells
 
 
 class Splice:
-    """Collects edits of one text. An edit replaces text[start:stop]; edits at one place keep the order of
-    their rank, insertions first."""
+    """Collects edits of one text. An edit replaces text[start:stop]; edits at one place keep the
+    order of their rank, insertions first."""
 
     def __init__(self, text: bytes):
         self.text = text
@@ -38,7 +38,8 @@ class Splice:
         decimals: np.ndarray,
         prefix: np.ndarray | None = None,
     ) -> None:
-        """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are left out."""
+        """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are
+        left out."""
         for d in np.bincount(decimals).nonzero()[0].tolist():
             of = (decimals == d).nonzero()[0]
             room = 0 if prefix is None else prefix.shape[1]
@@ -76,7 +77,8 @@ class Splice:
             start, stop, rank, at, size = (
                 np.concatenate(columns) for columns in zip(*self._edits, strict=True)
             )
-        # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort does.
+        # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort
+        # does.
         order = np.argsort(rank, kind="stable")
         # What is put in at a place stands before what is taken out from there on.
         place = 2 * start + (stop > start)

@@ -14,9 +14,11 @@ NONE = -1  # no code of that group yet
 
 @dataclass(frozen=True)
 class Setup:
-    """What the text must be told of the machine: its axes, which words are diameters, least increments (mm), work and
-    tool offsets (mm by axis, by name "G54", "T0101"), where it stands at the start and after homing (mm, machine coordinates), and how
-    block delete and arc centres are read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as in the dialect).
+    """What the text must be told of the machine: its axes, which words are diameters, least
+    increments (mm), work and tool offsets (mm by axis, by name "G54", "T0101"), where it stands at
+    the start and after homing (mm, machine coordinates), and how block delete and arc centres are
+    read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as
+    in the dialect).
     kinematics: of a machine with rotary axes, whose tool tip can be followed."""
 
     axes: tuple[str, ...]
@@ -33,11 +35,13 @@ class Setup:
 
 @dataclass(frozen=True)
 class Frame:
-    """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each, radius.
+    """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each,
+    radius.
 
-    local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of Siemens; due: what of it the
-    next increment of an axis travels too. extended: the
-    name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units in which the length was set. unknown: message and advice, by part, for a shift that is in force
+    local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of
+    Siemens; due: what of it the next increment of an axis travels too. extended: the
+    name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units
+    in which the length was set. unknown: message and advice, by part, for a shift that is in force
     and not known. tip: the tool point's frame, plane: a tilted plane's, where they are in force."""
 
     local: np.ndarray
@@ -75,22 +79,27 @@ def no_frame(axes: int) -> Frame:
 
 @dataclass(frozen=True)
 class Cycle:
-    """What a canned cycle keeps from block to block: where R and the bottom lie (ticks, machine coordinates, None: never
-    said), the initial level, whether that is known, and whether a hole has ended at R since it was left."""
+    """What a canned cycle keeps from block to block: the axis that drills, where R and the bottom
+    lie on it (ticks, machine coordinates, None: never said), the initial level, whether that is
+    known, whether a hole has ended at R since it was left, and the letter whose 0 has stored words
+    for the next hole."""
 
+    letter: str
     level: int | None = None
     bottom: int | None = None
     initial: int = 0
     known: bool = False
     at_level: bool = False
+    stored: str = ""
 
 
 @dataclass(frozen=True)
 class Beside:
-    """Cutter radius compensation. on: whether the last motion was inside it; side: +1 left, -1 right; radius: mm, + where the centre lies left of the path, nan: not
-    stated; nose: mm along the plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
-    number in force, -1: none; shifted: follows the centre where it is known (never changed in place); fault: what the control
-    has refused already."""
+    """Cutter radius compensation. on: whether the last motion was inside it; side: +1 left, -1
+    right; radius: mm, + where the centre lies left of the path, nan: not stated; nose: mm along the
+    plane's axes from the centre of a lathe tool's nose to the point that is driven; offset: the D
+    number in force, -1: none; shifted: follows the centre where it is known (never changed in
+    place); fault: what the control has refused already."""
 
     on: bool = False
     side: int = 1
@@ -103,11 +112,14 @@ class Beside:
 
 @dataclass(frozen=True)
 class ModalState:
-    """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether it is known, the
-    tool offset and F in force, whether the program has ended, and whether a motion code was
-    named since the last motion. origin (A,): ticks, where the zero of absolute words lies behind the batch, and zero_known: whether it does; offsets: work and
-    tool offsets that the program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,): axes that G28 has taken elsewhere since the last motion; cycle: the
-    canned cycle in force; beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43 without H means, and next_tool the last T; -1: none named."""
+    """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether
+    it is known, the tool offset and F in force, whether the program has ended, and whether a motion
+    code was named since the last motion. origin (A,): ticks, where the zero of absolute words lies
+    behind the batch, and zero_known: whether it does; offsets: work and tool offsets that the
+    program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,):
+    axes that G28 has taken elsewhere since the last motion; cycle: the canned cycle in force;
+    beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43
+    without H means, and next_tool the last T; -1: none named."""
 
     codes: dict[str, int]
     position: np.ndarray

@@ -1,7 +1,7 @@
 """Exact stops of a motion that was cut: only its last piece stops, the ones before run on.
 
-A modal code (G61) is taken back by G64 at the first piece and named again at the last; one that acts in its own block
-(G9) moves to the last piece.
+A modal code (G61) is taken back by G64 at the first piece and named again at the last; one that
+acts in its own block (G9) moves to the last piece.
 """
 
 from __future__ import annotations

@@ -1,10 +1,12 @@
-"""CYCLE800 of Sinumerik: a tilted plane from its arguments, and the swivel of the rotary axes into it.
+"""CYCLE800 of Sinumerik: a tilted plane from its arguments, and the swivel of the rotary axes into
+it.
 
-CYCLE800(_FR, _TC, _ST, _MODE, _X0, _Y0, _Z0, _A, _B, _C, _X1, _Y1, _Z1, _DIR, ..): the plane's zero X0 Y0 Z0, turns by A B C one
-after the other, each about an axis that the ones before have turned, and a shift X1 Y1 Z1 in the plane. _MODE: two bits each
-for the first, second and third turn (1 X, 2 Y, 3 Z), and above them 0, axis by axis. _DIR: 0 does not swivel, else the sign
-of the axis that tilts. Without arguments the plane ends (SINUMERIK 840D sl Programming Manual Job Planning, "Swivel plane
-CYCLE800"; Operating Manual Milling, "Swivel").
+CYCLE800(_FR, _TC, _ST, _MODE, _X0, _Y0, _Z0, _A, _B, _C, _X1, _Y1, _Z1, _DIR, ..): the plane's zero
+X0 Y0 Z0, turns by A B C one after the other, each about an axis that the ones before have turned,
+and a shift X1 Y1 Z1 in the plane. _MODE: two bits each for the first, second and third turn (1 X, 2
+Y, 3 Z), and above them 0, axis by axis. _DIR: 0 does not swivel, else the sign of the axis that
+tilts. Without arguments the plane ends (SINUMERIK 840D sl Programming Manual Job Planning, "Swivel
+plane CYCLE800"; Operating Manual Milling, "Swivel").
 """
 
 from __future__ import annotations
@@ -61,7 +63,8 @@ def direction(b: Batch) -> float:
 
 
 def retracts(b: Batch) -> bool:
-    """Whether the call in the first block takes the slides back first, to a place of the machine's data."""
+    """Whether the call in the first block takes the slides back first, to a place of the machine's
+    data."""
     given = _arguments(b) or [0.0]
     return bool(given and given[0])
 

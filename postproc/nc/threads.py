@@ -1,9 +1,11 @@
-"""Threads in the text: which of them a control cuts through several blocks, their lead, and the words that every piece repeats.
+"""Threads in the text: which of them a control cuts through several blocks, their lead, and the
+words that every piece repeats.
 
-A control that waits for the spindle's mark at the first block of a thread only, and goes on through the next ones in step,
-lets a thread be cut into pieces. Sources: Fanuc B-64304EN-1, "Constant lead threading" and "Continuous threading"; Haas,
-G32 ("this synchronization remains in effect for each line in a G32 sequence"); LinuxCNC, G33 (issue 704: G33 behind G33 does
-not wait for the index again, by design); Siemens, programming manual fundamentals, G33, chained threads under G64.
+A control that waits for the spindle's mark at the first block of a thread only, and goes on through
+the next ones in step, lets a thread be cut into pieces. Sources: Fanuc B-64304EN-1, "Constant lead
+threading" and "Continuous threading"; Haas, G32 ("this synchronization remains in effect for each
+line in a G32 sequence"); LinuxCNC, G33 (issue 704: G33 behind G33 does not wait for the index
+again, by design); Siemens, programming manual fundamentals, G33, chained threads under G64.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ START_ANGLE = "Q"  # what it means in a block that does not start the thread, th
 def thread_columns(
     b: Batch, block: np.ndarray, code: np.ndarray, motion: np.ndarray, feed: np.ndarray
 ):
-    """(N,) bool whether a motion must stay one block, and (N,) mm per turn of a thread, 0 where it is not said. code (N,): kind;
+    """(N,) bool whether a motion must stay one block, and (N,) mm per turn of a thread, 0 where it
+    is not said. code (N,): kind;
     motion (N,): motion code in force; feed (N,): the F that holds."""
     whole, lead = np.zeros(len(block), bool), np.zeros(len(block))
     thread = (code == THREAD).nonzero()[0]

@@ -1,12 +1,15 @@
-"""Tool centre point control: G43.4 of Fanuc, G234 of Haas, TRAORI, M128, and M codes of a machine (LinuxCNC's switchkins).
+"""Tool centre point control: G43.4 of Fanuc, G234 of Haas, TRAORI, M128, and M codes of a machine
+(LinuxCNC's switchkins).
 
-From the call on, X Y Z are places of the tool tip in a frame that goes with the part; rotary words leave the tip where it
-is. The length is the control's to reckon with, so words know none. Where nothing moves at the call, the tip is where the
-slides have it; from then on it is followed, and what the slides do is the machine's affair (postproc.spaces).
+From the call on, X Y Z are places of the tool tip in a frame that goes with the part; rotary words
+leave the tip where it is. The length is the control's to reckon with, so words know none. Where
+nothing moves at the call, the tip is where the slides have it; from then on it is followed, and
+what the slides do is the machine's affair (postproc.spaces).
 
-Sources: Fanuc A-79348E, "Tool center point control for 5-axis machining" (the frame is that of the table as it stands at
-the call, parameter 19696 bit 5 = 0); LinuxCNC, src/emc/kinematics/trtfuncs.c and docs/src/motion/switchkins.txt (the frame
-of the table at zero); Siemens NC Programming Manual Job Planning, "TRAORI"; Heidenhain TNC 640, ISO programming, M128.
+Sources: Fanuc A-79348E, "Tool center point control for 5-axis machining" (the frame is that of the
+table as it stands at the call, parameter 19696 bit 5 = 0); LinuxCNC, src/emc/kinematics/trtfuncs.c
+and docs/src/motion/switchkins.txt (the frame of the table at zero); Siemens NC Programming Manual
+Job Planning, "TRAORI"; Heidenhain TNC 640, ISO programming, M128.
 """
 
 from __future__ import annotations
@@ -23,14 +26,12 @@ from postproc.nc.zeros import values_of, with_known, work_columns
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
-FOLLOWED, PLANE = (
-    "tip",
-    "plane",
-)  # the parts of a frame's unknowns that are about the tip and about a tilted plane
+# the parts of a frame's unknowns that are about the tip and about a tilted plane
+FOLLOWED, PLANE = "tip", "plane"
 AROUND = "switch it off before, and on again behind"
 STATE_FRAME = (
-    'say which frame the control takes, in machine.toml: [tool_point] frame = "zero" (X Y Z are the machine\'s while the '
-    'table stands at zero) or "call" (as it stands there)'
+    'say which frame the control takes, in machine.toml: [tool_point] frame = "zero" (X Y Z are the'
+    ' machine\'s while the table stands at zero) or "call" (as it stands there)'
 )
 
 
@@ -53,18 +54,34 @@ def tip_on(b: Batch, axis_words, word: str) -> None:
     if reason is not None:
         reason = (f"{word} holds the tool tip while rotary axes move, and {reason[0]}", reason[1])
     elif frame == "call" and named:
-        reason = (f"{word} and {' '.join(named)} in one block: the frame is that of the table as it stands at the call",
-                  f"write {' '.join(named)} in a block before it")  # fmt: skip
+        reason = (
+            (
+                f"{word} and {' '.join(named)} in one block: the frame is that of the table as it"
+                " stands at the call"
+            ),
+            f"write {' '.join(named)} in a block before it",
+        )
     elif frame == "call" and turned:
         unknown = [x for x in turned if _stands(b, x) is None]
         if unknown:
-            reason = (f"{word} takes the frame of the table as it stands, and where {' '.join(unknown)} stands is not known",
-                      f"move {' '.join(unknown)} to an absolute position first, or say where it is: --start {','.join(f'{x}0' for x in unknown)}")  # fmt: skip
+            reason = (
+                (
+                    f"{word} takes the frame of the table as it stands, and where"
+                    f" {' '.join(unknown)} stands is not known"
+                ),
+                (
+                    f"move {' '.join(unknown)} to an absolute position first, or say where it is:"
+                    f" --start {','.join(f'{x}0' for x in unknown)}"
+                ),
+            )
         else:
             space = kinematics.space_at(b.state.position / TICKS_PER_MM)
     elif not frame and turned:
         reason = (
-            f"{word} while {' '.join(turned)} does not stand at zero: in which frame X Y Z count then differs",
+            (
+                f"{word} while {' '.join(turned)} does not stand at zero: in which frame X Y Z"
+                " count then differs"
+            ),
             STATE_FRAME,
         )
     b.frame = with_known(replace(b.frame, tip=space), FOLLOWED, reason)
@@ -84,8 +101,11 @@ def switched(b: Batch, axis_words) -> None:
         if on is not None and b.words.decimals[k] == 0 and b.live[0]:
             (tip_on if on else tip_off)(b, axis_words, f"M{number}")
             if b.has_axis[0]:
-                b.blame(np.zeros(1, np.int64), f"M{number} and a motion in one block: which comes first differs",
-                        f"write M{number} in a block of its own")  # fmt: skip
+                b.blame(
+                    np.zeros(1, np.int64),
+                    f"M{number} and a motion in one block: which comes first differs",
+                    f"write M{number} in a block of its own",
+                )
 
 
 def tip_codes(dialect: Dialect, setup: Setup) -> dict[int, bool]:
@@ -94,7 +114,8 @@ def tip_codes(dialect: Dialect, setup: Setup) -> dict[int, bool]:
 
 
 def settle(b: Batch) -> None:
-    """Tell the places where the axes stand in the space that is in force now; they have not moved."""
+    """Tell the places where the axes stand in the space that is in force now; they have not
+    moved."""
     old, new = b.state.frame or no_frame(len(b.rows)), b.frame
     if old.space != new.space or (
         new.space is not None and not np.array_equal(old.length, new.length)
@@ -109,8 +130,8 @@ def retold(
     known: np.ndarray,
     frames: tuple[Frame | None, Frame],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(A,) ticks and (A,) bool: where the axes stand, told in the second frame's space instead of the first's; None: the
-    slides'."""
+    """(A,) ticks and (A,) bool: where the axes stand, told in the second frame's space instead of
+    the first's; None: the slides'."""
     old, new = frames
     if (old is None or old.space is None) and new.space is None:
         return position, known
@@ -143,25 +164,36 @@ def refuse_tips(b: Batch) -> None:
     shifted = [x for x in kinematics.carrying if (work[b.rows[x]] + b.frame.shift[b.rows[x]]).any()]
     frame = kinematics.frame or b.dialect.tip_frame
     if shifted and (frame != "call" or b.frame.plane is not None):
-        b.blame(np.arange(b.n), f"the work offset turns {' '.join(shifted)} while the frame goes with the part: in which frame X Y Z count then differs",
-                "write the offset of the rotary axes into the program's words, with zero in the offset")  # fmt: skip
+        b.blame(
+            np.arange(b.n),
+            f"the work offset turns {' '.join(shifted)} while the frame goes with the part: in"
+            " which frame X Y Z count then differs",
+            "write the offset of the rotary axes into the program's words, with zero in the offset",
+        )
     b.blame(np.flatnonzero(b.machine), f"G53 while {_told(b)}", AROUND)
     lost(b, np.flatnonzero(b.loses), f"a reference point while {_told(b)}: it takes the tip along")
     if len(b.presets):
         lost(b, np.zeros(1, np.int64), f"a new zero while {_told(b)}")
     if b.frame.tip is not None:
         cutter = np.broadcast_to(b.held("cutter"), b.n)
-        b.blame(np.flatnonzero((cutter >= 0) & (cutter != 400)), "cutter radius compensation while the tool point is on",
-                "let the CAM program write the path of the tool's centre")  # fmt: skip
+        b.blame(
+            np.flatnonzero((cutter >= 0) & (cutter != 400)),
+            "cutter radius compensation while the tool point is on",
+            "let the CAM program write the path of the tool's centre",
+        )
 
 
 def _told(b: Batch) -> str:
     """What X Y Z are."""
-    return f"X Y Z are {'places of the tool tip' if b.frame.tip is not None else 'coordinates of a tilted plane'}"
+    return (
+        "X Y Z are"
+        f" {'places of the tool tip' if b.frame.tip is not None else 'coordinates of a tilted plane'}"  # noqa: E501
+    )
 
 
 def lost(b: Batch, blocks: np.ndarray, message: str) -> None:
-    """From the first of these blocks on the tip can not be followed, until the tool point or the plane is called anew."""
+    """From the first of these blocks on the tip can not be followed, until the tool point or the
+    plane is called anew."""
     if len(blocks):
         b.blame(np.arange(int(blocks[0]), b.n), message, AROUND)
         b.frame = with_known(
@@ -170,11 +202,15 @@ def lost(b: Batch, blocks: np.ndarray, message: str) -> None:
 
 
 def refuse_cycles(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
-    """Holes while the tool point is on: along which line they are drilled is the control's affair. motion (B,): the code in
-    force; moving (B,)."""
+    """Holes while the tool point is on: along which line they are drilled is the control's affair.
+    motion (B,): the code in force; moving (B,)."""
     if b.frame.tip is not None:
         drills = moving & b.dialect.is_hole[np.maximum(motion, 0)]
-        b.blame(np.flatnonzero(drills), "a drilling cycle while the tool point is on", "let the CAM program write it out as G0 and G1")  # fmt: skip
+        b.blame(
+            np.flatnonzero(drills),
+            "a drilling cycle while the tool point is on",
+            "let the CAM program write it out as G0 and G1",
+        )
 
 
 def first_frame(kinematics: Kinematics | None, frame: Frame) -> Frame:

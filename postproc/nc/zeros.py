@@ -1,7 +1,8 @@
-"""Where zero lies: work and tool offsets by name, shifts that the program has set, and what a block says of them.
+"""Where zero lies: work and tool offsets by name, shifts that the program has set, and what a block
+says of them.
 
-What is not stated and not known becomes a reason beside the motions: it matters only where a correction depends on the
-place.
+What is not stated and not known becomes a reason beside the motions: it matters only where a
+correction depends on the place.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ EXTERNAL = "EXT"
 
 
 def offset_columns(b: Batch) -> None:
-    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become reasons."""
+    """`offset` (A, B) or (A, 1) ticks: where the zero of absolute words lies; unknown parts become
+    reasons."""
     before = int(b.reason[-1]) if b.n else 0
     b.offset = work_columns(b) + b.frame.shift[:, None]
     b.zero_known = not b.frame.unknown and not (b.n and b.reason[-1] != before)
@@ -28,7 +30,7 @@ def offset_columns(b: Batch) -> None:
         b.reason[:] = b.because(*reason)
     if (
         b.dialect.local_is_preset
-        and b.machine.any()
+        and np.count_nonzero(b.machine)
         and b.frame.length[[row for x, row in b.rows.items() if x in "ABC"]].any()
     ):
         b.blame(
@@ -77,8 +79,9 @@ def stated(b: Batch, name: str) -> dict[str, float] | None:
 
 
 def homed(b: Batch) -> dict[str, float] | None:
-    """mm by axis: where G28 takes the axes: the reference point that the program or the user states, else the places
-    after homing, else, on printers and routers, where the machine is said to have stood. None: nobody says."""
+    """mm by axis: where G28 takes the axes: the reference point that the program or the user
+    states, else the places after homing, else, on printers and routers, where the machine is said
+    to have stood. None: nobody says."""
     found = b.offsets.get("G28")  # G28.1 of the program
     if found is not None:
         return found
@@ -104,14 +107,17 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     axes = ",".join(x + "0" for x in b.setup.axes if x in "XYZ") or "X0"
     return (
         f"the {kind} offset {name} is not stated",
-        f"say where its zero lies in machine coordinates, mm and radius: --offset {name}={axes} (stated: {known})",
+        (
+            f"say where its zero lies in machine coordinates, mm and radius: --offset {name}={axes}"
+            f" (stated: {known})"
+        ),
     )
 
 
 def offset_of(b: Batch, name: str, where) -> np.ndarray:
     """(A, B) or (A, 1) ticks of one offset where it holds."""
     everywhere = isinstance(where, bool)
-    if not name or not (where if everywhere else where.any()):
+    if not name or not np.count_nonzero(where):
         return np.zeros((len(b.rows), 1), np.int64)
     place = stated(b, name)
     if place is None and name == "G500":
@@ -129,7 +135,7 @@ def ticks_of(b: Batch, place: dict[str, float]) -> np.ndarray:
     return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in b.setup.axes], np.int64)
 
 
-# -- what the first block says -------------------------------------------------------------------------------------------
+# -- what the first block says ---------------------------------------------------------------------
 
 
 def values_of(b: Batch, axis_words) -> dict[str, tuple[int, bool]]:
@@ -155,7 +161,8 @@ def number_of(b: Batch, letter: str) -> float | None:
 
 
 def note_presets(b: Batch, axis_words, letters) -> None:
-    """Note the words that name the place where the machine stands: it stands beside it by the correction."""
+    """Note the words that name the place where the machine stands: it stands beside it by the
+    correction."""
     rows, words, scales, places = [], [], [], []
     for letter in letters:
         place = axis_words[letter][0]

@@ -1,8 +1,9 @@
 """Offsets as controls and people keep them in files: where work zeros lie and how long tools are.
 
-A format is a module here, found by its name: TITLE says what it is, recognises(source) whether a text looks like it,
-read(source) reads it. Readers get text and open nothing. They refuse a line that they can not read, and whatever a file
-leaves open (its unit, whether X is a diameter) comes back as a notice.
+A format is a module here, found by its name: TITLE says what it is, recognises(source) whether a
+text looks like it, read(source) reads it. Readers get text and open nothing. They refuse a line
+that they can not read, and whatever a file leaves open (its unit, whether X is a diameter) comes
+back as a notice.
 """
 
 from __future__ import annotations
@@ -25,19 +26,25 @@ NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
 WORK_NAME = re.compile(r"G5[4-9]|G59\.[1-3]|G500|G50[5-9]|G5[1-9][0-9]|G92|G52|EXT")
 EXTENDED_NAME = re.compile(r"(G54\.1\s*P|G15\s*H)\s*0*([1-9][0-9]{0,2})")
 TOOL_NAME = re.compile(r"([HD])0*([1-9][0-9]{0,3})|T[0-9]{1,6}(D[0-9]{1,4})?")
-KNOWN_NAMES = "G54 to G59, G59.1 to G59.3, G54.1 P1, G15 H1, G505 to G599, G92, G52, EXT; tools: T0101, T1, T1D1, H1, D1"
+KNOWN_NAMES = (
+    "G54 to G59, G59.1 to G59.3, G54.1 P1, G15 H1, G505 to G599, G92, G52, EXT; tools: T0101, T1,"
+    " T1D1, H1, D1"
+)
 NO_UNIT = "the file does not say its unit: lengths are read as mm"
 BINARY = "give the file that the control punched or saved as text"
 
 
 @dataclass
 class Offsets:
-    """What a file says. All lengths mm, X a radius, angles degrees, as the control adds them to programmed places.
+    """What a file says. All lengths mm, X a radius, angles degrees, as the control adds them to
+    programmed places.
 
-    work: name to axis to mm ("G54", "G59.1", "G54.1 P3", "G505", "G92" where in force; "EXT": the offset common to all).
+    work: name to axis to mm ("G54", "G59.1", "G54.1 P3", "G505", "G92" where in force; "EXT": the
+    offset common to all).
     tools: name to axis to mm, "R" the radius and "Q" the number of a lathe tool's
     orientation ("H1": {"Z": length}, "D1": {"R": radius}, "T1", "T0101", "T1D1").
-    rotation: work offset to degrees about Z. notices: what was assumed or left out. format: the reader's name.
+    rotation: work offset to degrees about Z. notices: what was assumed or left out. format: the
+    reader's name.
     """
 
     work: dict[str, dict[str, float]] = field(default_factory=dict)
@@ -47,7 +54,8 @@ class Offsets:
     format: str = ""
 
     def of(self, axes: Collection[str]) -> Offsets:
-        """The same for a machine that has only these axes; what is dropped and not zero is said in a notice."""
+        """The same for a machine that has only these axes; what is dropped and not zero is said in
+        a notice."""
         notices = list(self.notices)
 
         def kept(places: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
@@ -69,7 +77,8 @@ class Offsets:
 class Source:
     """A file's text, and what its user says of it.
 
-    inch: whether its lengths are inches, diameter: whether the control stores X as diameters; None: not said.
+    inch: whether its lengths are inches, diameter: whether the control stores X as diameters; None:
+    not said.
     """
 
     name: str
@@ -78,7 +87,8 @@ class Source:
     diameter: bool | None = None
 
     def lines(self) -> Iterator[tuple[int, str]]:
-        """Number (from 1) and text of every line that is not blank, without the blanks around it."""
+        """Number (from 1) and text of every line that is not blank, without the blanks around
+        it."""
         for number, line in enumerate(self.text.split("\n"), 1):
             stripped = line.strip()
             if stripped:
@@ -110,7 +120,8 @@ class Source:
 
 
 def canonical(name: str) -> str | None:
-    """An offset's name as Offsets writes it ("g54.1p03" is "G54.1 P3"), or None where there is no such offset."""
+    """An offset's name as Offsets writes it ("g54.1p03" is "G54.1 P3"), or None where there is no
+    such offset."""
     name = name.strip().upper()
     extended = EXTENDED_NAME.fullmatch(name)
     if extended:
@@ -146,10 +157,11 @@ def read(
 ) -> Offsets:
     """Read an offset file's bytes; `name` is what errors call it.
 
-    format: one of names(), None: recognised by what stands in the text. inch: whether lengths are inches where the file
-    does not say it itself; None: mm, with a notice. diameter: whether the control stores X of these offsets as a diameter
-    (not whether programs are written so); None: as the format's module says, with a notice where it matters.
-    Raises UsageError, with the line where there is one, for anything that is not such a file.
+    format: one of names(), None: recognised by what stands in the text. inch: whether lengths are
+    inches where the file does not say it itself; None: mm, with a notice. diameter: whether the
+    control stores X of these offsets as a diameter (not whether programs are written so); None: as
+    the format's module says, with a notice where it matters. Raises UsageError, with the line where
+    there is one, for anything that is not such a file.
     """
     source = Source(name, _decoded(text, name), inch, diameter)
     if format is None:
@@ -179,14 +191,16 @@ def _titles() -> str:
 
 
 def _decoded(data: bytes, name: str) -> str:
-    """Text of a file that a control, an editor or a serial line wrote. Raises UsageError for what is none."""
+    """Text of a file that a control, an editor or a serial line wrote. Raises UsageError for what
+    is none."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         try:
             text = data.decode("utf-16")
         except UnicodeDecodeError:
             raise UsageError(f"{name} is not text", BINARY) from None
     else:
-        # Reader control codes (DC1 to DC4), the end mark of DOS, and a tape's leader are no text and say nothing.
+        # Reader control codes (DC1 to DC4), the end mark of DOS, and a tape's leader are no text
+        # and say nothing.
         data = data.strip(b"\0").translate(None, b"\x11\x12\x13\x14\x1a")
         try:
             text = data.decode("utf-8-sig")

@@ -1,7 +1,9 @@
-"""gcomp's own table: `name,X_mm,Y_mm,Z_mm,R_mm`, an offset in a line, for what no control writes as a file.
+"""gcomp's own table: `name,X_mm,Y_mm,Z_mm,R_mm`, an offset in a line, for what no control writes as
+a file.
 
-Columns after the name, in any order and only those needed: X_mm to W_mm and R_mm (a tool's radius), A_deg to C_deg, and
-rotation_deg (of a work offset about Z). An empty cell states nothing. X is a radius. `#` begins a comment line.
+Columns after the name, in any order and only those needed: X_mm to W_mm and R_mm (a tool's radius),
+A_deg to C_deg, and rotation_deg (of a work offset about Z). An empty cell states nothing. X is a
+radius. `#` begins a comment line.
 """
 
 from __future__ import annotations

@@ -1,20 +1,27 @@
-"""Fanuc's offsets as the control punches them: a program of G10 blocks. Haas and others take the same blocks.
+"""Fanuc's offsets as the control punches them: a program of G10 blocks. Haas and others take the
+same blocks.
 
-    G10 L2 P0 X.. Z..       the external offset, common to all: "EXT"        G10 L2 P1 to P6     G54 to G59
+    G10 L2 P0 X.. Z..       the external offset, common to all: "EXT"        G10 L2 P1 to P6     G54
+                            to G59
     G10 L20 P1 X..          additional work offset: "G54.1 P1"
-    G10 L10 P1 R..          length geometry of H1, L11 (or L1) its wear, L12 radius geometry of D1, L13 its wear
-    G10 P1 X.. Z.. R.. Q..  lathe: wear of offset 1, P10001 its geometry; U V W C are increments of X Y Z R
+    G10 L10 P1 R..          length geometry of H1, L11 (or L1) its wear, L12 radius geometry of D1,
+                            L13 its wear
+    G10 P1 X.. Z.. R.. Q..  lathe: wear of offset 1, P10001 its geometry; U V W C are increments of
+                            X Y Z R
 
-Geometry and wear are added. Memories A and B of a mill have no L12 and L13: H1 and D1 are then the same register. A lathe
-offset is chosen by the last digits of T; it is called as where tool and offset have the same number, "T0101".
+Geometry and wear are added. Memories A and B of a mill have no L12 and L13: H1 and D1 are then the
+same register. A lathe offset is chosen by the last digits of T; it is called as where tool and
+offset have the same number, "T0101".
 
-X of a lathe: tool offsets are diameters unless parameter 5004#1 (ORC) is 1, work offsets are as the axis is (1006#3,
-DIA). Nothing in the file tells that. Unless the user says it, X is a diameter in files with lathe offsets and a radius in
-all others. R of L12 and L13 is taken as a radius (5004#2, ODI; Haas setting 40 may say diameter). The tables of work and
-tool offsets that some controls print are not read, for want of a source.
+X of a lathe: tool offsets are diameters unless parameter 5004#1 (ORC) is 1, work offsets are as the
+axis is (1006#3, DIA). Nothing in the file tells that. Unless the user says it, X is a diameter in
+files with lathe offsets and a radius in all others. R of L12 and L13 is taken as a radius (5004#2,
+ODI; Haas setting 40 may say diameter). The tables of work and tool offsets that some controls print
+are not read, for want of a source.
 
-Sources: Fanuc 16i/18i-TB operator's manual B-63524EN 14.5.2 (G10 P_ X_ Z_ R_ Q_), 16i/18i-PA B-63124EN 15.3 (L11, L1),
-16/18-TC operator's manual B-62754EN 9.4 (DIA, ORC); Haas and Mitsubishi M700V manuals, 12.7 (L2, L10 to L13, L20).
+Sources: Fanuc 16i/18i-TB operator's manual B-63524EN 14.5.2 (G10 P_ X_ Z_ R_ Q_), 16i/18i-PA
+B-63124EN 15.3 (L11, L1), 16/18-TC operator's manual B-62754EN 9.4 (DIA, ORC); Haas and Mitsubishi
+M700V manuals, 12.7 (L2, L10 to L13, L20).
 """
 
 from __future__ import annotations
@@ -36,9 +43,8 @@ REGISTERS = {
 }
 STEPS = {"U": "X", "V": "Y", "W": "Z", "C": "R"}  # of lathe offsets
 GEOMETRY = 10_000
-HEAD = re.compile(
-    r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*"
-)  # the tape's mark, the program's number or name
+# the tape's mark, the program's number or name
+HEAD = re.compile(r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*")
 LAST = re.compile(r"M0*(2|30|99)\s*")
 ADVICE = "give the G10 blocks that the control punched, or state the offsets one by one"
 NO_X = "X is read as a {}: nobody said whether the control stores it as diameter or radius"
@@ -46,15 +52,15 @@ NO_X = "X is read as a {}: nobody said whether the control stores it as diameter
 
 @dataclass
 class Memory:
-    """The registers that a program has set so far: (kind, number) to letter to mm, X as the file has it."""
+    """The registers that a program has set so far: (kind, number) to letter to mm, X as the file
+    has it."""
 
     place: dict[tuple[str, int], dict[str, float]] = field(default_factory=dict)
     incremental: bool = False
     inch: bool | None = None
     bare: bool = False  # whether a length without a decimal point was met
-    nose: dict[int, float] = field(
-        default_factory=dict
-    )  # number of a lathe tool's orientation, by offset
+    # number of a lathe tool's orientation, by offset
+    nose: dict[int, float] = field(default_factory=dict)
 
     def write(self, key: tuple[str, int], letter: str, value: float, step: bool) -> bool:
         """Set or change a value; False where a step has nothing to step from."""
@@ -73,7 +79,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source) -> Offsets:
-    """Work offsets, tools "H1", "D1", or "T0101" of a lathe. Raises UsageError for any block that is no G10."""
+    """Work offsets, tools "H1", "D1", or "T0101" of a lathe. Raises UsageError for any block that
+    is no G10."""
     memory = Memory(inch=source.inch)
     for number, line in source.lines():
         text = HEAD.sub("", COMMENT.sub(" ", line.upper()), count=1)
@@ -176,7 +183,8 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
     offsets = Offsets(notices=source.unit_notice() if memory.inch is None else [])
     if memory.bare:
         offsets.notices.append(
-            "numbers without a decimal point are read as whole mm or inches, not as least increments"
+            "numbers without a decimal point are read as whole mm or inches, not as least"
+            " increments"
         )
     has = {kind for kind, _ in memory.place}
     diameter = _is_diameter(source, memory, "" in has, offsets)
@@ -187,7 +195,8 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
         )
     if has & {RADIUS, RADIUS_WEAR}:
         offsets.notices.append(
-            "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas setting 40)"
+            "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas"
+            " setting 40)"
         )
     for (kind, n), place in memory.place.items():
         if diameter and kind in ("", "2", "20") and "X" in place:

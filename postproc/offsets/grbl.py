@@ -1,10 +1,13 @@
-"""What GRBL and grblHAL answer to `$#`: `[G54:0.000,0.000,0.000]`, `[G92:...]`, `[TLO:...]`, one in a line.
+"""What GRBL and grblHAL answer to `$#`: `[G54:0.000,0.000,0.000]`, `[G92:...]`, `[TLO:...]`, one in
+a line.
 
-The axes come in the order X Y Z A B C U V W. Three decimals are mm and four inches ($13), unless the user says it. X is
-a radius; grblHAL writes it doubled while G7 is in force, which the report does not tell: then say that X is a diameter.
-A place is program word + offset + G92 + tool length. The tool length is one for all, as G43.1 sets it: "G43.1".
+The axes come in the order X Y Z A B C U V W. Three decimals are mm and four inches ($13), unless
+the user says it. X is a radius; grblHAL writes it doubled while G7 is in force, which the report
+does not tell: then say that X is a diameter. A place is program word + offset + G92 + tool length.
+The tool length is one for all, as G43.1 sets it: "G43.1".
 
-Source: GRBL 1.1, grbl/report.c (report_ngc_parameters, report_realtime_status), config.h (N_DECIMAL_COORDVALUE_MM, _INCH).
+Source: GRBL 1.1, grbl/report.c (report_ngc_parameters, report_realtime_status), config.h
+(N_DECIMAL_COORDVALUE_MM, _INCH).
 """
 
 from __future__ import annotations
@@ -29,7 +32,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source) -> Offsets:
-    """Work offsets, "G92", and the tool length as tool "G43.1". G28, G30 and the probe are no offsets.
+    """Work offsets, "G92", and the tool length as tool "G43.1". G28, G30 and the probe are no
+    offsets.
 
     Raises UsageError.
     """

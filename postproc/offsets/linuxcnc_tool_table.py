@@ -1,10 +1,11 @@
 """LinuxCNC's tool table (`tool.tbl`): `T1 P1 Z+0.511 D0.125 ;1/8 end mill`, a tool in a line.
 
-T the number, P the pocket, X to W the offset per axis, D the diameter, I J Q angles and orientation of a lathe tool, a
-remark behind `;`. Lengths are machine units: [TRAJ]LINEAR_UNITS of the INI file. X is a radius, on lathes too: the
-interpreter halves a diameter before it stores it.
+T the number, P the pocket, X to W the offset per axis, D the diameter, I J Q angles and orientation
+of a lathe tool, a remark behind `;`. Lengths are machine units: [TRAJ]LINEAR_UNITS of the INI file.
+X is a radius, on lathes too: the interpreter halves a diameter before it stores it.
 
-Source: LinuxCNC, src/emc/tooldata/tooldata_common.cc (tooldata_read_entry); docs/src/gcode/tool-compensation.adoc.
+Source: LinuxCNC, src/emc/tooldata/tooldata_common.cc (tooldata_read_entry);
+docs/src/gcode/tool-compensation.adoc.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source) -> Offsets:
-    """Tools by number, "T1" with the axes that stand there R, half of D, and Q. Raises UsageError."""
+    """Tools by number, "T1" with the axes that stand there R, half of D, and Q. Raises
+    UsageError."""
     offsets = Offsets(notices=source.unit_notice())
     if source.diameter:
         offsets.notices.append("LinuxCNC stores X as a radius: it is read as one")

@@ -1,12 +1,13 @@
 """LinuxCNC's parameter file (`rs274ngc.var`, `linuxcnc.var`): a number and a value in a line.
 
-5221-5229 are G54 in X Y Z A B C U V W and 5230 its rotation about Z; G55 follows at 5241, and so on to G59.3 at 5381.
-5210 says whether the shift of G92 and G52 (they share it) in 5211-5219 is in force; 5220 which system is. Lengths are
-machine units: [TRAJ]LINEAR_UNITS of the INI file. X is a radius whatever G7 or G8 says: the interpreter halves a diameter
-before it stores it. A place is program word + G92 shift + offset.
+5221-5229 are G54 in X Y Z A B C U V W and 5230 its rotation about Z; G55 follows at 5241, and so on
+to G59.3 at 5381. 5210 says whether the shift of G92 and G52 (they share it) in 5211-5219 is in
+force; 5220 which system is. Lengths are machine units: [TRAJ]LINEAR_UNITS of the INI file. X is a
+radius whatever G7 or G8 says: the interpreter halves a diameter before it stores it. A place is
+program word + G92 shift + offset.
 
-Source: LinuxCNC, src/emc/rs274ngc/interp_parameter_def.hh, rs274ngc_pre.cc (init), interp_convert.cc
-(convert_axis_offsets); docs/src/gcode/coordinates.adoc.
+Source: LinuxCNC, src/emc/rs274ngc/interp_parameter_def.hh, rs274ngc_pre.cc (init),
+interp_convert.cc (convert_axis_offsets); docs/src/gcode/coordinates.adoc.
 """
 
 from __future__ import annotations

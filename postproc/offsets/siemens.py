@@ -1,18 +1,24 @@
-"""SINUMERIK's data files: frames and tool offsets as assignments to system variables, as the control's archive has them.
+"""SINUMERIK's data files: frames and tool offsets as assignments to system variables, as the
+control's archive has them.
 
-    $P_UIFR[1]=CTRANS(X,10,Y,20):CFINE(X,0.01):CROT(Z,30)     G54; 0 is G500, 1 to 4 G54 to G57, 5 to 99 G505 to G599
+    $P_UIFR[1]=CTRANS(X,10,Y,20):CFINE(X,0.01):CROT(Z,30)     G54; 0 is G500, 1 to 4 G54 to G57, 5
+                                                              to 99 G505 to G599
     $P_UIFR[1,X,TR]=10    FI the fine part, RT rotation, SC scale, MI mirror
     $P_CHBFR[0], $P_UBFR (the same), $P_NCBFR[0]              basic frames, all chained: "EXT"
-    $TC_DP3[t,d]=120.5    tool t, edge d: "T1D1"; 1 type, 3 to 5 length 1 to 3, 6 radius, 12 to 15 wear, 21 to 23 base
+    $TC_DP3[t,d]=120.5    tool t, edge d: "T1D1"; 1 type, 3 to 5 length 1 to 3, 6 radius, 12 to 15
+                          wear, 21 to 23 base
 
-Coarse and fine, and geometry, wear and base, are added. Lengths are given to axes as in the basic planes: length 1 2 3 is
-Z Y X in G17 for mills and drills, X Z Y in G18 for types 400 to 599, turning and grinding. A frame that scales, mirrors
-or turns about X or Y can not be said as an offset: it is left out with a notice (a basic frame is refused), so that a
-program that selects it is refused too. X is a radius; where the user says diameter, X of turning tools is halved, as
-MD20360 bit 0 and 1 have it. The unit is that of the control (MD10240), which the file does not tell.
+Coarse and fine, and geometry, wear and base, are added. Lengths are given to axes as in the basic
+planes: length 1 2 3 is Z Y X in G17 for mills and drills, X Z Y in G18 for types 400 to 599,
+turning and grinding. A frame that scales, mirrors or turns about X or Y can not be said as an
+offset: it is left out with a notice (a basic frame is refused), so that a program that selects it
+is refused too. X is a radius; where the user says diameter, X of turning tools is halved, as
+MD20360 bit 0 and 1 have it. The unit is that of the control (MD10240), which the file does not
+tell.
 
-Sources: Siemens 840D programming guide advanced (PGA) 04.00, 6 and 8.1 ($P_UIFR, $TC_DP), SINUMERIK ONE 6FC5398-2EP40
-3.8.2.2 (TR FI RT SC MI) and 3.13.3.4 (lengths), 828D function manual K2 10.5.5.3 (basic frames), 802D sl W1 25.5.
+Sources: Siemens 840D programming guide advanced (PGA) 04.00, 6 and 8.1 ($P_UIFR, $TC_DP), SINUMERIK
+ONE 6FC5398-2EP40 3.8.2.2 (TR FI RT SC MI) and 3.13.3.4 (lengths), 828D function manual K2 10.5.5.3
+(basic frames), 802D sl W1 25.5.
 """
 
 from __future__ import annotations

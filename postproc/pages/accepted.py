@@ -1,4 +1,5 @@
-"""The page of an acceptance: each line of targets before and after compensation, and whether every sign is right."""
+"""The page of an acceptance: each line of targets before and after compensation, and whether every
+sign is right."""
 
 from __future__ import annotations
 
@@ -10,8 +11,11 @@ from postproc.pages import charts
 from postproc.pages.frame import Page
 
 CURVES = (
-    ("before +", "before", "solid"), ("before -", "before", "dash"), ("after +", "after", "solid"), ("after -", "after", "dash"),
-)  # fmt: skip
+    ("before +", "before", "solid"),
+    ("before -", "before", "dash"),
+    ("after +", "after", "solid"),
+    ("after -", "after", "dash"),
+)
 MOODS = {"turned": "bad", "too much": "bad", "nothing": "open", "between": "open"}
 
 
@@ -23,13 +27,11 @@ def html(outcomes: Sequence[Outcome], machine: str) -> str:
 def page(outcomes: Sequence[Outcome], machine: str) -> Page:
     """The page of all pairs of measurements."""
     said = report.verdict(outcomes, machine)
-    moods = [MOODS[r.verdict] for one in outcomes for r in one.ratios if r.verdict in MOODS]
-    mood = "bad" if "bad" in moods else "open" if moods else "good"
     of = f" of {machine}" if machine else ""
     made = Page(
         f"Acceptance{of}: before and after compensation",
         f"{said[0][:1].upper()}{said[0][1:]}.",
-        mood,
+        mood(outcomes),
     )
     made.subject = [("lines of targets", ", ".join(dict.fromkeys(o.subject for o in outcomes)))]
     if machine:
@@ -39,6 +41,15 @@ def page(outcomes: Sequence[Outcome], machine: str) -> Page:
     for k, one in enumerate(outcomes):
         _outcome(made, k, one)
     return made
+
+
+def mood(outcomes: Sequence[Outcome]) -> str:
+    """bad, open, or good: the colour of the headline. Good wants a sign that was told."""
+    verdicts = {r.verdict for one in outcomes for r in one.ratios}
+    moods = {MOODS[v] for v in verdicts if v in MOODS}
+    if "bad" in moods:
+        return "bad"
+    return "good" if "good" in verdicts and not moods else "open"
 
 
 def _tiles(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str]]:
@@ -53,7 +64,11 @@ def _tiles(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str]]:
             unit = report.unit_of(one)
             before, after = (_shown(p.value, unit) for p in (change.before, change.after))
             tiles.append(
-                (f"{before} to {after} {one.unit}", f"{one.subject}: {change.before.name}", "after")
+                (
+                    f"{before} to {after} {one.unit}",
+                    f"{change.before.means} of {one.subject}, before and after",
+                    "after",
+                )
             )
     return tiles
 
@@ -71,10 +86,17 @@ def _outcome(made: Page, k: int, one: Outcome) -> None:
     made.figure(_bars(k, one))
     unit = report.unit_of(one)
     rows = [
-        (c.before.name, _shown(c.before.value, unit), _shown(c.before.U, unit), _shown(c.after.value, unit), _shown(c.after.U, unit),
-         report.reduction(c), c.before.means)
+        (
+            c.before.name,
+            _shown(c.before.value, unit),
+            _shown(c.before.U, unit),
+            _shown(c.after.value, unit),
+            _shown(c.after.U, unit),
+            report.reduction(c),
+            c.before.means,
+        )
         for c in one.changes
-    ]  # fmt: skip
+    ]
     made.table(
         (
             "",
@@ -104,13 +126,29 @@ def _curves(k: int, one: Outcome) -> charts.Figure:
         values = [None if v is None else round(v / unit, 3) for v in one.curves[name]]
         if any(v is not None for v in values):
             moment, sign = name.split()
-            data.append(charts.line(x, values, f"{moment}, approached in {sign}", role, dash=dash, mode="lines+markers",
-                                    marker={"size": 4, "color": f"@{role}"}, hovertemplate=f"%{{x}}: %{{y:.2f}} {one.unit}<extra></extra>"))  # fmt: skip
+            data.append(
+                charts.line(
+                    x,
+                    values,
+                    f"{moment}, approached in {sign}",
+                    role,
+                    dash=dash,
+                    mode="lines+markers",
+                    marker={"size": 4, "color": f"@{role}"},
+                    hovertemplate=f"%{{x}}: %{{y:.2f}} {one.unit}<extra></extra>",
+                )
+            )
     along = "degrees" if one.before.test == "rotary" else "mm"
     return charts.figure(
-        f"curves-{k}", "Means of the runs at each target, actual - commanded by the nominal program, about their own mean.", data,
-        f"{letter}, {along}", f"deviation, {one.unit}", 360,
-    )  # fmt: skip
+        f"curves-{k}",
+        "Means of the runs at each target, actual - commanded by the nominal program, about their"
+        " own mean.",
+        data,
+        f"{letter}, {along}",
+        f"deviation, {one.unit}",
+        360,
+        xaxis={"range": charts.reach(x)},
+    )
 
 
 def _bars(k: int, one: Outcome) -> charts.Figure:
@@ -122,13 +160,23 @@ def _bars(k: int, one: Outcome) -> charts.Figure:
         _with_u([(c, c.after) for c in told], "after", unit),
     ]
     return charts.figure(
-        f"parameters-{k}", "Parameters before and after, with U (95 %) where it is known.", data, "", one.unit, 280, yaxis={"rangemode": "tozero"},
-    )  # fmt: skip
+        f"parameters-{k}",
+        "Parameters before and after, with U (95 %) where it is known.",
+        data,
+        "",
+        one.unit,
+        280,
+        yaxis={"rangemode": "tozero"},
+    )
 
 
 def _with_u(told: list[tuple[Change, Parameter]], role: str, unit: float) -> charts.Trace:
     u = [0.0 if p.U is None else p.U / unit for _, p in told]
     return charts.bars(
-        [c.before.name for c, _ in told], charts.column([(p.value or 0.0) / unit for _, p in told], 3), role, role,
-        error_y={"type": "data", "array": charts.column(u, 3), "thickness": 1}, hovertemplate="%{x}: %{y:.2f}<extra></extra>",
-    )  # fmt: skip
+        [c.before.name for c, _ in told],
+        charts.column([(p.value or 0.0) / unit for _, p in told], 3),
+        role,
+        role,
+        error_y=charts.limits(charts.column(u, 3)),
+        hovertemplate="%{x}: %{y:.2f}<extra></extra>",
+    )

@@ -1,4 +1,5 @@
-"""Figures as plain dictionaries in the form of plotly.js, in the house's colours. Colours are roles: "@before"."""
+"""Figures as plain dictionaries in the form of plotly.js, in the house's colours. Colours are
+roles: "@before"."""
 
 from __future__ import annotations
 
@@ -42,9 +43,17 @@ def band(
 ) -> Trace:
     """An area between two curves; `role` is one of those with "fill" in their meaning."""
     return {
-        "type": "scatter", "mode": "lines", "x": [*x, *reversed(x)], "y": [*high, *reversed(low)], "name": name,
-        "fill": "toself", "fillcolor": f"@{role}", "line": {"width": 0}, "hoverinfo": "skip", **more,
-    }  # fmt: skip
+        "type": "scatter",
+        "mode": "lines",
+        "x": [*x, *reversed(x)],
+        "y": [*high, *reversed(low)],
+        "name": name,
+        "fill": "toself",
+        "fillcolor": f"@{role}",
+        "line": {"width": 0},
+        "hoverinfo": "skip",
+        **more,
+    }
 
 
 def bars(x: Iterable[Any], y: Iterable[Any], name: str, role: str, **more: Any) -> Trace:
@@ -68,9 +77,11 @@ def figure(
     height: int = 340,
     **layout: Any,
 ) -> Figure:
-    """A figure of a page: an identifier, what it shows, curves, the names of its axes with units. layout: further entries
-    of plotly.js; `log`: whether its y axis can be switched between even and logarithmic steps, and begins so."""
-    log = layout.pop("log", None)
+    """A figure of a page: an identifier, what it shows, curves, the names of its axes with units.
+    layout: further entries of plotly.js; `log`: whether its y axis can be switched between even and
+    logarithmic steps, and begins so; `shape`: height by width of what is drawn, where both axes
+    have one scale."""
+    log, shape = layout.pop("log", None), layout.pop("shape", None)
     axis = {
         "gridcolor": "@grid",
         "zerolinecolor": "@rule",
@@ -83,7 +94,8 @@ def figure(
     for key in [k for k in layout if k.startswith(("xaxis", "yaxis"))]:
         layout[key] = {**axis, **layout[key]}
     return {
-        "id": name, "caption": caption, "height": height, "log": log, "data": list(data),
+        "id": name, "caption": caption, "height": height, "log": log, "shape": shape,
+        "data": list(data),
         "layout": {**own, **layout},
     }  # fmt: skip
 
@@ -96,30 +108,76 @@ def lying(
     x: str,
     **more: Any,
 ) -> Figure:
-    """Lying bars: (name, role, lengths) for each group, a label for each bar; more: entries of each group's bars."""
+    """Lying bars: (name, role, lengths) for each group, a label for each bar; more: entries of each
+    group's bars."""
     data = [
-        bars(column(sizes, 3), labels, said, role, orientation="h", cliponaxis=False, hovertemplate=f"%{{y}}: %{{x:.3g}}<extra>{said}</extra>",
-             **({"text": [f"{v:.3g}" for v in sizes], "textposition": "outside"} | more))
+        bars(
+            column(sizes, 3),
+            labels,
+            said,
+            role,
+            orientation="h",
+            cliponaxis=False,
+            hovertemplate=f"%{{y}}: %{{x:.3g}}<extra>{said}</extra>",
+            **({"text": [f"{v:.3g}" for v in sizes], "textposition": "outside"} | more),
+        )
         for said, role, sizes in groups
-    ]  # fmt: skip
+    ]
     most = max((v for _, _, sizes in groups for v in sizes), default=0.0) or 1.0
     height = 110 + (26 + 16 * (len(groups) - 1)) * len(labels)
     return figure(
-        name, caption, data, x, "", height, yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"}, bargap=0.25,
-        xaxis={"rangemode": "tozero"} if "error_x" in more else {"range": [0, round(1.2 * most, 4)]}, showlegend=len(groups) > 1,
-    )  # fmt: skip
+        name,
+        caption,
+        data,
+        x,
+        "",
+        height,
+        yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"},
+        bargap=0.25,
+        xaxis=(
+            {"rangemode": "tozero"} if "error_x" in more else {"range": [0, round(1.2 * most, 4)]}
+        ),
+        showlegend=len(groups) > 1,
+    )
 
 
 def polar(axes: list[str], radii: list[float], labels: list[float]) -> dict:
-    """The layout of a polar figure: rings at radii with labels in um, the axes' own names around."""
+    """The layout of a polar figure: rings at radii, of which the first and the last, between which
+    all curves lie, have labels in um; the axes' own names around."""
+    ends = (min(labels), max(labels))
     return {
         "bgcolor": "rgba(0,0,0,0)",
-        "radialaxis": {"tickvals": column(radii, 4), "ticktext": [f"{v:+g}" if v else "0" for v in labels],
-                       "range": [0, round(max(radii) * 1.04, 4)], "gridcolor": "@grid", "angle": 22.5,
-                       "tickfont": {"size": 10, "color": "@muted"}, "linecolor": "@rule"},
-        "angularaxis": {"tickvals": [0, 90, 180, 270], "ticktext": [f"+{axes[0]}", f"+{axes[1]}", f"-{axes[0]}", f"-{axes[1]}"],
-                        "gridcolor": "@grid", "linecolor": "@rule"},
-    }  # fmt: skip
+        "radialaxis": {
+            "tickvals": column(radii, 4),
+            "ticktext": [f"{v:+g} um" if v in ends else "" for v in labels],
+            "ticks": "",
+            "tickangle": 0,
+            "range": [0, round(max(radii) * 1.04, 4)],
+            "gridcolor": "@grid",
+            "angle": 22.5,
+            "tickfont": {"size": 10, "color": "@muted"},
+            "linecolor": "@rule",
+        },
+        "angularaxis": {
+            "tickvals": [0, 90, 180, 270],
+            "ticktext": [f"+{axes[0]}", f"+{axes[1]}", f"-{axes[0]}", f"-{axes[1]}"],
+            "gridcolor": "@grid",
+            "linecolor": "@rule",
+        },
+    }
+
+
+def reach(x: Sequence[float | None]) -> list[float]:
+    """Where an axis begins and ends: at its first and last place, with room for a dot."""
+    known = [v for v in x if v is not None]
+    low, high = (min(known), max(known)) if known else (0.0, 1.0)
+    edge = 0.015 * max(high - low, 1e-9)
+    return [round(low - edge, 4), round(high + edge, 4)]
+
+
+def limits(values: list[float | None]) -> dict[str, Any]:
+    """Bars of an uncertainty, for error_x and error_y."""
+    return {"type": "data", "array": values, "thickness": 1, "color": "@ink"}
 
 
 def um(values: Any, digits: int = 3) -> list[float | None]:

@@ -1,7 +1,9 @@
-"""The page of a diagnosis: first what is left, drawn; then what was found, how sure its names are, and what to do."""
+"""The page of a diagnosis: first what is left, drawn; then what was found, how sure its names are,
+and what to do."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -25,9 +27,11 @@ def page(d: Diagnosis) -> Page:
     mood = {"nothing-left-out": "good", "left-out-physics": "bad", "unknown": "open"}[d.verdict]
     made = Page(f"Diagnosis of {d.machine.name}", prose.headline(d), "open" if d.doubts else mood)
     made.subject = [
-        ("machine", d.machine.title or d.machine.name), ("map", d.machine.digest), ("readings", f"{len(d.rows):,}"),
+        ("machine", d.machine.title or d.machine.name),
+        ("map", d.machine.digest),
+        ("readings", f"{len(d.rows):,}"),
         ("recordings", ", ".join(Path(r.file).name for r in d.recordings)),
-    ]  # fmt: skip
+    ]
     drawn = left.signals(d)
     rounds = list(left.circles(d))
     _first(made, d, drawn, rounds)
@@ -53,11 +57,13 @@ def page(d: Diagnosis) -> Page:
 
 
 def _upper(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    """As a sentence begins; a name that other programs know (screw_heat:Z, --accept) stays."""
+    return text if re.match(r"\w+(_|:\w)", text) else text[:1].upper() + text[1:]
 
 
 def _first(made: Page, d: Diagnosis, drawn: list[int], rounds: list[charts.Figure]) -> None:
-    """The figure that is seen first: circles, else the signal with the largest mismatch, else features of parts."""
+    """The figure that is seen first: circles, else the signal with the largest mismatch, else
+    features of parts."""
     if rounds:
         made.figure(rounds[0])
     if drawn:
@@ -68,7 +74,8 @@ def _first(made: Page, d: Diagnosis, drawn: list[int], rounds: list[charts.Figur
 
 def _tiles(made: Page, d: Diagnosis) -> None:
     fit = fit_of(d)
-    tiles = [(str(sum(f.status == "accepted" for f in d.findings)), "effects found", "")]
+    found = sum(f.status == "accepted" for f in d.findings)
+    tiles = [(str(found), f"effect{'s' * (found != 1)} found", "")]
     if fit["held_out"]:
         tiles += [
             (
@@ -109,7 +116,8 @@ def _finding(made: Page, d: Diagnosis, k: int, f: Finding) -> None:
     made.text(f"{_upper(prose.worth(d, f))}.")
     if f.equivalent:
         made.text(
-            f"{words.named(f.block.key)} is not told apart from: {', '.join(map(words.named, f.equivalent))}.",
+            f"{words.named(f.block.key)} is not told apart from:"
+            f" {', '.join(map(words.named, f.equivalent))}.",
             f"To tell them apart: {next_test(d, f)}",
         )
     if len(f.names) > 1:
@@ -132,7 +140,8 @@ def _written(made: Page, d: Diagnosis) -> None:
     made.section("What the written machine would change")
     if not figures:
         made.text(
-            "No correction of a program would change: no effect of the machine that the place decides is told apart and sized."
+            "No correction of a program would change: no effect of the machine that the place"
+            " decides is told apart and sized."
         )
     for figure in figures:
         made.figure(figure)

@@ -1,5 +1,6 @@
-"""Figures of what a diagnosis found: how much each effect explains, how probable its names are, what it does to readings that took no
-part, what no name explains, and what the written machine would change."""
+"""Figures of what a diagnosis found: how much each effect explains, how probable its names are,
+what it does to readings that took no part, what no name explains, and what the written machine
+would change."""
 
 from __future__ import annotations
 
@@ -8,10 +9,12 @@ import numpy as np
 from postproc.diagnose import report, words
 from postproc.diagnose.answer import Diagnosis, floor
 from postproc.diagnose.summary import UM, middle, rms, scaled
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import LINEAR, XYZ
+from postproc.machine.model import Machine
 from postproc.pages import charts, left
 
-PLACES = 161  # of a curve over a travel
+PLACES = 161  # of a curve over a travel, at least
+NODES = 4000  # of it, at most: a page stays small
 CHANGES = 0.05  # um: less is not drawn
 RANKED = 12  # causes that are listed
 SHOWN = 0.02  # of a probability: less is not drawn
@@ -27,14 +30,18 @@ def held_out(d: Diagnosis) -> charts.Figure:
         groups.append((said, role, of))
     labels = [left.name(d, s) + ("" if scaled(d, s)[1] == "um" else ", urad") for s in own]
     return charts.lying(
-        "held-out", f"Held out ({d.held_name}): rms before, and with the effects found, beside the noise of single readings.",
-        labels, groups, "rms of what took no part, um",
-    )  # fmt: skip
+        "held-out",
+        f"Held out ({d.held_name}): rms before, and with the effects found, beside the noise of"
+        " single readings.",
+        labels,
+        groups,
+        "rms of what took no part, um",
+    )
 
 
 def ranked(d: Diagnosis) -> list[tuple[str, float, float, float]]:
-    """(effect, rms um, range um, share of all) of what was found, the largest first. range: from its least to its largest in one
-    signal; share: of the sum of squares of all effects."""
+    """(effect, rms um, range um, share of all) of what was found, the largest first. range: from
+    its least to its largest in one signal; share: of the sum of squares of all effects."""
     found = []
     for f in d.findings:
         part = (f.contribution - middle(d, f.contribution)) * UM
@@ -55,9 +62,13 @@ def shares(d: Diagnosis) -> charts.Figure:
     sizes.sort(key=lambda one: -one[1])
     sizes += [("left with all of them", rms(d.after) * UM), ("noise", rms(floor(d)) * UM)]
     return charts.lying(
-        "shares", "How much each effect explains in all readings, beside what is left with all of them and the noise.",
-        [n for n, _ in sizes], [("rms", "command", [v for _, v in sizes])], "rms of all readings, um",
-    )  # fmt: skip
+        "shares",
+        "How much each effect explains in all readings, beside what is left with all of them and"
+        " the noise.",
+        [n for n, _ in sizes],
+        [("rms", "command", [v for _, v in sizes])],
+        "rms of all readings, um",
+    )
 
 
 def names(d: Diagnosis) -> charts.Figure | None:
@@ -77,9 +88,13 @@ def names(d: Diagnosis) -> charts.Figure | None:
                 )
                 sizes.append(100 * p)
     return charts.lying(
-        "names", "How probable each name is if it is one of these: by what the readings tell and what is believed beforehand.",
-        labels, [("probability", "command", sizes)], "%",
-    )  # fmt: skip
+        "names",
+        "How probable each name is if it is one of these: by what the readings tell and what is"
+        " believed beforehand.",
+        labels,
+        [("probability", "command", sizes)],
+        "%",
+    )
 
 
 def features(d: Diagnosis) -> charts.Figure:
@@ -94,15 +109,37 @@ def features(d: Diagnosis) -> charts.Figure:
     ):
         rows = np.flatnonzero(which)
         if len(rows):
-            data.append(charts.dots(charts.um(values[rows], 3), [labels[int(s)] for s in d.rows.signal[rows]], said, role, size=8,
-                                    symbol=symbol, hovertemplate="%{y}: %{x:.2f} um<extra></extra>"))  # fmt: skip
+            data.append(
+                charts.dots(
+                    charts.um(values[rows], 3),
+                    [labels[int(s)] for s in d.rows.signal[rows]],
+                    said,
+                    role,
+                    size=8,
+                    symbol=symbol,
+                    hovertemplate="%{y}: %{x:.2f} um<extra></extra>",
+                )
+            )
     half = [left.Z95 * float(np.median(floor(d)[d.rows.signal == s])) * UM for s in own]
-    bars = charts.bars(charts.column(2 * np.array(half), 3), [labels[s] for s in own], "95 % of the noise", "noise", orientation="h",
-                       base=charts.column(-np.array(half), 3), hoverinfo="skip")  # fmt: skip
+    bars = charts.bars(
+        charts.column(2 * np.array(half), 3),
+        [labels[s] for s in own],
+        "95 % of the noise",
+        "noise",
+        orientation="h",
+        base=charts.column(-np.array(half), 3),
+        hoverinfo="skip",
+    )
     return charts.figure(
-        "features", "Features of parts: what the machine's file leaves, and what is left with the effects found.", [bars, *data],
-        "measured - model, um", "", 130 + 30 * len(own), yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"},
-    )  # fmt: skip
+        "features",
+        "Features of parts: what the machine's file leaves, and what is left with the effects"
+        " found.",
+        [bars, *data],
+        "measured - model, um",
+        "",
+        130 + 30 * len(own),
+        yaxis={"autorange": "reversed", "gridcolor": "rgba(0,0,0,0)"},
+    )
 
 
 def unknown(d: Diagnosis) -> charts.Figure | None:
@@ -117,13 +154,17 @@ def unknown(d: Diagnosis) -> charts.Figure | None:
         own = [c for c in u.cells if c.approach == way]
         if own:
             x = [way if by_side else (c.low + c.high) / 2 for c in own]
-            wide = {
-                "type": "data",
-                "array": charts.column([1.96 * c.error * scale for c in own], 3),
-                "thickness": 1,
-            }
-            data.append(charts.line(charts.column(x, 4), charts.column([c.mean * scale for c in own], 3), said if way else "both directions",
-                                    role, mode="lines+markers", error_y=wide))  # fmt: skip
+            wide = charts.limits(charts.column([1.96 * c.error * scale for c in own], 3))
+            data.append(
+                charts.line(
+                    charts.column(x, 4),
+                    charts.column([c.mean * scale for c in own], 3),
+                    said if way else "both directions",
+                    role,
+                    mode="lines+markers",
+                    error_y=wide,
+                )
+            )
     along = (
         "direction of approach"
         if by_side
@@ -132,23 +173,43 @@ def unknown(d: Diagnosis) -> charts.Figure | None:
         else f"position of {u.along}, mm"
     )
     return charts.figure(
-        "unknown", f"{left.name(d, u.signal)}: the mean of what no name explains, with 95 % limits of the mean. No compensator applies it.",
-        data, along, f"not explained, {unit}", 320,
-    )  # fmt: skip
+        "unknown",
+        f"{left.name(d, u.signal)}: the mean of what no name explains, with 95 % limits of the"
+        " mean. No compensator applies it.",
+        data,
+        along,
+        f"not explained, {unit}",
+        320,
+    )
+
+
+def places(machine: Machine, other: Machine, letter: str) -> tuple[np.ndarray, str]:
+    """(N,) mm: where curves along an axis are drawn, with every node of both machines, because a
+    wave between them would be drawn as another one; and a word where only the middle of the travel
+    holds as many as are drawn."""
+    low, high = machine.axes[letter].travel
+    nodes = [n for m in (machine, other) for n in m.knots.get(letter, [])]
+    at = np.unique(np.concatenate([np.linspace(low, high, PLACES), *nodes]))
+    at = at[(at >= low) & (at <= high)]
+    if len(at) <= NODES:
+        return at, ""
+    first = (len(at) - NODES) // 2
+    return at[first : first + NODES], " The middle of the travel is drawn."
 
 
 def written(d: Diagnosis) -> list[charts.Figure]:
-    """What the written machine would change: the map's deviation along each slide, the others in the middle, before and after."""
+    """What the written machine would change: the map's deviation along each slide, the others in
+    the middle, before and after."""
     machine, other = d.machine, report.with_effects(d)
     figures = []
     middles = {
-        x: (a.travel[0] + a.travel[1]) / 2 if x in XYZ else 0.0 for x, a in machine.axes.items()
+        x: (a.travel[0] + a.travel[1]) / 2 if x in LINEAR else 0.0 for x, a in machine.axes.items()
     }
     slides = [x for x in machine.letters if x in XYZ]
     for letter in slides:
-        at = np.linspace(*machine.axes[letter].travel, PLACES)
+        at, part = places(machine, other, letter)
         place = np.stack(
-            [at if x == letter else np.full(PLACES, middles[x]) for x in machine.letters]
+            [at if x == letter else np.full(len(at), middles[x]) for x in machine.letters]
         )
         data = []
         for k, error in enumerate(slides):
@@ -162,14 +223,31 @@ def written(d: Diagnosis) -> list[charts.Figure]:
                     continue
                 role, sign = ("plus", "minus", "limit")[k], "+" if side > 0 else "-"
                 data += [
-                    charts.line(charts.column(at, 3), charts.column(pair[0], 3), f"{error} as it is, from {sign}", "nominal", dash=dash),
-                    charts.line(charts.column(at, 3), charts.column(pair[1], 3), f"{error} as written, from {sign}", role, dash=dash),
-                ]  # fmt: skip
+                    charts.line(
+                        charts.column(at, 3),
+                        charts.column(pair[0], 3),
+                        f"{error} as it is, from {sign}",
+                        "nominal",
+                        dash=dash,
+                    ),
+                    charts.line(
+                        charts.column(at, 3),
+                        charts.column(pair[1], 3),
+                        f"{error} as written, from {sign}",
+                        role,
+                        dash=dash,
+                    ),
+                ]
         if data:
             figures.append(
                 charts.figure(
-                    f"written-{letter}", f"Deviation by the map along {letter}, the other axes in the middle of their travel: as the file states "
-                    "it, and as --write-machine would write it.", data, f"position of {letter}, mm", "deviation, um", 340,
+                    f"written-{letter}",
+                    f"Deviation by the map along {letter}, the other axes in the middle of their"
+                    f" travel: as the file states it, and as --write-machine would write it.{part}",
+                    data,
+                    f"position of {letter}, mm",
+                    "deviation, um",
+                    340,
                 )
-            )  # fmt: skip
+            )
     return figures

@@ -11,9 +11,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from postproc import __version__
+from postproc import __version__, style
 from postproc.errors import UsageError
-from postproc.pages import style
 
 HERE = Path(__file__).resolve().parent / "templates"
 LARGEST = 3_000_000  # bytes of a page
@@ -21,8 +20,9 @@ LARGEST = 3_000_000  # bytes of a page
 
 @dataclass
 class Page:
-    """title; headline: the answer in one sentence, with mood good, bad, open or ""; subject: rows (name, value) of what this
-    is about; blocks: in order. A block is a dict with a kind that the template knows: text, tiles, table, list, figure, row, path."""
+    """title; headline: the answer in one sentence, with mood good, bad, open or ""; subject: rows
+    (name, value) of what this is about; blocks: in order. A block is a dict with a kind that the
+    template knows: text, tiles, table, list, figure, row, path."""
 
     title: str
     headline: str
@@ -59,18 +59,30 @@ class Page:
         self.blocks.append({"kind": "row", "figures": figures})
 
     def html(self, *scripts: str) -> str:
-        """The file's text. scripts: of the page's own, in templates/. Raises UsageError where a library is missing."""
+        """The file's text. scripts: of the page's own, in templates/. Raises UsageError where a
+        library is missing."""
         figures = [
             f
             for b in self.blocks
             for f in b.get("figures", (b["figure"],) if "figure" in b else ())
         ]
         data = json.dumps({"figures": figures, **self.data}, allow_nan=False, separators=(",", ":"))
-        return _environment().get_template("page.html").render(
-            page=self, version=__version__, css=(HERE / "page.css").read_text("utf-8"), light=style.variables(style.LIGHT),
-            dark=style.variables(style.DARK), font=style.FONT, data=_packed(data.encode("utf-8")), library=_library(),
-            sequential=json.dumps(style.SEQUENTIAL), scripts=[(HERE / s).read_text("utf-8") for s in ("page.js", *scripts)],
-        )  # fmt: skip
+        return (
+            _environment()
+            .get_template("page.html")
+            .render(
+                page=self,
+                version=__version__,
+                css=(HERE / "page.css").read_text("utf-8"),
+                light=style.variables(style.LIGHT),
+                dark=style.variables(style.DARK),
+                font=style.FONT,
+                data=_packed(data.encode("utf-8")),
+                library=_library(),
+                sequential=json.dumps(style.SEQUENTIAL),
+                scripts=[(HERE / s).read_text("utf-8") for s in ("page.js", *scripts)],
+            )
+        )
 
 
 def _packed(data: bytes) -> str:

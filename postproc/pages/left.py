@@ -1,4 +1,5 @@
-"""Figures of readings beside a model: what is left before and after, by place, by side, in time, about a circle, over a period."""
+"""Figures of readings beside a model: what is left before and after, by place, by side, in time,
+about a circle, over a period."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ SIDES = (
     (-1, "minus", "approached in -"),
     (0, "still", "no direction"),
 )
-DRAWN = 3000  # readings of a signal that are drawn: more can not be told apart, and the page stays small
+# readings of a signal that are drawn: more can not be told apart, and the page stays small
+DRAWN = 3000
 FEWEST = 8  # readings of a figure
 BINS = 40  # pieces of the noise band
 EVEN = 1.2  # times: noise that differs by less is drawn as one band
@@ -46,14 +48,15 @@ def thinned(which: np.ndarray) -> tuple[np.ndarray, str]:
     """Rows that are drawn, evenly over all, and a word where they are not all."""
     if len(which) <= DRAWN:
         return which, ""
-    return which[
-        np.linspace(0, len(which) - 1, DRAWN).astype(int)
-    ], f" {DRAWN} of {len(which)} readings are drawn."
+    return (
+        which[np.linspace(0, len(which) - 1, DRAWN).astype(int)],
+        f" {DRAWN} of {len(which)} readings are drawn.",
+    )
 
 
 def noise_band(x: np.ndarray, noise: np.ndarray) -> tuple[list, list]:
-    """Places (B,) and half widths (B,) within which 95 % of the noise lies: the median of the readings' own noise, piece by piece
-    where it differs."""
+    """Places (B,) and half widths (B,) within which 95 % of the noise lies: the median of the
+    readings' own noise, piece by piece where it differs."""
     low, high = float(x.min()), float(x.max())
     even = np.quantile(noise, 0.95) <= EVEN * np.quantile(noise, 0.05)
     if even or high <= low:
@@ -113,17 +116,40 @@ def of_signal(d: Diagnosis, signal: int) -> list[charts.Figure]:
         "yaxis2": {"domain": BELOW, "title": {"text": f"after, {unit}"}},
     }
     key = f"left-{signal}"
-    where = f"{name(d, signal)}, {words.stretch(axis, float(place.min()), float(place.max()))}: measured - model" if np.ptp(place) else name(d, signal)  # fmt: skip
+    where = (
+        f"{name(d, signal)}, {words.stretch(axis, float(place.min()), float(place.max()))}:"
+        " measured - model"
+        if np.ptp(place)
+        else name(d, signal)
+    )
+    ringed = " Rings: where it stands out." if standing_out(d, rows).any() else ""
     first = charts.figure(
-        f"{key}-place", f"{where}. Above, what the machine's file leaves; below, what is left with the effects found. Rings: where "
-        f"it stands out.{few}", _by_place(d, rows, place, side, scale, unit, axis), f"position of {axis}, mm", "", 460,
-        xaxis={"anchor": "y2"}, **layout,
-    )  # fmt: skip
+        f"{key}-place",
+        f"{where}. Above, what the machine's file leaves; below, what is left with the effects"
+        f" found.{ringed}{few}",
+        _by_place(d, rows, place, side, scale, unit, axis),
+        f"position of {axis}, mm",
+        "",
+        460,
+        xaxis={"anchor": "y2"},
+        **layout,
+    )
     second = charts.figure(
-        f"{key}-side", f"By the side from which {axis} comes; black: the mean.", _by_side(d, rows, side, scale, unit),
-        f"direction of {axis}", "", 460, showlegend=False, **layout,
-        xaxis={"anchor": "y2", "tickvals": [way for way, _, _ in SIDES], "ticktext": ["+", "-", "none"], "range": [-1.6, 1.6]},
-    )  # fmt: skip
+        f"{key}-side",
+        f"By the side from which {axis} comes; bars: the means.",
+        _by_side(d, rows, side, scale, unit),
+        f"direction of {axis}",
+        "",
+        460,
+        showlegend=False,
+        **layout,
+        xaxis={
+            "anchor": "y2",
+            "tickvals": [way for way, _, _ in SIDES],
+            "ticktext": ["+", "-", "none"],
+            "range": [-1.6, 1.6],
+        },
+    )
     third = charts.figure(
         f"{key}-time", "In time; readings that took no part in naming and fitting are marked.",
         _in_time(d, rows, time, scale, unit), said, "", 460, xaxis={"anchor": "y2"}, **layout,
@@ -139,21 +165,44 @@ def _rings(d: Diagnosis, rows: np.ndarray, x: np.ndarray, scale: float) -> list[
     out = standing_out(d, rows)
     if not out.any():
         return []
-    return [charts.dots(charts.column(x[out], 4), charts.column(d.before[rows][out] * scale, 3), "stands out", "open", size=10,
-                        symbol="circle-open", hoverinfo="skip")]  # fmt: skip
+    return [
+        charts.dots(
+            charts.column(x[out], 4),
+            charts.column(d.before[rows][out] * scale, 3),
+            "stands out",
+            "open",
+            size=10,
+            symbol="circle-open",
+            hoverinfo="skip",
+        )
+    ]
 
 
 def _by_place(d, rows, place, side, scale, unit, axis) -> list[charts.Trace]:
-    data: list[charts.Trace] = []
+    data: list[charts.Trace] = _rings(d, rows, place, scale)  # below the dots, which stay seen
     for values, y in _halves(d):
         data.append(_band(place, floor(d)[rows] * scale, y, y == "y"))
         for way, role, said in SIDES:
             own = side == way
             if own.any():
-                hover = f"{axis} %{{x:.3f}} mm: %{{y:.2f}} {unit}, line %{{text}} of the file<extra></extra>"
-                data.append(charts.dots(charts.column(place[own], 4), charts.column(values[rows][own] * scale, 3), said, role, size=4,
-                                        yaxis=y, showlegend=y == "y", text=d.rows.line[rows][own].tolist(), hovertemplate=hover))  # fmt: skip
-    return data + _rings(d, rows, place, scale)
+                hover = (
+                    f"{axis} %{{x:.3f}} mm: %{{y:.2f}} {unit}, line %{{text}} of the"
+                    " file<extra></extra>"
+                )
+                data.append(
+                    charts.dots(
+                        charts.column(place[own], 4),
+                        charts.column(values[rows][own] * scale, 3),
+                        said,
+                        role,
+                        size=4,
+                        yaxis=y,
+                        showlegend=y == "y",
+                        text=d.rows.line[rows][own].tolist(),
+                        hovertemplate=hover,
+                    )
+                )
+    return data
 
 
 def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
@@ -167,8 +216,18 @@ def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
             own = values[rows][side == way] * scale
             if len(own):
                 x = way + np.linspace(-0.3, 0.3, len(own))
-                data.append(charts.dots(charts.column(x, 3), charts.column(own, 3), said, role, size=3, opacity=0.5, yaxis=y,
-                                        hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>"))  # fmt: skip
+                data.append(
+                    charts.dots(
+                        charts.column(x, 3),
+                        charts.column(own, 3),
+                        said,
+                        role,
+                        size=3,
+                        opacity=0.5,
+                        yaxis=y,
+                        hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>",
+                    )
+                )
                 mean = round(float(own.mean()), 3)
                 data.append(
                     charts.line(
@@ -184,18 +243,28 @@ def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
 
 
 def _in_time(d, rows, time, scale, unit) -> list[charts.Trace]:
-    data: list[charts.Trace] = []
+    data: list[charts.Trace] = _rings(d, rows, time, scale)
     for values, y in _halves(d):
         data.append(_band(time, floor(d)[rows] * scale, y, False))
         for held, role, said in ((False, "still", "fitted"), (True, "held", "took no part")):
             own = d.held[rows] == held
             if own.any():
-                data.append(charts.dots(charts.column(time[own], 3), charts.column(values[rows][own] * scale, 3), said, role, size=4,
-                                        yaxis=y, showlegend=y == "y", hovertemplate=f"%{{x:.1f}}: %{{y:.2f}} {unit}<extra></extra>"))  # fmt: skip
-    return data + _rings(d, rows, time, scale)
+                data.append(
+                    charts.dots(
+                        charts.column(time[own], 3),
+                        charts.column(values[rows][own] * scale, 3),
+                        said,
+                        role,
+                        size=4,
+                        yaxis=y,
+                        showlegend=y == "y",
+                        hovertemplate=f"%{{x:.1f}}: %{{y:.2f}} {unit}<extra></extra>",
+                    )
+                )
+    return data
 
 
-# -- circles -----------------------------------------------------------------------------------------------------------
+# -- circles ---------------------------------------------------------------------------------------
 
 
 def circles(d: Diagnosis) -> Iterator[charts.Figure]:
@@ -228,11 +297,18 @@ def _circle(
         (d.before, "before", "before"),
         (d.after, "after", "with the effects found"),
     ):
-        data.append({
-            "type": "scatterpolar", "mode": "markers", "name": said, "theta": charts.column(angle, 2),
-            "r": charts.column(nominal + times_ * values[rows], 4), "text": charts.um(values[rows], 2),
-            "hovertemplate": "%{theta:.0f} degrees: %{text} um<extra></extra>", "marker": {"color": f"@{role}", "size": 3},
-        })  # fmt: skip
+        data.append(
+            {
+                "type": "scatterpolar",
+                "mode": "markers",
+                "name": said,
+                "theta": charts.column(angle, 2),
+                "r": charts.column(nominal + times_ * values[rows], 4),
+                "text": charts.um(values[rows], 2),
+                "hovertemplate": "%{theta:.0f} degrees: %{text} um<extra></extra>",
+                "marker": {"color": f"@{role}", "size": 3},
+            }
+        )
     for sign in (-1, 1):
         half = Z95 * float(np.median(floor(d)[rows]))
         data.append(
@@ -242,24 +318,39 @@ def _circle(
     step = round_down(top) * 1000  # um
     rings = [k for k in range(-9, 10) if abs(k) * step <= 1250 * top]
     return charts.figure(
-        f"circle-{file}", f"{Path(d.recordings[file].file).name}: measured - model about the circle, {times_:,.0f} times larger; one "
-        f"ring is {step:g} um.{few}", data, "", "", 560, polar=charts.polar(axes, [nominal + times_ * step * k / 1000 for k in rings], [step * k for k in rings]),
-    )  # fmt: skip
+        f"circle-{file}",
+        f"{Path(d.recordings[file].file).name}: measured - model about the circle, {times_:,.0f}"
+        f" times larger; one ring is {step:g} um.{few}",
+        data,
+        "",
+        "",
+        560,
+        polar=charts.polar(
+            axes, [nominal + times_ * step * k / 1000 for k in rings], [step * k for k in rings]
+        ),
+    )
 
 
 def _ring(radius: float, said: str, role: str, dash: str, shown: bool) -> charts.Trace:
     turn = np.linspace(0, 360, 121)
     return {
-        "type": "scatterpolar", "mode": "lines", "name": said, "theta": charts.column(turn, 1), "r": [round(radius, 4)] * len(turn),
-        "line": {"color": f"@{role}", "width": 1, "dash": dash}, "hoverinfo": "skip", "showlegend": shown,
-    }  # fmt: skip
+        "type": "scatterpolar",
+        "mode": "lines",
+        "name": said,
+        "theta": charts.column(turn, 1),
+        "r": [round(radius, 4)] * len(turn),
+        "line": {"color": f"@{role}", "width": 1, "dash": dash},
+        "hoverinfo": "skip",
+        "showlegend": shown,
+    }
 
 
-# -- one effect --------------------------------------------------------------------------------------------------------
+# -- one effect ------------------------------------------------------------------------------------
 
 
 def of_finding(d: Diagnosis, k: int) -> charts.Figure | None:
-    """What one effect adds to the signal that shows it best, over its own axis, folded where it comes back with a period."""
+    """What one effect adds to the signal that shows it best, over its own axis, folded where it
+    comes back with a period."""
     f = d.findings[k]
     part = f.contribution - middle(d, f.contribution)
     own = [int(s) for s in np.unique(d.rows.signal[d.rows.sees != "part"])]
@@ -276,13 +367,37 @@ def of_finding(d: Diagnosis, k: int) -> charts.Figure | None:
         if len(some):
             some = some[np.argsort(x[some], kind="stable")]
             both = (d.after + f.contribution)[rows][some] * scale
-            data.append(charts.dots(charts.column(x[some], 4), charts.column(both, 3), f"readings, {label}", role, size=3, opacity=0.35, showlegend=False,
-                                    hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>"))  # fmt: skip
-            data.append(charts.dots(charts.column(x[some], 4), charts.column(f.contribution[rows][some] * scale, 3), label, role, size=8, symbol="line-ew-open"))  # fmt: skip
+            data.append(
+                charts.dots(
+                    charts.column(x[some], 4),
+                    charts.column(both, 3),
+                    f"readings, {label}",
+                    role,
+                    size=3,
+                    opacity=0.35,
+                    showlegend=False,
+                    hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>",
+                )
+            )
+            data.append(
+                charts.dots(
+                    charts.column(x[some], 4),
+                    charts.column(f.contribution[rows][some] * scale, 3),
+                    label,
+                    role,
+                    size=8,
+                    symbol="line-ew-open",
+                )
+            )
     return charts.figure(
-        f"effect-{k}", f"{words.named(f.block.key)} in {name(d, signal)}: what it adds to each reading (strokes), and the readings without "
-        f"all other effects (dots).{few}", data, said, unit, 320,
-    )  # fmt: skip
+        f"effect-{k}",
+        f"{words.named(f.block.key)} in {name(d, signal)}: what it adds to each reading (strokes),"
+        f" and the readings without all other effects (dots).{few}",
+        data,
+        said,
+        unit,
+        320,
+    )
 
 
 def _over(d: Diagnosis, f: Finding, rows: np.ndarray) -> tuple[np.ndarray, str]:
@@ -291,9 +406,10 @@ def _over(d: Diagnosis, f: Finding, rows: np.ndarray) -> tuple[np.ndarray, str]:
     moves = own and float(np.ptp(d.rows.state.position[own][rows])) > 1e-3
     period = f.value.get("period_mm", 0.0)
     if moves and period > 0:
-        return d.rows.state.position[own][
-            rows
-        ] % period, f"position of {own} in its period of {period:.5g} mm, mm"
+        return (
+            d.rows.state.position[own][rows] % period,
+            f"position of {own} in its period of {period:.5g} mm, mm",
+        )
     if hasattr(f.block.module, "WALLS") or not (moves or own == ""):
         return times(d, rows)
     axis = own if moves else axis_of(d, rows)

@@ -1,4 +1,5 @@
-"""The page of tests by the ISO 230 series: each drawn as its standard draws it, with its parameters and their uncertainty."""
+"""The page of tests by the ISO 230 series: each drawn as its standard draws it, with its parameters
+and their uncertainty."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ import numpy as np
 from postproc.iso import Result
 from postproc.iso.causes import Causes
 from postproc.iso.circles import Trace
+from postproc.iso.drift import HOUR, Drift
 from postproc.iso.figure import about_centre, round_down
 from postproc.iso.positioning import Positioning
 from postproc.iso.report import decimals, number, scale
@@ -40,11 +42,14 @@ def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
     )
     made.subject = [("recordings", ", ".join(files))]
     for k, result in enumerate(results):
-        made.section(f"{result.subject}: {result.test}, {result.standard}", f"{result.chosen}.")
+        chosen = f"{result.chosen[:1].upper()}{result.chosen[1:]}."
+        made.section(f"{result.subject}: {result.test}, {result.standard}", chosen)
         if isinstance(result.detail, Positioning | Straightness):
             made.figure(_along(result, f"test-{k}"))
         elif isinstance(result.detail, list) and result.detail:
             made.figure(_circle(result, f"test-{k}"))
+        elif isinstance(result.detail, Drift):
+            made.figure(_at_rest(result, f"test-{k}"))
         if result.causes:
             _causes(made, result.causes, f"test-{k}-causes")
         _parameters(made, result)
@@ -62,9 +67,8 @@ def _headline(results: Sequence[Result]) -> str:
         main = next((p for p in result.parameters if p.value is not None), None)
         if main is not None:
             u = "" if main.U is None else f" +- {_shown(result, main.U)}"
-            said.append(
-                f"{result.subject}: {main.name} {_shown(result, main.value)}{u} {result.unit}"
-            )
+            size = f"{_shown(result, main.value)}{u} {result.unit}"
+            said.append(f"{result.subject}: {main.means} ({main.name}) {size}")
     return "; ".join(said) + (f"; and {len(results) - 4} more." if len(results) > 4 else ".")
 
 
@@ -74,9 +78,15 @@ def _shown(result: Result, value: float | None) -> str:
 
 def _parameters(made: Page, result: Result) -> None:
     rows = [
-        (p.name, _shown(result, p.value), _shown(result, p.U), _shown(result, p.runs), p.means + (f", {p.at}" if p.at else ""))
+        (
+            p.name,
+            _shown(result, p.value),
+            _shown(result, p.U),
+            _shown(result, p.runs),
+            p.means + (f", {p.at}" if p.at else ""),
+        )
         for p in result.parameters
-    ]  # fmt: skip
+    ]
     made.table(("", f">{result.unit}", ">U (k = 2)", ">of it runs", "what it is"), rows)
     if result.terms:
         made.text("In U, k = 1:")
@@ -85,11 +95,12 @@ def _parameters(made: Page, result: Result) -> None:
         )
 
 
-# -- along an axis -----------------------------------------------------------------------------------------------------
+# -- along an axis ---------------------------------------------------------------------------------
 
 
 def _along(result: Result, name: str) -> charts.Figure:
-    """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand for."""
+    """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand
+    for."""
     test: Positioning = (
         result.detail.test if isinstance(result.detail, Straightness) else result.detail
     )
@@ -121,12 +132,27 @@ def _along(result: Result, name: str) -> charts.Figure:
         hover = f"%{{x}}: %{{y:.2f}} {result.unit}, run %{{customdata}}<extra></extra>"
         data.append(
             charts.dots(
-                charts.column(test.position[rows], 4), charts.column(test.reading[rows] / unit, 3), f"readings, {sign}",
-                ROLES[way], size=4, opacity=0.4, showlegend=False, customdata=charts.column(test.run[rows], 0), hovertemplate=hover,
+                charts.column(test.position[rows], 4),
+                charts.column(test.reading[rows] / unit, 3),
+                f"readings, {sign}",
+                ROLES[way],
+                size=4,
+                opacity=0.4,
+                showlegend=False,
+                customdata=charts.column(test.run[rows], 0),
+                hovertemplate=hover,
             )
-        )  # fmt: skip
-        data.append(charts.line(x, charts.column(test.mean[row] / unit, 3), f"mean, approached in {sign}", ROLES[way],
-                                mode="lines+markers", marker={"size": 5, "color": f"@{ROLES[way]}"}))  # fmt: skip
+        )
+        data.append(
+            charts.line(
+                x,
+                charts.column(test.mean[row] / unit, 3),
+                f"mean, approached in {sign}",
+                ROLES[way],
+                mode="lines+markers",
+                marker={"size": 5, "color": f"@{ROLES[way]}"},
+            )
+        )
     if test.two_way:
         data.append(
             charts.line(
@@ -144,17 +170,21 @@ def _along(result: Result, name: str) -> charts.Figure:
     along = "degrees" if result.test == "rotary" else "mm"
     letter = result.subject.split(",")[0] if result.test == "diagonal" else result.subject[2:3]
     return charts.figure(
-        name, "Readings (dots), their means with 2 s, in each direction of approach. Actual - commanded.", data,
-        f"{letter}, {along}", f"deviation, {result.unit}", 400, annotations=notes,
-        xaxis={"domain": [0, domain], "range": _range(test.target)},
-        xaxis2={"domain": [min(domain + 0.02, 0.99), 1], "visible": False, "fixedrange": True, "range": [-0.6, 2.6]},
-    )  # fmt: skip
-
-
-def _range(target: np.ndarray) -> list[float]:
-    """The travel that was measured, with room for a dot at its ends."""
-    edge = 0.015 * max(float(np.ptp(target)), 1e-9)
-    return [round(float(target.min()) - edge, 4), round(float(target.max()) + edge, 4)]
+        name,
+        "Readings (dots), their means with 2 s, in each direction of approach. Actual - commanded.",
+        data,
+        f"{letter}, {along}",
+        f"deviation, {result.unit}",
+        400,
+        annotations=notes,
+        xaxis={"domain": [0, domain], "range": charts.reach(x)},
+        xaxis2={
+            "domain": [min(domain + 0.02, 0.99), 1],
+            "visible": False,
+            "fixedrange": True,
+            "range": [-0.6, 2.6],
+        },
+    )
 
 
 def _widths(
@@ -166,9 +196,11 @@ def _widths(
     ends = {
         "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if both else None,
         "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
-        "A": (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
-        if spread
-        else None,
+        "A": (
+            (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
+            if spread
+            else None
+        ),
     }
     known = {p.name: p.value for p in result.parameters}
     sign = "" if known.get("E") is not None else "+" if known.get("E+") is not None else "-"
@@ -179,13 +211,33 @@ def _widths(
             continue
         low, high = (round(float(v) / unit, 3) for v in low_high)
         label = f"{letter}{sign}"
-        data.append(charts.line([k, k], [low, high], label, "ink", xaxis="x2", showlegend=False, mode="lines+markers",
-                                marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
-                                hovertemplate=f"{label} {_shown(result, value)} {result.unit}<extra></extra>"))  # fmt: skip
-        notes.append({
-            "x": k, "y": high, "xref": "x2", "yref": "y", "yanchor": "bottom", "yshift": 6, "showarrow": False,
-            "text": f"{label}<br>{_shown(result, value)}", "font": {"color": "@ink", "size": 11},
-        })  # fmt: skip
+        data.append(
+            charts.line(
+                [k, k],
+                [low, high],
+                label,
+                "ink",
+                xaxis="x2",
+                showlegend=False,
+                mode="lines+markers",
+                marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
+                hovertemplate=f"{label} {_shown(result, value)} {result.unit}<extra></extra>",
+            )
+        )
+        notes.append(
+            {
+                "x": k,
+                "y": high,
+                "xref": "x2",
+                "yref": "y",
+                "yanchor": "bottom",
+                "yshift": 6,
+                "showarrow": False,
+                "text": f"{label}<br>{_shown(result, value)}<br>{result.unit}",
+                "brief": label,  # the numbers stand in the table
+                "font": {"color": "@ink", "size": 11},
+            }
+        )
     return data, notes
 
 
@@ -201,31 +253,114 @@ def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trac
     size = _shown(result, lines.errors[name])
     data = [charts.line(x, charts.column(level / unit, 3), f"{lines.kind} line", "ink", width=1.2)]
     for k, edge in enumerate((off.max(), off.min())):
-        data.append(charts.line(x, charts.column((level + edge) / unit, 3), f"zone: {name} {size} {result.unit}", "ink",
-                                dash="dashdot", width=1, showlegend=not k))  # fmt: skip
+        data.append(
+            charts.line(
+                x,
+                charts.column((level + edge) / unit, 3),
+                f"zone: {name} {size} {result.unit}",
+                "ink",
+                dash="dashdot",
+                width=1,
+                showlegend=not k,
+            )
+        )
     return data
+
+
+# -- at rest ---------------------------------------------------------------------------------------
+
+
+def _at_rest(result: Result, name: str) -> charts.Figure:
+    """Readings over the time, from the first one on, with the range that the first parameter is."""
+    d: Drift = result.detail
+    unit, step = scale(result), max(1, len(d.time) // MOST_READINGS)
+    hours = (d.time - d.time[0]) / HOUR
+    moved = (d.reading - d.reading[0]) / unit
+    data = [
+        charts.line(
+            charts.column(hours[::step], 4),
+            charts.column(moved[::step], 3),
+            f"reading along {d.letter}",
+            "plus",
+            mode="lines+markers",
+            marker={"size": 3, "color": "@plus"},
+            hovertemplate=f"%{{x:.2f}} h: %{{y:.2f}} {result.unit}<extra></extra>",
+        )
+    ]
+    main = result.parameters[0]
+    said = f"{main.name}: {_shown(result, main.value)} {result.unit}"
+    for k, level in enumerate((moved.min(), moved.max())):
+        data.append(
+            charts.line(
+                charts.column(hours[[0, -1]], 4),
+                charts.column([level, level], 3),
+                said,
+                "ink",
+                dash="dashdot",
+                width=1,
+                showlegend=not k,
+                hoverinfo="skip",
+            )
+        )
+    return charts.figure(
+        name,
+        "Readings from the first one on, while no slide moves; between the lines: the range over"
+        " the whole time.",
+        data,
+        "time, h",
+        f"reading, {result.unit}",
+        400,
+        xaxis={"range": charts.reach(charts.column(hours, 4))},
+    )
 
 
 def _causes(made: Page, causes: Causes, name: str) -> None:
     """What makes a circle out of round, ranked."""
     told = [c for c in causes.ranked if c.share >= LEAST]
-    said = f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none of these explains"
+    said = (
+        f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none"
+        " of these explains"
+    )
     roles = ["@command" if c.range > c.U_range else "@still" for c in told]
     bars = charts.lying(
-        name, f"What makes it out of round, of each cause alone, with U (95 %); grey: not told from zero; {said}.", [c.name for c in told],
-        [("range round the circle", "command", [c.range / UM for c in told])], "um",
-        error_x={"type": "data", "array": charts.um([c.U_range for c in told], 2), "thickness": 1},
-        marker={"color": roles}, text=None,
-    )  # fmt: skip
+        name,
+        "What makes it out of round, of each cause alone, with U (95 %); grey: not told from zero;"
+        f" {said}.",
+        [c.name for c in told],
+        [("range round the circle", "command", [c.range / UM for c in told])],
+        "um",
+        error_x=charts.limits(charts.um([c.U_range for c in told], 2)),
+        marker={"color": roles},
+        text=None,
+    )
     made.figure(bars)
     rows = [
-        (c.name, f"{c.range / UM:.2f}", f"{c.U_range / UM:.2f}", f"{100 * c.share:.0f}", f"{c.size:+.4g} {c.unit}", f"{c.U:.2g} {c.unit}")
+        (
+            c.name,
+            f"{c.range / UM:.2f}",
+            f"{c.U_range / UM:.2f}",
+            f"{100 * c.share:.0f}",
+            f"{c.size:+.4g} {c.unit}",
+            f"{c.U:.2g} {c.unit}",
+            c.positive,
+        )
         for c in causes.ranked
-    ]  # fmt: skip
-    made.table(("cause", ">um", ">U (95 %)", ">% of the sum", ">its size", ">U (95 %)"), rows)
+    ]
+    made.table(
+        (
+            "cause",
+            ">um",
+            ">U (95 %)",
+            ">% of the sum",
+            ">its size",
+            ">U (95 %)",
+            "above zero it means",
+        ),
+        rows,
+    )
 
 
-# -- circles -----------------------------------------------------------------------------------------------------------
+# -- circles ---------------------------------------------------------------------------------------
 
 
 def _circle(result: Result, name: str) -> charts.Figure:
@@ -241,22 +376,42 @@ def _circle(result: Result, name: str) -> charts.Figure:
     for t, (angle, radial) in zip(traces, about, strict=True):
         step = max(1, len(angle) // (MOST_POINTS // min(len(traces), 5)))
         sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
-        data.append({
-            "type": "scatterpolar", "mode": "lines", "name": f"from +{sense[0].upper()} to +{sense[1].upper()}",
-            "theta": charts.column(np.degrees(angle[::step]), 2), "r": charts.column((nominal + times * radial)[::step], 4),
-            "customdata": charts.um(radial[::step], 2), "hovertemplate": "%{theta:.0f} degrees: %{customdata} um<extra></extra>",
-            "line": {"color": f"@{ROLES[1 if t.way > 0 else -1]}", "width": 1.2}, "showlegend": t.way not in seen,
-        })  # fmt: skip
+        data.append(
+            {
+                "type": "scatterpolar",
+                "mode": "lines",
+                "name": f"from +{sense[0].upper()} to +{sense[1].upper()}",
+                "theta": charts.column(np.degrees(angle[::step]), 2),
+                "r": charts.column((nominal + times * radial)[::step], 4),
+                "customdata": charts.um(radial[::step], 2),
+                "hovertemplate": "%{theta:.0f} degrees: %{customdata} um<extra></extra>",
+                "line": {"color": f"@{ROLES[1 if t.way > 0 else -1]}", "width": 1.2},
+                "showlegend": t.way not in seen,
+            }
+        )
         seen.add(t.way)
     turn = np.linspace(0, 360, 181)
-    data.append({
-        "type": "scatterpolar", "mode": "lines", "name": f"nominal, {nominal:g} mm", "theta": charts.column(turn, 1),
-        "r": [nominal] * len(turn), "line": {"color": "@ink", "width": 1, "dash": "dot"}, "hoverinfo": "skip",
-    })  # fmt: skip
+    data.append(
+        {
+            "type": "scatterpolar",
+            "mode": "lines",
+            "name": f"nominal, {nominal:g} mm",
+            "theta": charts.column(turn, 1),
+            "r": [nominal] * len(turn),
+            "line": {"color": "@ink", "width": 1, "dash": "dot"},
+            "hoverinfo": "skip",
+        }
+    )
     division = round_down(max(largest, 1e-4))
     edge = math.ceil(largest / division)
     rings = division * np.arange(-edge, edge + 1)
     return charts.figure(
-        name, f"About the least-squares centre, deviations {times:g} times larger; one ring is {division * 1000:g} um.", data,
-        "", "", 560, polar=charts.polar(list(plane), list(nominal + times * rings), list(rings * 1000)),
-    )  # fmt: skip
+        name,
+        f"About the least-squares centre, deviations {times:g} times larger; one ring is"
+        f" {division * 1000:g} um.",
+        data,
+        "",
+        "",
+        560,
+        polar=charts.polar(list(plane), list(nominal + times * rings), list(rings * 1000)),
+    )

@@ -33,7 +33,8 @@ def html(filter_: Filter, verifier: Verifier, why: str = "") -> str:
 
 
 def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
-    """The page of a program that was corrected and verified, with the verifier's trace. why: that it was written out."""
+    """The page of a program that was corrected and verified, with the verifier's trace. why: that
+    it was written out."""
     trace = verifier.trace
     assert trace is not None
     before, after = trace.before.places(), trace.after.places()
@@ -44,15 +45,24 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
     )
     summary = filter_.summary
     result.subject = [
-        ("program", filter_.name), ("machine", filter_.machine.title), ("map", filter_.machine.digest), ("read as", filter_.dialect.name),
-        ("lines", f"{summary.lines:,}"), ("motions", f"{summary.motions:,}"), ("path", f"{trace.length:,.0f} mm"),
-    ]  # fmt: skip
+        ("program", filter_.name),
+        ("machine", filter_.machine.title),
+        ("map", filter_.machine.digest),
+        ("read as", filter_.dialect.name),
+        ("lines", f"{summary.lines:,}"),
+        ("motions", f"{summary.motions:,}"),
+        ("path", f"{trace.length:,.0f} mm"),
+    ]
     _tiles(result, filter_, verifier, trace)
     if why:
         result.text(f"The program was {why}.")
     if not len(after):
         result.section(
-            "Path", "No place of this program is known to the map, so there is nothing to draw."
+            "Path",
+            "The machine's map is zero everywhere: the tool is where the program puts it, and there"
+            " is nothing to draw."
+            if filter_.machine.is_zero
+            else "No place of this program is known to the map, so there is nothing to draw.",
         )
     else:
         _path(result, trace, verifier, before, after)
@@ -66,8 +76,9 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
 def _headline(verifier: Verifier) -> str:
     after, before = verifier.corrected, verifier.uncorrected
     said = (
-        f"Replayed on the machine's model, the corrected program stays within {after.deviation / UM:.2f} um of its nominal "
-        f"path (worst in line {after.line}); as it was it would be up to {before.deviation / UM:.1f} um off (line {before.line})."
+        "Replayed on the machine's model, the corrected program stays within"
+        f" {after.deviation / UM:.2f} um of its nominal path (worst in line {after.line}); as it"
+        f" was it would be up to {before.deviation / UM:.1f} um off (line {before.line})."
     )
     if max(before.deviation, after.deviation) < NOTHING:
         said = "The map has no error where this program goes: nothing is changed."
@@ -83,11 +94,14 @@ def _tiles(result: Page, filter_: Filter, verifier: Verifier, trace: Trace) -> N
             "before",
         ),
         (f"{verifier.corrected.deviation / UM:.2f} um", "largest deviation, corrected", "after"),
-        (f"{verifier.tolerance / UM:g} um", "tolerance asked for", ""),
+        (f"{verifier.tolerance / UM:g} um", f"tolerance asked for{_beyond(verifier)}", ""),
         (f"{summary.largest / UM:.1f} um", "largest correction of an axis", "command"),
         (
             f"{summary.added:,}",
-            f"blocks added: {trace.take_ups:,} take-ups of lost motion, {trace.cuts:,} cuts",
+            "blocks added: "
+            + counted(trace.take_ups, "take-up")
+            + " of lost motion, "
+            + counted(trace.cuts, "cut"),
             "",
         ),
     ]
@@ -104,11 +118,24 @@ def _tiles(result: Page, filter_: Filter, verifier: Verifier, trace: Trace) -> N
     result.tiles(*tiles)
 
 
-# -- the path ----------------------------------------------------------------------------------------------------------
+def counted(number: int, what: str) -> str:
+    """ "1 cut", "2 cuts"."""
+    return f"{number:,} {what}{'' if number == 1 else 's'}"
+
+
+def _beyond(verifier: Verifier) -> str:
+    """What a take-up of lost motion may cost besides, where slides have any."""
+    if not verifier.follows:
+        return ""
+    return f"; {verifier.allowed / UM:.2g} um are allowed where lost motion is taken up"
+
+
+# -- the path --------------------------------------------------------------------------------------
 
 
 def views(letters: tuple[str, ...], points: np.ndarray, lathe: bool) -> list[str]:
-    """Planes in which a path (A, N) may be looked at, the best first; in space where there are three slides."""
+    """Planes in which a path (A, N) may be looked at, the best first; in space where there are
+    three slides."""
     extent = {x: float(np.ptp(points[k])) for k, x in enumerate(letters) if x in "XYZ"}
     planes = [f"{a} {b}" for a, b in (LATHE if lathe else MILL) if a in extent and b in extent]
     longest = max(extent.values(), default=0.0)
@@ -130,11 +157,17 @@ def magnified(extent: float, error: float) -> int:
 
 def _series(places: Places) -> dict[str, Any]:
     return {
-        "s": charts.column(places.s, 2), "p": [charts.column(row, 4) for row in places.point],
-        "off": [charts.um(row) for row in places.off], "cmd": [charts.um(row) for row in places.command],
-        "d": charts.um(places.distance), "c": charts.um(np.sqrt((places.command**2).sum(axis=0))), "u": charts.um(places.u),
-        "line": places.line.tolist(), "plain": places.plain.tolist(), "feed": places.feed.astype(int).tolist(),
-    }  # fmt: skip
+        "s": charts.column(places.s, 2),
+        "p": [charts.column(row, 4) for row in places.point],
+        "off": [charts.um(row) for row in places.off],
+        "cmd": [charts.um(row) for row in places.command],
+        "d": charts.um(places.distance),
+        "c": charts.um(np.sqrt((places.command**2).sum(axis=0))),
+        "u": charts.um(places.u),
+        "line": places.line.tolist(),
+        "plain": places.plain.tolist(),
+        "feed": places.feed.astype(int).tolist(),
+    }
 
 
 def _path(result: Page, trace: Trace, verifier: Verifier, before: Places, after: Places) -> None:
@@ -153,11 +186,17 @@ def _path(result: Page, trace: Trace, verifier: Verifier, before: Places, after:
     cuts = after.point[:, after.feed] if after.feed.any() else after.point
     shown = views(letters, cuts, bool(trace.machine.diameter))
     result.data["path"] = {
-        "axes": letters, "views": shown, "before": _series(before), "after": _series(after), "known": known,
+        "axes": letters,
+        "views": shown,
+        "before": _series(before),
+        "after": _series(after),
+        "known": known,
         "thinned": max(trace.before.step, trace.after.step) > 2,
         "magnify": magnified(extent or 1.0, float(np.abs(before.off).max(initial=0.0))),
-        "text": {str(n): [own, list(became)] for n, (own, became) in trace.text.items() if n in wanted},
-    }  # fmt: skip
+        "text": {
+            str(n): [own, list(became)] for n, (own, became) in trace.text.items() if n in wanted
+        },
+    }
     note = f" Of each {trace.after.step:,} places measured the one farthest off is drawn." * (
         trace.after.step > 1
     )
@@ -170,7 +209,7 @@ def _path(result: Page, trace: Trace, verifier: Verifier, before: Places, after:
     })  # fmt: skip
 
 
-# -- figures -----------------------------------------------------------------------------------------------------------
+# -- figures ---------------------------------------------------------------------------------------
 
 
 def _along(result: Page, trace: Trace, verifier: Verifier, before: Places, after: Places) -> None:
@@ -182,25 +221,54 @@ def _along(result: Page, trace: Trace, verifier: Verifier, before: Places, after
         size = np.maximum(places.distance, 1e-6)  # a logarithm has no zero
         data.append(
             charts.line(
-                charts.column(places.s, 2), charts.um(size), name, role, customdata=places.line.tolist(), width=1.2,
+                charts.column(places.s, 2),
+                charts.um(size),
+                name,
+                role,
+                customdata=places.line.tolist(),
+                width=1.2,
                 hovertemplate="line %{customdata}, %{x:.1f} mm: %{y:.2f} um<extra></extra>",
             )
-        )  # fmt: skip
+        )
     if trace.turns:
         at, lines = zip(*trace.turns, strict=True)
         data.append(
             charts.dots(
-                charts.column(at, 2), [verifier.tolerance / UM] * len(at), "lost motion taken up", "mark", size=7,
-                symbol="triangle-up", customdata=list(lines), hovertemplate="line %{customdata}: take-up<extra></extra>",
+                charts.column(at, 2),
+                [verifier.tolerance / UM] * len(at),
+                "lost motion taken up",
+                "mark",
+                size=7,
+                symbol="triangle-up",
+                customdata=list(lines),
+                hovertemplate="line %{customdata}: take-up<extra></extra>",
             )
-        )  # fmt: skip
-    data.append(charts.line([0, round(trace.length, 2)], [verifier.tolerance / UM] * 2, "tolerance", "limit", dash="dash", width=1.2, hoverinfo="skip"))  # fmt: skip
+        )
+    data.append(
+        charts.line(
+            [0, round(trace.length, 2)],
+            [verifier.tolerance / UM] * 2,
+            "tolerance",
+            "limit",
+            dash="dash",
+            width=1.2,
+            hoverinfo="skip",
+        )
+    )
     log = verifier.uncorrected.deviation > EVEN * max(verifier.corrected.deviation, 1e-9)
     result.section("Deviation along the path")
-    result.figure(charts.figure(
-        "along", "Distance of the actual from the nominal path, along the path. A click shows the line.", data,
-        "path, mm", "deviation, um", 360, log=log,
-    ))  # fmt: skip
+    result.figure(
+        charts.figure(
+            "along",
+            "Distance of the actual from the nominal path, along the path. A click shows the line.",
+            data,
+            "path, mm",
+            "deviation, um",
+            360,
+            log=log,
+            xaxis={"range": charts.reach([0.0, round(trace.length, 2)])},
+        )
+    )
 
 
 def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
@@ -225,10 +293,16 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
         sizes = [f"{10**x:.2g} um" for x in middle]
         data.append(
             charts.bars(
-                middle, charts.column(own, 2), said, role, opacity=0.75, width=0.09, customdata=sizes,
+                middle,
+                charts.column(own, 2),
+                said,
+                role,
+                opacity=0.75,
+                width=0.09,
+                customdata=sizes,
                 hovertemplate="about %{customdata}: %{y:.1f} % of the path<extra></extra>",
             )
-        )  # fmt: skip
+        )
         top = max(top, float(own.max()))
     at = round(float(np.log10(verifier.tolerance / UM)), 3)
     data.append(
@@ -240,11 +314,18 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
     result.section("How much of the path is off by how much")
     result.figure(
         charts.figure(
-            "histogram", "Share of the cutting path by the size of its deviation, ten classes for each power of ten.",
-            data, "deviation, um", "path, %", 300, barmode="overlay", bargap=0.05,
+            "histogram",
+            "Share of the cutting path by the size of its deviation, ten classes for each power of"
+            " ten.",
+            data,
+            "deviation, um",
+            "path, %",
+            300,
+            barmode="overlay",
+            bargap=0.05,
             xaxis={"tickvals": list(powers), "ticktext": [f"{10.0**k:g}" for k in powers]},
         )
-    )  # fmt: skip
+    )
 
 
 def _worst(result: Page, trace: Trace) -> None:

@@ -1,7 +1,9 @@
-"""The page of a job that was sent to a controller: how it ended, how it went on, what was refused, what happened."""
+"""The page of a job that was sent to a controller: how it ended, how it went on, what was refused,
+what happened."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from postproc.pages import charts
@@ -10,21 +12,24 @@ from postproc.pages.frame import Page
 MOST = 200  # refused lines, and events, that are listed
 
 
-def html(fields: dict[str, Any], samples: list[dict[str, Any]]) -> str:
+def html(fields: dict[str, Any], samples: list[dict[str, Any]], ended: str = "") -> str:
     """The file's text of `page`."""
-    return page(fields, samples).html()
+    return page(fields, samples, ended).html()
 
 
-def page(fields: dict[str, Any], samples: list[dict[str, Any]]) -> Page:
-    """The page of a job. fields: what gcomp-run/1 holds; samples: states while it ran, in the order of time."""
+def page(fields: dict[str, Any], samples: list[dict[str, Any]], ended: str = "") -> Page:
+    """The page of a job. fields: what gcomp-run/1 holds; samples: states while it ran, in the order
+    of time; ended: how it ended, as a person is told, with what is certain and the way out."""
     good = fields["outcome"] == "done"
-    first, *rest = fields["message"].splitlines()
+    first, *rest = (ended or fields["message"]).splitlines()
+    first = f"{first[:1].upper()}{first[1:]}"
     made = Page(
-        f"{fields['program']} on {fields['machine']}: {fields['outcome']}",
+        f"{Path(fields['program']).name} on {fields['machine']}: {fields['outcome']}",
         f"{first}.",
         "good" if good else "bad",
     )
     made.subject = [
+        ("program", fields["program"]),
         ("controller", fields["controller"]), ("map", fields["map"]), ("ended", fields["ended"]),
         ("sha256 of the program", fields["sha256"] or "not known: it came from a pipe"),
     ]  # fmt: skip
@@ -33,7 +38,11 @@ def page(fields: dict[str, Any], samples: list[dict[str, Any]]) -> Page:
     _course(made, fields, samples)
     if fields["refused"]:
         made.section("Refused by the controller")
-        made.table(("line", "text", "its words"), [(r["source_line"], r["text"], r["words"]) for r in fields["refused"][:MOST]], code=(1,))  # fmt: skip
+        made.table(
+            ("line", "text", "its words"),
+            [(r["source_line"], r["text"], r["words"]) for r in fields["refused"][:MOST]],
+            code=(1,),
+        )
     if fields["events"]:
         made.section("What happened")
         made.table(
@@ -53,9 +62,11 @@ def _tiles(fields: dict[str, Any]) -> list[tuple[str, str, str]]:
         tiles.append((_minutes(fields["held_s"]), "of it on hold", "open"))
     total = f" of {fields['lines']:,}" if fields["lines"] else ""
     tiles += [
-        (f"{fields['executed']:,}{total}", "lines are surely over", ""), (f"{fields['answered']:,}", "lines answered", ""),
-        (f"{len(fields['refused']):,}", "lines refused", "bad" if fields["refused"] else ""), (f"{fields['bytes']:,}", "bytes sent", ""),
-    ]  # fmt: skip
+        (f"{fields['executed']:,}{total}", "lines are surely over", ""),
+        (f"{fields['answered']:,}", "lines answered", ""),
+        (f"{len(fields['refused']):,}", "lines refused", "bad" if fields["refused"] else ""),
+        (f"{fields['bytes']:,}", "bytes sent", ""),
+    ]
     return tiles
 
 
@@ -77,9 +88,17 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
     ]
     marks = [e for e in fields["events"] if e["s"] <= t[-1] + 1][:MOST]
     lines.append(
-        charts.dots([e["s"] for e in marks], [0] * len(marks), "events", "limit", size=8, symbol="triangle-up",
-                    text=[e["message"] for e in marks], hovertemplate="%{x} s: %{text}<extra></extra>")
-    )  # fmt: skip
+        charts.dots(
+            [e["s"] for e in marks],
+            [0] * len(marks),
+            "events",
+            "limit",
+            size=8,
+            symbol="triangle-up",
+            text=[e["message"] for e in marks],
+            hovertemplate="%{x} s: %{text}<extra></extra>",
+        )
+    )
     made.figure(
         charts.figure("lines", "Lines of the job over the time.", lines, "time, s", "lines", 320)
     )
@@ -88,7 +107,10 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
         (
             "planner_free",
             "blocks",
-            "Blocks that are free in the controller's planner: at zero it has as much as it can hold.",
+            (
+                "Blocks that are free in the controller's planner: at zero it has as much as it can"
+                " hold."
+            ),
         ),
         (
             "buffer_bytes",
@@ -107,5 +129,6 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
                     unit,
                     240,
                     showlegend=False,
+                    yaxis={"rangemode": "tozero"},
                 )
             )

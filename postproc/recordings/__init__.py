@@ -1,10 +1,11 @@
 """What instruments and controls have recorded, whatever file it came in.
 
-A format is a module here, found by its name: TITLE says what it is, recognises(source) whether bytes look like it,
-read(source, options) reads them. A format whose files may hold several recordings also has read_all(source, options).
-TAKES names the options that it heeds, EXTRA the ones of its own and what they mean. Modules that begin with _ are what
-formats share. Readers get bytes and open nothing. What a file leaves open (unit, direction, axis) is never assumed in
-silence: it is an option that must be given, or a notice that says what was taken.
+A format is a module here, found by its name: TITLE says what it is, recognises(source) whether
+bytes look like it, read(source, options) reads them. A format whose files may hold several
+recordings also has read_all(source, options). TAKES names the options that it heeds, EXTRA the ones
+of its own and what they mean. Modules that begin with _ are what formats share. Readers get bytes
+and open nothing. What a file leaves open (unit, direction, axis) is never assumed in silence: it is
+an option that must be given, or a notice that says what was taken.
 """
 
 from __future__ import annotations
@@ -64,9 +65,9 @@ class Fault:
 
 @dataclass(frozen=True)
 class Recording:
-    """One recording. head: all keys of its head, as the contract names them; columns: name with unit to (N,) float64, of
-    text columns (N,) str; lines (N,): where each row stands in `file`; faults: rows that were left out; notices: what was
-    taken for granted."""
+    """One recording. head: all keys of its head, as the contract names them; columns: name with
+    unit to (N,) float64, of text columns (N,) str; lines (N,): where each row stands in `file`;
+    faults: rows that were left out; notices: what was taken for granted."""
 
     kind: str
     head: dict[str, Any]
@@ -99,7 +100,8 @@ class Recording:
 
     @property
     def u(self) -> float | None:
-        """mm (rad for angles): standard uncertainty of one reading, k = 1; None where it is not stated."""
+        """mm (rad for angles): standard uncertainty of one reading, k = 1; None where it is not
+        stated."""
         value = self.head.get("u_um")
         return None if value is None else float(value) * self.unit
 
@@ -145,12 +147,13 @@ class Recording:
 class ReadingOptions:
     """What a file may leave open. Empty or None: not said.
 
-    axis: the axis that moves (Z); component: what was measured (EXZ, EBZ); unit: of the readings (um, mm, urad, mrad,
-    mm/m, arcsec, deg); bidirectional: whether runs alternate their direction; first: +1 or -1, direction of the first
-    run; layout: interleaved, blocks or long; sheet: of a workbook; columns: name in the recording to name or number in the file; others: mm
-    (degrees of rotary axes), where the other axes stood; machine: its name; strict: whether a row that can not be used
-    is an error, or left out and listed; extra: a format's own options, see its EXTRA; head: keys for the recording's
-    head, as the contract names them.
+    axis: the axis that moves (Z); component: what was measured (EXZ, EBZ); unit: of the readings
+    (um, mm, urad, mrad, mm/m, arcsec, deg); bidirectional: whether runs alternate their direction;
+    first: +1 or -1, direction of the first run; layout: interleaved, blocks or long; sheet: of a
+    workbook; columns: name in the recording to name or number in the file; others: mm (degrees of
+    rotary axes), where the other axes stood; machine: its name; strict: whether a row that can not
+    be used is an error, or left out and listed; extra: a format's own options, see its EXTRA; head:
+    keys for the recording's head, as the contract names them.
     """
 
     axis: str = ""
@@ -170,10 +173,17 @@ class ReadingOptions:
     def given(self) -> list[str]:
         """Names of those that say something, without the ones that every format takes."""
         said = {
-            "axis": self.axis, "component": self.component, "unit": self.unit, "bidirectional": self.bidirectional is not None,
-            "first": self.first, "layout": self.layout, "columns": self.columns, "others": self.others,
-            "machine": self.machine, "head": self.head,
-        }  # fmt: skip
+            "axis": self.axis,
+            "component": self.component,
+            "unit": self.unit,
+            "bidirectional": self.bidirectional is not None,
+            "first": self.first,
+            "layout": self.layout,
+            "columns": self.columns,
+            "others": self.others,
+            "machine": self.machine,
+            "head": self.head,
+        }
         return [name for name, value in said.items() if value]
 
 
@@ -194,18 +204,23 @@ def load(name: str) -> ModuleType:
 
 
 def opened(source: Source, options: ReadingOptions) -> Source:
-    """The file, of a workbook its sheet as text. Raises RecordingError, and UsageError for a sheet that is not there."""
+    """The file, of a workbook its sheet as text. Raises RecordingError, and UsageError for a sheet
+    that is not there."""
     from postproc.recordings import _xlsx
 
     if _xlsx.is_workbook(source):
         return _xlsx.as_text(source, options.sheet)
     if options.sheet:
-        raise UsageError(f"{source.name} is no workbook, and --sheet {options.sheet} names a sheet of one", "leave --sheet out")  # fmt: skip
+        raise UsageError(
+            f"{source.name} is no workbook, and --sheet {options.sheet} names a sheet of one",
+            "leave --sheet out",
+        )
     return source
 
 
 def format_of(source: Source, options: ReadingOptions | None = None) -> str:
-    """The format that the bytes look like; a table whose columns or layout the options name is read by these.
+    """The format that the bytes look like; a table whose columns or layout the options name is read
+    by these.
 
     Raises RecordingError where they look like none.
     """
@@ -231,13 +246,15 @@ def _format_of(source: Source, options: ReadingOptions | None) -> str:
             return name
     raise RecordingError(
         "this looks like no recording that gcomp knows",
-        f"formats: {', '.join(names())}; a table of your own needs its columns named, like --column Z_mm=NAME --column reading_um=NAME",
+        f"formats: {', '.join(names())}; a table of your own needs its columns named, like --column"
+        " Z_mm=NAME --column reading_um=NAME",
         Place(source.name, 1),
     )
 
 
 def read(source: Source, format: str = "", options: ReadingOptions | None = None) -> Recording:
-    """Read a recording of a stated format, or of the one that it looks like. Raises RecordingError or UsageError.
+    """Read a recording of a stated format, or of the one that it looks like. Raises RecordingError
+    or UsageError.
 
     Of a file that holds several, the one that options.component names.
     """
@@ -275,9 +292,11 @@ def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
         if key not in known:
             raise UsageError(
                 f"the format {name} has no setting {key!r}",
-                "its settings: " + "; ".join(f"--set {k}=... ({v})" for k, v in known.items())
-                if known
-                else "it has none",
+                (
+                    "its settings: " + "; ".join(f"--set {k}=... ({v})" for k, v in known.items())
+                    if known
+                    else "it has none"
+                ),
             )
     return module
 
@@ -289,7 +308,10 @@ def _told(recording: Recording, module: ModuleType, options: ReadingOptions) -> 
     ]
     if not idle:
         return recording
-    what = f"{', '.join(idle)} {'was' if len(idle) == 1 else 'were'} not used: the format {_name(module)} has no place for it"
+    what = (
+        f"{', '.join(idle)} {'was' if len(idle) == 1 else 'were'} not used: the format"
+        f" {_name(module)} has no place for it"
+    )
     return replace(recording, notices=(*recording.notices, what))
 
 

@@ -1,14 +1,13 @@
-"""The air and the material as laser software notes them: temperatures become columns, the rest goes into the head."""
+"""The air and the material as laser software notes them: temperatures become columns, the rest goes
+into the head."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 
-ROOM = (
-    0.0,
-    45.0,
-)  # degrees Celsius in which a machine is measured; 68 is a room in degrees Fahrenheit
+# degrees Celsius in which a machine is measured; 68 is a room in degrees Fahrenheit
+ROOM = (0.0, 45.0)
 TEMPERATURE = re.compile(
     r"^(air|mat|material)\s*temp(?:erature)?\.?\s*([0-9]*)$|^(?:temp(?:erature)?)\s*(air|material)?\s*([0-9]*)$",
     re.I,
@@ -18,9 +17,11 @@ EXPANSION = re.compile(r"exp(?:ansion)?\s*coeff(?:icient)?", re.I)
 
 
 def taken(pairs: Iterable[tuple[str, str]]) -> tuple[dict[str, float], dict[str, str], list[str]]:
-    """Columns (T_air_C, T_material_1_C) with their one value, degrees Celsius; what was written, for the head; notices.
+    """Columns (T_air_C, T_material_1_C) with their one value, degrees Celsius; what was written,
+    for the head; notices.
 
-    A temperature without a unit is taken as Celsius where a room can have it, and is left out otherwise.
+    A temperature without a unit is taken as Celsius where a room can have it, and is left out
+    otherwise.
     """
     columns: dict[str, float] = {}
     head: dict[str, str] = {}
@@ -32,7 +33,8 @@ def taken(pairs: Iterable[tuple[str, str]]) -> tuple[dict[str, float], dict[str,
         head[name] = text
         if EXPANSION.search(name) and re.search(r"[1-9]", text):
             notices.append(
-                f"{name} is {text}: the readings may be brought to 20 C already, do not take it out twice"
+                f"{name} is {text}: the readings may be brought to 20 C already, do not take it out"
+                " twice"
             )
         place = TEMPERATURE.match(name)
         value = VALUE.fullmatch(text)

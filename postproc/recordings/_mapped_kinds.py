@@ -1,7 +1,9 @@
-"""Traces, circles and features from a mapped table: columns take the contract's names, and must be what it wants.
+"""Traces, circles and features from a mapped table: columns take the contract's names, and must be
+what it wants.
 
-A circle may also be given by its angle: `angle_deg` (from the first axis of `centre` towards the second) stands for the
-two commanded positions. What the head must say (centre, radius_mm) comes from the options.
+A circle may also be given by its angle: `angle_deg` (from the first axis of `centre` towards the
+second) stands for the two commanded positions. What the head must say (centre, radius_mm) comes
+from the options.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ def read(
     at: dict[str, int],
     notices: list[str],
 ) -> Recording:
-    """Raises UsageError for what the mapping or the head lacks, RecordingError with the line for what is no number."""
+    """Raises UsageError for what the mapping or the head lacks, RecordingError with the line for
+    what is no number."""
     kind = (
         "features"
         if "measured_mm" in at
@@ -102,7 +105,7 @@ def _radial(options: ReadingOptions, arrays: dict[str, np.ndarray]) -> dict[str,
             f"the mapping says {unit.name}, and --unit says {options.unit}", "leave --unit out"
         )
     return {
-        ("radial_um" if n == name else n): (c * unit.factor if n == name else c)
+        ("radial_um" if n == name else n): c * unit.factor if n == name else c
         for n, c in arrays.items()
     }
 

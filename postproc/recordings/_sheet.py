@@ -1,4 +1,5 @@
-"""A table of targets by runs, as spreadsheets and laser programs have it: where it begins, what its columns are, its unit."""
+"""A table of targets by runs, as spreadsheets and laser programs have it: where it begins, what its
+columns are, its unit."""
 
 from __future__ import annotations
 
@@ -27,7 +28,8 @@ POSITION = {"mm": 1.0, "inch": MM_PER_INCH, "deg": 1.0}
 
 @dataclass(frozen=True)
 class Column:
-    """A column of readings. at: its number from 0; sign and relative as the heading says (0: it does not); title."""
+    """A column of readings. at: its number from 0; sign and relative as the heading says (0: it
+    does not); title."""
 
     at: int
     title: str
@@ -37,8 +39,9 @@ class Column:
 
 @dataclass(frozen=True)
 class Sheet:
-    """rows: (line, cells) of the targets; target: number of their column; columns of readings; before: key and value
-    pairs above the table; unit: of the readings, as headings say; position: factor to mm; line: of the heading."""
+    """rows: (line, cells) of the targets; target: number of their column; columns of readings;
+    before: key and value pairs above the table; unit: of the readings, as headings say; position:
+    factor to mm; line: of the heading."""
 
     rows: list[tuple[int, list[str]]]
     headings: list[str]
@@ -50,7 +53,8 @@ class Sheet:
 
 
 def header_at(table: text.Table) -> int | None:
-    """Index of the first row whose own first filled cells are numbers after a row of words; None where there is none."""
+    """Index of the first row whose own first filled cells are numbers after a row of words; None
+    where there is none."""
     for k, (_, cells) in enumerate(table.rows):
         filled = [c for c in cells if c]
         if len(filled) >= 2 and all(table.numeric(c) for c in filled) and len(cells) >= 2:
@@ -93,13 +97,15 @@ def find(source: Source, table: text.Table) -> Sheet:
 
 
 def _belongs(table: text.Table, cells: list[str], width: int) -> bool:
-    """A row of the table begins with a number and has its width; a cell that is no number is a fault, not the end."""
+    """A row of the table begins with a number and has its width; a cell that is no number is a
+    fault, not the end."""
     first = next((c for c in cells if c), "")
     return table.numeric(first) and len(cells) > 1 and sum(1 for c in cells if c) >= min(2, width)
 
 
 def _headings(table: text.Table, top: int, width: int) -> tuple[list[str], int]:
-    """A heading for each column: of the row above the table and, where it heads pairs of columns, of the one above that."""
+    """A heading for each column: of the row above the table and, where it heads pairs of columns,
+    of the one above that."""
     rows = [cells for _, cells in table.rows[max(0, top - 2) : top]]
     if not rows or len([c for c in rows[-1] if c]) < 2:
         return [""] * width, 0
@@ -150,7 +156,8 @@ def value_of(pairs: list[tuple[str, str, int]], *names: str) -> str:
 
 
 def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
-    """The unit that the headings of the readings agree on, or a line `Unit`. Raises RecordingError where they differ."""
+    """The unit that the headings of the readings agree on, or a line `Unit`. Raises RecordingError
+    where they differ."""
     said: dict[str, str] = {}
     for column in sheet.columns:
         unit = units.in_heading(column.title)
@@ -171,9 +178,11 @@ def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
                 said.setdefault(unit.name, key)
     if len(said) > 1:
         raise RecordingError(
-            f"the readings are in {' and in '.join(said)}: {', '.join(repr(v) for v in said.values())}",
-            "one unit for all", Place(source.name, sheet.line),
-        )  # fmt: skip
+            f"the readings are in {' and in '.join(said)}:"
+            f" {', '.join(repr(v) for v in said.values())}",
+            "one unit for all",
+            Place(source.name, sheet.line),
+        )
     return units.UNITS[next(iter(said))] if said else None
 
 
@@ -185,13 +194,15 @@ def position_factor(
     rotary: bool,
     notices: list[str],
 ) -> float:
-    """mm (degrees of a rotary axis) of one unit of the targets: as their heading says, or --set position_unit."""
+    """mm (degrees of a rotary axis) of one unit of the targets: as their heading says, or --set
+    position_unit."""
     told = options.extra.get("position_unit", "")
     usual = "deg" if rotary else "mm"
     unit = units.named(told, "--set position_unit") if told else units.in_heading(heading)
     if unit is None:
         notices.append(
-            f"the unit of the targets is not in the file: taken as {usual} (--set position_unit=...)"
+            f"the unit of the targets is not in the file: taken as {usual} (--set"
+            " position_unit=...)"
         )
         return 1.0
     if unit.name not in POSITION or (unit.name == "deg") != rotary:
@@ -213,7 +224,8 @@ def missing(faults: list[Fault]) -> list[str]:
 def cells(
     source: Source, table: text.Table, sheet: Sheet, options: ReadingOptions
 ) -> tuple[list, list[Fault]]:
-    """(column, line, target, value) of every reading; and the faults: cells that are empty, or not numbers where not strict.
+    """(column, line, target, value) of every reading; and the faults: cells that are empty, or not
+    numbers where not strict.
 
     Raises RecordingError for a target or, where strict, a reading that is not a number.
     """
@@ -229,8 +241,10 @@ def cells(
         if len(row) > max(widest + 1, len(sheet.headings)) and any(row[len(sheet.headings) :]):
             raise RecordingError(
                 f"this row has {len(row)} cells under {len(sheet.headings)} columns",
-                "a decimal comma in a table split at commas? Say --set decimal=, and split it at semicolons", place,
-            )  # fmt: skip
+                "a decimal comma in a table split at commas? Say --set decimal=, and split it at"
+                " semicolons",
+                place,
+            )
         for column in sheet.columns:
             cell = row[column.at] if column.at < len(row) else ""
             value = text.number(cell, table.decimal)

@@ -1,6 +1,8 @@
-"""Are the directions of the runs right? The split that they make is compared with all the others that could be.
+"""Are the directions of the runs right? The split that they make is compared with all the others
+that could be.
 
-A wrong split hides in plausible numbers: the two directions' means come together, and the reversal goes into the scatter.
+A wrong split hides in plausible numbers: the two directions' means come together, and the reversal
+goes into the scatter.
 """
 
 from __future__ import annotations
@@ -16,10 +18,11 @@ CLEARLY = 4.0  # another split must leave so many times less of the squares
 
 
 def doubt(run: np.ndarray, target: np.ndarray, value: np.ndarray, sign: np.ndarray) -> str | None:
-    """A sentence where another split of the runs explains the readings far better than their directions do, or None.
+    """A sentence where another split of the runs explains the readings far better than their
+    directions do, or None.
 
-    run, target, value, sign: (N,). Every run must have one sign. A drift over the runs is fitted beside the directions
-    where there are six runs at least, so that it is not taken for one.
+    run, target, value, sign: (N,). Every run must have one sign. A drift over the runs is fitted
+    beside the directions where there are six runs at least, so that it is not taken for one.
     """
     numbers = np.unique(run)
     if len(numbers) < FEWEST_RUNS:
@@ -40,9 +43,10 @@ def doubt(run: np.ndarray, target: np.ndarray, value: np.ndarray, sign: np.ndarr
     two = [int(r) for r in numbers if int(r) not in one]
     how = "one direction for all" if np.ptp(own) == 0 else "the directions taken"
     return (
-        f"the directions of the runs look wrong: runs {_list(one)} are alike, and so are runs {_list(two)}; with {how} "
-        f"{scale[0]:.3g} of scatter is left, with that split {scale[1]:.3g}, with a random one {scale[2]:.3g} "
-        "(--bidirectional, --first, --layout; or something changed between these runs)"
+        f"the directions of the runs look wrong: runs {_list(one)} are alike, and so are runs"
+        f" {_list(two)}; with {how} {scale[0]:.3g} of scatter is left, with that split"
+        f" {scale[1]:.3g}, with a random one {scale[2]:.3g} (--bidirectional, --first, --layout; or"
+        " something changed between these runs)"
     )
 
 

@@ -1,4 +1,5 @@
-"""From a table of readings to a recording of kind `targets`: what was measured, in which direction, in which unit, when.
+"""From a table of readings to a recording of kind `targets`: what was measured, in which direction,
+in which unit, when.
 
 What the instrument did not write down is asked for, or taken and said.
 """
@@ -28,7 +29,8 @@ QUANTITY_OF = {"displacement": LENGTH, "straightness": LENGTH, "angle": ANGLE}
 
 @dataclass(frozen=True)
 class Component:
-    """What was measured: EXZ is the deviation along X while Z moves; EBZ the rotation about Y. Names of ISO 230-1."""
+    """What was measured: EXZ is the deviation along X while Z moves; EBZ the rotation about Y.
+    Names of ISO 230-1."""
 
     name: str
     axis: str
@@ -45,9 +47,9 @@ class Component:
 class Readings:
     """Readings as a file gives them, one a row; equal lengths N.
 
-    run: 1, 2, ...; target: mm, of rotary axes degrees; value: deviation (actual - target) in the file's unit; line: where
-    it stands; sign: direction of approach, 0 where the file does not say; columns: further columns by their names in the
-    recording; t: s, where the file says.
+    run: 1, 2, ...; target: mm, of rotary axes degrees; value: deviation (actual - target) in the
+    file's unit; line: where it stands; sign: direction of approach, 0 where the file does not say;
+    columns: further columns by their names in the recording; t: s, where the file says.
     """
 
     run: Sequence[int]
@@ -62,10 +64,11 @@ class Readings:
 def component_of(
     options: ReadingOptions, source: Source, axis: str = "", quantity: str = "", where: int = 1
 ) -> Component:
-    """What was measured, from the options and from what the file says of axis and quantity (as far as it does).
+    """What was measured, from the options and from what the file says of axis and quantity (as far
+    as it does).
 
-    Raises UsageError where options contradict each other or name no component; RecordingError with the option that is
-    missing where it stays open.
+    Raises UsageError where options contradict each other or name no component; RecordingError with
+    the option that is missing where it stays open.
     """
     axis_told = options.axis.strip().upper()
     if axis_told and (len(axis_told) != 1 or axis_told not in AXES):
@@ -79,7 +82,8 @@ def component_of(
             )
         if quantity and component.quantity != quantity:
             raise UsageError(
-                f"{component.name} is {article(component.quantity)}, and {source.name} holds {article(quantity)}"
+                f"{component.name} is {article(component.quantity)}, and {source.name} holds"
+                f" {article(quantity)}"
             )
         return component
     axis = axis_told or axis
@@ -117,9 +121,11 @@ def positioning(
     where: int,
     notices: list[str],
 ) -> Component:
-    """What a table measured that names its axis at most: what --component says, or else the positioning of the axis.
+    """What a table measured that names its axis at most: what --component says, or else the
+    positioning of the axis.
 
-    said: the unit in the file; angles of a linear axis can not be its positioning. Raises as `component_of`.
+    said: the unit in the file; angles of a linear axis can not be its positioning. Raises as
+    `component_of`.
     """
     if options.component:
         return component_of(options, source, axis, "", where)
@@ -127,7 +133,8 @@ def positioning(
     quantity = "angle" if unit is not None and unit.quantity == ANGLE else "displacement"
     component = component_of(options, source, axis, quantity, where)
     notices.append(
-        f"taken as {component.name}, the positioning of {component.axis} (--component where it was straightness or an angle)"
+        f"taken as {component.name}, the positioning of {component.axis} (--component where it was"
+        " straightness or an angle)"
     )
     return component
 
@@ -138,7 +145,8 @@ def parsed(name: str) -> Component:
     if found is None:
         raise UsageError(
             f"{name!r} is no component that is recorded at targets",
-            "E, then the direction X Y Z or rotation A B C, then the axis that moves: EZZ, EXZ, EBZ",
+            "E, then the direction X Y Z or rotation A B C, then the axis that moves: EZZ,"
+            " EXZ, EBZ",
         )
     direction, axis = found[1], found[2]
     if direction in ROTARY:
@@ -158,7 +166,8 @@ def article(quantity: str) -> str:
 
 
 def axis_in(text: str) -> str:
-    """The one axis letter that stands alone in a free text ("Z", "X-axis", "Achse Y"), or nothing."""
+    """The one axis letter that stands alone in a free text ("Z", "X-axis", "Achse Y"), or
+    nothing."""
     found = {
         m.upper() for m in re.findall(r"(?<![A-Za-z])([XYZABCxyzabc])(?:[0-9])?(?![A-Za-z])", text)
     }
@@ -174,7 +183,8 @@ def unit_for(
 ) -> Unit:
     """The unit of the readings: what the file says, or the options do.
 
-    Raises RecordingError where neither does, and UsageError where they differ, or where it is not one of this component.
+    Raises RecordingError where neither does, and UsageError where they differ, or where it is not
+    one of this component.
     """
     kind = QUANTITY_OF[component.quantity]
     told = units.named(options.unit) if options.unit else None
@@ -193,7 +203,10 @@ def unit_for(
         )
     if unit.quantity != kind:
         what = article(component.quantity)
-        text = f"{component.name} is {what}, and {unit.name} is a unit of {'angles' if unit.quantity == ANGLE else 'lengths'}"
+        text = (
+            f"{component.name} is {what}, and {unit.name} is a unit of"
+            f" {'angles' if unit.quantity == ANGLE else 'lengths'}"
+        )
         if told:
             raise UsageError(text, "another --unit, or another --component")
         raise RecordingError(text, "say what was measured: --component", Place(source.name, where))
@@ -203,7 +216,8 @@ def unit_for(
 def signs(
     run: np.ndarray, sign: np.ndarray, options: ReadingOptions, notices: list[str], first: int = 0
 ) -> np.ndarray:
-    """(N,) -1 or +1. Where the file does not say (0): odd runs one way, even runs back, unless the options tell otherwise.
+    """(N,) -1 or +1. Where the file does not say (0): odd runs one way, even runs back, unless the
+    options tell otherwise.
 
     first: the direction of the first run that the file suggests.
     """
@@ -219,13 +233,15 @@ def signs(
     if options.bidirectional is False or (alone and not options.bidirectional):
         if not options.first:
             notices.append(
-                f"the direction of approach is not in the file: taken as {there} (--first {back} if it was {back})"
+                f"the direction of approach is not in the file: taken as {there} (--first {back} if"
+                f" it was {back})"
             )
         return np.full(len(run), start)
     if options.bidirectional is None or not options.first:
         notices.append(
-            f"the direction of the runs is not in the file: odd runs are taken as {there}, even runs as {back} "
-            f"(--first {back} to turn them round, --bidirectional no if all went one way)"
+            f"the direction of the runs is not in the file: odd runs are taken as {there}, even"
+            f" runs as {back} (--first {back} to turn them round, --bidirectional no if all went"
+            " one way)"
         )
     return np.where(run % 2 == 1, start, -start)
 
@@ -242,9 +258,11 @@ def recording(
     faults: Sequence[Fault] = (),
     first: int = 0,
 ) -> Recording:
-    """A recording in the order of time: run by run, and in each as the axis went, where the file has no times.
+    """A recording in the order of time: run by run, and in each as the axis went, where the file
+    has no times.
 
-    Raises RecordingError for a target that stands twice in a run, a number that no machine has, or no readings at all.
+    Raises RecordingError for a target that stands twice in a run, a number that no machine has, or
+    no readings at all.
     """
     told = list(notices)
     if not len(readings.value):
@@ -290,8 +308,9 @@ def recording(
 
 
 def _order(run: np.ndarray, target: np.ndarray, sign: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """(N,) rows in the order of time where no times are known: that of the file, where each row is one reading and the
-    rows go as the axis went; else run by run, its first direction first, and in each as the axis went."""
+    """(N,) rows in the order of time where no times are known: that of the file, where each row is
+    one reading and the rows go as the axis went; else run by run, its first direction first, and in
+    each as the axis went."""
     passes = np.lexsort((np.arange(len(run)), sign, run))
     same = (np.diff(run[passes]) == 0) & (np.diff(sign[passes]) == 0)
     onward = (np.diff(target[passes]) * sign[passes][1:])[same] > 0
@@ -322,7 +341,8 @@ def _positions(component, options, target, readings, order, told) -> dict[str, n
         places[name] = np.array(readings.columns[name], np.float64)[order]
     if len(places) == 1:
         told.append(
-            "where the other axes stood is not in the file (--others X=0,Y=0): lever arms can not be taken from it"
+            "where the other axes stood is not in the file (--others X=0,Y=0): lever arms can not"
+            " be taken from it"
         )
     return {n: places[n] for n in sorted(places, key=lambda n: AXES.index(n[0]))}
 
@@ -350,14 +370,16 @@ def _once(source, run, target, sign, line) -> None:
         if key in seen:
             other = f" and in line {seen[key]}" if seen[key] != at else ""
             raise RecordingError(
-                f"run {key[0]} has the target {key[1]:g} twice: here{other}", "give each reading of a target its own run",
+                f"run {key[0]} has the target {key[1]:g} twice: here{other}",
+                "give each reading of a target its own run",
                 Place(source.name, at),
-            )  # fmt: skip
+            )
         seen[key] = at
 
 
 def _doubts(target, raw, value, run, sign, unit) -> list[str]:
-    """What looks like a slip: the unit, positions for deviations, runs of nothing but zeros, the direction of runs."""
+    """What looks like a slip: the unit, positions for deviations, runs of nothing but zeros, the
+    direction of runs."""
     result = []
     odd = units.outside(float(np.ptp(value)), unit.quantity, unit) if len(value) > 1 else None
     if odd:
@@ -366,13 +388,15 @@ def _doubts(target, raw, value, run, sign, unit) -> list[str]:
         slope = float(np.polyfit(target - target.mean(), raw, 1)[0])
         if abs(abs(slope) - 1) < 0.02:
             result.append(
-                f"the readings follow the targets one to one (slope {slope:.4f}): these look like positions, not deviations "
-                "(by a column mapping they are read so: --column actual_mm=NAME)"
+                f"the readings follow the targets one to one (slope {slope:.4f}): these look like"
+                " positions, not deviations (by a column mapping they are read so: --column"
+                " actual_mm=NAME)"
             )
     zero = [int(r) for r in np.unique(run) if not np.any(raw[run == r])]
     if zero and np.any(raw):
         result.append(
-            f"all readings of run {', '.join(map(str, zero))} are 0: was it measured? (--bidirectional no if one way only)"
+            f"all readings of run {', '.join(map(str, zero))} are 0: was it measured?"
+            " (--bidirectional no if one way only)"
         )
     doubt = split.doubt(run, target, value, sign)
     if doubt:

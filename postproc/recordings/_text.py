@@ -1,4 +1,5 @@
-"""Text, numbers and tables as instruments and spreadsheets write them: encodings, decimal commas, delimiters, directions."""
+"""Text, numbers and tables as instruments and spreadsheets write them: encodings, decimal commas,
+delimiters, directions."""
 
 from __future__ import annotations
 
@@ -65,7 +66,8 @@ def lines_of(text: str) -> list[str]:
 
 
 def number(cell: str, decimal: str = ".") -> float | None:
-    """The number that a cell is, or None. Only plain digits count: no 1_000, no nan, no thousands."""
+    """The number that a cell is, or None. Only plain digits count: no 1_000, no nan, no
+    thousands."""
     plain = cell.strip().replace("\u2212", "-")
     if decimal == ",":
         if COMMA.fullmatch(plain):
@@ -79,7 +81,8 @@ def number(cell: str, decimal: str = ".") -> float | None:
 
 
 def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
-    """The decimal sign of a file's cells, "." or ",", and a notice where it had to be taken from little.
+    """The decimal sign of a file's cells, "." or ",", and a notice where it had to be taken from
+    little.
 
     told: what the user says. Raises ValueError with both examples where a file has both.
     """
@@ -103,7 +106,8 @@ def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
 
 
 def direction(text: str) -> tuple[int, bool] | None:
-    """The sign of a word of direction, and whether it is relative to the first run (forward, return); or None."""
+    """The sign of a word of direction, and whether it is relative to the first run (forward,
+    return); or None."""
     plain = text.strip().lower().replace("\u2212", "-").strip("()[].:")
     for words, sign, relative in (
         (UP, 1, False),
@@ -119,8 +123,9 @@ def direction(text: str) -> tuple[int, bool] | None:
 def times(
     source: Source, cells: Sequence[tuple[int, str]], decimal: str = "."
 ) -> list[float] | None:
-    """s, from (line, cell) of every row: seconds as they are, a date and time of ISO 8601 from the first on; None where
-    no row has one. Raises RecordingError for a time that is none, and where both kinds stand in one file."""
+    """s, from (line, cell) of every row: seconds as they are, a date and time of ISO 8601 from the
+    first on; None where no row has one. Raises RecordingError for a time that is none, and where
+    both kinds stand in one file."""
     if not any(cell for _, cell in cells):
         return None
     result: list[float] = []
@@ -156,7 +161,8 @@ def times(
 
 
 def told_decimal(extra: Mapping[str, str]) -> str:
-    """The decimal sign that --set decimal says; "" where it says none. Raises UsageError for another sign."""
+    """The decimal sign that --set decimal says; "" where it says none. Raises UsageError for
+    another sign."""
     sign = extra.get("decimal", "")
     if sign not in ("", ".", ","):
         raise UsageError(
@@ -167,7 +173,8 @@ def told_decimal(extra: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class Table:
-    """A table in a text: its lines as cells. rows: (line, cells), blank lines left out; delimiter; decimal sign."""
+    """A table in a text: its lines as cells. rows: (line, cells), blank lines left out; delimiter;
+    decimal sign."""
 
     rows: list[tuple[int, list[str]]]
     delimiter: str
@@ -179,7 +186,8 @@ class Table:
 
 
 def cells_of(line: str, delimiter: str, place: Place) -> list[str]:
-    """The cells of one line, quotes taken off. Raises RecordingError for a line that is none of a table."""
+    """The cells of one line, quotes taken off. Raises RecordingError for a line that is none of a
+    table."""
     try:
         return [
             cell.strip().strip("\u00a0") for cell in next(csv.reader([line], delimiter=delimiter))
@@ -218,14 +226,16 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     except ValueError as error:
         both = [i for i, cells in rows for c in cells if COMMA.fullmatch(c)]
         raise RecordingError(
-            f"decimal commas and points are mixed: {error}", "write all numbers alike; say --set decimal=. or --set decimal=,",
+            f"decimal commas and points are mixed: {error}",
+            "write all numbers alike; say --set decimal=. or --set decimal=,",
             Place(source.name, both[0] if both else 1),
-        ) from None  # fmt: skip
+        ) from None
     return Table(rows, sign, found, (notice,) if notice else ())
 
 
 def _numbers(cells: list[str]) -> list[str]:
-    """The cells that look like numbers, where they are two at least: one alone may be a version or a serial number."""
+    """The cells that look like numbers, where they are two at least: one alone may be a version or
+    a serial number."""
     alike = [
         c
         for c in cells

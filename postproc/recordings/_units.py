@@ -1,4 +1,5 @@
-"""Units in which instruments write readings, by all their spellings, and the ranges that a machine's readings have."""
+"""Units in which instruments write readings, by all their spellings, and the ranges that a
+machine's readings have."""
 
 from __future__ import annotations
 
@@ -46,16 +47,40 @@ UNITS = {
 }
 # The bytes of a cp1252 micro sign and its m are one Chinese character in GBK.
 SPELLINGS = {
-    "µm": "um", "μm": "um", "祄": "um", "micron": "um", "microns": "um", "micrometer": "um", "micrometre": "um",
-    "millimeter": "mm", "millimetre": "mm", "in": "inch", "inches": "inch", "µrad": "urad", "μrad": "urad",
-    "µm/m": "um/m", "μm/m": "um/m", "arc-sec": "arcsec", "arc sec": "arcsec", "arcseconds": "arcsec", "arcsecond": "arcsec",
-    '"': "arcsec", "''": "arcsec", "″": "arcsec", "sec": "arcsec", "arcsecs": "arcsec", "arc-sec.": "arcsec",
-    "arc-min": "arcmin", "arcminutes": "arcmin", "degree": "deg", "degrees": "deg", "°": "deg", "nanometre": "nm",
-}  # fmt: skip
-BAND = {
-    LENGTH: (0.1, 5000.0),
-    ANGLE: (0.1, 20_000.0),
-}  # um, urad: range of the readings of any machine's axis
+    "µm": "um",
+    "μm": "um",
+    "祄": "um",
+    "micron": "um",
+    "microns": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "in": "inch",
+    "inches": "inch",
+    "µrad": "urad",
+    "μrad": "urad",
+    "µm/m": "um/m",
+    "μm/m": "um/m",
+    "arc-sec": "arcsec",
+    "arc sec": "arcsec",
+    "arcseconds": "arcsec",
+    "arcsecond": "arcsec",
+    '"': "arcsec",
+    "''": "arcsec",
+    "″": "arcsec",
+    "sec": "arcsec",
+    "arcsecs": "arcsec",
+    "arc-sec.": "arcsec",
+    "arc-min": "arcmin",
+    "arcminutes": "arcmin",
+    "degree": "deg",
+    "degrees": "deg",
+    "°": "deg",
+    "nanometre": "nm",
+}
+# um, urad: range of the readings of any machine's axis
+BAND = {LENGTH: (0.1, 5000.0), ANGLE: (0.1, 20_000.0)}
 USUAL = {LENGTH: (0.5, 1000.0), ANGLE: (0.5, 3000.0)}  # um, urad: range of most
 BAND_TEXT = {LENGTH: "0.1 um to 5 mm", ANGLE: "0.1 urad to 20 mrad"}
 
@@ -80,7 +105,8 @@ def named(text: str, option: str = "--unit") -> Unit:
 
 
 def in_heading(text: str) -> Unit | None:
-    """The unit that a heading such as "Up 1 (µm)", "dzz_mm" or "Deviation in arcsec" ends with or has in brackets."""
+    """The unit that a heading such as "Up 1 (µm)", "dzz_mm" or "Deviation in arcsec" ends with or
+    has in brackets."""
     for found in BRACKETS.findall(text):
         unit = unit_of(found)
         if unit:
@@ -113,7 +139,10 @@ def outside(spread: float, quantity: str, taken: Unit | None = None) -> str | No
         return "all readings are the same"
     if low <= spread <= high:
         return None
-    what = f"the readings range over {amount(spread, base)}, and those of a machine's axis range over {BAND_TEXT[quantity]}"
+    what = (
+        f"the readings range over {amount(spread, base)}, and those of a machine's axis range over"
+        f" {BAND_TEXT[quantity]}"
+    )
     if taken is None:
         return f"{what}: is the unit right?"
     seen: set[float] = {taken.factor}

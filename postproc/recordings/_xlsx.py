@@ -16,19 +16,27 @@ import zlib
 from collections.abc import Iterator
 from xml.etree import ElementTree
 
+from postproc import intake
 from postproc.errors import Place, UsageError
 from postproc.recordings import RecordingError, Source
 
 MAGIC = b"PK\x03\x04"
-LARGEST = 1 << 27  # bytes of one part: a sheet of a million readings has less
 MOST_ROWS = 1 << 20  # rows of a sheet, by the format
 WIDEST = 1 << 14  # columns
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
 RELATION = "{http://schemas.openxmlformats.org/officeDocument/2006/relationships}id"
 BROKEN = (  # what zipfile, zlib and the XML parser say of damage, and what a part says that is none
-    zipfile.BadZipFile, zlib.error, EOFError, ElementTree.ParseError, KeyError, ValueError, IndexError,
-    OverflowError, NotImplementedError, RuntimeError,
-)  # fmt: skip
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    ElementTree.ParseError,
+    KeyError,
+    ValueError,
+    IndexError,
+    OverflowError,
+    NotImplementedError,
+    RuntimeError,
+)
 TIMES = {*range(14, 23), 45, 46, 47}
 CELL = re.compile(r"([A-Z]{1,3})([0-9]{1,7})")
 
@@ -39,7 +47,8 @@ def is_workbook(source: Source) -> bool:
 
 
 def as_text(source: Source, sheet: str = "") -> Source:
-    """The sheet of a name, or the only one that holds numbers. Raises RecordingError, UsageError."""
+    """The sheet of a name, or the only one that holds numbers. Raises RecordingError,
+    UsageError."""
     place = Place(source.name, 1)
     try:
         with zipfile.ZipFile(io.BytesIO(source.data)) as book:
@@ -52,7 +61,11 @@ def as_text(source: Source, sheet: str = "") -> Source:
             strings, times, first = _strings(book), _times(book), _first_day(book)
             texts = {name: _text(book, part, strings, times, first) for name, part in parts.items()}
     except BROKEN as error:
-        raise RecordingError(f"this is no workbook that can be read ({error})", "save it as .xlsx again, or as CSV", place) from None  # fmt: skip
+        raise RecordingError(
+            f"this is no workbook that can be read ({error})",
+            "save it as .xlsx again, or as CSV",
+            place,
+        ) from None
     filled = {name: t for name, t in texts.items() if re.search(r"(?m)(^|\t)-?[0-9.]+(\t|$)", t)}
     if len(filled) != 1 and not sheet:
         what = "no sheet holds numbers" if not filled else f"{len(filled)} sheets hold numbers"
@@ -64,8 +77,8 @@ def as_text(source: Source, sheet: str = "") -> Source:
 
 
 def _part(book: zipfile.ZipFile, name: str) -> ElementTree.Element:
-    if book.getinfo(name).file_size > LARGEST:
-        raise ValueError(f"{name} has more than {LARGEST:,} bytes")
+    if book.getinfo(name).file_size > intake.WORKBOOK:
+        raise ValueError(f"{name} has more than {intake.WORKBOOK:,} bytes")
     data = book.read(name)
     if b"<!DOCTYPE" in data or b"<!ENTITY" in data:
         raise ValueError(f"{name} declares entities, which no spreadsheet does")

@@ -1,8 +1,9 @@
-"""The long table that any instrument's data can be brought to: one reading a row, each with its component and its unit.
+"""The long table that any instrument's data can be brought to: one reading a row, each with its
+component and its unit.
 
-Columns component,axis,target,run,dir,value,unit and, where known, x,y,z (mm, where all axes stood), t_machine,t_air
-(degrees Celsius) and time (s, or a date and time of ISO 8601). dir is + or -, up or down, forward or reverse. One file
-may hold several components: each becomes a recording.
+Columns component,axis,target,run,dir,value,unit and, where known, x,y,z (mm, where all axes stood),
+t_machine,t_air (degrees Celsius) and time (s, or a date and time of ISO 8601). dir is + or -, up or
+down, forward or reverse. One file may hold several components: each becomes a recording.
 """
 
 from __future__ import annotations
@@ -29,7 +30,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """The one recording of a file, or the one that --component names. Raises RecordingError where there are several."""
+    """The one recording of a file, or the one that --component names. Raises RecordingError where
+    there are several."""
     rows, table_notices = _rows(source, options)
     there = _components(rows)
     wanted = targets.parsed(options.component).name if options.component else ""
@@ -37,14 +39,16 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         raise UsageError(f"{source.name} holds no {wanted}", f"it holds {', '.join(there)}")
     if not wanted and len(there) > 1:
         raise RecordingError(
-            f"the file holds {len(there)} components: {', '.join(there)}", "say which: --component " + there[0],
+            f"the file holds {len(there)} components: {', '.join(there)}",
+            "say which: --component " + there[0],
             Place(source.name, next(r["line"] for r in rows if r["component"] == there[1])),
-        )  # fmt: skip
+        )
     return _one(source, options, wanted or there[0], rows, table_notices)
 
 
 def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
-    """A recording for each component, in the order in which they begin; only one where --component names it."""
+    """A recording for each component, in the order in which they begin; only one where --component
+    names it."""
     if options.component:
         return [read(source, options)]
     rows, notices = _rows(source, options)
@@ -136,13 +140,19 @@ def _row(
         raise ValueError(f"{row['unit']!r} is no unit of readings: {', '.join(units.UNITS)}")
     if unit and unit.quantity != targets.QUANTITY_OF[component.quantity]:
         raise ValueError(
-            f"{component.name} is {targets.article(component.quantity)}, and its unit here is {unit.name}"
+            f"{component.name} is {targets.article(component.quantity)}, and its unit here is"
+            f" {unit.name}"
         )
     sign = way[0] * (options.first or 1) if way[1] else way[0]
     return {
-        "component": component.name, "line": line, "sign": sign, "relative": way[1], "unit": unit, "time": row.get("time", ""),
+        "component": component.name,
+        "line": line,
+        "sign": sign,
+        "relative": way[1],
+        "unit": unit,
+        "time": row.get("time", ""),
         **numbers,
-    }  # fmt: skip
+    }
 
 
 def _one(
@@ -188,9 +198,14 @@ def _one(
             notices.append(f"{name}: {key} is not in every row: left out")
     columns.pop(component.position, None)
     readings = targets.Readings(
-        [int(row["run"]) for row in rows], [row["target"] for row in rows], [row["value"] for row in rows],
-        [row["line"] for row in rows], [row["sign"] for row in rows], columns, text.times(source, [(row["line"], row["time"]) for row in rows]),
-    )  # fmt: skip
+        [int(row["run"]) for row in rows],
+        [row["target"] for row in rows],
+        [row["value"] for row in rows],
+        [row["line"] for row in rows],
+        [row["sign"] for row in rows],
+        columns,
+        text.times(source, [(row["line"], row["time"]) for row in rows]),
+    )
     heed = ReadingOptions(
         component=name, others=options.others, machine=options.machine, head=options.head
     )
@@ -205,6 +220,7 @@ def _same(source: Source, component: targets.Component, rows: list[dict], key: s
         if abs(row[key] - row["target"]) > 1e-6:
             raise RecordingError(
                 f"{key} is {row[key]:g}, and the target of {component.axis} is {row['target']:g}",
-                f"{key} is where {component.axis} stood: leave it empty, or mend it", Place(source.name, row["line"]),
-            )  # fmt: skip
+                f"{key} is where {component.axis} stood: leave it empty, or mend it",
+                Place(source.name, row["line"]),
+            )
     return True

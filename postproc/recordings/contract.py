@@ -1,7 +1,8 @@
-"""gcomp's own recordings (format gcomp-recording/1): a TOML head behind `# `, a header row, rows. Read and written.
+"""gcomp's own recordings (format gcomp-recording/1): a TOML head behind `# `, a header row, rows.
+Read and written.
 
-Rows that can not be used (a blank or a NaN in a needed column) are an error with their line, or, where strict is off,
-are left out and listed.
+Rows that can not be used (a blank or a NaN in a needed column) are an error with their line, or,
+where strict is off, are left out and listed.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ import csv
 import io
 import math
 import re
-import tomllib
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import GcompError, Place
 from postproc.recordings import (
     AXES,
@@ -31,8 +32,11 @@ from postproc.recordings import (
 from postproc.recordings import _text as text
 
 TITLE = "gcomp recording (gcomp-recording/1)"
+TAKES = ("head",)
 FORMAT = "gcomp-recording/1"
 BLOCK = 20_000  # lines
+# Columns that say which rows belong together: one that is there has a number in every row.
+PARTED = {"run", "setup", "station", "sphere"}
 TEXTS = {"feature", "kind", "axis", "part"}  # columns of features that are words
 OPTIONAL = re.compile(
     r"run|t_s|reading|T_\w+_C|load_\w+_N|force_\w+_N|spindle_rpm|feed_mm_min|\w+_current_A|line|\w+_act_(mm|deg)|approach_[A-CX-Z]"
@@ -52,7 +56,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     while lines and not lines[-1].strip():
         lines.pop()
     top = next((i for i, line in enumerate(lines) if not line.startswith("#")), len(lines))
-    head = _head(source, lines[:top])
+    head, notices = _head(source, lines[:top], options.head)
     kind = head["kind"]
     while top < len(lines) and not lines[top].strip():
         top += 1
@@ -63,7 +67,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     _check_names(names, place)
     wanted = needed(head, names, place)
     columns, at, faults = _rows(source, lines, top, names, wanted, kind, options.strict)
-    recording = Recording(kind, head, columns, source.name, at, tuple(faults))
+    recording = Recording(kind, head, columns, source.name, at, tuple(faults), notices)
     check(recording)
     return recording
 
@@ -112,22 +116,20 @@ def _toml(value: Any) -> str:
     return f'"{plain}"'
 
 
-def _head(source: Source, lines: list[str]) -> dict[str, Any]:
+def _head(
+    source: Source, lines: list[str], more: dict[str, Any]
+) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """The head, with those keys of `more` that it does not say itself; a notice for each of the
+    others whose value is another."""
     toml = "\n".join(line[2:] if line.startswith("# ") else line[1:] for line in lines)
     try:
-        head = tomllib.loads(toml)
-    except tomllib.TOMLDecodeError as error:
+        head = intake.toml(toml)
+    except ValueError as error:
         found = re.search(r"line (\d+)", str(error))
         raise RecordingError(
             f"the head is not valid TOML: {error}",
             'each line is # key = value, and words stand in quotes: # machine = "mill-7"',
             Place(source.name, min(int(found[1]), len(lines)) if found else max(len(lines), 1)),
-        ) from None
-    except (RecursionError, ValueError, OverflowError):
-        raise RecordingError(
-            "the head is not valid TOML: it nests too deep, or a number is too long",
-            "",
-            Place(source.name, 1),
         ) from None
 
     def fault(key: str, message: str, advice: str = "") -> RecordingError:
@@ -136,12 +138,18 @@ def _head(source: Source, lines: list[str]) -> dict[str, Any]:
 
     if head.get("format") != FORMAT:
         raise fault("format", f"{_said(head, 'format')}, and not {FORMAT!r}")
+    notices = tuple(
+        f"--head {key}={value} was not used: the file's own head says {_said(head, key)}"
+        for key, value in more.items()
+        if head.setdefault(key, value) != value
+    )
     check_head(head, fault)
-    return head
+    return head, notices
 
 
 def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
-    """Raises what fault(key, message, advice) makes of the first key that is not as the contract says."""
+    """Raises what fault(key, message, advice) makes of the first key that is not as the contract
+    says."""
     if head.get("kind") not in KINDS:
         raise fault(
             "kind",
@@ -203,7 +211,8 @@ def _check_names(names: list[str], place: Place) -> None:
 
 
 def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
-    """The columns without which a row says nothing. Raises RecordingError for one that is missing."""
+    """The columns without which a row says nothing. Raises RecordingError for one that is
+    missing."""
     kind = head["kind"]
     if kind == "features":
         wanted = {"feature", "kind", "axis", "nominal_mm", "measured_mm"}
@@ -227,9 +236,8 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
             wrong = [x for x in head["centre"] if x not in axes]
             if wrong:
                 raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
-        if (
-            kind == "points"
-        ):  # places in the frame of an instrument, or how far the tool is off along the machine's axes
+        # places in the frame of an instrument, or how far the tool is off along the machine's axes
+        if kind == "points":
             wanted |= (
                 {"dx_um", "dy_um", "dz_um"} if "dx_um" in names else {"mx_mm", "my_mm", "mz_mm"}
             )
@@ -242,13 +250,15 @@ def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
             raise RecordingError(
                 f"the column {name} is missing", f"columns here: {', '.join(names)}", place
             )
-    return wanted
+    return wanted | (PARTED & set(names))
 
 
 def _rows(source, lines, top, names, needed, kind, strict):
-    """Columns (N,), the lines they stand in, and the rows left out. Unknown columns are kept, as words if they are.
+    """Columns (N,), the lines they stand in, and the rows left out. Unknown columns are kept, as
+    words if they are.
 
-    Blocks in which every cell is a number are read at once; a block with anything else in it is read cell by cell.
+    Blocks in which every cell is a number are read at once; a block with anything else in it is
+    read cell by cell.
     """
     texts = TEXTS if kind == "features" else set()
     known = needed | texts | {n for n in names if OPTIONAL.fullmatch(n)}
@@ -285,7 +295,8 @@ def _rows(source, lines, top, names, needed, kind, strict):
 
 
 def _all_numbers(block: list[str], names: list[str], needed: set[str]) -> np.ndarray | None:
-    """(N, C) of a block of lines, empty cells as NaN; None where a cell is no number, or a needed one is empty."""
+    """(N, C) of a block of lines, empty cells as NaN; None where a cell is no number, or a needed
+    one is empty."""
     joined = "\n".join(block)
     if '"' in joined or "#" in joined or "_" in joined:
         return None
@@ -308,7 +319,8 @@ def _all_numbers(block: list[str], names: list[str], needed: set[str]) -> np.nda
 
 
 def _cells_of_all(source, lines, first, stop, names, needed, known, texts, strict):
-    """Of lines[first:stop], cell by cell: (N, C) numbers, their lines, rows left out, columns of words, and the cells."""
+    """Of lines[first:stop], cell by cell: (N, C) numbers, their lines, rows left out, columns of
+    words, and the cells."""
     words: set[str] = set()
     raw: list[list[str]] = []
     rows: list[list[Any]] = []
@@ -345,7 +357,8 @@ def _cells_of_all(source, lines, first, stop, names, needed, known, texts, stric
             if strict:
                 raise RecordingError(
                     wrong.message,
-                    "every row needs a number in every needed column; --lenient leaves such rows out",
+                    "every row needs a number in every needed column; --lenient leaves such"
+                    " rows out",
                     place,
                 )
             faults.append(wrong)
@@ -374,15 +387,19 @@ def _columns(names, texts, parts, lines, source):
         if faults:
             line = faults[0].line
             raise RecordingError(
-                f"no row can be used: {faults[0].message}, and all {len(faults)} rows are of that kind",
-                "look at the columns and at how numbers are written", Place(source.name, line, lines[line - 1]),
-            )  # fmt: skip
+                f"no row can be used: {faults[0].message}, and all {len(faults)} rows are of that"
+                " kind",
+                "look at the columns and at how numbers are written",
+                Place(source.name, line, lines[line - 1]),
+            )
         raise RecordingError("there are no rows", "", Place(source.name, len(lines)))
     words = set().union(*(part[3] for part in parts)) | texts
     columns = {
-        name: np.array([row[i] for part in parts for row in part[4]], dtype=object)
-        if name in words
-        else np.concatenate([part[0][:, i] for part in parts])
+        name: (
+            np.array([row[i] for part in parts for row in part[4]], dtype=object)
+            if name in words
+            else np.concatenate([part[0][:, i] for part in parts])
+        )
         for i, name in enumerate(names)
     }
     return columns, at, faults
@@ -411,5 +428,6 @@ def _cells(line: str, place: Place) -> list[str]:
 
 
 def _finite(value: Any) -> bool:
-    """A number of a size that positions and uncertainties have: also no integer beyond what a float holds."""
+    """A number of a size that positions and uncertainties have: also no integer beyond what a float
+    holds."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300

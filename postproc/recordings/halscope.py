@@ -1,9 +1,10 @@
 """halscope's log of a capture on LinuxCNC (File, Save log): how drives follow their commands.
 
-First line `Sampling period is 1000000 ns`, then a line for each sample: the pin's name and its value
-by turns (LinuxCNC, src/hal/utils/scope_files.c, write_log_file). Values are printed as the desktop
-writes numbers, so a decimal comma may stand in them. A trace by the axes' own scales: joint.N.pos-cmd
-and joint.N.pos-fb (or motor-pos-cmd and motor-pos-fb) of each joint, in machine units.
+First line `Sampling period is 1000000 ns`, then a line for each sample: the pin's name and its
+value by turns (LinuxCNC, src/hal/utils/scope_files.c, write_log_file). Values are printed as the
+desktop writes numbers, so a decimal comma may stand in them. A trace by the axes' own scales:
+joint.N.pos-cmd and joint.N.pos-fb (or motor-pos-cmd and motor-pos-fb) of each joint, in machine
+units.
 """
 
 from __future__ import annotations
@@ -37,17 +38,23 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """A trace, sees = "scale". Raises RecordingError with the line, UsageError for pins that are not there."""
+    """A trace, sees = "scale". Raises RecordingError with the line, UsageError for pins that are
+    not there."""
     content, _ = text.decoded(source)
     lines = [(n, line) for n, line in enumerate(text.lines_of(content), 1) if line.strip()]
     head = HEAD.fullmatch(lines[0][1].strip())
     if head is None or int(head[1]) == 0:
-        raise RecordingError("the first line is not the sampling period", "Sampling period is 1000000 ns", Place(source.name, 1))  # fmt: skip
+        raise RecordingError(
+            "the first line is not the sampling period",
+            "Sampling period is 1000000 ns",
+            Place(source.name, 1),
+        )
     names, values, at = _samples(source, lines[1:])
     notices: list[str] = []
     if not options.unit:
         notices.append(
-            "positions are taken as mm, LinuxCNC's machine unit (--unit inch where LINEAR_UNITS is inch)"
+            "positions are taken as mm, LinuxCNC's machine unit (--unit inch where LINEAR_UNITS is"
+            " inch)"
         )
     unit = units.named(options.unit or "mm")
     if unit.quantity != units.LENGTH:
@@ -110,7 +117,8 @@ def _mapped(source: Source, names: list[str], options: ReadingOptions) -> dict[s
     whole = [x for x in letters_found if f"{x}_cmd_mm" in found and f"{x}_act_mm" in found]
     if not whole or len(whole) < len(letters_found):
         raise UsageError(
-            f"which pins of {source.name} are an axis' command and its scale is not said (pins: {', '.join(names)})",
+            f"which pins of {source.name} are an axis' command and its scale is not said (pins:"
+            f" {', '.join(names)})",
             "--set joints=XYZ for joints 0 1 2, or --column X_cmd_mm=PIN --column X_act_mm=PIN",
         )
     return found

@@ -1,9 +1,10 @@
-"""Sheets of a test by ISO 230-2 saved as CSV: targets down, runs across (interleaved or in blocks), or one reading a row.
+"""Sheets of a test by ISO 230-2 saved as CSV: targets down, runs across (interleaved or in blocks),
+or one reading a row.
 
-Interleaved: up 1, down 1, up 2, ...; blocks: all up, then all down; long: columns target, run, direction, deviation, and
-time where it is known (seconds, or ISO 8601).
-Headings that name the direction of every column settle it; otherwise the layout must be said. Tabs, semicolons, commas;
-decimal commas. Above the table may stand lines of key and value.
+Interleaved: up 1, down 1, up 2, ...; blocks: all up, then all down; long: columns target, run,
+direction, deviation, and time where it is known (seconds, or ISO 8601).
+Headings that name the direction of every column settle it; otherwise the layout must be said. Tabs,
+semicolons, commas; decimal commas. Above the table may stand lines of key and value.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ WORDS = re.compile(r"up|down|↑|forward|reverse|fwd|rev|run|dir", re.I)
 
 
 def recognises(source: Source) -> bool:
-    """A table whose headings name the direction of every column, or name target, run and deviation."""
+    """A table whose headings name the direction of every column, or name target, run and
+    deviation."""
     marked = any(source.data.startswith(mark) for mark in text.BOMS)
     if b"HEADER::" in source.data[:200] or (b"\x00" in source.data[:200] and not marked):
         return False
@@ -65,7 +67,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """Raises RecordingError with the line for what is not a number, and where layout, axis or unit are open."""
+    """Raises RecordingError with the line for what is not a number, and where layout, axis or unit
+    are open."""
     if options.layout and options.layout not in LAYOUTS:
         raise UsageError(f"--layout {options.layout} is not known", f"one of {', '.join(LAYOUTS)}")
     content, encoding = text.decoded(source)
@@ -92,11 +95,14 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     )
     found, faults = _sheet.cells(source, table, sheet, options)
     notices += _sheet.missing(faults)
-    signs = {at: (sign * start if at in relative else sign) for at, (_, sign) in runs.items()}
+    signs = {at: sign * start if at in relative else sign for at, (_, sign) in runs.items()}
     readings = targets.Readings(
-        [runs[c.at][0] for c, *_ in found], [t * scale for _, _, t, _ in found], [v for *_, v in found],
-        [line for _, line, *_ in found], [signs[c.at] for c, *_ in found],
-    )  # fmt: skip
+        [runs[c.at][0] for c, *_ in found],
+        [t * scale for _, _, t, _ in found],
+        [v for *_, v in found],
+        [line for _, line, *_ in found],
+        [signs[c.at] for c, *_ in found],
+    )
     if relative and not options.first:
         notices.append("the first direction is not in the file: taken as + (--first - if it was -)")
     told = replace(options, first=0, bidirectional=None) if relative else options
@@ -113,7 +119,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
 
 
 def _long(table: text.Table) -> tuple[int, dict[str, int]] | None:
-    """Row and columns of a heading with target, run and deviation among the first rows; None where there is none."""
+    """Row and columns of a heading with target, run and deviation among the first rows; None where
+    there is none."""
     for k, (_, cells) in enumerate(table.rows[:40]):
         if any(table.numeric(c) for c in cells):
             continue
@@ -135,9 +142,10 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     """One reading a row."""
     if columns is None:
         raise RecordingError(
-            "there is no heading with target, run and deviation", "a long table has these columns, and may have direction",
+            "there is no heading with target, run and deviation",
+            "a long table has these columns, and may have direction",
             Place(source.name, table.rows[0][0]),
-        )  # fmt: skip
+        )
     top, at = columns
     line, headings = table.rows[top]
     said = next((u for u in (units.in_heading(headings[at["value"]]),) if u), None)
@@ -207,7 +215,8 @@ def _read_long(source, options, table, columns, notices) -> Recording:
 def _runs(
     source: Source, sheet: _sheet.Sheet, options: ReadingOptions
 ) -> tuple[dict[int, tuple[int, int]], set[int]]:
-    """Column to (run, sign), runs counted as they alternate; and the columns whose sign is relative to the first run."""
+    """Column to (run, sign), runs counted as they alternate; and the columns whose sign is relative
+    to the first run."""
     columns, place = sheet.columns, Place(source.name, sheet.line)
     named = [c.sign for c in columns]
     if any(named) and not all(named):
@@ -226,17 +235,21 @@ def _runs(
             and signs not in _laid_out(options.layout, n, named[0])
         ):
             raise RecordingError(
-                f"--layout {options.layout} does not agree with the headings ({', '.join(c.title for c in columns[:4])}, ...)",
-                "leave --layout out", place,
-            )  # fmt: skip
+                f"--layout {options.layout} does not agree with the headings"
+                f" ({', '.join(c.title for c in columns[:4])}, ...)",
+                "leave --layout out",
+                place,
+            )
         relative = {c.at for c in columns if c.relative}
     elif options.bidirectional is False:
         signs, relative = [1] * n, {c.at for c in columns}
     elif not options.layout:
         raise RecordingError(
             f"the headings do not say the direction of the {n} columns of readings",
-            "say --layout interleaved (up 1, down 1, up 2 ...) or --layout blocks (all up, then all down), or --bidirectional no", place,
-        )  # fmt: skip
+            "say --layout interleaved (up 1, down 1, up 2 ...) or --layout blocks (all up, then all"
+            " down), or --bidirectional no",
+            place,
+        )
     elif n % 2:
         raise RecordingError(
             f"{n} columns of readings are no pairs of there and back",

@@ -1,9 +1,10 @@
 """Laser text with one table at tabs, as programs for Agilent, HP and Aerotech lasers write it.
 
-Lines of key: value; a row that begins with `Target Position`, then `RUN 1` ... `RUN n` and `Average`; one row a target;
-then `Environmental Data:` with lines of key: value. The unit is in a heading: (arcsec), mrad or µm. The layout is known
-from one public reader of such files: unverified against original files. That reader also meets records over time
-(`Time`, `Position`), which are not targets and are refused here.
+Lines of key: value; a row that begins with `Target Position`, then `RUN 1` ... `RUN n` and
+`Average`; one row a target; then `Environmental Data:` with lines of key: value. The unit is in a
+heading: (arcsec), mrad or µm. The layout is known from one public reader of such files: unverified
+against original files. That reader also meets records over time (`Time`, `Position`), which are not
+targets and are refused here.
 """
 
 from __future__ import annotations
@@ -41,7 +42,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """Raises RecordingError with the line for what is not a number, and where axis or unit are open."""
+    """Raises RecordingError with the line for what is not a number, and where axis or unit are
+    open."""
     content, encoding = text.decoded(source)
     notices = ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
     lines = text.lines_of(content)
@@ -50,9 +52,10 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         time = next((i for i, line in enumerate(lines) if TIME.match(line)), None)
         if time is not None:
             raise RecordingError(
-                "this is a record over time, not of targets", "make a CSV of it and name its columns: --format mapped-csv",
+                "this is a record over time, not of targets",
+                "make a CSV of it and name its columns: --format mapped-csv",
                 Place(source.name, time + 1),
-            )  # fmt: skip
+            )
         raise RecordingError(
             "there is no row that begins with Target Position", "", Place(source.name, 1)
         )
@@ -75,13 +78,20 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     _averages(source, sheet, table, found, notices)
     columns, noted, more = environment.taken(_keys(lines[weather + 1 :], lower=False).items())
     readings = targets.Readings(
-        [_run(c.title) for c, *_ in found], [t * scale for _, _, t, _ in found], [v for *_, v in found],
-        [line for _, line, *_ in found], columns={n: [v] * len(found) for n, v in columns.items()},
-    )  # fmt: skip
+        [_run(c.title) for c, *_ in found],
+        [t * scale for _, _, t, _ in found],
+        [v for *_, v in found],
+        [line for _, line, *_ in found],
+        columns={n: [v] * len(found) for n, v in columns.items()},
+    )
     head = {
-        "machine": before.get("machine", ""), "instrument": "laser interferometer", "comments": before.get("comments", ""),
-        "serial_number": before.get("serial number", ""), "date": before.get("date", ""), "environment": noted or None,
-    }  # fmt: skip
+        "machine": before.get("machine", ""),
+        "instrument": "laser interferometer",
+        "comments": before.get("comments", ""),
+        "serial_number": before.get("serial number", ""),
+        "date": before.get("date", ""),
+        "environment": noted or None,
+    }
     ups = [t for _, _, t, _ in found]
     first = 1 if not ups or ups[-1] >= ups[0] else -1
     return targets.recording(
@@ -196,5 +206,6 @@ def _averages(source, sheet, table, found, notices) -> None:
             continue
         if abs(stated - float(np.mean(own))) > SLIP * spread:
             notices.append(
-                f"line {line}: the average stands as {stated:g}, and the mean of its runs is {np.mean(own):g}: is a number mistyped?"
+                f"line {line}: the average stands as {stated:g}, and the mean of its runs is"
+                f" {np.mean(own):g}: is a number mistyped?"
             )

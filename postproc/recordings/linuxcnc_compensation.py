@@ -1,8 +1,10 @@
-"""LinuxCNC's screw compensation file (COMP_FILE) as a recording of what it says the axis' deviation is.
+"""LinuxCNC's screw compensation file (COMP_FILE) as a recording of what it says the axis' deviation
+is.
 
-Three numbers a line: nominal, forward, reverse. COMP_FILE_TYPE 0: forward and reverse are actual positions; other types:
-trims, which are minus the deviation. Reading stops at the first line without three numbers. Units are the machine's.
-Neither type nor unit is in the file. Source: LinuxCNC's usrmotintf.
+Three numbers a line: nominal, forward, reverse. COMP_FILE_TYPE 0: forward and reverse are actual
+positions; other types: trims, which are minus the deviation. Reading stops at the first line
+without three numbers. Units are the machine's. Neither type nor unit is in the file. Source:
+LinuxCNC's usrmotintf.
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """Run 1 forward, run 2 reverse. Raises RecordingError where LinuxCNC would stop reading, and where type, unit or axis are open."""
+    """Run 1 forward, run 2 reverse. Raises RecordingError where LinuxCNC would stop reading, and
+    where type, unit or axis are open."""
     kind = options.extra.get("type", "")
     if kind not in ("", "0", "1"):
         raise UsageError(f"--set type={kind} is not known", "0 or 1, as COMP_FILE_TYPE says")
@@ -71,16 +74,19 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             deviation = entry - nominal if kind == "0" else -entry
             if abs(deviation) * scale > FARTHEST:
                 raise RecordingError(
-                    f"a deviation of {deviation * scale:g} mm is no screw's: is this type {1 - int(kind)}, or another unit?",
-                    f"--set type={1 - int(kind)}", Place(source.name, line),
-                )  # fmt: skip
+                    f"a deviation of {deviation * scale:g} mm is no screw's: is this type"
+                    f" {1 - int(kind)}, or another unit?",
+                    f"--set type={1 - int(kind)}",
+                    Place(source.name, line),
+                )
             for values, value in zip(
                 (readings.run, readings.target, readings.value, readings.line, readings.sign),
                 (1 if sign > 0 else 2, nominal * scale, deviation, line, sign), strict=True,
             ):  # fmt: skip
                 values.append(value)  # type: ignore[attr-defined]
     notices = [
-        "these are a control's corrections, not readings: their scatter and their zero are not known"
+        "these are a control's corrections, not readings: their scatter and their zero are not"
+        " known"
     ]
     head = {"instrument": f"LinuxCNC compensation file, type {kind}"}
     return targets.recording(source, options, component, unit, readings, head=head, notices=notices)
@@ -103,15 +109,18 @@ def _rows(source: Source) -> list[tuple[int, float, float, float]]:
         values = [text.number(w) for w in line.split()[:3]]
         if len(values) < 3 or None in values:
             raise RecordingError(
-                f"this line has no three numbers: LinuxCNC stops reading here, and {len(lines) - i} lines below are never used",
-                "take out headings, comments and blank lines", Place(source.name, i, line),
-            )  # fmt: skip
+                f"this line has no three numbers: LinuxCNC stops reading here, and {len(lines) - i}"
+                " lines below are never used",
+                "take out headings, comments and blank lines",
+                Place(source.name, i, line),
+            )
         nominal, forward, reverse = (float(v or 0.0) for v in values)
         if rows and nominal <= rows[-1][1]:
             raise RecordingError(
-                f"nominal {nominal:g} comes after {rows[-1][1]:g}: LinuxCNC refuses it", "order them, each once",
+                f"nominal {nominal:g} comes after {rows[-1][1]:g}: LinuxCNC refuses it",
+                "order them, each once",
                 Place(source.name, i, line),
-            )  # fmt: skip
+            )
         if len(rows) == ENTRIES:
             raise RecordingError(
                 f"this is entry {ENTRIES + 1}: LinuxCNC holds {ENTRIES}",

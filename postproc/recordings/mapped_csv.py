@@ -1,10 +1,12 @@
-"""Any table as CSV, by a mapping of its columns: what stands under which name, or in which column counted from 1.
+"""Any table as CSV, by a mapping of its columns: what stands under which name, or in which column
+counted from 1.
 
-Targets, one reading a row: `Z_mm` (or Z_in, Z_deg) and `reading_um` (or _mm, _urad, ...; bare `reading` with --unit), with
-run, direction (+ -, up down, forward reverse), t_s, T_<place>_C and other columns of a recording where the table has
-them. `actual_mm` in place of the reading is the position itself. Targets, one row each: `forward_mm`, `reverse_mm`, or
-`forward1_um`, `reverse1_um`, `forward2_um` ... in place of the reading. Traces, circles and features: the columns that
-the contract names for them.
+Targets, one reading a row: `Z_mm` (or Z_in, Z_deg) and `reading_um` (or _mm, _urad, ...; bare
+`reading` with --unit), with run, direction (+ -, up down, forward reverse), t_s, T_<place>_C and
+other columns of a recording where the table has them. `actual_mm` in place of the reading is the
+position itself. Targets, one row each: `forward_mm`, `reverse_mm`, or `forward1_um`, `reverse1_um`,
+`forward2_um` ... in place of the reading. Traces, circles and features: the columns that the
+contract names for them.
 """
 
 from __future__ import annotations
@@ -49,7 +51,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """Raises UsageError for a mapping that says too little or too much, RecordingError for a table that does not bear it."""
+    """Raises UsageError for a mapping that says too little or too much, RecordingError for a table
+    that does not bear it."""
     mapping = options.columns
     if not mapping:
         raise UsageError(
@@ -73,7 +76,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
 def _columns(
     source: Source, table: text.Table, mapping: dict[str, str]
 ) -> tuple[int, dict[str, int]]:
-    """Index of the first row of data, and each name's column from 0. Raises RecordingError for a heading that is not there."""
+    """Index of the first row of data, and each name's column from 0. Raises RecordingError for a
+    heading that is not there."""
     named = {n: h for n, h in mapping.items() if not h.strip().isdigit()}
     top = -1
     headings: list[str] = []
@@ -108,9 +112,10 @@ def _columns(
         ]
         if len(same) > 1:
             raise RecordingError(
-                f"{len(same)} columns are called {heading!r}", f"say which by its number: --column {name}={same[0] + 1}",
+                f"{len(same)} columns are called {heading!r}",
+                f"say which by its number: --column {name}={same[0] + 1}",
                 Place(source.name, table.rows[top][0]),
-            )  # fmt: skip
+            )
         at[name] = same[0]
     widest = max(len(cells) for _, cells in table.rows)
     for name, j in at.items():
@@ -146,7 +151,8 @@ def _targets(source, options, table, top, at, notices) -> Recording:
     if unknown:
         raise UsageError(
             f"--column {unknown[0]}=... is no column of a recording",
-            "Z_mm, reading_um, actual_mm, forward_um, reverse_um, run, direction, t_s, T_air_C, ...",
+            "Z_mm, reading_um, actual_mm, forward_um, reverse_um, run, direction, t_s,"
+            " T_air_C, ...",
         )
     if not positions:
         raise UsageError("the mapping names no position", "like --column Z_mm=Position")
@@ -225,9 +231,11 @@ def _targets(source, options, table, top, at, notices) -> Recording:
             "forward is taken as +, reverse as - (--first - if forward went towards minus)"
         )
     result = replace(
-        result, columns={rename.get(n, n): c for n, c in result.columns.items()}, t=text.times(source, times, table.decimal) if "t_s" in at and not ways else None,
+        result,
+        columns={rename.get(n, n): c for n, c in result.columns.items()},
+        t=text.times(source, times, table.decimal) if "t_s" in at and not ways else None,
         sign=result.sign if ways or "direction" in at else (),
-    )  # fmt: skip
+    )
     heed = replace(options, first=0, bidirectional=None) if ways or relative else options
     return targets.recording(
         source, heed, component, unit, result, head={}, notices=notices, faults=faults
@@ -260,7 +268,8 @@ def _actual_factor(unit: units.Unit, own: str) -> float:
 
 
 def _rows(source, options, table, top, at, readings, notices) -> tuple[list, list[Fault], bool]:
-    """(line, name to number, sign) of every row; empty readings are left out and listed; whether signs are relative."""
+    """(line, name to number, sign) of every row; empty readings are left out and listed; whether
+    signs are relative."""
     rows: list[tuple[int, dict[str, float], int]] = []
     faults: list[Fault] = []
     relative = False

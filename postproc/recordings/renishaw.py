@@ -1,9 +1,10 @@
 """Renishaw laser text of readings at targets: .rtl linear, .rta angular, .rts straightness.
 
-Sections headed by capitals and `::`. TARGET DATA:: has Target-count and the targets, some to a line, up to Flags:;
-RUNS:: has Run-count; DEVIATIONS:: has rows of run, target number, deviation, in any order. The layout is known from
-public readers and writers of such files, not from the maker: unverified against original files. By these readers
-targets are in mm (degrees of a rotary axis), linear deviations in um, angular ones in mm/m; of straightness none says it.
+Sections headed by capitals and `::`. TARGET DATA:: has Target-count and the targets, some to a
+line, up to Flags:; RUNS:: has Run-count; DEVIATIONS:: has rows of run, target number, deviation, in
+any order. The layout is known from public readers and writers of such files, not from the maker:
+unverified against original files. By these readers targets are in mm (degrees of a rotary axis),
+linear deviations in um, angular ones in mm/m; of straightness none says it.
 """
 
 from __future__ import annotations
@@ -54,7 +55,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """Raises RecordingError for a file that is cut off or contradicts itself, and where unit or axis are open."""
+    """Raises RecordingError for a file that is cut off or contradicts itself, and where unit or
+    axis are open."""
     content, encoding = text.decoded(source, ENCODINGS)
     found = _sections(content)
     for section in ("TARGET DATA", "DEVIATIONS"):
@@ -87,24 +89,33 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     if not options.unit and component.quantity in UNIT_OF:
         said = UNITS[UNIT_OF[component.quantity]]
         notices.append(
-            f"the unit is not in the file: taken as {said.name}, as other readers of this format do (--unit)"
+            f"the unit is not in the file: taken as {said.name}, as other readers of this format do"
+            " (--unit)"
         )
     unit = targets.unit_for(options, source, component, said, found.line("DEVIATIONS"))
     columns, noted, more = environment.taken(found.environment)
     flags = " ".join(found.key("TARGET DATA", "flags").split())
     if options.bidirectional is None and FLAGS.get(flags) is False and runs != 1:
         notices.append(
-            f"Flags: {flags} means one direction in one public writer of this format: --bidirectional no?"
+            f"Flags: {flags} means one direction in one public writer of this format:"
+            " --bidirectional no?"
         )
     readings = targets.Readings(
-        [r for r, _ in rows], [places[k - 1] for _, k in rows], [v for v, _ in rows.values()], [i for _, i in rows.values()],
+        [r for r, _ in rows],
+        [places[k - 1] for _, k in rows],
+        [v for v, _ in rows.values()],
+        [i for _, i in rows.values()],
         columns={n: [v] * len(rows) for n, v in columns.items()},
-    )  # fmt: skip
+    )
     head = {
-        "machine": found.key("USER-TEXT", "machine"), "instrument": "Renishaw laser interferometer",
-        "serial_number": found.key("USER-TEXT", "serial no"), "date": found.key("USER-TEXT", "date"),
-        "operator": found.key("USER-TEXT", "by"), "location": found.key("USER-TEXT", "location"), "environment": noted or None,
-    }  # fmt: skip
+        "machine": found.key("USER-TEXT", "machine"),
+        "instrument": "Renishaw laser interferometer",
+        "serial_number": found.key("USER-TEXT", "serial no"),
+        "date": found.key("USER-TEXT", "date"),
+        "operator": found.key("USER-TEXT", "by"),
+        "location": found.key("USER-TEXT", "location"),
+        "environment": noted or None,
+    }
     first = 1 if places[-1] >= places[0] else -1
     return targets.recording(
         source,
@@ -120,7 +131,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
 
 
 def _sections(content: str) -> _File:
-    """The lines by section. Targets are collected up to the first line that is no numbers: their count is not trusted."""
+    """The lines by section. Targets are collected up to the first line that is no numbers: their
+    count is not trusted."""
     found, section, state = _File(), "", ""
     for i, line in enumerate(text.lines_of(content), 1):
         plain = line.strip()
@@ -164,9 +176,10 @@ def _decimal(source: Source, found: _File, options: ReadingOptions, notices: lis
         )
     except ValueError as error:
         raise RecordingError(
-            f"decimal commas and points are mixed: {error}", "say --set decimal=. or --set decimal=,",
+            f"decimal commas and points are mixed: {error}",
+            "say --set decimal=. or --set decimal=,",
             Place(source.name, next(line for word, line in cells if text.COMMA.fullmatch(word))),
-        ) from None  # fmt: skip
+        ) from None
     if notice:
         notices.append(notice)
     return decimal
@@ -233,7 +246,10 @@ def _rows(
             elif not 1 <= target <= n_targets:
                 wrong = f"target number {target}, and the targets are 1 to {n_targets}"
             elif (run, target) in rows:
-                wrong = f"run {run} has target {target} twice: here and in line {rows[(run, target)][1]}"
+                wrong = (
+                    f"run {run} has target {target} twice: here and in line"
+                    f" {rows[(run, target)][1]}"
+                )
             else:
                 rows[(run, target)] = (value, line)
         if wrong and options.strict:
@@ -274,7 +290,8 @@ def _missing(found, rows, n_targets, runs, faults, notices) -> None:
 
 
 def _quantity(source: Source, found: _File, options: ReadingOptions) -> str:
-    """What the file's kind says was measured, or nothing; --component overrules words in the file."""
+    """What the file's kind says was measured, or nothing; --component overrules words in the
+    file."""
     ending = source.name.rpartition(".")[2].lower()
     if ending in KINDS:
         return KINDS[ending]

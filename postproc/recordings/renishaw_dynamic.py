@@ -1,8 +1,10 @@
-"""Renishaw laser record of a motion (.rtx): a header of `key: value` lines, `Data:`, then samples up to `EOF::`.
+"""Renishaw laser record of a motion (.rtx): a header of `key: value` lines, `Data:`, then samples
+up to `EOF::`.
 
-The samples are little-endian float64, evenly spaced by `Actual sample rate` (Hz). The layout is known from one public
-reader (rtx2csv, tested there on a file of CARTO Dynamic 4.13), not from the maker: unverified against original files.
-The file holds measured positions only, in a unit that it does not say, and no commands.
+The samples are little-endian float64, evenly spaced by `Actual sample rate` (Hz). The layout is
+known from one public reader (rtx2csv, tested there on a file of CARTO Dynamic 4.13), not from the
+maker: unverified against original files. The file holds measured positions only, in a unit that it
+does not say, and no commands.
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """A trace, sees = "tool". Raises RecordingError for a broken file, and where axis, unit or command are not said."""
+    """A trace, sees = "tool". Raises RecordingError for a broken file, and where axis, unit or
+    command are not said."""
     begin = BEGIN.search(source.data[:HEADER_MOST])
     if begin is None:
         raise RecordingError(

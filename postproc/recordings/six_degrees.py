@@ -1,7 +1,9 @@
-"""A wide table of a six-degree-of-freedom instrument: one axis moves, and all of its errors are read at once.
+"""A wide table of a six-degree-of-freedom instrument: one axis moves, and all of its errors are
+read at once.
 
-Header X_mm, then any of EXX_um EYX_um EZX_um EAX_urad EBX_urad ECX_urad (also _arcsec), and where known run, approach (+1, -1),
-t_s, the other axes' places (Y_mm) and temperatures (T_screw_X_C). Each component becomes a recording.
+Header X_mm, then any of EXX_um EYX_um EZX_um EAX_urad EBX_urad ECX_urad (also _arcsec), and where
+known run, approach (+1, -1), t_s, the other axes' places (Y_mm) and temperatures (T_screw_X_C).
+Each component becomes a recording. A column that is none of these is named in a notice.
 """
 
 from __future__ import annotations
@@ -19,6 +21,9 @@ TITLE = "six degrees of freedom (X_mm,EXX_um,EYX_um,EZX_um,EAX_urad,EBX_urad,ECX
 TAKES = ("component", "others", "machine", "head")
 EXTRA = {"decimal": ". or ,: the decimal sign, where it is not clear"}
 COMPONENT = re.compile(r"E([XYZABC])([XYZ])_(um|urad|arcsec)")
+# Names that would be components in a unit that is not read
+LIKE = re.compile(r"E[XYZABC][XYZABC](_.*)?", re.IGNORECASE)
+OTHER = re.compile(r"run|t_s|setup|approach(_[XYZABC])?|[XYZ]_mm|[ABC]_deg|T_\w+_C")
 FEWEST = 3  # components in one table: fewer are tables of other kinds
 ARCSEC = np.pi / 648000 / URAD
 
@@ -40,7 +45,8 @@ def recognises(source: Source) -> bool:
 
 
 def read(source: Source, options: ReadingOptions) -> Recording:
-    """The component that --component names. Raises RecordingError where none is named, UsageError where there is none."""
+    """The component that --component names. Raises RecordingError where none is named, UsageError
+    where there is none."""
     every = read_all(source, options)
     if len(every) == 1:
         return every[0]
@@ -53,12 +59,16 @@ def read(source: Source, options: ReadingOptions) -> Recording:
 
 def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     """A recording for each component, only one where --component names it."""
-    names, values, lines = _table(source, options)
-    letter = names[0][0]
+    names, values, lines, head_line = _table(source, options)
+    letter, idle = names[0][0], _idle(names, Place(source.name, head_line))
     found = [(m[1], m[2], m[3], k) for k, n in enumerate(names) if (m := COMPONENT.fullmatch(n))]
     for _, own, _, k in found:
         if own != letter:
-            raise RecordingError(f"{names[k]} is no error of {letter}, which moves", "one axis in each file", Place(source.name, int(lines[0]) - 1))  # fmt: skip
+            raise RecordingError(
+                f"{names[k]} is no error of {letter}, which moves",
+                "one axis in each file",
+                Place(source.name, head_line),
+            )
     shared = {n: values[:, k] for k, n in enumerate(names) if not COMPONENT.fullmatch(n)}
     if "approach" in shared:
         shared[f"approach_{letter}"] = shared.pop("approach")
@@ -77,7 +87,7 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
             raise RecordingError(
                 f"{names[k]}: {name} is {'an angle' if angle else 'a length'}",
                 "urad, arcsec, or um",
-                Place(source.name, 1),
+                Place(source.name, head_line),
             )
         reading = values[:, k] * (ARCSEC if unit == "arcsec" else 1.0)
         along = "XYZ"["ABC".index(direction)] if angle else direction
@@ -96,6 +106,7 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
                 shared | {"reading_urad" if angle else "reading_um": reading},
                 source.name,
                 lines,
+                notices=idle,
             )
         )
     if not out:
@@ -106,12 +117,31 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     return out
 
 
-def _table(source: Source, options: ReadingOptions) -> tuple[list[str], np.ndarray, np.ndarray]:
-    """Names, (N, C) numbers, and (N,) the line of each row. Raises RecordingError with the line."""
+def _idle(names: list[str], place: Place) -> tuple[str, ...]:
+    """A notice for columns that say nothing here. Raises RecordingError for a name that stands
+    twice, and for a component that is not in a unit of these."""
+    for name in names:
+        if names.count(name) > 1:
+            raise RecordingError(f"the column {name!r} stands twice", "one of them", place)
+        if LIKE.fullmatch(name) and not COMPONENT.fullmatch(name):
+            raise RecordingError(
+                f"{name} is no column of a six-degree-of-freedom table",
+                "lengths like EYX_um, angles like EAX_urad or EAX_arcsec: the unit stands behind",
+                place,
+            )
+    idle = [n for n in names if not COMPONENT.fullmatch(n) and not OTHER.fullmatch(n)]
+    return (f"columns that nothing here reads: {', '.join(idle)}",) if idle else ()
+
+
+def _table(
+    source: Source, options: ReadingOptions
+) -> tuple[list[str], np.ndarray, np.ndarray, int]:
+    """Names, (N, C) numbers, (N,) the line of each row, and that of the names. Raises
+    RecordingError with the line."""
     content, _ = text.decoded(source)
     kept = "\n".join("" if line.startswith("#") else line for line in content.splitlines())
     table = text.table(source, kept, text.told_decimal(options.extra))
-    _, names = table.rows[0]
+    head_line, names = table.rows[0]
     rows, lines = [], []
     for number, cells in table.rows[1:]:
         place = Place(source.name, number, table.delimiter.join(cells))
@@ -132,4 +162,4 @@ def _table(source: Source, options: ReadingOptions) -> tuple[list[str], np.ndarr
         lines.append(number)
     if not rows:
         raise RecordingError("there are no rows", "", Place(source.name, 1))
-    return names, np.array(rows), np.array(lines)
+    return names, np.array(rows), np.array(lines), head_line

@@ -1,7 +1,9 @@
-"""Where the tool really is: the machine's tables and every effect of its file, at a state of the timeline.
+"""Where the tool really is: the machine's tables and every effect of its file, at a state of the
+timeline.
 
-Effects that a place alone decides stand in the machine's model as tables, for the compensator; here they are taken from
-their own equations like all others, so that each acts once, with its whole history.
+Effects that a place alone decides stand in the machine's model as tables, for the compensator; here
+they are taken from their own equations like all others, so that each acts once, with its whole
+history.
 """
 
 from __future__ import annotations
@@ -40,7 +42,8 @@ class Term:
 
 
 def terms_of(machine: Machine) -> tuple[Term, ...]:
-    """The physics of the machine's file; what is the fault of an instrument or of data is not the machine's."""
+    """The physics of the machine's file; what is the fault of an instrument or of data is not the
+    machine's."""
     found = [Term(e.module, e.axis, e.parameters) for e in machine.effects if e.module is not None]
     return tuple(t for t in found if t.module.KIND == "machine")
 
@@ -59,7 +62,8 @@ class Reality:
     def error(
         self, state: State, sees: Sequence[str], piece: np.ndarray, tables: bool = True
     ) -> np.ndarray:
-        """(3, N) mm: actual - commanded, as far as a signal of these kinds ("tool", "scale", "part") shows it.
+        """(3, N) mm: actual - commanded, as far as a signal of these kinds ("tool", "scale",
+        "part") shows it.
 
         tables: whether the machine's geometric tables are in it."""
         result = self._geometry(state, piece) if tables else np.zeros((3, len(state)))
@@ -68,7 +72,8 @@ class Reality:
         return result
 
     def reading(self, state: State, sees: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-        """(N,) and (3, N) mm: what the instrument adds by itself, to its reading and along the axes."""
+        """(N,) and (3, N) mm: what the instrument adds by itself, to its reading and along the
+        axes."""
         line, space = np.zeros(len(state)), np.zeros((3, len(state)))
         for value in self._values(state, sees, machine=False):
             if value.ndim == 1:
@@ -78,8 +83,9 @@ class Reality:
         return line, space
 
     def _values(self, state: State, sees: Sequence[str], machine: bool):
-        """What every effect gives that such a signal shows. They count heat and time from the program's begin, so its
-        first moment goes along as a row in front, and so do the moments at which the spindle's speed changes."""
+        """What every effect gives that such a signal shows. They count heat and time from the
+        program's begin, so its first moment goes along as a row in front, and so do the moments at
+        which the spindle's speed changes."""
         shown = [
             t
             for t in self.terms
@@ -97,7 +103,8 @@ class Reality:
                 value = effects.deviation(term.module, whole, term.axis, **term.parameters)
             except KeyError as missing:
                 raise GcompError(
-                    f"{term.key} needs {missing.args[0]!r}, which is not simulated on {self.machine.name}"
+                    f"{term.key} needs {missing.args[0]!r}, which is not simulated on"
+                    f" {self.machine.name}"
                 ) from None
             yield value[..., 1 : 1 + len(state)]
 

@@ -1,85 +1,28 @@
-"""Programs of tests: what a machine must run so that an instrument can tell something, for its own travel and control.
+"""Programs of tests: what a machine must run so that an instrument can tell something, for its own
+travel and control.
 
-A test is a function here, named in TESTS; it gives the text and how the instrument is to be set. Positions are slide
-positions; the text has what the control wants: words from its work offset, diameters, its dwell, its plane.
+A test is a function here, named in TESTS; it gives the text and how the instrument is to be set.
+Positions are slide positions; the text has what the control wants: words from its work offset,
+diameters, its dwell, its plane.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
 from postproc.errors import UsageError
 from postproc.machine.model import Machine
+from postproc.simulate.asked import Ask, Test, targets
+from postproc.simulate.volumes import diagonal, steps, volume
 from postproc.simulate.writer import OUTRUN, PLANES, XYZ, Writer, middle, ranges
-
-GOLDEN = 0.6180339887498949
-
-
-@dataclass(frozen=True)
-class Test:
-    """A program, the instrument that it is meant for, and how that is to be set."""
-
-    __test__ = False
-
-    text: str
-    instrument: str
-    settings: dict[str, str]
-    title: str
-
-
-@dataclass(frozen=True)
-class Ask:
-    """What --test says: the axes, and key=value."""
-
-    axes: str
-    given: Mapping[str, float]
-
-    def of(self, key: str, default: float) -> float:
-        value = self.given.get(key, default)
-        if (
-            key
-            in (
-                "feed",
-                "dwell",
-                "step",
-                "radius",
-                "rate",
-                "hours",
-                "period",
-                "overrun",
-                "way",
-                "slow",
-            )
-            and value <= 0
-        ):
-            raise UsageError(f"{key} = {value:g} is not above zero")
-        return value
-
-    def count(self, key: str, default: int) -> int:
-        value = self.given.get(key, default)
-        if value != int(value) or not 1 <= value <= 10_000:
-            raise UsageError(f"{key} = {value:g} is no number of 1 to 10000")
-        return int(value)
-
-
-def targets(low: float, high: float, step: float, even: bool) -> np.ndarray:
-    """Places of targets: at even steps, or each moved by up to a quarter of a step, as ISO 230-2 wants it, so that no period
-    of a screw stays hidden."""
-    number = max(round((high - low) / step), 2)
-    places = low + (high - low) * np.arange(number + 1) / number
-    if even:
-        return np.round(low + step * np.arange(int((high - low) / step + 1e-9) + 1), 4)
-    moved = places + 0.5 * ((np.arange(number + 1) * GOLDEN) % 1.0 - 0.5) * (high - low) / number
-    moved[0], moved[-1] = low, high
-    return np.round(moved, 3)
 
 
 def positioning(write: Writer, ask: Ask) -> Test:
-    """Targets along one axis, there and back (ISO 230-2). step, runs, dwell, feed, overrun, even, others stay in the middle."""
+    """Targets along one axis, there and back (ISO 230-2). step, runs, dwell, feed, overrun, even,
+    others stay in the middle."""
     axis = ask.axes
     overrun = ask.of("overrun", OUTRUN)
     low, high = ranges(write.machine, overrun)[axis]
@@ -97,8 +40,9 @@ def positioning(write: Writer, ask: Ask) -> Test:
 
 
 def period(write: Writer, ask: Ask) -> Test:
-    """A stretch of one axis at close targets whose steps are no part of a pitch, there and back: what a screw or a scale
-    repeats every 2 mm to a third of the stretch shows in it. way mm (60), step mm (1), at: its middle, runs, dwell, feed."""
+    """A stretch of one axis at close targets whose steps are no part of a pitch, there and back:
+    what a screw or a scale repeats every 2 mm to a third of the stretch shows in it. way mm (60),
+    step mm (1), at: its middle, runs, dwell, feed."""
     axis = ask.axes
     low, high = ranges(write.machine, OUTRUN)[axis]
     way = min(ask.of("way", 60.0), high - low)
@@ -113,9 +57,9 @@ def period(write: Writer, ask: Ask) -> Test:
 
 
 def arms(write: Writer, ask: Ask) -> Test:
-    """The same targets along one axis on several lines: all other axes at their low end, then each of them at its high end. A
-    rotation of the axis reads differently on lines that lie apart, a screw's error does not. step, runs (of each line), dwell,
-    feed, overrun."""
+    """The same targets along one axis on several lines: all other axes at their low end, then each
+    of them at its high end. A rotation of the axis reads differently on lines that lie apart, a
+    screw's error does not. step, runs (of each line), dwell, feed, overrun."""
     axis = ask.axes
     overrun = ask.of("overrun", OUTRUN)
     room = ranges(write.machine, overrun)
@@ -138,7 +82,8 @@ def arms(write: Writer, ask: Ask) -> Test:
 def _there_and_back(
     write: Writer, axis: str, at: np.ndarray, overrun: float, feed: float, dwell: float
 ) -> None:
-    """One run: all targets from below and from above, and the overruns from which they are reached."""
+    """One run: all targets from below and from above, and the overruns from which they are
+    reached."""
     write.go({axis: float(at[0]) - overrun}, feed)
     for place in at:
         write.go({axis: float(place)}, feed)
@@ -156,7 +101,12 @@ def straightness(write: Writer, ask: Ask) -> Test:
     across = next((x for x in write.machine.letters if x in XYZ and x != ask.axes), "")
     if not across:
         raise UsageError("straightness is across another axis, and there is none")
-    return Test(test.text, "straightness", {"dwell": test.settings["dwell"], "across": across}, f"straightness of {ask.axes}")  # fmt: skip
+    return Test(
+        test.text,
+        "straightness",
+        {"dwell": test.settings["dwell"], "across": across},
+        f"straightness of {ask.axes}",
+    )
 
 
 def angle(write: Writer, ask: Ask) -> Test:
@@ -165,46 +115,9 @@ def angle(write: Writer, ask: Ask) -> Test:
     return Test(test.text, "angle", {"dwell": test.settings["dwell"]}, f"rotation of {ask.axes}")
 
 
-def diagonal(write: Writer, ask: Ask) -> Test:
-    """Targets along a diagonal of two or three axes, there and back (ISO 230-6). number, runs, dwell, feed, overrun."""
-    overrun = ask.of("overrun", OUTRUN)
-    room = ranges(write.machine, overrun)
-    signs = {x: (-1.0 if ask.given.get(f"down_{x}") else 1.0) for x in ask.axes}
-    number, feed, dwell = ask.count("number", 17), ask.of("feed", 2000.0), ask.of("dwell", 3.0)
-    share = np.linspace(0.0, 1.0, number)
-    share[1:-1] += 0.25 * ((np.arange(1, number - 1) * GOLDEN) % 1.0 - 0.5) / (number - 1)
-    ends = {x: room[x] if signs[x] > 0 else room[x][::-1] for x in ask.axes}
-    size = math.sqrt(sum((b - a) ** 2 for a, b in ends.values()))
-
-    def place(t: float) -> dict[str, float]:
-        return {x: a + (b - a) * t for x, (a, b) in ends.items()}
-
-    beyond = overrun / size
-    rest = {x: v for x, v in middle(write.machine).items() if x not in ask.axes}
-    write.begin(f"diagonal of {' '.join(ask.axes)}")
-    write.rest(rest, feed)
-    for _ in range(ask.count("runs", 5)):
-        write.go(place(-beyond), feed)
-        for t in share:
-            write.go(place(float(t)), feed)
-            write.wait(dwell)
-        write.go(place(1.0 + beyond), feed)
-        for t in share[::-1]:
-            write.go(place(float(t)), feed)
-            write.wait(dwell)
-    write.go(place(-beyond), feed)
-    along = ",".join(f"{x}{(b - a) / size:.9f}" for x, (a, b) in ends.items())
-    return Test(
-        write.text(),
-        "laser",
-        {"dwell": f"{dwell:g}", "along": along},
-        f"diagonal of {' '.join(ask.axes)}",
-    )
-
-
 def ballbar(write: Writer, ask: Ask) -> Test:
-    """Circles in both senses, half a turn of overshoot at both ends (ISO 230-4). radius, feed, runs, at_X ...: centre; slow:
-    mm/min, the feed of as many runs more."""
+    """Circles in both senses, half a turn of overshoot at both ends (ISO 230-4). radius, feed,
+    runs, at_X ...: centre; slow: mm/min, the feed of as many runs more."""
     plane = "".join(sorted(ask.axes))
     room, centre = ranges(write.machine, OUTRUN), middle(write.machine)
     centre = {x: round(ask.of(f"at_{x}", v), 3) for x, v in centre.items()}
@@ -248,7 +161,8 @@ def ballbar(write: Writer, ask: Ask) -> Test:
 
 
 def staircase(write: Writer, ask: Ask) -> Test:
-    """Reversals of growing length about one place: backlash and windup part (a windup grows with the way after the turn).
+    """Reversals of growing length about one place: backlash and windup part (a windup grows with
+    the way after the turn).
 
     runs, dwell, feed; at: mm, the place (the middle)."""
     axis = ask.axes
@@ -283,7 +197,8 @@ def staircase(write: Writer, ask: Ask) -> Test:
 
 
 def feeds(write: Writer, ask: Ask) -> Test:
-    """One axis to and fro at growing feeds, for an axis log: lag goes with the speed, inertia with its change.
+    """One axis to and fro at growing feeds, for an axis log: lag goes with the speed, inertia with
+    its change.
 
     number of feeds, slowest and fastest mm/min, way mm, runs."""
     axis = ask.axes
@@ -308,7 +223,8 @@ def feeds(write: Writer, ask: Ask) -> Test:
 
 
 def soak(write: Writer, ask: Ask) -> Test:
-    """Heat and rest: two places read while an axis runs to and fro, then while it rests (ISO 230-3). hours, feed, period s."""
+    """Heat and rest: two places read while an axis runs to and fro, then while it rests (ISO
+    230-3). hours, feed, period s."""
     axis = ask.axes
     low, high = ranges(write.machine, OUTRUN)[axis]
     feed, hours, period = ask.of("feed", 4000.0), ask.of("hours", 1.0), ask.of("period", 300.0)
@@ -335,8 +251,8 @@ def soak(write: Writer, ask: Ask) -> Test:
 
 
 def rest(write: Writer, ask: Ask) -> Test:
-    """Slides at rest in the middle, read every period: drift of the room, or, with rpm, of the spindle, which turns for the first half
-    (ISO 230-3). hours (4), period s (60), rpm (0)."""
+    """Slides at rest in the middle, read every period: drift of the room, or, with rpm, of the
+    spindle, which turns for the first half (ISO 230-3). hours (4), period s (60), rpm (0)."""
     axis = ask.axes
     hours, period, rpm = ask.of("hours", 4.0), ask.of("period", 60.0), ask.of("rpm", 0.0)
     number = max(2, round(hours * 3600.0 / period))
@@ -351,33 +267,6 @@ def rest(write: Writer, ask: Ask) -> Test:
     )
 
 
-def volume(write: Writer, ask: Ask) -> Test:
-    """Places all over the volume of these axes, spread evenly (Halton), each reached from below. number (120), dwell, feed."""
-    room = ranges(write.machine, OUTRUN)
-    feed, dwell, number = ask.of("feed", 4000.0), ask.of("dwell", 1.0), ask.count("number", 120)
-    write.begin(f"places in {ask.axes}")
-    write.rest({x: v for x, v in middle(write.machine).items() if x not in ask.axes}, feed)
-    for k in range(1, number + 1):
-        at = {x: _halton(k, base) for x, base in zip(ask.axes, (2, 3, 5), strict=False)}
-        place = {
-            x: round(room[x][0] + share * (room[x][1] - room[x][0]), 3) for x, share in at.items()
-        }
-        write.go({x: v - OUTRUN for x, v in place.items()}, feed)
-        write.go(place, feed)
-        write.wait(dwell)
-    return Test(write.text(), "tracker", {"dwell": f"{dwell:g}"}, f"places in {ask.axes}")
-
-
-def _halton(k: int, base: int) -> float:
-    """The k-th number of the van der Corput sequence of a base, 0 to 1."""
-    found, part = 0.0, 1.0
-    while k:
-        part /= base
-        found += part * (k % base)
-        k //= base
-    return found
-
-
 TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "positioning": (positioning, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "period": (period, 1, ("way", "step", "runs", "dwell", "feed", "at")),
@@ -385,6 +274,7 @@ TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
     "straightness": (straightness, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "angle": (angle, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
     "diagonal": (diagonal, 2, ("number", "runs", "dwell", "feed", "overrun")),
+    "steps": (steps, 2, ("number", "runs", "dwell", "feed", "overrun")),
     "ballbar": (ballbar, 2, ("radius", "feed", "runs", "dwell", "slow")),
     "staircase": (staircase, 1, ("runs", "dwell", "feed", "at")),
     "feeds": (feeds, 1, ("number", "slowest", "fastest", "way", "runs")),
@@ -395,7 +285,8 @@ TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
 
 
 def write(test: str, machine: Machine, dialect: str) -> Test:
-    """The program of a test like "positioning:Z" or "ballbar:XZ,radius=75,feed=500". Raises UsageError."""
+    """The program of a test like "positioning:Z" or "ballbar:XZ,radius=75,feed=500". Raises
+    UsageError."""
     head, *rest = test.split(",")
     name, _, axes = head.partition(":")
     if name not in TESTS:
@@ -406,7 +297,7 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
     if (
         not good
         or len(axes) < number
-        or (len(axes) > number and name not in ("diagonal", "volume"))
+        or (len(axes) > number and name not in ("diagonal", "steps", "volume"))
     ):
         raise UsageError(
             f"{head!r} names no {'axis' if number == 1 else f'{number} axes'} of {machine.name}",
@@ -415,7 +306,7 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
     known = (
         *keys,
         *(f"at_{x}" for x in slides),
-        *(f"down_{x}" for x in slides if name == "diagonal"),
+        *(f"down_{x}" for x in slides if name in ("diagonal", "steps")),
     )
     given = {}
     for item in rest:

@@ -1,4 +1,5 @@
-"""What has happened to each axis before: from which side it comes, how far and how long ago it turned back, how warm it is."""
+"""What has happened to each axis before: from which side it comes, how far and how long ago it
+turned back, how warm it is."""
 
 from __future__ import annotations
 
@@ -16,8 +17,9 @@ SLIDES = "XYZ"
 
 @dataclass(frozen=True)
 class Heat:
-    """Temperatures, degrees Celsius: the air at the start and its change K/h; a screw warms by `gain` K at a steady 1 m/min and
-    takes tau s for it (63 %); the bed follows the air within bed_tau s."""
+    """Temperatures, degrees Celsius: the air at the start and its change K/h; a screw warms by
+    `gain` K at a steady 1 m/min and takes tau s for it (63 %); the bed follows the air within
+    bed_tau s."""
 
     air: float = 20.0
     drift: float = 0.0
@@ -28,8 +30,8 @@ class Heat:
 
 @dataclass(frozen=True)
 class Turns:
-    """(A, P) at the beginning of each piece: approach -1, 0, +1 while it runs; distance mm gone since the axis turned back; since
-    s, when it did."""
+    """(A, P) at the beginning of each piece: approach -1, 0, +1 while it runs; distance mm gone
+    since the axis turned back; since s, when it did."""
 
     approach: np.ndarray
     distance: np.ndarray
@@ -69,7 +71,8 @@ def turns(path: Path, plan: Plan, play: float) -> Turns:
 
 @dataclass(frozen=True)
 class Warmth:
-    """Temperatures over time. excess (A, P + 1) K: of each screw over what the air alone would give, where each piece begins;
+    """Temperatures over time. excess (A, P + 1) K: of each screw over what the air alone would
+    give, where each piece begins;
     speed (A, P) mm/s: mean speed of each axis in it."""
 
     heat: Heat
@@ -83,7 +86,8 @@ class Warmth:
         return self.heat.air + self.heat.drift / 3600.0 * time
 
     def following(self, time: np.ndarray, tau: float) -> np.ndarray:
-        """(K,) degrees Celsius of what follows the air within tau s, and had its temperature at the start."""
+        """(K,) degrees Celsius of what follows the air within tau s, and had its temperature at the
+        start."""
         rate = self.heat.drift / 3600.0
         return self.heat.air + rate * (time - tau * (1.0 - np.exp(-time / tau)))
 
@@ -96,7 +100,8 @@ class Warmth:
 
 
 def warmth(path: Path, plan: Plan, heat: Heat) -> Warmth:
-    """The heat of travel of every screw: first order, heated with its speed (piece by piece its mean) and cooled by the air."""
+    """The heat of travel of every screw: first order, heated with its speed (piece by piece its
+    mean) and cooled by the air."""
     duration = np.diff(plan.start)
     way = np.abs(path.end - path.begin)
     speed = np.divide(way, duration, out=np.zeros_like(way), where=duration > 0)

@@ -17,8 +17,8 @@ ACCELERATION = 1000.0  # mm/s2 and degrees/s2, where the machine states none
 
 @dataclass(frozen=True)
 class Limits:
-    """(A,) of each axis: velocity mm/s, acceleration mm/s2, jerk mm/s3 (inf: none; degrees for rotary axes). assumed: the
-    axes whose velocity or acceleration nobody has stated."""
+    """(A,) of each axis: velocity mm/s, acceleration mm/s2, jerk mm/s3 (inf: none; degrees for
+    rotary axes). assumed: the axes whose velocity or acceleration nobody has stated."""
 
     velocity: np.ndarray
     acceleration: np.ndarray
@@ -34,14 +34,17 @@ class Limits:
         """The same with axes behind them that are no slides and bound nothing."""
         more = np.full(extra, np.inf)
         return replace(
-            self, velocity=np.append(self.velocity, more), acceleration=np.append(self.acceleration, more),
+            self,
+            velocity=np.append(self.velocity, more),
+            acceleration=np.append(self.acceleration, more),
             jerk=np.append(self.jerk, more),
-        )  # fmt: skip
+        )
 
 
 def of(machine: Machine, stated: Mapping[str, Mapping[str, Any]]) -> Limits:
-    """The limits that the [axes.X] sections of a machine.toml state: max_velocity mm/min, max_acceleration mm/s2, max_jerk
-    mm/s3 (degrees for rotary axes). stated: axis to its section."""
+    """The limits that the [axes.X] sections of a machine.toml state: max_velocity mm/min,
+    max_acceleration mm/s2, max_jerk mm/s3 (degrees for rotary axes). stated: axis to its
+    section."""
     rows, assumed = [], []
     for x in machine.letters:
         section = stated.get(x, {})

@@ -18,7 +18,8 @@ AIMS = {"displacement": "along", "straightness": "across", "angle": "about"}
 
 
 def aimed(settings: Settings, nominal: Signal) -> Settings:
-    """The settings with the nominal program's direction where none is said: a corrected one leans."""
+    """The settings with the nominal program's direction where none is said: a corrected one
+    leans."""
     name = AIMS.get(str(nominal.head.get("quantity")), "")
     if not name or name in settings.given:
         return settings
@@ -35,7 +36,8 @@ def against(signal: Signal, nominal: Signal) -> Signal:
     if signal.kind != "targets" or nominal.kind != "targets":
         raise GcompError(
             f"a {signal.kind} has no targets of its own",
-            "--nominal is for captures at rest (laser, straightness, angle); a ballbar reads against its circle anyway",
+            "--nominal is for captures at rest (laser, straightness, angle); a ballbar reads"
+            " against its circle anyway",
         )
     n, wanted = len(signal.columns["run"]), len(nominal.columns["run"])
     if n != wanted:
@@ -51,7 +53,8 @@ def against(signal: Signal, nominal: Signal) -> Signal:
         worst = int(np.argmax(np.abs(away)))
         if abs(away[worst]) > FARTHEST:
             raise GcompError(
-                f"capture {worst + 1} lies {abs(away[worst]):.4g} mm beside the nominal one in {name[0]}",
+                f"capture {worst + 1} lies {abs(away[worst]):.4g} mm beside the nominal one in"
+                f" {name[0]}",
                 "was it corrected from another program, or do the runs differ?",
             )
         shift += signal.head["sensitive"].get(name[0], 0.0) * away

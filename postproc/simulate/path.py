@@ -1,8 +1,10 @@
-"""Steps to a path: straight pieces and curves along each of which every axis goes one way, joined as the control joins them.
+"""Steps to a path: straight pieces and curves along each of which every axis goes one way, joined
+as the control joins them.
 
-A curve is c + axial t + r(t) (e1 cos phi + e2 sin phi), t from 0 to 1: an arc, spiral or helix of the program, or the arc
-by which a corner between two feeds is cut. A corner is cut by `corner` mm at most, and takes no more than 0.45 of either
-side; where it is not cut, the control slows down in it (plan.py). All curves are cut where an axis turns back.
+A curve is c + axial t + r(t) (e1 cos phi + e2 sin phi), t from 0 to 1: an arc, spiral or helix of
+the program, or the arc by which a corner between two feeds is cut. A corner is cut by `corner` mm
+at most, and takes no more than 0.45 of either side; where it is not cut, the control slows down in
+it (plan.py). All curves are cut where an axis turns back.
 """
 
 from __future__ import annotations
@@ -83,15 +85,21 @@ class Curves:
         """The parts from t0 to t1 (n,)."""
         dt, dr = t1 - t0, self.r1 - self.r0
         return replace(
-            self, base=self.base + self.axial * t0, axial=self.axial * dt, phi=self.phi + self.sweep * t0,
-            sweep=self.sweep * dt, r0=self.r0 + dr * t0, r1=self.r0 + dr * t1,
-        )  # fmt: skip
+            self,
+            base=self.base + self.axial * t0,
+            axial=self.axial * dt,
+            phi=self.phi + self.sweep * t0,
+            sweep=self.sweep * dt,
+            r0=self.r0 + dr * t0,
+            r1=self.r0 + dr * t1,
+        )
 
 
 @dataclass(frozen=True)
 class Path:
-    """P pieces in order. begin, end (A, P) mm; length (P,) mm along the path, of a rotary motion degrees; step (P,); curve
-    (P,): row in curves, or -1; turns (P,): whether only rotary axes move; letters: of the A axes."""
+    """P pieces in order. begin, end (A, P) mm; length (P,) mm along the path, of a rotary motion
+    degrees; step (P,); curve (P,): row in curves, or -1; turns (P,): whether only rotary axes move;
+    letters: of the A axes."""
 
     letters: tuple[str, ...]
     begin: np.ndarray
@@ -122,7 +130,8 @@ class Path:
         return first, last
 
     def at(self, piece: np.ndarray, s: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(A, K) place, direction and curvature (second derivative by the path) where s (K,) mm of a piece are gone."""
+        """(A, K) place, direction and curvature (second derivative by the path) where s (K,) mm of
+        a piece are gone."""
         length = self.length[piece]
         share = np.where(length > 0, s / np.where(length > 0, length, 1.0), 0.0)
         way = (self.end - self.begin)[:, piece]
@@ -190,13 +199,16 @@ def of(steps: Steps, letters: tuple[str, ...], corner: float) -> Path:
         length=np.concatenate([gone, curves.length(np.ones(m))])[order],
         step=step[order].astype(np.int64),
         curve=np.concatenate([np.full(n, -1), np.arange(m)])[order],
-        curves=curves, turns=np.concatenate([turns[straight], np.zeros(m, bool)])[order], steps=steps,
-    )  # fmt: skip
+        curves=curves,
+        turns=np.concatenate([turns[straight], np.zeros(m, bool)])[order],
+        steps=steps,
+    )
     return path
 
 
 def _arcs(steps: Steps, begin: np.ndarray, end: np.ndarray, of: np.ndarray) -> Curves:
-    """The arcs of the program: their radii are those of start and end, what is not in their plane goes along evenly."""
+    """The arcs of the program: their radii are those of start and end, what is not in their plane
+    goes along evenly."""
     arcs, row, n, a = steps.arcs, steps.arc[of], len(of), len(begin)
     first, second, column = arcs.first[row], arcs.second[row], np.arange(n)
     base, axial = begin[:, of].copy(), (end - begin)[:, of].copy()
@@ -225,15 +237,15 @@ def _cut_corners(
     linear: np.ndarray,
     corner: float,
 ):
-    """Arcs for the corners between feeds, and the step that each follows; the lines are shortened by what they take."""
+    """Arcs for the corners between feeds, and the step that each follows; the lines are shortened
+    by what they take."""
     step = lines["step"]
     k = np.arange(len(step) - 1)
     feeds = np.isnan(steps.wait[step]) & ~steps.rapid[step] & ~turns[step]
     feeds &= np.abs(lines["end"] - lines["begin"])[~linear].sum(axis=0) == 0
     joined = feeds[k] & feeds[k + 1] & (steps.arc[step[k] + 1] < 0) & ~steps.stop[step[k]]
-    gap = np.searchsorted(
-        np.flatnonzero(steps.arc >= 0), step
-    )  # arcs before each: none may lie between
+    # arcs before each: none may lie between
+    gap = np.searchsorted(np.flatnonzero(steps.arc >= 0), step)
     joined &= gap[k] == gap[k + 1]
     k = k[joined]
     size = length[step]
@@ -243,9 +255,8 @@ def _cut_corners(
     cut = (angle > STRAIGHT) & (angle < BACK)
     k, d1, d2, angle = k[cut], d1[:, cut], d2[:, cut], angle[cut]
     reach = 0.45 * np.minimum(size[k], size[k + 1])
-    off = (
-        2 * np.sin(angle / 4) ** 2 / np.cos(angle / 2)
-    )  # how far a circle of radius 1 misses the corner
+    # how far a circle of radius 1 misses the corner
+    off = 2 * np.sin(angle / 4) ** 2 / np.cos(angle / 2)
     r = np.minimum(corner / off, reach / np.tan(angle / 2))
     trim = r * np.tan(angle / 2)
     normal = (d2 - d1 * np.cos(angle)) / np.sin(angle)
@@ -257,7 +268,8 @@ def _cut_corners(
 
 
 def _turning(curves: Curves) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) curve, and (K,) t where each part of it begins and ends between places where an axis turns back."""
+    """(K,) curve, and (K,) t where each part of it begins and ends between places where an axis
+    turns back."""
     n = len(curves)
     owners, places = [np.arange(n)], [np.zeros(n)]
     span = np.where(curves.sweep != 0, curves.sweep, 1.0)

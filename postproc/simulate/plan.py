@@ -1,10 +1,13 @@
-"""A path in time: as fast as feeds and limits allow, slowing down in time for what comes (look-ahead).
+"""A path in time: as fast as feeds and limits allow, slowing down in time for what comes
+(look-ahead).
 
-Along each piece the speed rises, holds and falls: at constant acceleration (trapezoid), or, where a jerk is limited,
-with the acceleration rising and falling at constant jerk and zero at both ends (seven phases; the jerk is that of the
-path's speed: where the curvature steps, so does the acceleration across). On curves half of an axis' acceleration is
-left to the speed and 0.866 of it to the bend (their squares add up to 1). Where two pieces meet at a corner that is not
-cut, the velocity may step by as much as an axis can do in one `cycle` of the control; rapids and stops come to rest.
+Along each piece the speed rises, holds and falls: at constant acceleration (trapezoid), or, where a
+jerk is limited, with the acceleration rising and falling at constant jerk and zero at both ends
+(seven phases; the jerk is that of the path's speed: where the curvature steps, so does the
+acceleration across). On curves half of an axis' acceleration is left to the speed and 0.866 of it
+to the bend (their squares add up to 1). Where two pieces meet at a corner that is not cut, the
+velocity may step by as much as an axis can do in one `cycle` of the control; rapids and stops come
+to rest.
 """
 
 from __future__ import annotations
@@ -34,8 +37,9 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Plan:
-    """Seven phases of every piece. duration (7, P) s; s, v, a (7, P): way gone, speed and acceleration where each begins; j
-    (7, P) jerk. start (P + 1,) s: when each piece begins, and the end."""
+    """Seven phases of every piece. duration (7, P) s; s, v, a (7, P): way gone, speed and
+    acceleration where each begins; j (7, P) jerk. start (P + 1,) s: when each piece begins, and the
+    end."""
 
     duration: np.ndarray
     s: np.ndarray
@@ -62,7 +66,8 @@ class Plan:
 
 
 def of(path: Path, limits: Limits, cycle: float) -> Plan:
-    """When the path is where. cycle: s, of the control, for corners that are not cut; 0: it stops in them."""
+    """When the path is where. cycle: s, of the control, for corners that are not cut; 0: it stops
+    in them."""
     bounds = _bounds(path, limits)
     joint = _joints(path, limits, bounds, cycle)
     entry = _look_ahead(path.length.tolist(), joint, bounds, limits.smooth)
@@ -97,9 +102,8 @@ def _bounds(path: Path, limits: Limits) -> Bounds:
         spiral = c.r0 != c.r1
         plane = np.hypot(c.e1, c.e2)
         turn = np.abs(c.sweep)
-        flat = np.where(
-            spiral, 1.0, outer * turn / np.hypot(outer * turn, c.rise)
-        )  # share of the speed in the plane
+        # share of the speed in the plane
+        flat = np.where(spiral, 1.0, outer * turn / np.hypot(outer * turn, c.rise))
         rise = np.abs(c.axial) / np.hypot(inner * turn, np.sqrt((c.axial**2).sum(axis=0)))
         bend = (
             BEND
@@ -118,9 +122,8 @@ def _bounds(path: Path, limits: Limits) -> Bounds:
             least(limits.acceleration / 2, plane * flat), least(limits.acceleration, rise)
         )
         jerk[of] = np.minimum(least(limits.jerk, plane * flat), least(limits.jerk, rise))
-    whole = np.bincount(path.step, path.length, len(steps))[
-        path.step
-    ]  # G93 gives the time of the block
+    # G93 gives the time of the block
+    whole = np.bincount(path.step, path.length, len(steps))[path.step]
     feed = np.where(steps.inverse[path.step], steps.feed[path.step] * whole, steps.feed[path.step])
     speed = np.where(np.isnan(feed), speed, np.minimum(speed, feed))
     fast = ~np.isfinite(speed) | ~np.isfinite(acceleration)
@@ -148,13 +151,15 @@ def _joints(path: Path, limits: Limits, bounds: Bounds, cycle: float) -> np.ndar
     stop = other & (
         rapid[:-1] | rapid[1:] | steps.stop[of[:-1]] | (path.turns[:-1] != path.turns[1:])
     )
-    # A corner that was cut is the way from one step to the next: its arc belongs to the first, and so to its stop.
+    # A corner that was cut is the way from one step to the next: its arc belongs to the first, and
+    # so to its stop.
     stop |= path.rests[:-1] | path.rests[1:]
     return np.concatenate([[0.0], np.where(stop, 0.0, np.minimum(cap, speed)), [0.0]])
 
 
 def _look_ahead(length: list[float], joint: np.ndarray, bounds: Bounds, smooth: bool) -> np.ndarray:
-    """(P + 1,) mm/s at the joints: backwards what can still be braked for, forwards what can be reached."""
+    """(P + 1,) mm/s at the joints: backwards what can still be braked for, forwards what can be
+    reached."""
     v, acceleration = joint.tolist(), bounds.acceleration.tolist()
     jerk = bounds.jerk.tolist()
     reach = _reach if smooth else (lambda v0, way, a, j: math.sqrt(v0 * v0 + 2.0 * a * way))
@@ -171,7 +176,8 @@ def _reach(v0: float, way: float, a: float, j: float) -> float:
     """mm/s that can be reached from v0 within a way, the acceleration zero at both ends."""
     if math.isinf(j):
         return math.sqrt(v0 * v0 + 2.0 * a * way)
-    # The acceleration reaches a when the speed changes by a^2/j or more; below: (2 v0 + w^2) w = way sqrt(j), w^2 the change.
+    # The acceleration reaches a when the speed changes by a^2/j or more; below: (2 v0 + w^2) w =
+    # way sqrt(j), w^2 the change.
     full = a * a / j
     if (v0 + full / 2.0) * 2.0 * a / j > way:
         if v0 <= 0.0:

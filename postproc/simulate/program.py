@@ -1,7 +1,9 @@
-"""A program as steps: motions of the slides, waits between them, and how fast the spindle turns meanwhile.
+"""A program as steps: motions of the slides, waits between them, and how fast the spindle turns
+meanwhile.
 
-The filter reads the text, as it does for a correction, on the machine without errors: so a program is understood alike
-here and there. What the control works out by itself (cycles, cutter radius, threads) is not simulated but refused.
+The filter reads the text, as it does for a correction, on the machine without errors: so a program
+is understood alike here and there. What the control works out by itself (cycles, cutter radius,
+threads) is not simulated but refused.
 """
 
 from __future__ import annotations
@@ -11,8 +13,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from postproc import marks
 from postproc.errors import GcompError, Notice, Place
-from postproc.filter import MARK, Filter
+from postproc.filter import Filter
 from postproc.machine.model import Machine
 from postproc.motions import FREE, HOLE, RAPID, THREAD, Arcs, Motions
 from postproc.nc import pace
@@ -26,11 +29,13 @@ HALTS = (0, 1, 2, 3, 4, 5, 6, 19, 30, 60)  # M codes for which the slides come t
 
 @dataclass(frozen=True)
 class Steps:
-    """N steps in the order in which they are done; positions are slide positions, mm and degrees, A axes.
+    """N steps in the order in which they are done; positions are slide positions, mm and degrees, A
+    axes.
 
-    end (A, N): where a step ends; begin (A,): where the first begins. wait (N,) s: a rest of so long, nan of a motion.
-    rapid (N,); feed (N,) mm/s along the path, or 1/s where inverse (N,): nan of rapids and rests. stop (N,): whether the
-    slides come to rest at its end. line (N,): of the program. rpm (N,): the spindle's turns per minute. part (N,): 1, 2, ...
+    end (A, N): where a step ends; begin (A,): where the first begins. wait (N,) s: a rest of so
+    long, nan of a motion. rapid (N,); feed (N,) mm/s along the path, or 1/s where inverse (N,): nan
+    of rapids and rests. stop (N,): whether the slides come to rest at its end. line (N,): of the
+    program. rpm (N,): the spindle's turns per minute. part (N,): 1, 2, ...
     arc (N,): its row in arcs, or -1. length (A, N) mm: of the tool in use."""
 
     begin: np.ndarray
@@ -61,7 +66,8 @@ class Reader:
         name: str,
         feed: float = np.nan,
     ):
-        """make(machine, start) gives a filter for a machine that stands at `start`. feed: mm/s, before the first F."""
+        """make(machine, start) gives a filter for a machine that stands at `start`. feed: mm/s,
+        before the first F."""
         self.feed = feed
         self.machine, self.make, self.name = without_errors(machine), make, name
         self.columns: list[dict[str, np.ndarray]] = []
@@ -73,17 +79,17 @@ class Reader:
     def read(
         self, text: Iterable[bytes], part: int = 1, start: dict[str, float] | None = None
     ) -> dict[str, float]:
-        """One part's program; returns where the axes stand behind it. Raises ProgramError and GcompError."""
+        """One part's program; returns where the axes stand behind it. Raises ProgramError and
+        GcompError."""
         filter_ = self.make(self.machine, start or {})
         filter_.name = self.name
         self.dialect, self.letters, self.part = filter_.dialect, filter_.machine.letters, part
-        self.drops = filter_.setup.block_delete
         filter_.watchers.append(
             lambda words, motions, pieces, output, lines: self._batch(words, motions, lines)
         )
         for portion in text:
-            self.corrected |= bool(MARK.search(portion))
-            filter_.feed(MARK.sub(lambda found: found[0].replace(b" ", b"_"), portion))
+            self.corrected |= bool(marks.PROGRAM[0].search(portion))
+            filter_.feed(marks.PROGRAM[0].sub(lambda found: found[0].replace(b" ", b"_"), portion))
         filter_.finish()
         if part == 1:
             self.notices += filter_.notices
@@ -105,8 +111,7 @@ class Reader:
         line = words.line[motions.block] + lines + 1
         self._refuse(motions, line)
         n = len(motions)
-        unit = np.where((motions.scale > TICKS_PER_MM).any(axis=0), 25.4, 1.0)
-        feed = motions.feed * unit / 60.0
+        feed = motions.feed * pace.unit_of_feed(motions) / 60.0
         feed = np.where(np.isnan(feed), self.feed, feed)
         feed = np.where(motions.inverse, motions.feed / 60.0, feed)
         mode = spindle.mode[motions.block] if n else np.zeros(0)
@@ -131,20 +136,34 @@ class Reader:
         a = len(self.letters)
         order = [3.0 * b + 1.0 for b in motions.block.tolist()]
         columns = {
-            "end": target, "wait": np.full(n, np.nan), "rapid": motions.code == RAPID,
-            "feed": np.where(motions.code == RAPID, np.nan, feed), "inverse": motions.inverse & (motions.code != RAPID),
-            "stop": motions.stop > 0, "line": line, "rpm": turning, "arc": arc, "sent": motions.sent.any(axis=0),
+            "end": target,
+            "wait": np.full(n, np.nan),
+            "rapid": motions.code == RAPID,
+            "feed": np.where(motions.code == RAPID, np.nan, feed),
+            "inverse": motions.inverse & (motions.code != RAPID),
+            "stop": motions.stop > 0,
+            "line": line,
+            "rpm": turning,
+            "arc": arc,
+            "sent": motions.sent.any(axis=0),
             "length": motions.length / TICKS_PER_MM,
-        }  # fmt: skip
+        }
         if events:
             m = len(events)
             at = np.array([block for block, _, _ in events])
             rest = {
-                "end": np.full((a, m), np.nan), "wait": np.array([s for _, _, s in events]), "rapid": np.zeros(m, bool),
-                "feed": np.full(m, np.nan), "inverse": np.zeros(m, bool), "stop": np.ones(m, bool),
-                "line": words.line[at] + lines + 1, "rpm": spindle.rpm[at], "arc": np.full(m, -1), "sent": np.zeros(m, bool),
+                "end": np.full((a, m), np.nan),
+                "wait": np.array([s for _, _, s in events]),
+                "rapid": np.zeros(m, bool),
+                "feed": np.full(m, np.nan),
+                "inverse": np.zeros(m, bool),
+                "stop": np.ones(m, bool),
+                "line": words.line[at] + lines + 1,
+                "rpm": spindle.rpm[at],
+                "arc": np.full(m, -1),
+                "sent": np.zeros(m, bool),
                 "length": np.full((a, m), np.nan),
-            }  # fmt: skip
+            }
             order += [3.0 * block + place for block, place, _ in events]
             sort = np.argsort(order, kind="stable")
             columns = {
@@ -159,16 +178,33 @@ class Reader:
             message, advice = motions.reasons[int(motions.reason[k])]
             raise self._fault(line[k], message, advice)
         for which, what, advice in (
-            (motions.code == HOLE, "a canned cycle is not simulated as it stands", "--expand writes it out as plain blocks"),
-            (motions.code == THREAD, "a thread is not simulated: its feed hangs on the spindle", "write it as G1"),
-            (motions.space > 0, "X Y Z are places of the tool tip or of a tilted plane, which is not simulated", "write the places of the slides"),
-            (motions.cutter != FREE, "under cutter radius compensation the slides go beside the words", "program the tool centre path"),
-        ):  # fmt: skip
+            (
+                motions.code == HOLE,
+                "a canned cycle is not simulated as it stands",
+                "--expand writes it out as plain blocks",
+            ),
+            (
+                motions.code == THREAD,
+                "a thread is not simulated: its feed hangs on the spindle",
+                "write it as G1",
+            ),
+            (
+                motions.space > 0,
+                "X Y Z are places of the tool tip or of a tilted plane, which is not simulated",
+                "write the places of the slides",
+            ),
+            (
+                motions.cutter != FREE,
+                "under cutter radius compensation the slides go beside the words",
+                "program the tool centre path",
+            ),
+        ):
             for k in np.flatnonzero(which)[:1]:
                 raise self._fault(line[k], what, advice)
 
     def _events(self, words: Words) -> list[tuple[int, int, float]]:
-        """(block, 0 before its motion or 2 behind it, seconds) of everything for which the slides rest."""
+        """(block, 0 before its motion or 2 behind it, seconds) of everything for which the slides
+        rest."""
         events: list[tuple[int, int, float]] = []
         live = pace.live(words, self.dialect)
         events += [(block, 2, self._seconds(words, block)) for block in pace.dwells(words)]
@@ -176,7 +212,7 @@ class Reader:
             code = int(words.mantissa[k])
             if words.decimals[k] == 0 and code in HALTS:
                 events.append((int(words.block[k]), 2 if code in AFTER_MOTION else 0, 0.0))
-        return [e for e in events if e[0] <= live and not (self.drops and words.skip[e[0]])]
+        return [e for e in events if e[0] <= live]
 
     def _seconds(self, words: Words, block: int) -> float:
         """How long a G4 block waits."""

@@ -1,4 +1,5 @@
-"""A program in time: where the control wants every axis at any moment, and all that an effect may look at there."""
+"""A program in time: where the control wants every axis at any moment, and all that an effect may
+look at there."""
 
 from __future__ import annotations
 
@@ -24,8 +25,10 @@ EDGE = 1e-6  # mm: how far beyond a travel counts as on its end
 
 @dataclass(frozen=True)
 class Conditions:
-    """How the control runs and what is around. corner mm and cycle s: see path.py and plan.py; play mm: see history.turns; heat;
-    begin s: time of the experiment at which the program starts; force: axis to N of each run in turn."""
+    """How the control runs and what is around. corner mm and cycle s: see path.py and plan.py; play
+    mm: see history.turns; heat;
+    begin s: time of the experiment at which the program starts; force: axis to N of each run in
+    turn."""
 
     corner: float = 0.01
     cycle: float = 0.001
@@ -74,8 +77,9 @@ class Timeline:
     def state(
         self, time: np.ndarray, piece: np.ndarray | None = None, run: np.ndarray | None = None
     ) -> State:
-        """What an effect may look at, at these times (K,). piece (K,): the rows stand at rest in these pieces, at the end of
-        which they may be; without, they are samples in motion. run (K,): 1, 2, ... which passage of the instrument."""
+        """What an effect may look at, at these times (K,). piece (K,): the rows stand at rest in
+        these pieces, at the end of which they may be; without, they are samples in motion. run
+        (K,): 1, 2, ... which passage of the instrument."""
         sampled = piece is None
         own, way, speed, rate = self.plan.at(time)
         if piece is not None:
@@ -96,12 +100,19 @@ class Timeline:
             travel={x: self.machine.axes[x].travel for x in rows},
             velocity={x: velocity[i] for x, i in rows.items()},
             acceleration={x: acceleration[i] for x, i in rows.items()},
-            distance={x: np.minimum(turns.distance[i, own] + gone[i], history.FAR) for x, i in rows.items()},
+            distance={
+                x: np.minimum(turns.distance[i, own] + gone[i], history.FAR)
+                for x, i in rows.items()
+            },
             since={x: np.minimum(time - turns.since[i, own], history.FAR) for x, i in rows.items()},
-            time=time + self.conditions.begin, run=run, channels=self._channels(time, own, run, slides),
-            angles=self._angles(place, own, rows), beam=np.zeros(len(time)),
-            passage=run - 1.0 if sampled else np.full(len(time), -1.0), file=np.zeros(len(time)),
-        )  # fmt: skip
+            time=time + self.conditions.begin,
+            run=run,
+            channels=self._channels(time, own, run, slides),
+            angles=self._angles(place, own, rows),
+            beam=np.zeros(len(time)),
+            passage=run - 1.0 if sampled else np.full(len(time), -1.0),
+            file=np.zeros(len(time)),
+        )
 
     def _channels(self, time, piece, run, slides) -> dict[str, np.ndarray]:
         warm, step = self.warmth, self.path.step[piece]

@@ -1,7 +1,7 @@
 """Blocks of a test's program: slide positions in the words of one machine's control.
 
-Words are from its work offset, diameters where it has them; waiting, comments, and what begins and ends a program are as the
-control wants them.
+Words are from its work offset, diameters where it has them; waiting, comments, and what begins and
+ends a program are as the control wants them.
 """
 
 from __future__ import annotations
@@ -17,9 +17,17 @@ from postproc.nc import dialects
 
 XYZ = "XYZ"
 DWELL = {  # how the control is told to wait, by the first word of the dialect's name
-    "linuxcnc": "G4 P{0:g}", "fanuc": "G4 X{0:.3f}", "haas": "G4 P{0:.3f}", "grbl": "G4 P{0:g}", "grblhal": "G4 P{0:g}",
-    "fluidnc": "G4 P{0:g}", "siemens": "G4 F{0:g}", "heidenhain": "G4 F{0:g}", "marlin": "G4 S{0:g}", "reprap": "G4 S{0:g}",
-}  # fmt: skip
+    "linuxcnc": "G4 P{0:g}",
+    "fanuc": "G4 X{0:.3f}",
+    "haas": "G4 P{0:.3f}",
+    "grbl": "G4 P{0:g}",
+    "grblhal": "G4 P{0:g}",
+    "fluidnc": "G4 P{0:g}",
+    "siemens": "G4 F{0:g}",
+    "heidenhain": "G4 F{0:g}",
+    "marlin": "G4 S{0:g}",
+    "reprap": "G4 S{0:g}",
+}
 PLANES = {
     "XY": ("G17", "IJ", 1),
     "XZ": ("G18", "IK", -1),
@@ -38,7 +46,8 @@ class Writer:
             raise UsageError(f"tests are not written for {dialect}", f"--dialect of one of {known}")
         self.dialect = dialects.load(dialect)
         codes = self.dialect.by_number
-        # Millimetres, absolute words, feed per minute, as this control writes them; what it has not, it always does.
+        # Millimetres, absolute words, feed per minute, as this control writes them; what it has
+        # not, it always does.
         self.modes = [codes[number].word for number in (210, 900, 940) if number in codes]
         self.zero = machine.offsets.get("G54", {})
         self.places = {x: -round(math.log10(a.least_increment)) for x, a in machine.axes.items()}
@@ -87,7 +96,8 @@ class Writer:
         arm: Mapping[str, float],
         feed: float,
     ) -> None:
-        """An arc from where the tool is; sense +1 from the first letter of the plane to the second; arm: to the centre, mm."""
+        """An arc from where the tool is; sense +1 from the first letter of the plane to the second;
+        arm: to the centre, mm."""
         if self.round_refused:
             raise UsageError(
                 self.round_refused, "a diagonal shows squareness at rest: --test diagonal:" + plane
@@ -126,7 +136,8 @@ class Writer:
 
 
 def ranges(machine: Machine, overrun: float) -> dict[str, tuple[float, float]]:
-    """Axis to mm, low and high: what the tables cover and the travel leaves room for, an overrun beyond it."""
+    """Axis to mm, low and high: what the tables cover and the travel leaves room for, an overrun
+    beyond it."""
     result = {}
     for x, axis in machine.axes.items():
         if x not in XYZ:

@@ -1,6 +1,8 @@
-"""Compensated lines to a controller: bytes and time in, bytes and events out. No port, no clock, no thread.
+"""Compensated lines to a controller: bytes and time in, bytes and events out. No port, no clock, no
+thread.
 
-    source.py     program text through the filter; every wire line knows its source line, block and correction
+    source.py     program text through the filter; every wire line knows its source line, block and
+                  correction
     compact.py    the same words in fewer bytes
     rates.py      what the link must carry, how long the job will take
     protocols/    one file a protocol: how lines leave, what answers mean

@@ -1,10 +1,13 @@
-"""One account of execution: which lines were sent, answered, planned, and are over; the watch, journal, display and restart read it.
+"""One account of execution: which lines were sent, answered, planned, and are over; the watch,
+journal, display and restart read it.
 
-A controller answers a line when its motion is planned, not when it is made. What it holds then is bounded: the blocks of its
-planner, and those that its stepper has already taken out of it into segments (GRBL 1.1: 15 blocks, planner.h, and 5 segments of a
-ring of 6, stepper.h; with motions shorter than a segment of 10 ms each segment is a block: 20 were counted on its real image).
-So of the lines answered, all are over but those behind which fewer motions than that stand. Only motions count that surely make a
-block: M and G words alone make none, nor does a motion below one step of the motors (planner.c, PLAN_EMPTY_BLOCK).
+A controller answers a line when its motion is planned, not when it is made. What it holds then is
+bounded: the blocks of its planner, and those that its stepper has already taken out of it into
+segments (GRBL 1.1: 15 blocks, planner.h, and 5 segments of a ring of 6, stepper.h; with motions
+shorter than a segment of 10 ms each segment is a block: 20 were counted on its real image). So of
+the lines answered, all are over but those behind which fewer motions than that stand. Only motions
+count that surely make a block: M and G words alone make none, nor does a motion below one step of
+the motors (planner.c, PLAN_EMPTY_BLOCK).
 """
 
 from __future__ import annotations
@@ -14,11 +17,14 @@ import re
 from collections import deque
 
 from postproc.streaming.events import Status
+from postproc.streaming.line_estimate import Whereabouts
 from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Controller
 
 REST = "idle"
-SHORT = 0.05  # mm: of a motion that surely makes a block, where the controller does not say how fine its steps are
+# mm: of a motion that surely makes a block, where the controller does not say how fine its steps
+# are
+SHORT = 0.05
 MOST = 4096  # entries that may be kept apart
 # M6 and macros may move in ways of their own.
 OTHER = re.compile(
@@ -29,13 +35,15 @@ AXES = re.compile(rb"[A-CI-KRU-Z]", re.IGNORECASE)
 
 
 def per_mm(controller: Controller) -> list[float]:
-    """Steps a mm of the controller's axes in its own order, $100 and on; 0 where it does not say so."""
+    """Steps a mm of the controller's axes in its own order, $100 and on; 0 where it does not say
+    so."""
     said = [controller.settings.get(str(100 + i), "") for i in range(6)]
     return [float(s) if re.fullmatch(r"[0-9]*\.?[0-9]+", s) else 0.0 for s in said]
 
 
 class Part:
-    """One line that may move: its places, () where anything may happen; whether it was answered, and surely makes a block.
+    """One line that may move: its places, () where anything may happen; whether it was answered,
+    and surely makes a block.
     upto: number of the last line behind it that is over when it is."""
 
     __slots__ = ("answered", "block", "line", "places", "seconds", "upto")
@@ -48,30 +56,33 @@ class Part:
 class Account:
     """sent(), answered(), refused() for every line, reported() for every report.
 
-    order: where each axis of a line's `end` stands in the reports and settings, (): in the same order. sent_to, answered_to, executed:
-    numbers of the last line of which that is certain; seconds: of programmed motion that is over. parts: what may still be in
-    execution, or will be, oldest first.
+    order: where each axis of a line's `end` stands in the reports and settings, (): in the same
+    order. sent_to, answered_to, executed: numbers of the last line of which that is certain;
+    seconds: of programmed motion that is over. parts: what may still be in execution, or will be,
+    oldest first.
     """
 
     def __init__(self, controller: Controller, order: tuple[int, ...] = ()):
         self.order = order
         self._steps = per_mm(controller)
         self._segments, self._blocks = controller.segments, controller.planner
+        step = max((1.0 / k for k in self._steps if k > 0), default=0.0)
+        self._where = Whereabouts(SHORT + 2 * step, order)
         self.parts: deque[Part] = deque()
         self.sent_to = self.answered_to = self.executed = 0
         self.source = 0
         self.seconds = 0.0
         self._by: dict[int, Part] = {}
-        self._still: dict[
-            int, WireLine
-        ] = {}  # lines without a motion that were sent and not answered
+        # lines without a motion that were sent and not answered
+        self._still: dict[int, WireLine] = {}
         self._last: tuple[float, ...] = ()
         self._over = 0  # blocks among the answered parts
         self._rested = -1  # the last line answered before the report of rest before this one
 
     @property
     def holds(self) -> int:
-        """Motions that may be answered and not over: of the planner one more than it holds, which is just being taken."""
+        """Motions that may be answered and not over: of the planner one more than it holds, which
+        is just being taken."""
         return self._blocks + self._segments
 
     def sent(self, line: WireLine) -> None:
@@ -107,7 +118,8 @@ class Account:
         return Part(line, places, self._is_block(places))
 
     def _is_block(self, places: tuple[tuple[float, ...], ...]) -> bool:
-        """Whether it is longer than a step of some motor: then its ends are different whole steps."""
+        """Whether it is longer than a step of some motor: then its ends are different whole
+        steps."""
         return any(
             abs(place[k] - places[0][k]) * self._steps_of(k) >= 1.001
             for place in places[1:]
@@ -119,7 +131,8 @@ class Account:
         return (self._steps[row] if row < len(self._steps) else 0.0) or 1.0 / SHORT
 
     def answered(self, number: int, emptied: bool = False) -> None:
-        """A line that was taken. emptied: this answer is given when all before it has been executed (G4, M0, M2)."""
+        """A line that was taken. emptied: this answer is given when all before it has been executed
+        (G4, M0, M2)."""
         if number <= 0:
             return
         self.answered_to = number
@@ -148,7 +161,8 @@ class Account:
             before.seconds += line.seconds
 
     def refused(self, number: int) -> None:
-        """A line that was not taken: it moves nothing, and where the one behind it begins is not known."""
+        """A line that was not taken: it moves nothing, and where the one behind it begins is not
+        known."""
         parts = list(self.parts)
         at = next((i for i, part in enumerate(parts) if part.line.number == number), None)
         for part in parts[at : at + 2] if at is not None else ():
@@ -169,8 +183,9 @@ class Account:
             self.parts.popleft()
 
     def reported(self, status: Status) -> None:
-        """A report: how much the planner holds at least; and at rest twice, all is over that was answered before the first of
-        both (once says nothing: what is planned may not have begun)."""
+        """A report: how much the planner holds at least; and at rest twice, all is over that was
+        answered before the first of both (once says nothing: what is planned may not have
+        begun)."""
         if status.free:
             self._blocks = max(self._blocks, status.free[0] + 1)
         if status.state != REST:
@@ -200,8 +215,9 @@ class Account:
         self.parts = kept
 
     def running(self, status: Status) -> list[Part]:
-        """The parts on which it can be at this report, or will be: fewer than `parts` where the report says how much of the planner is
-        free. Nothing else follows from that: a report may be damaged."""
+        """The parts on which it can be at this report, or will be: fewer than `parts` where the
+        report says how much of the planner is free. Nothing else follows from that: a report may be
+        damaged."""
         if not status.free:
             return list(self.parts)
         held, behind = self._blocks - status.free[0] + self._segments, self._over
@@ -212,30 +228,19 @@ class Account:
         return []
 
     def likely(self, status: Status | None) -> tuple[int, float]:
-        """Where it probably is: the last line that is over, and the share of the next that is; by what the planner holds at this report,
-        and where it stands. Good for telling the time, and for nothing else."""
-        planned = self._blocks - 1 - status.free[0] if status and status.free else len(self.parts)
-        answered = [part for part in self.parts if part.answered and part.block]
-        if not answered or planned <= 0:
-            return max(self.executed, answered[-1].upto if answered else 0), 0.0
-        part = answered[-planned] if planned <= len(answered) else answered[0]
-        return part.line.number - 1, self._share(part, status.place if status else None)
+        """Where it probably is: the last line that is over, and the share of the next that is.
+        Good for telling the time, and for nothing else."""
+        part, share = self._where.at(self.parts, self._blocks, status)
+        if part is not None:
+            return part.line.number - 1, share
+        over = [part.upto for part in self.parts if part.answered and part.block]
+        return max([self.executed, *over[-1:]]), 0.0
 
-    def _share(self, part: Part, place: tuple[float, ...] | None) -> float:
-        """How much of a straight way is behind it."""
-        if place is None or len(part.places) < 2:
-            return 0.0
-        rows = self.order or tuple(range(len(part.places[0])))
-        ends = zip(part.places[0], part.places[-1], rows, strict=False)
-        steps = [
-            (b - a, place[k] - a) for a, b, k in ends if k < len(place) and not math.isnan(b - a)
-        ]
-        square = sum(way * way for way, _ in steps)
-        return (
-            min(1.0, max(0.0, sum(way * gone for way, gone in steps) / square))
-            if square > 0
-            else 0.0
-        )
+    def at(self, status: Status | None) -> WireLine | None:
+        """The line in which it probably is; None: in none of those that were answered, or nothing
+        says it."""
+        part, _ = self._where.at(self.parts, self._blocks, status)
+        return part.line if part is not None else None
 
     def lines(self) -> list[WireLine]:
         """Those that the machine may be executing, or will."""

@@ -1,5 +1,5 @@
-"""What a program has said before a line, beyond what the filter keeps: spindle, coolant, tool, feed, heaters, and how the tool
-went in and out.
+"""What a program has said before a line, beyond what the filter keeps: spindle, coolant, tool,
+feed, heaters, and how the tool went in and out.
 """
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ OUT, IN, ALONG = "out", "in", "along"
 
 @dataclass
 class Before:
-    """What holds before the line: spindle, coolant, tool as words; loaded: the tool that M6 has put in; feed: mm/min or mm a turn of
-    the last F, which stays what it was when the units change; inch: whether words are inches; path: G64 with its P, mm;
-    heat: temperature by heater; fan: its word; highest: mm, the highest place of a rapid so far along the axis that lifts
-    the tool; left: how the present tool last left a cut by a rapid along that axis: OUT (to +), IN, ALONG, "": it has not.
+    """What holds before the line: spindle, coolant, tool as words; loaded: the tool that M6 has put
+    in; feed: mm/min or mm a turn of the last F, which stays what it was when the units change;
+    inch: whether words are inches; path: G64 with its P, mm;
+    heat: temperature by heater; fan: its word; highest: mm, the highest place of a rapid so far
+    along the axis that lifts the tool; left: how the present tool last left a cut by a rapid along
+    that axis: OUT (to +), IN, ALONG, "": it has not.
     moved: whether anything has."""
 
     spindle: str = "M5"

@@ -1,8 +1,10 @@
-"""The same words in fewer bytes: no blanks, no N, no zeros that say nothing, no word that is in force already.
+"""The same words in fewer bytes: no blanks, no N, no zeros that say nothing, no word that is in
+force already.
 
-A word is left out only where RS274/NGC keeps it (NIST RS274/NGC 3, 3.4: modal groups; F and S hold) and this line's own codes
-leave it in force. An axis word is left out where the axis stands at that very number already, in absolute distance, and
-another axis word remains. Anything this module does not know goes as it is, and all memory with it.
+A word is left out only where RS274/NGC keeps it (NIST RS274/NGC 3, 3.4: modal groups; F and S hold)
+and this line's own codes leave it in force. An axis word is left out where the axis stands at that
+very number already, in absolute distance, and another axis word remains. Anything this module does
+not know goes as it is, and all memory with it.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ HARMLESS = {b"17", b"18", b"19", b"40", b"61", b"61.1", b"64", b"80", b"90", b"9
 
 
 class Compact:
-    """One program's lines in order. absolute, per_minute: whether G90 and G94 are known to be in force at the start."""
+    """One program's lines in order. absolute, per_minute: whether G90 and G94 are known to be in
+    force at the start."""
 
     def __init__(self, absolute: bool = False, per_minute: bool = True):
         self.absolute, self.per_minute = absolute, per_minute

@@ -1,4 +1,5 @@
-"""The sentences with which a job ends: what happened, and the way out. Which of them holds is the sender's to say."""
+"""The sentences with which a job ends: what happened, and the way out. Which of them holds is the
+sender's to say."""
 
 from __future__ import annotations
 
@@ -11,7 +12,10 @@ from postproc.streaming.outcome import Outcome
 from postproc.streaming.path import Path
 from postproc.streaming.protocols import Protocol
 
-LOOK = "what the controller has received it may still execute; check where it stands before you restart"
+LOOK = (
+    "what the controller has received it may still execute; check where it stands before you"
+    " restart"
+)
 CLEAR = "clear its cause, home or unlock, and restart the job"
 
 
@@ -26,7 +30,8 @@ def fact_of_refusal(line: WireLine, words: str) -> str:
 
 def behind(n: int) -> str:
     """What a refusal leaves in the controller."""
-    return f"it had {n} more lines by then, which it may still execute; " if n else ""
+    lines = "1 more line" if n == 1 else f"{n} more lines"
+    return f"it had {lines} by then, which it may still execute; " if n else ""
 
 
 def refused(line: WireLine, words: str, n: int, protocol: Protocol) -> Outcome:
@@ -36,6 +41,13 @@ def refused(line: WireLine, words: str, n: int, protocol: Protocol) -> Outcome:
 
 def own_refused(line: WireLine, words: str) -> Outcome:
     return Outcome(ends.ERROR, f"the controller refused {line.text.decode()}: {words}")
+
+
+def given_up(why: str, n: int, protocol: Protocol) -> Outcome:
+    """n: lines that were sent and not answered."""
+    return Outcome(
+        ends.ERROR, f"no line can be prepared any more: {why}", behind(n) + protocol.does["hold"]
+    )
 
 
 def alarm(event: Alarm, waiting: Sequence[WireLine]) -> Outcome:
@@ -51,23 +63,28 @@ def alarm_state() -> Outcome:
 def restarted(event: Restarted, waiting: Sequence[WireLine]) -> Outcome:
     at = f"; it may have been at {waiting[0].where()}" if waiting else ""
     return Outcome(
-        ends.RESET, f"the controller has restarted in the middle of the job ({event.text.strip()}){at}",
+        ends.RESET,
+        f"the controller has restarted in the middle of the job ({event.text.strip()}){at}",
         "its position is not certain any more: home it, and restart from a line before",
-    )  # fmt: skip
+    )
 
 
 def stray(event: Stray) -> Outcome:
     return Outcome(
-        ends.DRIFT, f"the controller answered {event.text!r} while no line waits for an answer: answers were counted wrong, or somebody "
-        "else sends too", "what it received is not certain; stop, look at the part, and restart",
-    )  # fmt: skip
+        ends.DRIFT,
+        f"the controller answered {event.text!r} while no line waits for an answer: answers were"
+        " counted wrong, or somebody else sends too",
+        "what it received is not certain; stop, look at the part, and restart",
+    )
 
 
 def altered(event: Altered, line: WireLine | None) -> Outcome:
     return Outcome(
-        ends.ALTERED, f"the controller read {event.heard!r}, which is not what was sent: {line.where() if line else ''}",
+        ends.ALTERED,
+        f"the controller read {event.heard!r}, which is not what was sent:"
+        f" {line.where() if line else ''}",
         "the link loses or alters bytes: check cable, baud rate and flow control",
-    )  # fmt: skip
+    )
 
 
 def astray(path: Path, status: Status, protocol: Protocol) -> Outcome:
@@ -77,20 +94,25 @@ def astray(path: Path, status: Status, protocol: Protocol) -> Outcome:
     at = " ".join(f"{x}{v:.3f}" for x, v in zip("XYZABCUVW", status.place or (), strict=False))
     near = f"; nearest is {path.nearest.where()}" if path.nearest else ""
     return Outcome(
-        ends.DRIFT, f"the machine stands {path.distance:.3f} mm beside the path of the lines that it may be executing, source lines "
-        f"{first.source} to {last.source} (wire lines {first.number} to {last.number}): it reports {at}, machine coordinates{near}",
-        "a coordinate was altered on the way (or two reports were), or something else has moved the machine; "
-        f"{protocol.does['hold']}. Look at the part, check cable and baud rate, and restart from a line before these",
-    )  # fmt: skip
+        ends.DRIFT,
+        f"the machine stands {path.distance:.3f} mm beside the path of the lines that it may be"
+        f" executing, source lines {first.source} to {last.source} (wire lines {first.number} to"
+        f" {last.number}): it reports {at}, machine coordinates{near}",
+        "a coordinate was altered on the way (or two reports were), or something else has moved"
+        f" the machine; {protocol.does['hold']}. Look at the part, check cable and baud rate, and"
+        " restart from a line before these",
+    )
 
 
 def stalled(waiting: Sequence[WireLine], how: str) -> Outcome:
     lines = "; ".join(line.where() for line in waiting[:4])
     return Outcome(
-        ends.STALLED, f"{len(waiting)} lines were sent and not answered, and {how}. Oldest: {lines}",
-        "an answer or a part of a line was lost; nothing is sent again, because a line executed twice is worse. Look at the machine, "
-        "then restart: --resume-from its journal knows what is over",
-    )  # fmt: skip
+        ends.STALLED,
+        f"{len(waiting)} lines were sent and not answered, and {how}. Oldest: {lines}",
+        "an answer or a part of a line was lost; nothing is sent again, because a line executed"
+        " twice is worse. Look at the machine, then restart: --resume-from its journal knows what"
+        " is over",
+    )
 
 
 def lost(why: str) -> Outcome:
@@ -109,10 +131,12 @@ def failed(error: BaseException, waiting: Sequence[WireLine], protocol: Protocol
     """gcomp's own fault."""
     at = f"; the oldest line unanswered is {waiting[0].where()}" if waiting else ""
     return Outcome(
-        ends.FAILED, f"gcomp failed: {type(error).__name__}: {error}{at}",
-        f"{protocol.does['hold']}. This is an error of gcomp: please report it with what stands above, and the journal",
+        ends.FAILED,
+        f"gcomp failed: {type(error).__name__}: {error}{at}",
+        f"{protocol.does['hold']}. This is an error of gcomp: please report it with what stands"
+        " above, and the journal",
         unanswered=tuple(line for line in waiting if line.number > 0),
-    )  # fmt: skip
+    )
 
 
 def stopped(why: str, protocol: Protocol) -> Outcome:
@@ -121,7 +145,10 @@ def stopped(why: str, protocol: Protocol) -> Outcome:
 
 def unconfirmed(outcome: Outcome, seconds: float) -> Outcome:
     """A stop that the controller would confirm, and did not."""
-    more = f"; it has not confirmed that within {seconds:g} s: look at the machine before you go near it"
+    more = (
+        f"; it has not confirmed that within {seconds:g} s: look at the machine before you go"
+        " near it"
+    )
     return Outcome(outcome.kind, outcome.message, outcome.advice + more)
 
 

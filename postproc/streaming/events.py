@@ -1,4 +1,5 @@
-"""What a controller says, as a protocol understood it. Numbers are those of the wire lines that were given to send()."""
+"""What a controller says, as a protocol understood it. Numbers are those of the wire lines that
+were given to send()."""
 
 from __future__ import annotations
 
@@ -38,11 +39,14 @@ class Restarted:
 
 @dataclass(frozen=True)
 class Status:
-    """A report. state: idle, run, hold, jog, alarm, door, check, home, sleep, tool or what it said; detail: its sub-state.
+    """A report. state: idle, run, hold, jog, alarm, door, check, home, sleep, tool or what it said;
+    detail: its sub-state.
 
-    place: mm (degrees of rotary axes), machine coordinates, in the controller's order of axes, or None; feed: mm/min;
-    free: planner blocks and receive bytes that are free, where it says so; line: N number in execution; rates: overrides of feed,
-    rapids and spindle, %, () where this report does not say them; shift: of the work coordinates, mm, as it was said last.
+    place: mm (degrees of rotary axes), machine coordinates, in the controller's order of axes, or
+    None; feed: mm/min;
+    free: planner blocks and receive bytes that are free, where it says so; line: N number in
+    execution; rates: overrides of feed, rapids and spindle, %, () where this report does not say
+    them; shift: of the work coordinates, mm, as it was said last.
     """
 
     state: str
@@ -87,7 +91,8 @@ class Busy:
 
 @dataclass(frozen=True)
 class Write:
-    """Bytes that the protocol itself wants out now, in their turn behind what is on its way (a line sent again on request)."""
+    """Bytes that the protocol itself wants out now, in their turn behind what is on its way (a line
+    sent again on request)."""
 
     data: bytes
 

@@ -1,6 +1,8 @@
-"""The talk before a job: wait for the controller's greeting or make it speak, find its protocol, ask what it is.
+"""The talk before a job: wait for the controller's greeting or make it speak, find its protocol,
+ask what it is.
 
-Bytes and time in, bytes out, like the sender. Nothing here moves an axis unless homing is asked for.
+Bytes and time in, bytes out, like the sender. Nothing here moves an axis unless homing is asked
+for.
 """
 
 from __future__ import annotations
@@ -8,14 +10,18 @@ from __future__ import annotations
 from postproc.errors import GcompError
 from postproc.streaming import protocols
 from postproc.streaming.events import Accepted, Alarm, Rejected, Restarted, Status, Told
-from postproc.streaming.orders import told
+from postproc.streaming.orders import fact, way_out
 from postproc.streaming.protocols import Protocol
 
 AUTO = "auto"
 LISTEN = 6.0  # s: a board that restarts when its port is opened greets within this
 POKE_EVERY = 0.7  # s
 QUIET = 0.3  # s without a byte: it has finished speaking
-SETTLED = 0.1  # s, where its greeting is whole: time for what a board does behind it (startup blocks are read from EEPROM)
+SETTLED = (
+    # s, where its greeting is whole: time for what a board does behind it (startup blocks are read
+    # from EEPROM)
+    0.1
+)
 ANSWER = 4.0  # s for the answer to a question
 
 
@@ -24,13 +30,19 @@ class GreetingError(GcompError):
 
 
 class Greeting:
-    """name: a protocol or "auto"; first: lines to send before the questions ($H, $X). state_only: ask for
-    its state and nothing else, which it answers whatever state it is in."""
+    """name: a protocol or "auto"; first: lines to send before the questions ($H, $X). state_only:
+    ask for its state and nothing else, which it answers whatever state it is in."""
 
     def __init__(
-        self, name: str, counting: bool = True, first: tuple[bytes, ...] = (), listen: float = LISTEN, state_only: bool = False
-    ):  # fmt: skip
-        self.state_only = state_only
+        self,
+        name: str,
+        counting: bool = True,
+        first: tuple[bytes, ...] = (),
+        listen: float = LISTEN,
+        state_only: bool = False,
+        port: str = "PORT",
+    ):
+        self.state_only, self.port = state_only, port
         self.counting, self.first, self.listen = counting, first, listen
         self.found = [] if name == AUTO else [name]
         self.auto = name == AUTO
@@ -82,15 +94,14 @@ class Greeting:
                 self.status = event
                 if self._asks_status:
                     self.done = True
-                elif self._mute and (why := unfit(self.protocol, event)):
+                elif self._mute and (why := unfit(self.protocol, event, self.port)):
                     self.fault = why
             elif isinstance(event, Accepted):
                 self._answered(now)
             elif isinstance(event, Rejected):
                 self._refused(event, now)
-            elif isinstance(
-                event, Restarted
-            ):  # it greets late: what was asked is lost, or its answer may still come
+            # it greets late: what was asked is lost, or its answer may still come
+            elif isinstance(event, Restarted):
                 self.protocol.forget()
                 self.restarted = True
                 self._asked, self._asks_status, self._settles = None, False, True
@@ -218,17 +229,22 @@ class Greeting:
 
 NOBODY = (
     "nobody answers on this port",
-    "is it the right port and --baud, is the controller on, and does no other program hold the port? --protocol says which it is",
+    (
+        "is it the right port and --baud, is the controller on, and does no other program hold the"
+        " port? --protocol says which it is"
+    ),
 )
 
 
-def unfit(protocol: Protocol, status: Status | None) -> GreetingError | None:
-    """Why a job can not begin, if it can not."""
+def unfit(protocol: Protocol, status: Status | None, port: str = "PORT") -> GreetingError | None:
+    """Why a job can not begin, if it can not. port: as a person names it."""
     compensates = protocol.controller.compensates
     if compensates:
         return GreetingError(
-            f"{protocol.controller.name} compensates by itself: {', '.join(compensates)}; with gcomp's map that would be done twice",
-            "set these to zero at the controller, or leave them out of the machine's map and say --control-compensates",
+            f"{protocol.controller.name} compensates by itself: {', '.join(compensates)}; with"
+            " gcomp's map that would be done twice",
+            "set these to zero at the controller, or leave them out of the machine's map and say"
+            " --control-compensates",
         )
     if status is None or status.state == "idle":
         return None
@@ -237,7 +253,4 @@ def unfit(protocol: Protocol, status: Status | None) -> GreetingError | None:
             "the controller is locked (alarm): where it stands is not certain",
             "home it (--home), or unlock it with --unlock if you are sure of its position",
         )
-    return GreetingError(
-        f"the controller is not idle. {told(status)}",
-        "gcomp control --port PORT gives these orders",
-    )
+    return GreetingError(f"the controller is not idle. {fact(status)}", way_out(status, port))

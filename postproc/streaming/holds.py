@@ -1,4 +1,5 @@
-"""Whether the machine shall hold, whether it does, and who ended that: gcomp, a button at the machine, or the program."""
+"""Whether the machine shall hold, whether it does, and who ended that: gcomp, a button at the
+machine, or the program."""
 
 from __future__ import annotations
 
@@ -11,17 +12,22 @@ from postproc.streaming.lines import WireLine
 
 HOLDING = {"hold", "door"}
 AGAIN, FOREIGN, RESUMED = "again", "foreign", "resumed"
-PAUSED = "the controller is paused and waits for a person: at its own buttons, or r (or SIGUSR1); Ctrl-C stops the job"
+PAUSED = (
+    "the controller is paused and waits for a person: at its own buttons, or r (or SIGUSR1); Ctrl-C"
+    " stops the job"
+)
 NOT_SEEN_AGAIN = (
-    "one report said that the machine was {:.3f} mm beside the path; held and asked again, it stands on it, and goes on. The report was "
-    "damaged, or a coordinate was: check the cable, and look at the part"
+    "one report said that the machine was {:.3f} mm beside the path; held and asked again, it"
+    " stands on it, and goes on. The report was damaged, or a coordinate was: check the cable, and"
+    " look at the part"
 )
 STOP = re.compile(rb"M0*[01](?![0-9])", re.IGNORECASE)
 
 
 @dataclass
 class Hold:
-    """ordered: it shall hold, and gcomp said so at `since`; stands: it reported that it does; foreign: and nobody here asked."""
+    """ordered: it shall hold, and gcomp said so at `since`; stands: it reported that it does;
+    foreign: and nobody here asked."""
 
     ordered: bool = False
     stands: bool = False
@@ -36,8 +42,9 @@ class Hold:
         self.since = now
 
     def reported(self, state: str, asked: float) -> str:
-        """What a report means that was asked for at `asked`: AGAIN, the order was lost on the way; FOREIGN, somebody else made it
-        hold; RESUMED, somebody else made it go on; "": nothing new."""
+        """What a report means that was asked for at `asked`: AGAIN, the order was lost on the way;
+        FOREIGN, somebody else made it hold; RESUMED, somebody else made it go on; "": nothing
+        new."""
         if asked < self.since:
             return ""  # it was on its way before the order
         was, self.stands = self.stands, state in HOLDING
@@ -58,8 +65,11 @@ def words(status: Status, oldest: WireLine | None) -> str:
             "the safety door is open: close it, then r (or SIGUSR1) goes on; Ctrl-C stops the job"
         )
     if oldest is not None and STOP.search(oldest.text):
-        return f"the program stops here, {oldest.where()}: r (or SIGUSR1) goes on; Ctrl-C stops the job"
+        return (
+            f"the program stops here, {oldest.where()}: r (or SIGUSR1) goes on; Ctrl-C stops"
+            " the job"
+        )
     return (
-        "the machine holds, and not by gcomp's order: a button at the machine, or another program. Its own button goes on, "
-        "or r (or SIGUSR1); Ctrl-C stops the job"
+        "the machine holds, and not by gcomp's order: a button at the machine, or another program."
+        " Its own button goes on, or r (or SIGUSR1); Ctrl-C stops the job"
     )

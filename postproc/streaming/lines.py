@@ -15,12 +15,13 @@ class Unsendable(GcompError):
 class WireLine:
     """One line as it is sent, without its line end.
 
-    number: from 1, in the order of sending; source: line of the program, from 1 (0: none, it is gcomp's own); piece: 0 the
-    block itself, 1.. what was put in behind it. end: mm (degrees), machine coordinates commanded, by axis of the machine;
-    nan where not known, () where nothing is known. correction: mm by axis. length: mm of path; seconds: at the programmed
-    feed, without acceleration. points: places between start and end of an arc, where they were asked for.
-    file: the subprogram's file that the source line is of; "": the program itself. straight: it goes to `end` straight or along
-    `points`; a cycle does not, nor an arc without points.
+    number: from 1, in the order of sending; source: line of the program, from 1 (0: none, it is
+    gcomp's own); piece: 0 the block itself, 1.. what was put in behind it. end: mm (degrees),
+    machine coordinates commanded, by axis of the machine; nan where not known, () where nothing is
+    known. correction: mm by axis. length: mm of path; seconds: at the programmed feed, without
+    acceleration. points: places between start and end of an arc, where they were asked for.
+    file: the subprogram's file that the source line is of; "": the program itself. straight: it
+    goes to `end` straight or along `points`; a cycle does not, nor an arc without points.
     """
 
     number: int

@@ -1,4 +1,5 @@
-"""The controller's own zeros, tool length, modal state and place, told to the filter, so that the map stands where the part stands."""
+"""The controller's own zeros, tool length, modal state and place, told to the filter, so that the
+map stands where the part stands."""
 
 from __future__ import annotations
 
@@ -17,13 +18,14 @@ from postproc.units import TICKS_PER_MM
 SAME_MM = 0.0006  # controllers report whole um
 TOOL = "G43.1"
 CONTROLLER_AXES = "XYZABCUVW"  # in the order in which GRBL's kin report them
+MOTIONS = frozenset({"G0", "G1", "G2", "G3", "G38.2", "G38.3", "G38.4", "G38.5", "G80"})
 STATES = ("units", "distance", "plane", "feed mode", "work offset", "motion")
 
 
 @dataclass(frozen=True)
 class Live:
-    """work: offset name to axis to mm; length: axis to mm, the tool length in force; place: axis to mm, where it stands in
-    machine coordinates, where that is known; modal: G words in force."""
+    """work: offset name to axis to mm; length: axis to mm, the tool length in force; place: axis to
+    mm, where it stands in machine coordinates, where that is known; modal: G words in force."""
 
     work: dict[str, dict[str, float]]
     length: dict[str, float]
@@ -33,7 +35,8 @@ class Live:
 
 
 def read(controller: Controller, status: Status | None, letters: tuple[str, ...]) -> Live:
-    """What the controller said, for a machine with these axes. Raises UsageError for an answer that can not be read."""
+    """What the controller said, for a machine with these axes. Raises UsageError for an answer that
+    can not be read."""
     work: dict[str, dict[str, float]] = {}
     length: dict[str, float] = {}
     notices: list[str] = []
@@ -58,7 +61,8 @@ def read(controller: Controller, status: Status | None, letters: tuple[str, ...]
 
 
 def conflicts(live: Live, stated: dict[str, dict[str, float]], start: dict[str, float]) -> None:
-    """Raises UsageError where the user states other zeros or another start than the controller reports."""
+    """Raises UsageError where the user states other zeros or another start than the controller
+    reports."""
     for name, mine in stated.items():
         theirs = live.work.get(name)
         if theirs is None:
@@ -66,13 +70,16 @@ def conflicts(live: Live, stated: dict[str, dict[str, float]], start: dict[str, 
         for axis, value in mine.items():
             if axis in theirs and abs(theirs[axis] - value) > SAME_MM:
                 raise UsageError(
-                    f"{name} is stated with {axis} = {value:g} mm, and the controller has {axis} = {theirs[axis]:g} mm",
-                    "leave it out: gcomp stream takes it from the controller; or set the controller's to this",
+                    f"{name} is stated with {axis} = {value:g} mm, and the controller has {axis} ="
+                    f" {theirs[axis]:g} mm",
+                    "leave it out: gcomp stream takes it from the controller; or set the"
+                    " controller's to this",
                 )
     for axis, value in start.items():
         if axis in live.place and abs(live.place[axis] - value) > SAME_MM:
             raise UsageError(
-                f"--start says {axis} = {value:g} mm, and the controller stands at {axis} = {live.place[axis]:g} mm",
+                f"--start says {axis} = {value:g} mm, and the controller stands at {axis} ="
+                f" {live.place[axis]:g} mm",
                 "leave it out: gcomp stream takes it from the controller",
             )
 
@@ -116,6 +123,7 @@ def stand(filter_: Filter, live: Live) -> None:
             [round(live.length.get(x, 0.0) * TICKS_PER_MM) for x in letters], np.int64
         )
         frame = replace(frame, length=length)
-    # An axis that the first blocks do not name stays where the controller has it: that is its last command.
+    # An axis that the first blocks do not name stays where the controller has it: that is its last
+    # command.
     filter_.carry = replace(filter_.carry, issued=np.where(known, position, filter_.carry.issued))
     filter_.modal = replace(modal, codes=codes, position=position, known=known, frame=frame)

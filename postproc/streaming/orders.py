@@ -1,8 +1,10 @@
-"""One order to a controller outside a job (reset, resume, unlock, home, jog, zero, a line), and what a state of it asks for.
+"""One order to a controller outside a job (reset, resume, unlock, home, jog, zero, a line), and
+what a state of it asks for.
 
-Bytes and time in, bytes out, like the sender. Rules of GRBL (gnea/grbl, doc/markdown/jogging.md, commands.md): `~` goes on, Ctrl-X resets and keeps
-the position where nothing moved, $X unlocks, $H homes, $J= jogs where it is idle, G10 L20 P0 makes the present place the zero of the work
-offset in force.
+Bytes and time in, bytes out, like the sender. Rules of GRBL (gnea/grbl, doc/markdown/jogging.md,
+commands.md): `~` goes on, Ctrl-X resets and keeps the position where nothing moved, $X unlocks, $H
+homes, $J= jogs where it is idle, G10 L20 P0 makes the present place the zero of the work offset in
+force.
 """
 
 from __future__ import annotations
@@ -25,52 +27,73 @@ RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND = (
 WORDS = (RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND)
 JOG_FEED = 500.0  # mm/min
 AXIS = re.compile(r"([XYZABCUVW])([-+]?[0-9]*\.?[0-9]+)", re.IGNORECASE)
-POLL = 0.2  # s
+POLL = 0.1  # s
 REST = {"idle", "check"}
-# What a state is, and the order that leads out of it.
-STATES = {
+# What a state is, what leads out of it, and the orders that do.
+STATES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "hold": (
         "it holds the feed",
         "resume goes on with what it has, reset drops it (the position stays, if it stands)",
+        (RESUME, RESET),
     ),
     "door": (
         "its safety door is open, or was",
         "close the door, then resume; reset drops what it has",
+        (RESUME, RESET),
     ),
     "alarm": (
         "it is locked after an alarm, or since it was switched on",
         "home it; or unlock, if its position is sure",
+        (HOME, UNLOCK),
     ),
-    "sleep": ("it sleeps", "reset wakes it; then home, or unlock if its position is sure"),
-    "check": ("it is in check mode", "reset ends that"),
+    "sleep": (
+        "it sleeps",
+        "reset wakes it; then home, or unlock if its position is sure",
+        (RESET, HOME, UNLOCK),
+    ),
+    "check": ("it is in check mode", "reset ends that", (RESET,)),
     "run": (
         "it executes something",
         "wait; or reset stops it (in motion it then locks, and must be homed)",
+        (RESET,),
     ),
-    "jog": ("it jogs", "wait; reset stops it"),
-    "home": ("it homes", "wait; reset stops that, and it must be homed anew"),
-    "tool": ("it waits for a tool", "put it in, then resume"),
+    "jog": ("it jogs", "wait; reset stops it", (RESET,)),
+    "home": ("it homes", "wait; reset stops that, and it must be homed anew", (RESET,)),
+    "tool": ("it waits for a tool", "put it in, then resume", (RESUME,)),
     "off": (
         "it is switched off, or in emergency stop",
         "switch it on at its own panel, and home it",
+        (),
     ),
-    "unhomed": ("it is not homed", "home it at its own panel"),
+    "unhomed": ("it is not homed", "home it at its own panel", ()),
 }
+STRANGE = ("that is not known here", "look at its manual, or reset it", (RESET,))
 
 
-def told(status: Status, port: str = "") -> str:
-    """A state in words, with the commands that help, where it is not idle."""
-    state = status.state
+def fact(status: Status) -> str:
+    """A state that is not idle, in words."""
     detail = f":{status.detail}" if status.detail else ""
-    if state == "idle":
+    return f"{status.state}{detail}: {STATES.get(status.state, STRANGE)[0]}"
+
+
+def way_out(status: Status, port: str) -> str:
+    """What leads out of a state that is not idle, and the commands for it."""
+    _, way, orders = STATES.get(status.state, STRANGE)
+    does = f": gcomp control --port {port} {' | '.join(orders)}" if orders else ""
+    return f"{way}{does}"
+
+
+def told(status: Status, port: str) -> str:
+    """A state in words, with the commands that help, where it is not idle."""
+    if status.state == "idle":
         return "idle: it stands, and takes a job"
-    what, way = STATES.get(state, ("that is not known here", "reset"))
-    where = f" (gcomp control --port {port} ...)" if port else ""
-    return f"{state}{detail}: {what}. {way[0].upper()}{way[1:]}{where}"
+    way = way_out(status, port)
+    return f"{fact(status)}. {way[0].upper()}{way[1:]}"
 
 
 def line_of(order: str, words: list[str]) -> bytes:
-    """The line of an order; b"": it is a single byte. Raises UsageError for words that it can not have."""
+    """The line of an order; b"": it is a single byte. Raises UsageError for words that it can not
+    have."""
     if order in (JOG, ZERO):
         return _axes(order, words)
     if order == SEND:
@@ -113,9 +136,18 @@ def _axes(order: str, words: list[str]) -> bytes:
 
 
 class Order:
-    """One order on one connection, to its end: done, with `status` as it is then, or `fault`. said: the controller's words."""
+    """One order on one connection, to its end: done, with `status` as it is then, or `fault`. said:
+    the controller's words."""
 
-    def __init__(self, protocol: Protocol, order: str, words: list[str], status: Status | None):
+    def __init__(
+        self,
+        protocol: Protocol,
+        order: str,
+        words: list[str],
+        status: Status | None,
+        port: str = "PORT",
+    ):
+        self.port = port
         self.protocol, self.order, self.line = protocol, order, line_of(order, words)
         self.status, self.said, self.fault, self.done = status, list[str](), "", False
         self._out = b""
@@ -125,25 +157,21 @@ class Order:
 
     def _fits(self, status: Status | None) -> None:
         """Raises UsageError where the controller would not take it now."""
-        state = status.state if status else "idle"
+        if status is None:  # it does not say it
+            return
+        state, what, way = status.state, fact(status), way_out(status, self.port)
         if self.order == RESUME and state not in ("hold", "door", "tool"):
             raise UsageError(
-                f"there is nothing to resume: the controller is {state}",
-                told(status) if status else "",
+                f"there is nothing to resume: the controller is {state}", told(status, self.port)
             )
         if (
             self.order in (JOG, ZERO, SEND)
             and state not in REST | {"jog"}
             and not self.line.startswith(b"$")
         ):
-            raise UsageError(
-                f"the controller takes no line now: {told(status) if status else state}",
-                "see above",
-            )
+            raise UsageError(f"the controller takes no line now. {what}", way)
         if self.order == JOG and state not in ("idle", "jog"):
-            raise UsageError(
-                f"a jog needs an idle controller: {told(status) if status else state}", "see above"
-            )
+            raise UsageError(f"a jog needs an idle controller. {what}", way)
 
     def begin(self, now: float) -> None:
         self._begun = now

@@ -13,18 +13,28 @@ DONE, ERROR, ALARM, RESET, DISCONNECTED, STALLED, ABORTED = (
 )  # fmt: skip
 DRIFT, ALTERED, SENT, FAILED = "drift", "altered", "sent", "failed"
 STATUS = {
-    DONE: 0, ERROR: 10, ALARM: 11, RESET: 12, DISCONNECTED: 13, STALLED: 14, DRIFT: 15, ALTERED: 16, SENT: 17,
-    ABORTED: 130, FAILED: 1,
-}  # fmt: skip
+    DONE: 0,
+    ERROR: 10,
+    ALARM: 11,
+    RESET: 12,
+    DISCONNECTED: 13,
+    STALLED: 14,
+    DRIFT: 15,
+    ALTERED: 16,
+    SENT: 17,
+    ABORTED: 130,
+    FAILED: 1,
+}
 
 
 @dataclass(frozen=True)
 class Outcome:
     """kind: one of the names above; message: a fact; advice: the way out.
 
-    last_certain: number of the last wire line that was answered; unanswered: lines that were sent and not answered, which
-    may or may not have been executed; rejected: lines that the controller refused, with its words. at: the first line that may not be
-    over, in which the tool is or will be; None: all are.
+    last_certain: number of the last wire line that was answered; unanswered: lines that were sent
+    and not answered, which may or may not have been executed; rejected: lines that the controller
+    refused, with its words. at: the line in which the tool is by the last report; unsure: the first
+    line that may not be over; None: there is none, or nothing says it.
     """
 
     kind: str
@@ -35,6 +45,7 @@ class Outcome:
     rejected: tuple[tuple[WireLine, str], ...] = ()
     certain_source: int = 0
     at: WireLine | None = None
+    unsure: WireLine | None = None
 
     @property
     def exit_status(self) -> int:
@@ -44,7 +55,9 @@ class Outcome:
         """For a person, at the end of a job."""
         lines = [self.message]
         if self.at and self.kind != DONE:
-            lines.append(f"the tool is in, or just before, {self.at.where()}")
+            lines.append(f"the tool is in {self.at.where()}, by its last report")
+        if self.unsure and self.unsure is not self.at and self.kind != DONE:
+            lines.append(f"surely over is all before {self.unsure.where()}")
         if self.unanswered:
             first, last = self.unanswered[0], self.unanswered[-1]
             which = (
@@ -60,7 +73,8 @@ class Outcome:
             lines.append(f"sent and not answered: {which} ({source}); they may have been executed")
         if self.last_certain and self.kind != DONE:
             lines.append(
-                f"last line answered: wire line {self.last_certain} (source line {self.certain_source})"
+                f"last line answered: wire line {self.last_certain} (source line"
+                f" {self.certain_source})"
             )
         if self.advice:
             lines.append(self.advice)
@@ -86,30 +100,47 @@ def with_rest(
     unanswered: Sequence[WireLine],
     tally: Tally,
     at: WireLine | None = None,
+    unsure: WireLine | None = None,
 ) -> Outcome:
-    """The outcome with what is certain and what is not; last: the line answered last; at: where the tool is."""
+    """The outcome with what is certain and what is not; last: the line answered last; at, unsure:
+    where the tool is, and the first line that may not be over."""
     return Outcome(
-        outcome.kind, outcome.message, outcome.advice, last.number if last else 0,
-        tuple(line for line in unanswered if line.number > 0), tuple(tally.rejected), last.source if last else 0, at,
-    )  # fmt: skip
+        outcome.kind,
+        outcome.message,
+        outcome.advice,
+        last.number if last else 0,
+        tuple(line for line in unanswered if line.number > 0),
+        tuple(tally.rejected),
+        last.source if last else 0,
+        at,
+        unsure,
+    )
 
 
 def verdict(tally: Tally, off: float | None, check: bool) -> tuple[str, str, str]:
-    """Kind, message and advice of a job whose lines are all answered and whose machine stands still; off: mm from where it
-    should stand, None: nothing is wrong with that, or it is not known."""
+    """Kind, message and advice of a job whose lines are all answered and whose machine stands
+    still; off: mm from where it should stand, None: nothing is wrong with that, or it is not
+    known."""
     if tally.rejected:
         which = "\n    ".join(f"{line.where()}: {said}" for line, said in tally.rejected[:20])
         more = f"\n    and {len(tally.rejected) - 20} more" if len(tally.rejected) > 20 else ""
         return (
             ERROR,
-            f"{len(tally.rejected)} of {tally.sent} lines were refused:\n    {which}{more}",
+            f"refused lines: {len(tally.rejected)} of {tally.sent}\n    {which}{more}",
             "",
         )
     if off is not None:
         return (
-            ALTERED, f"all {tally.sent} lines were accepted, but the machine stands {off:.3f} mm from where the last one ends",
-            "bytes were lost or altered on the way, or the axis was moved by something else: do not trust the part",
-        )  # fmt: skip
+            ALTERED,
+            (
+                f"all {tally.sent} lines were accepted, but the machine stands {off:.3f} mm from"
+                " where the last one ends"
+            ),
+            (
+                "bytes were lost or altered on the way, or the axis was moved by something else: do"
+                " not trust the part"
+            ),
+        )
     what = "checked, none refused" if check else "sent and accepted; the machine stands still"
     return DONE, f"{tally.sent} lines {what}", ""
 
@@ -120,13 +151,12 @@ def off_by(
     order: tuple[int, ...] | None,
     limit: float,
 ) -> float | None:
-    """mm between the reported place and where the last line ends (`order`: its axes among the reported ones), if that is more
-    than the limit; None: it is not, or it is not known."""
+    """mm between the reported place and where the last line ends (`order`: its axes among the
+    reported ones), if that is more than the limit; None: it is not, or it is not known."""
     if place is None or not end or order is None:
         return None
     rows = order or range(len(end))
-    pairs = [
-        (place[i], b) for i, b in zip(rows, end, strict=False) if i < len(place)
-    ]  # some axes are not reported
+    # some axes are not reported
+    pairs = [(place[i], b) for i, b in zip(rows, end, strict=False) if i < len(place)]
     worst = max((abs(a - b) for a, b in pairs if not math.isnan(b)), default=0.0)
     return worst if worst > limit else None

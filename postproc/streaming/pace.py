@@ -1,7 +1,8 @@
 """How long motions take, with accelerations: a planner that looks as far ahead as the controller's.
 
-GRBL's rules (gnea/grbl planner.c, the comments above planner_recalculate, and plan_buffer_line): along a motion the rate and the acceleration of
-the slowest axis for its direction ($110.., $120..) count; at a junction the speed at which a circle that leaves the corner by $11 could be gone round
+GRBL's rules (gnea/grbl planner.c, the comments above planner_recalculate, and plan_buffer_line):
+along a motion the rate and the acceleration of the slowest axis for its direction ($110.., $120..)
+count; at a junction the speed at which a circle that leaves the corner by $11 could be gone round
 with that acceleration; before a stop of the queue it can brake to zero within what it holds.
 """
 
@@ -20,7 +21,8 @@ STOPS = 1e-9
 
 
 class Block:
-    """A motion in the queue. rate: mm/s; most: square of the speed with which it may begin; entry: with which it does."""
+    """A motion in the queue. rate: mm/s; most: square of the speed with which it may begin; entry:
+    with which it does."""
 
     __slots__ = ("acceleration", "entry", "least", "length", "most", "rate")
 
@@ -35,7 +37,8 @@ class Block:
         self.entry = most
 
     def seconds(self, leave: float) -> float:
-        """From the square of its entry speed to the square of that of the next, up to its rate between."""
+        """From the square of its entry speed to the square of that of the next, up to its rate
+        between."""
         a, v = self.acceleration, self.rate
         enter, leave = min(self.entry, v * v), min(leave, v * v)
         peak = min(v * v, (2 * a * self.length + enter + leave) / 2)
@@ -45,8 +48,8 @@ class Block:
 
 
 class Pace:
-    """add() every line of a job in order, then end(). wire: s that a line takes on the link at least; order: where each axis of a
-    line's end stands in the settings. total: s."""
+    """add() every line of a job in order, then end(). wire: s that a line takes on the link at
+    least; order: where each axis of a line's end stands in the settings. total: s."""
 
     def __init__(
         self, controller: Controller, order: Sequence[int], wire: Callable[[WireLine], float]
@@ -127,7 +130,8 @@ class Pace:
         return acceleration * self._deviation * half / (1.0 - half)
 
     def _chords(self, places: Sequence[Sequence[float]], acceleration: float) -> float:
-        """Square of the speed at which a curve's chords may follow each other: a circle of its radius."""
+        """Square of the speed at which a curve's chords may follow each other: a circle of its
+        radius."""
         first, second = (
             _unit(places[0], places[1]),
             _unit(places[1], places[2]) if len(places) > 2 else None,
@@ -186,7 +190,8 @@ def _unit(a: Sequence[float], b: Sequence[float]) -> list[float] | None:
 
 
 def _limit(most: Sequence[float], direction: Sequence[float]) -> float:
-    """How much along a direction when each axis has its own most (planner.c, limit_value_by_axis_maximum)."""
+    """How much along a direction when each axis has its own most (planner.c,
+    limit_value_by_axis_maximum)."""
     return min(
         (limit / abs(d) for limit, d in zip(most, direction, strict=True) if abs(d) > 1e-12),
         default=math.inf,

@@ -1,8 +1,10 @@
-"""Whether the machine stands on the path of the lines that it may be executing: what a GRBL without echo can not say, its reports show.
+"""Whether the machine stands on the path of the lines that it may be executing: what a GRBL without
+echo can not say, its reports show.
 
-A report stands in the stream behind the answers that were given before it. So the machine is somewhere on the lines that are not over
-by the account of execution (`account`). Their firmware does not round
-corners: what may explain a distance is a step of the motors, an arc's chords, and the digits of a report.
+A report stands in the stream behind the answers that were given before it. So the machine is
+somewhere on the lines that are not over by the account of execution (`account`). Their firmware
+does not round corners: what may explain a distance is a step of the motors, an arc's chords, and
+the digits of a report.
 
 Nothing is concluded where the path is not known: around homing, G28, probing and
 tool changes, in states in which something else than the program moves, and behind a refused line.
@@ -42,9 +44,10 @@ def coarsest_step(controller: Controller) -> float:
 
 
 class Path:
-    """judge() for every report, which also goes to the account. order: where each axis of a line's `end` stands in the
-    reports, (): in the same order. limit: mm. watched: False: nobody looks.
-    distance, nearest: mm beside the path, and the line that is nearest, as they were seen last; doubts: how often."""
+    """judge() for every report, which also goes to the account. order: where each axis of a line's
+    `end` stands in the reports, (): in the same order. limit: mm. watched: False: nobody looks.
+    distance, nearest: mm beside the path, and the line that is nearest, as they were seen last;
+    doubts: how often."""
 
     def __init__(
         self,
@@ -75,8 +78,9 @@ class Path:
         return self.account.lines()
 
     def judge(self, status: Status) -> str:
-        """LOOK: it seems to stand beside the path; hold it, and ask again. OFF: it does, twice at one place (`distance`, mm, and `nearest` say how far
-        from which line). CLEAR: it was held for that, stands, and is on the path. "": nothing new."""
+        """LOOK: it seems to stand beside the path; hold it, and ask again. OFF: it does, twice at
+        one place (`distance`, mm, and `nearest` say how far from which line). CLEAR: it was held
+        for that, stands, and is on the path. "": nothing new."""
         self.account.reported(status)
         found = None if self._lost else self._off(status)
         if found is not None:
@@ -92,7 +96,8 @@ class Path:
         return ""
 
     def _same(self, one: tuple[float, ...] | None, other: tuple[float, ...] | None) -> bool:
-        """Whether two reports say one place, but for what it ran on while it slowed down: two that were damaged hardly do."""
+        """Whether two reports say one place, but for what it ran on while it slowed down: two that
+        were damaged hardly do."""
         if one is None or other is None or len(one) != len(other):
             return False
         return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= RUN_ON

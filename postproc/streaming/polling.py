@@ -18,10 +18,10 @@ class Poll:
     waits: bool = False
 
     def due(self, now: float, limits: Limits, watched: bool, doubts: bool, answered: float) -> bool:
-        """watched: whether the path is; doubts: whether a report was beside it; answered: when a line was answered last."""
-        late = (
-            answered + limits.soon / 2
-        )  # a motion takes longer than those before: where does it go?
+        """watched: whether the path is; doubts: whether a report was beside it; answered: when a
+        line was answered last."""
+        # a motion takes longer than those before: where does it go?
+        late = answered + limits.soon / 2
         pause = (
             limits.poll
             if not watched

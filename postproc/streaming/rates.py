@@ -1,4 +1,5 @@
-"""What a link must carry, and how long a job takes: from feeds, bytes and baud, without acceleration."""
+"""What a link must carry, and how long a job takes: from feeds, bytes and baud, without
+acceleration."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ from postproc.streaming.events import Status
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
 
-AHEAD = 32  # lines over which controller and buffer even the load out: about a planner and a receive buffer
+# lines over which controller and buffer even the load out: about a planner and a receive buffer
+AHEAD = 32
 MOST = 0.8  # part of the link that a job may use
 BITS = 10  # a byte on an asynchronous line
 
@@ -81,16 +83,20 @@ class Load:
             else "source lines {0} to {1}"
         )
         return (
-            f"{where.format(*self.worst_lines)} need {self.worst_rate:.0f} lines/s of {self.worst_size:.0f} bytes, and the link "
-            f"carries {carries:.0f} ({self.rate:.0f} bytes/s): the machine will slow down or stutter there, {self.over:.1f} s of "
-            f"{self.motion:.0f} s of motion; --compact, a wider --tolerance or a faster --baud help"
+            f"{where.format(*self.worst_lines)} need {self.worst_rate:.0f} lines/s of"
+            f" {self.worst_size:.0f} bytes, and the link carries {carries:.0f} ({self.rate:.0f}"
+            f" bytes/s): the machine will slow down or stutter there, {self.over:.1f} s of"
+            f" {self.motion:.0f} s of motion; --compact, a wider --tolerance or a faster --baud"
+            " help"
         )
 
 
 @dataclass
 class Clock:
-    """What is left: by the load's seconds, by a planner's where it knows the machine's accelerations, and by how the job went so far.
-    held: s that it stood in a hold, which say nothing of the pace; rate: the feed's override, 1: as programmed."""
+    """What is left: by the load's seconds, by a planner's where it knows the machine's
+    accelerations, and by how the job went so far.
+    held: s that it stood in a hold, which say nothing of the pace; rate: the feed's override, 1: as
+    programmed."""
 
     expected: float
     begun: float

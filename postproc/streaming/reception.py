@@ -1,22 +1,27 @@
-"""A program that a control sends (its PUNCH or SEND key): what is the program, when it has ended, and whether a byte was damaged.
+"""A program that a control sends (its PUNCH or SEND key): what is the program, when it has ended,
+and whether a byte was damaged.
 
-Rules: Haas, mill operator's manual (June 1999), RS-232: two `%` stand about what is sent, with DC CODES a DC2 comes first and a DC4
-last; lines end with CR LF or LF. Fanuc's punch interface is alike (general knowledge, unverified on hardware). With 7 bits and a parity
-the line is read as 8 bits, so that each byte's parity is looked at here: a serial port that checks it may drop the byte, or pass it.
+Rules: Haas, mill operator's manual (June 1999), RS-232: two `%` stand about what is sent, with DC
+CODES a DC2 comes first and a DC4 last; lines end with CR LF or LF. Fanuc's punch interface is alike
+(general knowledge, unverified on hardware). With 7 bits and a parity the line is read as 8 bits, so
+that each byte's parity is looked at here: a serial port that checks it may drop the byte, or pass
+it.
 """
 
 from __future__ import annotations
 
+from postproc import intake
+
 DC1, DC2, DC3, DC4 = 0x11, 0x12, 0x13, 0x14
 SKIPPED = {0x00, 0x7F, DC1, DC2, DC3}  # leader and trailer of tapes, and what steers a reader
-LARGEST = 1 << 26  # bytes
 ODD = bytes(bin(value).count("1") & 1 for value in range(256))
 
 
 class Reception:
     """receive() what comes. seven: bytes have 7 bits; parity: "E", "O", or "N": none is looked at.
 
-    begun: the program has; done: it is whole; fault: what is wrong with it, in words, ""; size, lines: bytes and lines of it so far."""
+    begun: the program has; done: it is whole; fault: what is wrong with it, in words, ""; size,
+    lines: bytes and lines of it so far."""
 
     def __init__(self, seven: bool = True, parity: str = "N"):
         self.seven, self.parity = seven, parity
@@ -49,7 +54,10 @@ class Reception:
         wrong = self.parity != "N" and ODD[value] != (self.parity == "O")
         letter = value & 0x7F if self.seven else value
         if wrong and self.begun:
-            self.fault = f"{here}: a byte with a wrong parity ({value:#04x}): it was damaged on the way, or the frame is another"
+            self.fault = (
+                f"{here}: a byte with a wrong parity ({value:#04x}): it was damaged on the way, or"
+                " the frame is another"
+            )
         elif letter == DC4 and self.begun:
             self._closed("DC4")
         elif (
@@ -59,15 +67,20 @@ class Reception:
         ):
             return  # what a plug makes, and a tape's leader
         elif letter not in b"\n\t" and not 0x20 <= letter < 0x7F:
-            self.fault = f"{here}: byte {value:#04x} is no letter of a program: it was damaged on the way, or frame or speed are others"
+            self.fault = (
+                f"{here}: byte {value:#04x} is no letter of a program: it was damaged on the way,"
+                " or frame or speed are others"
+            )
         else:
             self._add(letter)
 
     def _add(self, value: int) -> None:
         self.begun = True
         self._text.append(value)
-        if len(self._text) > LARGEST:
-            self.fault = f"more than {LARGEST:,} bytes came in: no program is as long as that"
+        if len(self._text) > intake.RECEIVED:
+            self.fault = (
+                f"more than {intake.RECEIVED:,} bytes came in: no program is as long as that"
+            )
         if value == ord("%") and self.lines and self._text.endswith(b"\n%"):
             self._text += b"\n"
             self._closed("%")
@@ -78,7 +91,10 @@ class Reception:
         if how == "%" and not opened:
             self.fault = "it ends with %, and the % before it is missing: its beginning may be, too"
         elif how == "DC4" and self._text.startswith(b"%\n"):
-            self.fault = f"the control has stopped (DC4) after {self.lines} lines, and the % that ends the program is missing"
+            self.fault = (
+                f"the control has stopped (DC4) after {self.lines} lines, and the % that ends the"
+                " program is missing"
+            )
         else:
             self._whole()
 
@@ -94,4 +110,7 @@ class Reception:
         if anyhow:
             self._whole()
         else:
-            self.fault = f"it fell silent after {self.lines} lines, and no % or DC4 has ended the program: the rest of it may be missing"
+            self.fault = (
+                f"it fell silent after {self.lines} lines, and no % or DC4 has ended the program:"
+                " the rest of it may be missing"
+            )

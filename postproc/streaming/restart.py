@@ -1,9 +1,10 @@
-"""The way back into a program that was interrupted: what is in force before a line, and the blocks that bring it about.
+"""The way back into a program that was interrupted: what is in force before a line, and the blocks
+that bring it about.
 
-The lines before are read again by the filter itself (nothing of them is sent), so what is in force is what the control would
-hold. Then: out to a safe place first (mills and printers along Z, lathes along X), tool, over the place, spindle and coolant
-on and up to speed, down at a feed, the program's own modal state, and on with the line. What can not be brought back so is
-refused.
+The lines before are read again by the filter itself (nothing of them is sent), so what is in force
+is what the control would hold. Then: out to a safe place first (mills and printers along Z, lathes
+along X), tool, over the place, spindle and coolant on and up to speed, down at a feed, the
+program's own modal state, and on with the line. What can not be brought back so is refused.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ def kind_of(filter_: Filter) -> str:
     if {"X", "Z"} <= axes and "Y" not in axes and not filter_.dialect.one_command:
         return LATHE
     raise UsageError(
-        f"{filter_.machine.name} has the axes {' '.join(setup.axes)}: gcomp does not know which way is safe there",
+        f"{filter_.machine.name} has the axes {' '.join(setup.axes)}: gcomp does not know which way"
+        " is safe there",
         "bring the tool to a safe place by hand, and send the rest as a program of its own",
     )
 
@@ -49,8 +51,8 @@ def lifts(filter_: Filter) -> str:
 
 
 def read_before(filter_: Filter, lines: Iterable[bytes], line: int) -> tuple[Before, bytes]:
-    """Let a fresh filter read the lines before `line`; gives what holds there, and the line itself with what follows up to
-    the next motion. Raises UsageError, ProgramError."""
+    """Let a fresh filter read the lines before `line`; gives what holds there, and the line itself
+    with what follows up to the next motion. Raises UsageError, ProgramError."""
     axis = filter_.setup.axes.index(lifts(filter_))
     before = Before(inch=filter_.modal.codes.get("units") == 200)
     filter_.watchers.append(lambda words, motions, *_: before.watch(words, motions, axis))
@@ -80,7 +82,8 @@ def read_before(filter_: Filter, lines: Iterable[bytes], line: int) -> tuple[Bef
 def refuse(
     filter_: Filter, rest: bytes, line: int, what: str = "the job can not begin again here"
 ) -> None:
-    """Raises ProgramError where a job can not safely begin with this line. `filter_` has read all before it."""
+    """Raises ProgramError where a job can not safely begin with this line. `filter_` has read all
+    before it."""
     modal = filter_.modal
     frame = modal.frame
 
@@ -118,7 +121,8 @@ def refuse(
         raise no("the program has shifted its zero (G92, G52) by where the machine stood", earlier)
     if modal.offsets:
         raise no(
-            f"the program has written offsets ({', '.join(modal.offsets)}) that may not be what the controller has now",
+            f"the program has written offsets ({', '.join(modal.offsets)}) that may not be what the"
+            " controller has now",
             earlier,
         )
     motion = modal.codes.get("motion", NONE)
@@ -131,7 +135,8 @@ def refuse(
 
 
 def digits(value: float) -> str:
-    """A place with as many decimals as it has, four at least: a program in inches or increments counts on from it."""
+    """A place with as many decimals as it has, four at least: a program in inches or increments
+    counts on from it."""
     whole, _, part = f"{value:.7f}".partition(".")
     return f"{whole}.{part.rstrip('0').ljust(4, '0')}"
 
@@ -170,7 +175,8 @@ class Preamble:
         other = next((x for x in safe if x != self.lift), None)
         if other:
             raise UsageError(
-                f"a {self.kind} goes out along {self.lift} first, and --safe-{other.lower()} says nothing of it",
+                f"a {self.kind} goes out along {self.lift} first, and --safe-{other.lower()} says"
+                " nothing of it",
                 f"say --safe-{self.lift.lower()}",
             )
         if (
@@ -190,7 +196,8 @@ class Preamble:
                 else "if it cuts outside, say --safe-x, mm in radius, machine coordinates; or "
             )
             raise UsageError(
-                f"which way of X leads out of the part can not be told: with this tool the program left its last cut {how[self.before.left]}",
+                "which way of X leads out of the part can not be told: with this tool the program"
+                f" left its last cut {how[self.before.left]}",
                 f"{say}name a line behind a rapid to a larger X, or {by_hand}",
             )
         if top is None:
@@ -201,8 +208,9 @@ class Preamble:
         stands = self.modal.position[self.row] / TICKS_PER_MM
         if stands > top + 1e-9:
             raise UsageError(
-                f"safe {self.lift} {top:g} is below where the program stands, {self.lift} {stands:.3f} (mm, machine coordinates"
-                f"{', in radius' if self.kind == LATHE else ''})",
+                f"safe {self.lift} {top:g} is below where the program stands, {self.lift}"
+                f" {stands:.3f} (mm, machine"
+                f" coordinates{', in radius' if self.kind == LATHE else ''})",
                 f"--safe-{self.lift.lower()} higher, or name a line where the tool is farther in",
             )
         return top
@@ -257,9 +265,11 @@ class Preamble:
         if before.path:
             lines.append(before.path)
         modes = [
-            self.word("plane", "G17")
-            if self.kind != PRINTER or self.modal.codes.get("plane") != 170
-            else ""
+            (
+                self.word("plane", "G17")
+                if self.kind != PRINTER or self.modal.codes.get("plane") != 170
+                else ""
+            )
         ]
         modes += [
             self.word("units", "G21"),
@@ -285,10 +295,11 @@ class Preamble:
         return lines
 
     def _out(self) -> str:
-        """Out of the part: in machine coordinates where the control has G53, else in the program's."""
+        """Out of the part: in machine coordinates where the control has G53, else in the
+        program's."""
         if 530 in self.dialect.by_number and self.kind != PRINTER:
             return f"G53 G0 {self.lift}{self.top * self.half[self.lift]:.4f}"
-        return f"G0 {self.lift}{(self.top - self.origin[self.row] / TICKS_PER_MM) * self.half[self.lift]:.4f}"
+        return f"G0 {self.lift}{(self.top - self.origin[self.row] / TICKS_PER_MM) * self.half[self.lift]:.4f}"  # noqa: E501
 
     def _tool(self) -> list[str]:
         """The tool, and its length."""
@@ -309,7 +320,8 @@ class Preamble:
         return lines
 
     def _spindle(self) -> list[str]:
-        """Speed, direction and coolant; a wait for the spindle in the control's own unit of time."""
+        """Speed, direction and coolant; a wait for the spindle in the control's own unit of
+        time."""
         before = self.before
         if before.spindle == "M5":
             return (
@@ -317,28 +329,30 @@ class Preamble:
             ) + before.coolant
         if before.surface:
             raise UsageError(
-                "constant surface speed (G96) is in force, and the limit of the spindle's speed is not followed",
+                "constant surface speed (G96) is in force, and the limit of the spindle's speed is"
+                " not followed",
                 "name an earlier line, before G96",
             )
         return [f"{before.spindle} {before.speed}".strip(), self.wait(), *before.coolant]
 
     def wait(self) -> str:
-        """G4 for the spindle, behind G94. P is milliseconds on Marlin and seconds on GRBL and LinuxCNC (their own documents). A Haas takes
-        P without a point for milliseconds, with one for seconds (its mill manual, G04, read in a Polish copy). Sinumerik in ISO mode:
-        X seconds with a point, P whole milliseconds, both turns of the spindle under G95 (ISO Milling 04.07, 3.3.1); Fanuc likewise
-        and Sinumerik's F as seconds: unverified."""
+        """G4 for the spindle, behind G94. P is milliseconds on Marlin and seconds on GRBL and
+        LinuxCNC (their own documents). A Haas takes P without a point for milliseconds, with one
+        for seconds (its mill manual, G04, read in a Polish copy). Sinumerik in ISO mode: X seconds
+        with a point, P whole milliseconds, both turns of the spindle under G95 (ISO Milling 04.07,
+        3.3.1); Fanuc likewise and Sinumerik's F as seconds: unverified."""
         by = self.dialect.dwell
         letter = next(x for x in "XFSP" if x in by)
         if letter == "X" and self.kind == MILL and "P" in by:
-            return (
-                f"G4 P{SPIN_UP * 1000:.0f}"  # X in a G4 would be an axis to whoever reads over it
-            )
+            # X in a G4 would be an axis to whoever reads over it
+            return f"G4 P{SPIN_UP * 1000:.0f}"
         return f"G4 {letter}{SPIN_UP:g}" + (
             "." if letter in "XP" and self.dialect.name.startswith(("haas", "fanuc")) else ""
         )
 
     def _heat(self) -> list[str]:
-        """A printer's heaters, each waited for, before anything moves: a cold nozzle sticks to the part."""
+        """A printer's heaters, each waited for, before anything moves: a cold nozzle sticks to the
+        part."""
         codes = {"bed": "M190", "chamber": "M191", "nozzle": "M109"}
         warm = [
             f"{code} S{self.before.heat[x]:g}"
@@ -356,11 +370,16 @@ class Preamble:
 
 
 def preamble(
-    filter_: Filter, before: Before, safe: dict[str, float] | None = None, stands: dict[str, float] | None = None,
+    filter_: Filter,
+    before: Before,
+    safe: dict[str, float] | None = None,
+    stands: dict[str, float] | None = None,
     stays: bool = False,
-) -> list[bytes]:  # fmt: skip
-    """The blocks that bring it about, in the program's language. safe: of the axis that takes the tool out (Z, on a lathe X in
-    radius), mm, machine coordinates; left out: the highest place that a rapid of the program has reached. stands: where the controller stands, by axis, mm, machine coordinates. stays: nothing shall move, only modes come back. Raises UsageError."""
+) -> list[bytes]:
+    """The blocks that bring it about, in the program's language. safe: of the axis that takes the
+    tool out (Z, on a lathe X in radius), mm, machine coordinates; left out: the highest place that
+    a rapid of the program has reached. stands: where the controller stands, by axis, mm, machine
+    coordinates. stays: nothing shall move, only modes come back. Raises UsageError."""
     return [
         line.encode() for line in Preamble(filter_, before, safe or {}, stands or {}, stays).lines()
     ]

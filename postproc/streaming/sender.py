@@ -1,8 +1,10 @@
-"""The job: lines go out as the protocol allows, answers come in, and it ends in exactly one outcome.
+"""The job: lines go out as the protocol allows, answers come in, and it ends in exactly one
+outcome.
 
-Bytes and time in, bytes out: receive(data, now), tick(now), bytes_out(). A line that has left is never sent again by the
-sender (a protocol that numbers its lines may do so on request). Success is said only when every line is answered, the
-controller reports that it stands still, twice, with nothing strange in between, and it stands where the last line ends.
+Bytes and time in, bytes out: receive(data, now), tick(now), bytes_out(). A line that has left is
+never sent again by the sender (a protocol that numbers its lines may do so on request). Success is
+said only when every line is answered, the controller reports that it stands still, twice, with
+nothing strange in between, and it stands where the last line ends.
 """
 
 from __future__ import annotations
@@ -27,20 +29,30 @@ BACKLOG = 512  # bytes that wait for the port, beyond which no further line is t
 
 
 class Sender:
-    """One job on one connection. `check`: a dry run in the controller's check mode. `on_error`: "stop"; "continue"; or "ask": hold,
-    and wait for decide(), `asks` being the lines that were refused, with the controller's words.
+    """One job on one connection. `check`: a dry run in the controller's check mode. `on_error`:
+    "stop"; "continue"; or "ask": hold, and wait for decide(), `asks` being the lines that were
+    refused, with the controller's words.
 
-    order: where each axis of a line's `end` stands in the controller's reports; (): in the same order, None: it does not report them.
-    spindle_off: stop the spindle when the job has ended in a hold, where the controller can (it starts again with resume).
+    order: where each axis of a line's `end` stands in the controller's reports; (): in the same
+    order, None: it does not report them.
+    spindle_off: stop the spindle when the job has ended in a hold, where the controller can (it
+    starts again with resume).
     path: to see whether it stands on the lines' path while it moves; None: nobody looks.
-    `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected", line, time), ("status",
-    status, time), ("told", text, time), and ("hold", text, time), ("resumed", text, time) for what gcomp did not order.
+    `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected",
+    line, time), ("status", status, time), ("told", text, time), and ("hold", text, time),
+    ("resumed", text, time) for what gcomp did not order.
     """
 
     def __init__(
-        self, protocol: Protocol, limits: Limits = Limits(), on_error: str = "stop", check: bool = False,
-        order: tuple[int, ...] | None = (), path: Path | None = None, spindle_off: bool = False,
-    ):  # fmt: skip
+        self,
+        protocol: Protocol,
+        limits: Limits = Limits(),
+        on_error: str = "stop",
+        check: bool = False,
+        order: tuple[int, ...] | None = (),
+        path: Path | None = None,
+        spindle_off: bool = False,
+    ):
         self.spindle_off = spindle_off
         self.protocol, self.limits, self.on_error, self.check, self.order = (
             protocol,
@@ -76,13 +88,12 @@ class Sender:
         self._pending: Outcome | None = None
         self._hold = Hold()
         self._ended = self._begun = self._check_off = False
-        self._confirmed = self._looks = (
-            False  # that it has stopped; it is held to see whether it stands on the path
-        )
+        # that it has stopped; it is held to see whether it stands on the path
+        self._confirmed = self._looks = False
         for text in (*protocol.opening, *[protocol.check_mode()] * check):
             self._insert(text)
 
-    # -- what the owner gives ------------------------------------------------------------------------------------------
+    # -- what the owner gives ----------------------------------------------------------------------
 
     def give(self, lines: Iterable[WireLine]) -> None:
         """Lines to send, in order, with rising numbers."""
@@ -103,7 +114,7 @@ class Sender:
         self._own -= 1
         self._queue.append(WireLine(self._own, 0, 0, text))
 
-    # -- what a person does --------------------------------------------------------------------------------------------
+    # -- what a person does ------------------------------------------------------------------------
 
     def hold(self, now: float) -> None:
         """Feed hold: the machine slows down and stands; no further line leaves."""
@@ -113,7 +124,8 @@ class Sender:
             self._hold.order(now)
 
     def resume(self, now: float) -> None:
-        """Go on where the hold was, also one that the program (M0) or the machine made, or a refused line."""
+        """Go on where the hold was, also one that the program (M0) or the machine made, or a
+        refused line."""
         if self.outcome is None and self.state in (RUNNING, HELD):
             self._urgent += self.protocol.urgent("resume")
             self.asks.clear()
@@ -126,7 +138,8 @@ class Sender:
         return self.state == HELD or self._hold.stands
 
     def override(self, what: str) -> bool:
-        """Change the rate of feed, rapids or spindle while it runs ("feed+", "rapid 50", ...); False: there is no such order."""
+        """Change the rate of feed, rapids or spindle while it runs ("feed+", "rapid 50", ...);
+        False: there is no such order."""
         data = self.protocol.urgent(what)
         self._urgent += data
         return bool(data)
@@ -152,11 +165,16 @@ class Sender:
             self._queue.clear()
             self._end_soon(endings.stopped(why, self.protocol), now, STOPPING)
 
+    def give_up(self, why: str, now: float) -> None:
+        """What is needed to prepare lines is gone: hold, and let nothing more leave."""
+        if self.outcome is None and self.state in (RUNNING, HELD):
+            self._end_soon(endings.given_up(why, len(self._sent), self.protocol), now, hold=True)
+
     def lost(self, why: str, now: float) -> None:
         """The port is gone."""
         self._finish(endings.lost(why))
 
-    # -- bytes and time ------------------------------------------------------------------------------------------------
+    # -- bytes and time ----------------------------------------------------------------------------
 
     def receive(self, data: bytes, now: float) -> None:
         if data and self.outcome is None:
@@ -166,7 +184,8 @@ class Sender:
                     self._take(event, now)
 
     def tick(self, now: float) -> None:
-        """Fill the window and look at the clock. Call it after every receive(), and at least every 50 ms."""
+        """Fill the window and look at the clock. Call it after every receive(), and at least every
+        50 ms."""
         if self.outcome is not None:
             return
         if not self._begun:
@@ -178,7 +197,8 @@ class Sender:
         self._watch(now)
 
     def urgent_out(self) -> bytes:
-        """Realtime bytes (a hold, a stop, a question), to be written before anything is told or kept."""
+        """Realtime bytes (a hold, a stop, a question), to be written before anything is told or
+        kept."""
         data, self._urgent = self._urgent, b""
         return data
 
@@ -199,7 +219,8 @@ class Sender:
         return self._left, self._marked
 
     def unwritten(self, data: bytes) -> None:
-        """The port did not take these bytes: they go first next time. Realtime bytes still pass them."""
+        """The port did not take these bytes: they go first next time. Realtime bytes still pass
+        them."""
         self._out = data + self._out
         self._left -= len(data)
 
@@ -208,7 +229,7 @@ class Sender:
         """Lines sent and not answered, oldest first."""
         return tuple(self._sent.values())
 
-    # -- the parts -----------------------------------------------------------------------------------------------------
+    # -- the parts ---------------------------------------------------------------------------------
 
     def _fill(self, now: float) -> None:
         if (
@@ -246,7 +267,8 @@ class Sender:
             self._drained, self._rests = None, 0
 
     def _missed(self, now: float) -> None:
-        """Time in which nobody looked is no silence of the controller: what it said then has yet to be read."""
+        """Time in which nobody looked is no silence of the controller: what it said then has yet to
+        be read."""
         late = now - self._ticked - LOOKS
         self._ticked = now
         if late > 0:
@@ -438,9 +460,8 @@ class Sender:
         """A hold, or its end, that was not ordered; or an order that was lost."""
         self._idle_since, self._rests, self._moved = None, 0, now
         if news == holds.AGAIN:
-            self._urgent += self.protocol.urgent(
-                "hold"
-            )  # it was lost on the way, or while EEPROM was written
+            # it was lost on the way, or while EEPROM was written
+            self._urgent += self.protocol.urgent("hold")
         elif self.state in (RUNNING, HELD) and news == holds.FOREIGN:
             self.log.append(
                 ("hold", holds.words(status, next(iter(self._sent.values()), None)), now)
@@ -465,7 +486,8 @@ class Sender:
                 if now - max(self._idle_since, self._moved) >= patience:
                     self._stalled(
                         now,
-                        f"it stands still ({status.state}) and has answered nothing for {now - self._moved:.1f} s",
+                        f"it stands still ({status.state}) and has answered nothing for"
+                        f" {now - self._moved:.1f} s",
                     )
             elif asked_after_drain and self.state == RUNNING:
                 self._rests += 1
@@ -474,7 +496,7 @@ class Sender:
         else:
             self._idle_since, self._rests = None, 0
 
-    # -- ends ----------------------------------------------------------------------------------------------------------
+    # -- ends --------------------------------------------------------------------------------------
 
     def _done(self, status: events.Status | None = None) -> None:
         off = (
@@ -495,7 +517,8 @@ class Sender:
     def _end_soon(
         self, outcome: Outcome, now: float, state: str = HALTING, hold: bool = False
     ) -> None:
-        """Nothing more leaves; the outcome stands, and is told when the controller has come to rest, or the grace is over."""
+        """Nothing more leaves; the outcome stands, and is told when the controller has come to
+        rest, or the grace is over."""
         if self._pending is None or state == STOPPING:
             self._pending = outcome
         self._hold.release(now)
@@ -511,6 +534,9 @@ class Sender:
             self.outcome = self._told(self._pending or outcome)
 
     def _told(self, outcome: Outcome) -> Outcome:
-        parts = self.account.running(self.status) if self.status else list(self.account.parts)
-        at = parts[0].line if parts and not self.check else None
-        return with_rest(outcome, self._last, self.waiting, self.tally, at)
+        at = unsure = None
+        if not self.check and self.protocol.confirms != "nothing":
+            parts = self.account.running(self.status) if self.status else self.account.parts
+            unsure = parts[0].line if parts else None
+            at = self.account.at(self.status)
+        return with_rest(outcome, self._last, self.waiting, self.tally, at, unsure)

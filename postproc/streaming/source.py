@@ -1,7 +1,8 @@
 """Program text through the filter, as lines for the wire that know where they come from.
 
-The filter may be fed in any pieces (tests hold it to that), so batches of whole lines serve speed only. Which output line
-belongs to which source line is counted: a source line gives itself, and one line behind it for every piece put in.
+The filter may be fed in any pieces (tests hold it to that), so batches of whole lines serve speed
+only. Which output line belongs to which source line is counted: a source line gives itself, and one
+line behind it for every piece put in.
 """
 
 from __future__ import annotations
@@ -12,34 +13,42 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from postproc import marks
 from postproc.errors import GcompError, Place, ProgramError
 from postproc.filter import Filter
 from postproc.motions import FOREIGN, LINES, RAPID, Motions
+from postproc.nc import pace
 from postproc.nc.lexer import Words
 from postproc.pieces import Pieces
 from postproc.streaming.lines import Unsendable, WireLine
-from postproc.units import MM_PER_INCH, TICKS_PER_INCH, TICKS_PER_MM
+from postproc.units import TICKS_PER_MM
 
 BATCH = 64  # lines
 RAPID_MM_MIN = 3000.0  # where neither machine nor controller says how fast a rapid is
-LOST = re.compile(
-    rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE
-)  # where it ends is not known
+# where it ends is not known
+LOST = re.compile(rb"G0*(28|30)(?![0-9.])|G0*38\.|^\$[HJ]", re.IGNORECASE)
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P *([0-9.]+)", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*")
 
 
 class Source:
-    """feed(bytes) and finish() give wire lines. `prepare` is the protocol's; `shorten` makes a line's words shorter.
+    """feed(bytes) and finish() give wire lines. `prepare` is the protocol's; `shorten` makes a
+    line's words shorter.
 
-    rapid: mm/min of rapids. sampled: mm by which chords may miss an arc, 0: arcs come without points.
-    number: of the next wire line. dropped: source lines with words behind the end of the program, which are not sent.
+    rapid: mm/min of rapids. sampled: mm by which chords may miss an arc, 0: arcs come without
+    points.
+    number: of the next wire line. dropped: source lines with words behind the end of the program,
+    which are not sent.
     """
 
     def __init__(
-        self, filter_: Filter, prepare: Callable[[bytes], bytes], shorten: Callable[[bytes], bytes] | None = None,
-        rapid: float = RAPID_MM_MIN, sampled: float = 0.0,
-    ):  # fmt: skip
+        self,
+        filter_: Filter,
+        prepare: Callable[[bytes], bytes],
+        shorten: Callable[[bytes], bytes] | None = None,
+        rapid: float = RAPID_MM_MIN,
+        sampled: float = 0.0,
+    ):
         self.filter, self.prepare, self.shorten = filter_, prepare, shorten
         self.rapid, self.sampled = rapid, sampled
         self.number = 1
@@ -131,17 +140,17 @@ class Source:
         added = np.bincount(line[~first], minlength=n)
         source = np.repeat(np.arange(n), 1 + added)
         own = list(range(len(texts)))
-        if (
-            len(texts) == len(source) + 1
-        ):  # gcomp's mark stands before the first block that was changed
-            mark = next(i for i, text in enumerate(texts) if b"GCOMP " in text)
+        # gcomp's mark stands before the first block that was changed
+        if len(texts) == len(source) + 1:
+            mark = next(i for i, text in enumerate(texts) if marks.PROGRAM[0].search(text))
             own.pop(mark)
             texts.pop(mark)
         if len(texts) != len(source):
             raise GcompError(
-                f"{len(source)} lines were expected for lines {before + 1} to {before + n}, and the filter wrote {len(texts)}: "
-                "which came from which is not certain",
-                "this is an error of gcomp: please report the program; gcomp -o FILE writes it without streaming",
+                f"{len(source)} lines were expected for lines {before + 1} to {before + n}, and the"
+                f" filter wrote {len(texts)}: which came from which is not certain",
+                "this is an error of gcomp: please report the program; gcomp -o FILE writes it"
+                " without streaming",
             )
         slots: dict[tuple[int, int], int] = {}
         count = np.zeros(n, np.int64)
@@ -232,12 +241,7 @@ class _Values:
             depth[motions.arcs.first[row], at] = depth[motions.arcs.second[row], at] = 0.0
             length[arc] = np.hypot(along, np.linalg.norm(depth, axis=0))
         motion = pieces.motion
-        inch = (
-            (motions.scale.max(axis=0) >= TICKS_PER_INCH // 2)[motion]
-            if len(motions.scale)
-            else np.zeros(len(motion), bool)
-        )
-        feed = motions.feed[motion] * np.where(inch, MM_PER_INCH, 1.0)
+        feed = (motions.feed * pace.unit_of_feed(motions))[motion]
         feed = np.where((pieces.code == RAPID) | ~(feed > 0), source.rapid, feed)
         timed = motions.inverse[motion] & (pieces.code != RAPID) & (motions.feed[motion] > 0)
         seconds = length / feed * 60.0
@@ -257,8 +261,13 @@ class _Values:
         points = self.points(i) if self.source.sampled and arc else ()
         straight = bool(self.source.sampled) if arc else int(self.pieces.code[i]) in LINES
         return (
-            tuple(self.ends[i]), tuple(self.corrections[i]), float(self.length[i]), float(self.seconds[i]), points, straight,
-        )  # fmt: skip
+            tuple(self.ends[i]),
+            tuple(self.corrections[i]),
+            float(self.length[i]),
+            float(self.seconds[i]),
+            points,
+            straight,
+        )
 
     def points(self, i: int) -> tuple[tuple[float, ...], ...]:
         """Places on an arc between its ends."""

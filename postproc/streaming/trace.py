@@ -1,7 +1,9 @@
-"""Positions that the controller reports while a job runs, as rows of a recording (contract gcomp-recording/1, kind trace).
+"""Positions that the controller reports while a job runs, as rows of a recording (contract
+gcomp-recording/1, kind trace).
 
-act: what was reported. cmd: the nearest place on the commanded path, because a report does not say which place of the path it
-belongs to; so what lies across the path is seen, what lies along it (lag) is not. line: the source line of that place.
+act: what was reported. cmd: the nearest place on the commanded path, because a report does not say
+which place of the path it belongs to; so what lies across the path is seen, what lies along it
+(lag) is not. line: the source line of that place.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ LINES = 200  # of the path that are kept: more than a planner and a receive buff
 
 
 class Trace:
-    """head() once, then row() for every report. letters: the machine's axes, all of them reported; start: where they stand."""
+    """head() once, then row() for every report. letters: the machine's axes, all of them reported;
+    start: where they stand."""
 
     def __init__(
         self, machine: str, letters: tuple[str, ...], controller: str, start: tuple[float, ...] = ()

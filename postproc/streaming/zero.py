@@ -1,8 +1,10 @@
-"""Whether the controller's zero still lies where an interrupted job had it: what must be certain before a tool goes back into a cut.
+"""Whether the controller's zero still lies where an interrupted job had it: what must be certain
+before a tool goes back into a cut.
 
-A GRBL that has restarted believes that it stands at machine zero, wherever it is, until it is homed; its work offsets (EEPROM) count
-from there. What G53 or a plunge does then is off by all of that. So a restart needs proof: homed in this session, or a controller
-that has not restarted and stands on the way on which the journal left it.
+A GRBL that has restarted believes that it stands at machine zero, wherever it is, until it is
+homed; its work offsets (EEPROM) count from there. What G53 or a plunge does then is off by all of
+that. So a restart needs proof: homed in this session, or a controller that has not restarted and
+stands on the way on which the journal left it.
 """
 
 from __future__ import annotations
@@ -23,7 +25,10 @@ from postproc.streaming.protocols import Controller
 NEAR_MM = 0.1  # of the way: a journal's arcs are chords that miss by 45 um, a report is rounded
 FEED = re.compile(r"F *0*[1-9]|F *0*\.0*[1-9]", re.IGNORECASE)
 HOMED, UNLOCKED = "homed", "unlocked"
-TOUCHED = "or touch off the work zero anew, look where the tool stands, and say --zero-is-right (--yes does not say that)"
+TOUCHED = (
+    "touch off the work zero anew, look where the tool stands, and say --zero-is-right (--yes"
+    " does not say that)"
+)
 
 
 def moved(past: dict[str, dict[str, float]], now: dict[str, dict[str, float]]) -> str:
@@ -33,7 +38,10 @@ def moved(past: dict[str, dict[str, float]], now: dict[str, dict[str, float]]) -
         for axis in sorted({*mine, *theirs}):
             a, b = mine.get(axis, 0.0), theirs.get(axis, 0.0)
             if abs(a - b) > SAME_MM:
-                return f"{name} had {axis} = {a:g} mm when the job began, and has {axis} = {b:g} mm now"
+                return (
+                    f"{name} had {axis} = {a:g} mm when the job began, and has {axis} = {b:g}"
+                    " mm now"
+                )
     return ""
 
 
@@ -50,8 +58,9 @@ def stopped(past: Past) -> str:
 
 
 def forgot(past: Past, controller: Controller) -> bool:
-    """Whether a controller has lost the feed that the job gave it, as it does when it restarts (gcode.c, gc_init). Where the job ended in
-    a hold, the reset that leads out of it does that too, and nothing follows."""
+    """Whether a controller has lost the feed that the job gave it, as it does when it restarts
+    (gcode.c, gc_init). Where the job ended in a hold, the reset that leads out of it does that too,
+    and nothing follows."""
     if past.outcome not in ("", DISCONNECTED) or past.state in ("hold", "door"):
         return False
     fed = any(
@@ -61,8 +70,9 @@ def forgot(past: Past, controller: Controller) -> bool:
 
 
 def found(past: Past, place: tuple[float, ...], near: float) -> tuple[int | None, float]:
-    """On which line of past.recent it stands: the first that comes so near (mm), None where none does; and the least distance, mm,
-    nan where one is not known. place: nan for an axis that is not reported."""
+    """On which line of past.recent it stands: the first that comes so near (mm), None where none
+    does; and the least distance, mm, nan where one is not known. place: nan for an axis that is not
+    reported."""
     way = journal.way(past)
     here = np.array(place)
     if way is None or np.isnan(here).all():
@@ -96,12 +106,15 @@ def beside(past: Past, place: tuple[float, ...], near: float, letters: tuple[str
     said = " ".join(
         f"{x}{v:.3f}" for x, v in zip(letters, place, strict=False) if not math.isnan(v)
     )
-    return f"the controller stands at {said} (machine coordinates), {off:.3f} mm from where the journal left it"
+    return (
+        f"the controller stands at {said} (machine coordinates), {off:.3f} mm from where the"
+        " journal left it"
+    )
 
 
 def certain(past: Past, live: Live, letters: tuple[str, ...], controller: Controller) -> int:
-    """The source line with which to begin again, of a controller of which there is no doubt(): by where it stands, if that is on the
-    way, else by what the journal says was over."""
+    """The source line with which to begin again, of a controller of which there is no doubt(): by
+    where it stands, if that is on the way, else by what the journal says was over."""
     place = tuple(live.place.get(x, math.nan) for x in letters)
     index, _ = found(past, place, within(controller))
     return past.certain if index is None else journal.begins(past, max(index, past.first))
@@ -120,9 +133,9 @@ def doubt(
     restarted: bool,
     done: str,
 ) -> str:
-    """Why the zero may not be where the job had it, in words; "": it is. past: the job's journal; letters: the machine's axes in
-    its order; restarted: it has greeted as one that has just started; done: HOMED, UNLOCKED or "",
-    in this session."""
+    """Why the zero may not be where the job had it, in words; "": it is. past: the job's journal;
+    letters: the machine's axes in its order; restarted: it has greeted as one that has just
+    started; done: HOMED, UNLOCKED or "", in this session."""
     if past is not None and (words := moved(past.head.get("offsets", {}), live.work)):
         return words
     if done == HOMED:
@@ -134,15 +147,19 @@ def doubt(
         )
     if restarted:
         return (
-            "the controller has just restarted and was not homed since: it has forgotten where the machine stands (where opening the "
-            "port does that, --no-reset-on-open prevents it the next time)"
+            "the controller has just restarted and was not homed since: it has forgotten where the"
+            " machine stands (where opening the port does that, --no-reset-on-open prevents it the"
+            " next time)"
         )
     if done == UNLOCKED:
         return "the controller was locked, and unlocking does not tell it where the machine stands"
     if past is None:
         return "there is no journal of this program here that says where the machine stopped"
     if forgot(past, controller):
-        return "the controller has forgotten the feed that the job gave it: it has restarted since, and was not homed"
+        return (
+            "the controller has forgotten the feed that the job gave it: it has restarted since,"
+            " and was not homed"
+        )
     place = tuple(live.place.get(x, math.nan) for x in letters)
     return stopped(past) or beside(past, place, within(controller), letters)
 
@@ -150,8 +167,8 @@ def doubt(
 def refuse(words: str, controller: Controller) -> None:
     """Raises UsageError for a doubt."""
     if words:
-        home = "home it (--home), " if controller.homing is not False else ""
+        homes = controller.homing is not False
         raise UsageError(
             f"nothing was sent: the zero may be lost. {words[0].upper()}{words[1:]}",
-            f"{home}{TOUCHED}",
+            f"home it (--home), or {TOUCHED}" if homes else TOUCHED,
         )

@@ -1,7 +1,9 @@
-"""What the readings can not tell: directions in which the unknowns may move and no reading changes by more than its noise.
+"""What the readings can not tell: directions in which the unknowns may move and no reading changes
+by more than its noise.
 
-In units of the prior the covariance has eigenvalues from 0 (told) to 1 (not told at all). What belongs to those near 1 is a
-subspace; errors that it ties together can not be parted, whatever their sum is.
+In units of the prior the covariance has eigenvalues from 0 (told) to 1 (not told at all). What
+belongs to those near 1 is a subspace; errors that it ties together can not be parted, whatever
+their sum is.
 """
 
 from __future__ import annotations
@@ -10,15 +12,17 @@ import numpy as np
 
 from postproc.volumetric.solve import Fit
 
-UNTOLD = 0.1  # of the prior's variance: what is known to a third of what a machine may have is not measured
+# of the prior's variance: what is known to a third of what a machine may have is not measured
+UNTOLD = 0.1
 TIED = 0.05  # of a direction
 
 
 def untold(fit: Fit) -> list[list[str]]:
-    """Names of errors that can not be parted, in sets; a set of one can not be told at all, at some of its nodes at least."""
+    """Names of errors that can not be parted, in sets; a set of one can not be told at all, at some
+    of its nodes at least."""
     prior = fit.unknowns.prior
     scaled = fit.covariance / np.outer(prior, prior)
-    values, vectors = np.linalg.eigh(scaled / (fit.chi if fit.widened else 1.0))
+    values, vectors = np.linalg.eigh(scaled / fit.factor)
     open_ = vectors[:, values > UNTOLD]
     if not open_.shape[1]:
         return []
@@ -49,6 +53,7 @@ def sentences(sets: list[list[str]]) -> list[str]:
             told.append(f"these readings can not part {names[0]} from {names[1]}")
         else:
             told.append(
-                f"these readings can not part {', '.join(names[:-1])} and {names[-1]} from each other"
+                f"these readings can not part {', '.join(names[:-1])} and {names[-1]} from each"
+                " other"
             )
     return told

@@ -1,7 +1,9 @@
-"""What was read, as rows of a residual: points of a tracker, lengths from stations, displacements along lines, angles, spheres.
+"""What was read, as rows of a residual: points of a tracker, lengths from stations, displacements
+along lines, angles, spheres.
 
-Each kind has nuisances of its own, which belong to the set-up: six of a free frame (a tracker stands where it stands), three and a dead
-path of a station, a zero of every line, a zero and a slope of every straightness, the place of a sphere on its table.
+Each kind has nuisances of its own, which belong to the set-up: six of a free frame (a tracker
+stands where it stands), three and a dead path of a station, a zero of every line, a zero and a
+slope of every straightness, the place of a sphere on its table.
 """
 
 from __future__ import annotations
@@ -15,15 +17,14 @@ from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.machine.poses import tips
 from postproc.machine.rotary import rotation
-from postproc.recordings import Recording
+from postproc.recordings import Recording, RecordingError
 from postproc.units import UM, URAD
-from postproc.volumetric import VolumetricError
+from postproc.volumetric import VolumetricError, stairs
 from postproc.volumetric.unknowns import Unknowns
 
 SAME = 1e-3  # mm
-STATED = (
-    1.0  # mm, standard deviation of a station's stated place: a ball on a table is set with a rule
-)
+# mm, standard deviation of a station's stated place: a ball on a table is set with a rule
+STATED = 1.0
 FITS = 0.1  # mm: lengths from a station fit its place so well where it is the right one
 PLACES = ("mx_mm", "my_mm", "mz_mm")
 SHIFTS = ("dx_um", "dy_um", "dz_um")
@@ -31,9 +32,11 @@ SHIFTS = ("dx_um", "dy_um", "dz_um")
 
 @dataclass(frozen=True)
 class Rows:
-    """N readings of one set-up. kind: cloud, shift, length, line, straightness, angle, sphere; q, approach (A, N); value: mm, of clouds and
-    shifts (3, N), else (N,); u: mm or rad, nan: not stated; tool (3,) mm; along (3,): direction of lines; letter, row: of angles;
-    start: nuisances to begin with; loose: 1/mm, by how much each is held there, nothing: not at all; name: of the file."""
+    """N readings of one set-up. kind: cloud, shift, length, line, stair, straightness, angle,
+    sphere; q, approach (A, N); value: mm, of clouds and shifts (3, N), else (N,); u: mm or rad,
+    nan: not stated; tool (3,) mm; along (3,): direction of lines; letter, row: of angles; aside (3,
+    N) mm: of stairs, from their line; start: nuisances to begin with; loose: 1/mm, by how much each
+    is held there, nothing: not at all; name: of the file."""
 
     kind: str
     q: np.ndarray
@@ -46,6 +49,7 @@ class Rows:
     along: np.ndarray
     letter: str = ""
     row: int = 0
+    aside: np.ndarray = field(default_factory=lambda: np.zeros((3, 0)))
     loose: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def __len__(self) -> int:
@@ -54,8 +58,8 @@ class Rows:
     def residual(
         self, off: np.ndarray, own: np.ndarray, nominal: np.ndarray, angle: np.ndarray
     ) -> np.ndarray:
-        """(R,) mm or rad: model less reading. off (3, N) mm at the tip; own: nuisances; nominal (3, N) mm: of the tip; angle
-        (N,) rad."""
+        """(R,) mm or rad: model less reading. off (3, N) mm at the tip; own: nuisances; nominal (3,
+        N) mm: of the tip; angle (N,) rad."""
         if self.kind == "cloud":
             return (nominal + off - _turn(own[:3]) @ self.value - own[3:, None]).ravel()
         if self.kind == "shift":
@@ -66,8 +70,7 @@ class Rows:
             return np.linalg.norm(nominal + off - own[:3, None], axis=0) + own[3] - self.value
         if self.kind == "angle":
             return angle + own[0] - self.value
-        said = self.along @ off + own[0] - self.value
-        return said + own[1] * self._way if self.kind == "straightness" else said
+        return self.along @ off + own[0] - self.value + own[1:] @ self._more
 
     def slopes(
         self,
@@ -77,7 +80,8 @@ class Rows:
         nominal: np.ndarray,
         angles: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(R, P) by the unknowns, whose columns (P, 3, N) act at the tip, and (R, M) by the nuisances."""
+        """(R, P) by the unknowns, whose columns (P, 3, N) act at the tip, and (R, M) by the
+        nuisances."""
         n = self.q.shape[1]
         if self.kind in ("cloud", "shift", "sphere"):
             by = columns.reshape(len(columns), -1).T
@@ -100,8 +104,19 @@ class Rows:
         if self.kind == "angle":
             return angles.T, np.ones((n, 1))
         by = np.einsum("pin,i->np", columns, self.along)
-        more = [np.ones(n)] + ([self._way] if self.kind == "straightness" else [])
-        return by, np.array(more).T
+        return by, np.vstack([np.ones(n), self._more]).T
+
+    @property
+    def _more(self) -> np.ndarray:
+        """(M, N): what the set-up adds by its own numbers, beyond its zero: a slope of a
+        straightness, mm per turn of (-1 to 1); of a stair the motions aside, mm, which a mirror's
+        lean is times."""
+        if self.kind == "straightness":
+            return self._way[None]
+        if self.kind == "stair":
+            found: np.ndarray = stairs.across(self.aside) @ self.aside
+            return found
+        return np.zeros((0, self.q.shape[1]))
 
     @property
     def _way(self) -> np.ndarray:
@@ -123,7 +138,8 @@ def nominal_tip(machine: Machine, q: np.ndarray, tool: np.ndarray) -> np.ndarray
 
 
 def to_machine(machine: Machine, q: np.ndarray) -> np.ndarray:
-    """(3, 3, N): directions of the part to those of the machine, where rotary axes carry the part."""
+    """(3, 3, N): directions of the part to those of the machine, where rotary axes carry the
+    part."""
     turn = np.repeat(np.eye(3)[:, :, None], q.shape[1], axis=2)
     for x in machine.chain.rotary:
         if machine.chain.side(x) == "workpiece":
@@ -134,9 +150,10 @@ def to_machine(machine: Machine, q: np.ndarray) -> np.ndarray:
 
 
 def rows_of(recording: Recording, machine: Machine, others: dict[str, float]) -> list[Rows]:
-    """The rows of a recording, one for each set-up in it. others: mm, of axes that it does not record. Raises VolumetricError."""
+    """The rows of a recording, one for each set-up in it. others: mm, of axes that it does not
+    record. Raises VolumetricError."""
     q, approach = _places(recording, machine, others)
-    tool = machine.tool + np.array([float(recording.head.get("tool", {}).get(x, 0.0)) for x in XYZ])
+    tool = machine.tool + _beside(recording)
     u = float("nan") if recording.u is None else float(recording.u)
     base = Rows("", q, approach, np.zeros(0), u, tool, np.zeros(0), recording.file, np.zeros(3))
     if recording.kind == "points":
@@ -148,8 +165,24 @@ def rows_of(recording: Recording, machine: Machine, others: dict[str, float]) ->
     if recording.kind == "targets":
         return _lines(recording, machine, base)
     raise VolumetricError(
-        f"a recording of {recording.kind} tells nothing of the volume here", "kinds: points, lengths, sphere, targets", Place(recording.file, 1)
-    )  # fmt: skip
+        f"a recording of {recording.kind} tells nothing of the volume here",
+        "kinds: points, lengths, sphere, targets",
+        Place(recording.file, 1),
+    )
+
+
+def _beside(recording: Recording) -> np.ndarray:
+    """(3,) mm: from the tool's point of the machine to what was read, the head's `tool`."""
+    said = recording.head.get("tool", {})
+    if not isinstance(said, dict) or not all(
+        k in XYZ and isinstance(v, int | float) and np.isfinite(v) for k, v in said.items()
+    ):
+        raise RecordingError(
+            f"tool = {said!r}: a place is wanted, mm from the machine's tool point",
+            "like tool = { X = 0.0, Z = -100.0 }",
+            Place(recording.file, 1),
+        )
+    return np.array([float(said.get(x, 0.0)) for x in XYZ])
 
 
 def _places(
@@ -170,15 +203,28 @@ def _places(
             )
     for x in recording.axes:
         if x not in machine.chain.axes:
-            raise VolumetricError(f"{x} is recorded, and the chain has no {x}", "--like the machine that was measured", Place(recording.file, 1))  # fmt: skip
+            raise VolumetricError(
+                f"{x} is recorded, and the chain has no {x}",
+                "--like the machine that was measured",
+                Place(recording.file, 1),
+            )
     return q, approach
 
 
 def _parts(recording: Recording, name: str) -> list[np.ndarray]:
-    """Rows that belong together by a column, all where there is none."""
+    """Rows that belong together by a column, all where there is none. Raises VolumetricError where
+    a row does not say which it belongs to."""
     column = recording.columns.get(name)
     if column is None:
         return [np.arange(len(recording))]
+    empty = np.flatnonzero(np.isnan(column))
+    if len(empty):
+        raise VolumetricError(
+            f"the column {name} is empty in {len(empty)} of {len(column)} rows",
+            f"a number in every row says which {name} it belongs to; without the column all rows"
+            " are of one",
+            Place(recording.file, int(recording.lines[empty[0]])),
+        )
     return [np.flatnonzero(column == v) for v in np.unique(column)]
 
 
@@ -196,7 +242,11 @@ def _clouds(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
             continue
         value = np.array([recording.columns[c][which] for c in PLACES])
         if value.shape[1] < 4:
-            raise VolumetricError("a cloud of fewer than four points has no frame of its own", "more points in each setup", Place(recording.file, 1))  # fmt: skip
+            raise VolumetricError(
+                "a cloud of fewer than four points has no frame of its own",
+                "more points in each setup",
+                Place(recording.file, 1),
+            )
         nominal = nominal_tip(machine, base.q[:, which], base.tool)
         found.append(
             _picked(base, which, kind="cloud", value=value, start=_aligned(value, nominal))
@@ -209,24 +259,49 @@ def _lengths(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     for which in _parts(recording, "station"):
         value = recording.columns["length_mm"][which]
         if len(which) < 5:
-            raise VolumetricError("a station needs five lengths at least: its own place and its dead path are four numbers", "", Place(recording.file, 1))  # fmt: skip
+            raise VolumetricError(
+                "a station needs five lengths at least: its own place and its dead path are four"
+                " numbers",
+                "",
+                Place(recording.file, 1),
+            )
         nominal = nominal_tip(machine, base.q[:, which], base.tool)
-        said = f"station_{XYZ[0]}_mm" in recording.columns
-        loose = np.array([1 / STATED] * 3 + [0.0]) if said else np.zeros(4)
-        start = _station(recording, which, value, nominal)
+        said = _said(recording, which)
+        loose = np.zeros(4) if said is None else np.array([1 / STATED] * 3 + [0.0])
+        start = _station(said, value, nominal)
         found.append(_picked(base, which, kind="length", value=value, start=start, loose=loose))
     return found
 
 
-def _station(
-    recording: Recording, which: np.ndarray, value: np.ndarray, nominal: np.ndarray
-) -> np.ndarray:
-    """(4,) mm: place and dead path of a station: as said, else of the circle through the lengths (squares are linear in it)."""
+def _said(recording: Recording, which: np.ndarray) -> np.ndarray | None:
+    """(3,) mm: the place of a station as its columns say, None where there are none."""
     columns = [f"station_{x}_mm" for x in XYZ]
-    if all(c in recording.columns for c in columns):
-        place = np.array([recording.columns[c][which[0]] for c in columns])
+    missing = [c for c in columns if c not in recording.columns]
+    if len(missing) == 3:
+        return None
+    place = Place(recording.file, int(recording.lines[which[0]]))
+    if missing:
+        raise VolumetricError(
+            f"the station's place is said in part: no column {' and no column '.join(missing)}",
+            "all three, or none: it is then found by the lengths",
+            place,
+        )
+    said = np.array([recording.columns[c][which] for c in columns])
+    if not (np.isfinite(said).all() and (np.ptp(said, axis=1) <= SAME).all()):
+        raise VolumetricError(
+            "the lengths of one station do not name one place of it",
+            "a column station with a number for each station, and its place in each of its rows",
+            place,
+        )
+    return np.asarray(said[:, 0])
+
+
+def _station(said: np.ndarray | None, value: np.ndarray, nominal: np.ndarray) -> np.ndarray:
+    """(4,) mm: place and dead path of a station: as said, else of the circle through the lengths
+    (squares are linear in it)."""
+    if said is not None:
         return np.append(
-            place, float((value - np.linalg.norm(nominal - place[:, None], axis=0)).mean())
+            said, float((value - np.linalg.norm(nominal - said[:, None], axis=0)).mean())
         )
     from scipy.optimize import least_squares
 
@@ -240,9 +315,8 @@ def _station(
         )
         if best is None or done.cost < best.cost:
             best = done
-        if best.cost < FITS**2 * len(
-            value
-        ):  # what is left are errors of a machine, not another place
+        # what is left are errors of a machine, not another place
+        if best.cost < FITS**2 * len(value):
             break
     assert best is not None
     return np.asarray(best.x)
@@ -273,34 +347,74 @@ def _lines(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
         row = 3 + (ROTARY.index(rotation) if rotation in ROTARY else XYZ.index(rotation))
         sign = float(np.sign(recording.sensitive[rotation]))
         return [
-            replace(
+            _picked(
                 base,
+                which,
                 kind="angle",
-                value=sign * reading,
+                value=sign * reading[which],
                 start=np.zeros(1),
                 letter=moved[0],
                 row=row,
             )
+            for which in _parts(recording, "setup")
         ]
     across = recording.quantity == "straightness" or (
         len(moved) == 1 and abs(along[XYZ.index(moved[0])]) < 0.045
     )
-    kind = "straightness" if across else "line"
     return [
-        _picked(
-            base,
-            which,
-            kind=kind,
-            value=reading[which],
-            start=np.zeros(2 if across else 1),
-            along=along,
-        )
+        (None if across else _stair(recording, machine, base, along, which))
+        or _line(recording, base, along, which, across)
         for which in _parts(recording, "setup")
     ]
 
 
+def _line(
+    recording: Recording, base: Rows, along: np.ndarray, which: np.ndarray, across: bool
+) -> Rows:
+    """A set-up of displacements along a line, or of readings across it."""
+    places = np.unique(np.round(base.q[:, which], 3), axis=1).shape[1]
+    if across and places < 3:
+        raise VolumetricError(
+            f"a straightness of {places} places in one set-up: its zero and its slope are of"
+            " the set-up, and nothing is left",
+            "three places at least in each setup",
+            Place(recording.file, int(recording.lines[which[0]])),
+        )
+    return _picked(
+        base,
+        which,
+        kind="straightness" if across else "line",
+        value=recording.reading[which],
+        start=np.zeros(2 if across else 1),
+        along=along,
+    )
+
+
+def _stair(
+    recording: Recording, machine: Machine, base: Rows, along: np.ndarray, which: np.ndarray
+) -> Rows | None:
+    """A set-up of a step diagonal; None where its readings are of no stair."""
+    if not stairs.may_be(along):
+        return None
+    aside = stairs.aside(nominal_tip(machine, base.q[:, which], base.tool), along)
+    if not stairs.is_one(aside):
+        return None
+    leans = len(stairs.across(aside))
+    return _picked(
+        base,
+        which,
+        kind="stair",
+        value=recording.reading[which],
+        along=along,
+        aside=aside,
+        start=np.zeros(1 + leans),
+        loose=stairs.held(recording, leans),
+    )
+
+
 def _aligned(value: np.ndarray, nominal: np.ndarray) -> np.ndarray:
-    """(6,) rad and mm: the turn and shift that bring a cloud (3, N) nearest to its nominal places (Kabsch)."""
+    """(6,) rad and mm: the turn and shift that bring a cloud (3, N) nearest to its nominal places
+    (Kabsch)."""
     a, b = value.mean(axis=1), nominal.mean(axis=1)
     u, _, v = np.linalg.svd((nominal - b[:, None]) @ (value - a[:, None]).T)
     turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v

@@ -1,27 +1,39 @@
-"""Least squares over all readings at once: the unknown errors, what belongs to the set-ups, and the covariance of both."""
+"""Least squares over all readings at once: the unknown errors, what belongs to the set-ups, and the
+covariance of both."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.optimize import least_squares
 
+from postproc.iso.chance import student
 from postproc.machine.chain import XYZ
-from postproc.units import UM
-from postproc.volumetric import VolumetricError
+from postproc.volumetric import VolumetricError, stairs
 from postproc.volumetric.observations import Rows, angle_columns, nominal_tip, to_machine, unit_of
 from postproc.volumetric.unknowns import Group, Unknowns
 
 FIRST = 1.0  # um or urad: of readings that state none, until their own scatter is known
-ROUNDS = 4
+ROUNDS = 20  # of finding u of readings that state none
+SETTLED = 0.01  # of a variance: from one round to the next
+# Degrees of freedom below which a scatter tells no u: at 5 its own 95 % reach from 0.6 to 2.5 of it
+FEWEST = 5
+NOTHING = 1e-4  # um or urad, below any instrument's digit: readings that leave less repeat
+# of what one of its own unknowns does to a set-up's readings, mm by mm or rad: less is rounding
+FLAT = 1e-6
+STATE_IT = "state it: --head u_um=0.5 (standard uncertainty of one reading, um; of angles, urad)"
 
 
 @dataclass(frozen=True)
 class Fit:
-    """numbers (P,), covariance (P, P): of the unknowns; rows with their u; left: residuals of each, mm or rad; chi: square of the
-    residuals in units of u per degree of freedom; free: that number."""
+    """numbers (P,), covariance (P, P): of the unknowns; rows with their u; left: residuals of each,
+    mm or rad; chi: square of the residuals in units of u per degree of freedom, of the readings
+    that state their u where some do; free: that number; widened: whether the covariance is
+    multiplied by chi; factor: by which it is multiplied in all, Student's t of few degrees of
+    freedom with it."""
 
     unknowns: Unknowns
     numbers: np.ndarray
@@ -31,6 +43,7 @@ class Fit:
     chi: float
     free: int
     widened: bool = False
+    factor: float = 1.0
 
     def values(self, group: Group) -> tuple[np.ndarray, np.ndarray]:
         """(K,) at its nodes (or the one number), and (K,) their standard uncertainty; mm or rad."""
@@ -46,7 +59,8 @@ class Fit:
     def at(
         self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(3, N) mm deviation of the tip by what was found, and (3, N) its standard uncertainty, covariances and all."""
+        """(3, N) mm deviation of the tip by what was found, and (3, N) its standard uncertainty,
+        covariances and all."""
         columns = self.unknowns.columns(q, approach, tool)
         off = np.einsum("p,pin->in", self.numbers, columns)
         return off, np.sqrt(
@@ -55,7 +69,11 @@ class Fit:
 
 
 def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
-    """Raises VolumetricError where there are fewer readings than unknowns of the set-ups alone."""
+    """Readings that state no u share one for each kind, out of what all set-ups of that kind leave.
+
+    Raises VolumetricError where there are fewer readings than unknowns of the set-ups alone, where
+    a set-up does not tell its own unknowns, and where so little is left over that no u follows.
+    """
     own = sum(len(r.start) for r in rows)
     number = sum(map(len, rows))
     if number <= own:
@@ -67,32 +85,91 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     rows = [r if s else replace(r, u=FIRST * unit_of(r)) for r, s in zip(rows, said, strict=True)]
     fixed = [_Fixed.of(r, unknowns) for r in rows]
     start = np.concatenate([np.zeros(unknowns.number), *(r.start for r in rows)])
-    for _ in range(1 if all(said) else ROUNDS):
+    kinds = sorted({r.kind for r, s in zip(rows, said, strict=True) if not s})
+    for _ in range(ROUNDS):
         x, jacobian, residual = _solved(rows, fixed, unknowns, start)
-        parts = np.split(residual[:number], np.cumsum([len(r) for r in rows])[:-1])
-        again = []
-        for r, s, part in zip(rows, said, parts, strict=True):
-            taken = _leverage(jacobian, rows, r)
-            u = r.u if s else r.u * float(np.sqrt((part @ part) / max(len(r) - taken, 1.0)))
-            again.append(replace(r, u=max(u, 1e-6 * UM)))
-        if all(said):
+        inverse = _inverse(jacobian, rows, unknowns.number)
+        found = {k: _left_over(jacobian, inverse, residual, rows, said, k) for k in kinds}
+        if all(abs(chi - 1) < SETTLED for chi, _ in found.values()):
             break
-        rows, start = again, x
-    free = max(number - own - round(_leverage_all(jacobian, unknowns, number)), 1)
-    data = residual[:number]
-    chi = float(data @ data) / free
-    covariance = np.linalg.inv(jacobian.T @ jacobian)[: unknowns.number, : unknowns.number]
+        rows = [
+            r if s else replace(r, u=max(r.u * np.sqrt(found[r.kind][0]), NOTHING * unit_of(r) / 2))
+            for r, s in zip(rows, said, strict=True)
+        ]
+        start = x
+    _enough(rows, said, found)
+    left = np.split(residual[:number], np.cumsum([len(r) for r in rows])[:-1])
+    factor = max([1.0, *(_few(free) for _, free in found.values())])
+    chi, free = _left_over(jacobian, inverse, residual, rows, said, "")
     # Readings that scatter more than they say: what was found is known as much worse.
-    widened = all(said) and chi > 1 + 3 * np.sqrt(2 / free)
+    widened = any(said) and chi > 1 + 3 * np.sqrt(2 / free)
     if widened:
-        covariance = covariance * chi
-    left = tuple(part * r.u for part, r in zip(parts, rows, strict=True))
-    return Fit(unknowns, x[: unknowns.number], covariance, tuple(rows), left, chi, free, widened)
+        factor *= chi * _few(free)
+    if not any(said):
+        chi, free = 1.0, sum(free for _, free in found.values())
+    return Fit(
+        unknowns,
+        x[: unknowns.number],
+        inverse[: unknowns.number, : unknowns.number] * factor,
+        tuple(rows),
+        tuple(part * r.u for part, r in zip(left, rows, strict=True)),
+        float(chi),
+        max(round(free), 1),
+        bool(widened),
+        float(factor),
+    )
+
+
+def _few(free: float) -> float:
+    """By what a variance out of so many degrees of freedom is multiplied, so that 2 u hold as many
+    as 2 u of a known one do: Student's t."""
+    return float(max(student(max(round(free), 1)) / 2, 1.0) ** 2)
+
+
+def _left_over(
+    jacobian: np.ndarray,
+    inverse: np.ndarray,
+    residual: np.ndarray,
+    rows: Sequence[Rows],
+    said: Sequence[bool],
+    kind: str,
+) -> tuple[float, float]:
+    """Chi squared per degree of freedom, and the degrees of freedom, of the readings of a kind that
+    state no u; kind "": of all that state one. What the readings themselves decide is no freedom of
+    theirs."""
+    mine = [not s and r.kind == kind if kind else s for r, s in zip(rows, said, strict=True)]
+    which = np.repeat(mine, [len(r) for r in rows])
+    part, scatter = jacobian[: len(which)][which], residual[: len(which)][which]
+    free = len(part) - float(np.einsum("ni,ij,nj->", part, inverse, part, optimize=True))
+    return float(scatter @ scatter) / max(free, 1e-6), max(free, 1.0 if not kind else 0.0)
+
+
+def _enough(
+    rows: Sequence[Rows], said: Sequence[bool], found: dict[str, tuple[float, float]]
+) -> None:
+    """Raises VolumetricError where the scatter of a kind tells no u."""
+    for r, s in zip(rows, said, strict=True):
+        if s:
+            continue
+        free = found[r.kind][1]
+        if free < FEWEST:
+            raise VolumetricError(
+                f"{r.name} states no uncertainty, and the readings of its kind ({r.kind}) leave"
+                f" {free:.1f} degrees of freedom to tell it by their scatter: {FEWEST} are needed",
+                f"{STATE_IT}; or read every place again, or fewer --nodes",
+            )
+        if r.u < NOTHING * unit_of(r):
+            raise VolumetricError(
+                f"{r.name} states no uncertainty, and its readings repeat to their last digit: they"
+                " tell none",
+                STATE_IT,
+            )
 
 
 @dataclass(frozen=True)
 class _Fixed:
-    """What of a set-up does not change while the unknowns do: columns (P, 3, N), angles (P, N), nominal and known (3, N) mm."""
+    """What of a set-up does not change while the unknowns do: columns (P, 3, N), angles (P, N),
+    nominal and known (3, N) mm."""
 
     columns: np.ndarray
     angles: np.ndarray
@@ -102,8 +179,10 @@ class _Fixed:
     @classmethod
     def of(cls, r: Rows, unknowns: Unknowns) -> _Fixed:
         columns, known = (
-            unknowns.columns(r.q, r.approach, r.tool),
-            unknowns.already(r.q, r.approach, r.tool),
+            stairs.on_the_beam(partial(of, r.q, r.approach), r.tool, r.aside)
+            if r.kind == "stair"
+            else of(r.q, r.approach, r.tool)
+            for of in (unknowns.columns, unknowns.already)
         )
         if r.kind == "shift" and unknowns.bare.chain.rotary:
             turn = to_machine(unknowns.bare, r.q)
@@ -119,7 +198,8 @@ class _Fixed:
 def _solved(
     rows, fixed: list[_Fixed], unknowns: Unknowns, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Numbers and nuisances, and Jacobian and residuals there, in units of u; the prior stands below."""
+    """Numbers and nuisances, and Jacobian and residuals there, in units of u; the prior stands
+    below."""
     p = unknowns.number
     edges = p + np.cumsum([0, *(len(r.start) for r in rows)])
     stated = np.concatenate([r.start for r in rows])
@@ -152,27 +232,40 @@ def _solved(
     return done.x, np.asarray(done.jac), done.fun
 
 
-def _leverage(jacobian: np.ndarray, rows: Sequence[Rows], which: Rows) -> float:
-    """How many unknowns the readings of one set-up decide."""
-    at = 0
+def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.ndarray:
+    """The covariance of everything, k = 1. Raises VolumetricError for a set-up whose own unknowns
+    its readings do not tell: each set-up has its own, and the prior holds all others."""
+    at, first, last = unknowns, 0, len(jacobian) - jacobian.shape[1]
     for r in rows:
-        if r is which:
-            break
-        at += len(r)
-    part = jacobian[at : at + len(which)]
-    return float(np.trace(np.linalg.solve(jacobian.T @ jacobian, part.T @ part)))
+        own = slice(at, at + len(r.start))
+        read, held = jacobian[first : first + len(r), own] * r.u, jacobian[last:, own]
+        block = np.vstack([read, held])
+        size = np.linalg.norm(block, axis=0)
+        least = np.linalg.svd(block / np.maximum(size, FLAT), compute_uv=False)[-1]
+        if (size < FLAT).any() or least < FLAT**2:
+            raise _untold(r)
+        at, first = own.stop, first + len(r)
+    size = np.linalg.norm(jacobian, axis=0)
+    scaled = jacobian / size
+    found: np.ndarray = np.linalg.inv(scaled.T @ scaled) / np.outer(size, size)
+    return found
 
 
-def _leverage_all(jacobian: np.ndarray, unknowns: Unknowns, number: int) -> float:
-    """How many of the unknowns the readings decide, and not the prior."""
-    prior = jacobian[number : number + unknowns.number]
-    return unknowns.number - float(
-        np.trace(np.linalg.solve(jacobian.T @ jacobian, prior.T @ prior))
+def _untold(r: Rows) -> VolumetricError:
+    ways = {
+        "length": "columns station_X_mm station_Y_mm station_Z_mm with the station's place, or"
+        " lengths at other places too: off the plane through the station",
+        "cloud": "points that lie on no line",
+    }
+    return VolumetricError(
+        f"{r.name}: a set-up of {len(r)} readings ({r.kind}) does not tell where it stands",
+        ways.get(r.kind, "readings at other places too"),
     )
 
 
 def corners(fitted: Fit, tool: np.ndarray) -> float:
-    """mm: the largest standard uncertainty of the deviation at the corners and the middle of the travels."""
+    """mm: the largest standard uncertainty of the deviation at the corners and the middle of the
+    travels."""
     m = fitted.unknowns.bare
     slides = [x for x in XYZ if x in m.letters]
     ends = np.array(

@@ -1,8 +1,9 @@
 """The unknown errors of a machine, and what each of them does at a place.
 
-A component is a function of its axis, linear between nodes. What belongs to no machine is taken out of it: each is zero at the node
-next to zero, and a straightness has no slope, since a slope is squareness or the set-up. What is left has its prior: errors of a machine that
-runs are far below it, so it decides nothing that readings tell, and holds what they do not.
+A component is a function of its axis, linear between nodes. What belongs to no machine is taken out
+of it: each is zero at the node next to zero, and a straightness has no slope, since a slope is
+squareness or the set-up. What is left has its prior: errors of a machine that runs are far below
+it, so it decides nothing that readings tell, and holds what they do not.
 """
 
 from __future__ import annotations
@@ -26,8 +27,9 @@ ONE = 1.0
 
 @dataclass(frozen=True)
 class Group:
-    """One error. name: EXX, C0Y, B:X (lost motion), X0C; letter: its axis; row: of the six, or of the three rotations; nodes (K,) mm,
-    none of a single number; basis (K, M): its free numbers to values at the nodes; prior: mm or rad of one of them."""
+    """One error. name: EXX, C0Y, B:X (lost motion), X0C; letter: its axis; row: of the six, or of
+    the three rotations; nodes (K,) mm, none of a single number; basis (K, M): its free numbers to
+    values at the nodes; prior: mm or rad of one of them."""
 
     name: str
     letter: str
@@ -44,8 +46,8 @@ class Group:
 def components(
     machine: Machine, nodes: dict[str, np.ndarray], zero: frozenset[str], two_way: frozenset[str]
 ) -> list[Group]:
-    """The errors of the slides: six components of each axis on its nodes, squareness of each pair, lost motion where both directions
-    were read. zero: names that are taken as zero."""
+    """The errors of the slides: six components of each axis on its nodes, squareness of each pair,
+    lost motion where both directions were read. zero: names that are taken as zero."""
     slides = [x for x in XYZ if x in nodes]
     found = []
     for x in slides:
@@ -94,7 +96,8 @@ def locations(machine: Machine, zero: frozenset[str]) -> list[Group]:
 
 @dataclass(frozen=True)
 class Unknowns:
-    """All of them on one machine without errors (`bare`), to which what is known already may be added (`known`)."""
+    """All of them on one machine without errors (`bare`), to which what is known already may be
+    added (`known`)."""
 
     groups: tuple[Group, ...]
     bare: Machine
@@ -116,8 +119,9 @@ class Unknowns:
         return np.concatenate([np.full(g.size, g.prior) for g in self.groups])
 
     def columns(self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
-        """(P, 3, N) mm: what one of each number does at the tip, along X Y Z of the machine (of the part where a rotary axis
-        turns it), at slide positions q (A, N), with the tool's point `tool` (3,) mm."""
+        """(P, 3, N) mm: what one of each number does at the tip, along X Y Z of the machine (of the
+        part where a rotary axis turns it), at slide positions q (A, N), with the tool's point
+        `tool` (3,) mm."""
         result = np.zeros((self.number, 3, q.shape[1]))
         for group, where in zip(self.groups, self.slices, strict=True):
             one = _off(self._alone(group, tool), q)
@@ -134,7 +138,8 @@ class Unknowns:
         return result
 
     def of_axis(self, letter: str, row: int, q: np.ndarray) -> np.ndarray:
-        """(P, N): what each number does to one component of an axis itself, as angle optics read it."""
+        """(P, N): what each number does to one component of an axis itself, as angle optics read
+        it."""
         result = np.zeros((self.number, q.shape[1]))
         for group, where in zip(self.groups, self.slices, strict=True):
             if group.letter == letter and group.row == row and len(group.nodes):

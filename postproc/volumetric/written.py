@@ -1,8 +1,10 @@
-"""What a fit found: the text of a machine folder, and a report for a person. What the readings do not tell is not written."""
+"""What a fit found: the text of a machine folder, and a report for a person. What the readings do
+not tell is not written."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -39,13 +41,15 @@ def _told(group: Group) -> bool:
 def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
     """For a person: set-ups and what is left of them, the errors with u, what is not told."""
     out = [
-        f"{sum(map(len, fit.rows))} readings, {fit.unknowns.number} numbers of {len(fit.unknowns.groups)} errors"
+        f"{sum(map(len, fit.rows))} readings, {fit.unknowns.number} numbers of"
+        f" {len(fit.unknowns.groups)} errors"
     ]
     for r, left in zip(fit.rows, fit.left, strict=True):
         one = unit_of(r)
         name = "urad" if r.kind == "angle" else "um"
         out.append(
-            f"  {r.name}: {r.kind}, {len(r)} readings, u {r.u / one:.2g} {name}, left {float(np.sqrt((left**2).mean())) / one:.2g} {name} (rms)"
+            f"  {r.name}: {r.kind}, {len(r)} readings, u {r.u / one:.2g} {name}, left"
+            f" {float(np.sqrt((left**2).mean())) / one:.2g} {name} (rms)"
         )
     out.append("")
     hidden = open_names(fit)
@@ -57,7 +61,8 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
         value, u = fit.values(g)
         if len(g.nodes):
             out.append(
-                f"  {g.name:<5} {float(np.ptp(value)) / one:8.2f} {unit} from end to end, u {float(u.max()) / one:.2g} at most, {len(g.nodes)} nodes"
+                f"  {g.name:<5} {float(np.ptp(value)) / one:8.2f} {unit} from end to end, u"
+                f" {float(u.max()) / one:.2g} at most, {len(g.nodes)} nodes"
             )
         else:
             out.append(
@@ -67,15 +72,20 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
         out.append(f"  taken as zero: {', '.join(sorted(zero))}")
     out.append("")
     for names, text in zip(untold(fit), sentences(untold(fit)), strict=True):
-        way = f"; they are not written. Another place, tool length or line may tell them, --zero {names[-1]} takes it as zero"
+        way = (
+            "; they are not written. Another place, tool length or line may tell them, --zero"
+            f" {names[-1]} takes it as zero"
+        )
         out.append(text + way)
     if fit.widened:
         out.append(
-            f"what is left is {np.sqrt(fit.chi):.1f} times the stated u (chi2 {fit.chi:.1f} of {fit.free} degrees of freedom): every u is widened by it"
+            f"what is left is {np.sqrt(fit.chi):.1f} times the stated u (chi2 {fit.chi:.1f} of"
+            f" {fit.free} degrees of freedom): every u is widened by it"
         )
     if not fit.unknowns.bare.chain.rotary:
         out.append(
-            f"u of the deviation at corners and middles of the travels: {corners(fit, tool) / UM:.2f} um at most"
+            "u of the deviation at corners and middles of the travels:"
+            f" {corners(fit, tool) / UM:.2f} um at most"
         )
     return "\n".join(out)
 
@@ -103,7 +113,8 @@ def as_json(fit: Fit) -> dict[str, Any]:
 def folder(
     fit: Fit, like: Mapping[str, Any], head: Mapping[str, Any], tool: np.ndarray, files: list[str]
 ) -> dict[str, str]:
-    """File name to text of the machine that was found. like: machine.toml of the machine that was measured; head: name, title."""
+    """File name to text of the machine that was found. like: machine.toml of the machine that was
+    measured; head: name, title."""
     m = fit.unknowns.bare
     hidden = open_names(fit)
     known = [g for g in fit.unknowns.groups if g.name not in hidden]
@@ -118,7 +129,10 @@ def folder(
     comments = {
         "": "\n".join(
             [
-                "Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece.",
+                (
+                    "Written by gcomp volumetric. Deviation = actual - commanded, tool against"
+                    " workpiece."
+                ),
                 *_not_told(fit),
             ]
         )
@@ -162,7 +176,8 @@ def turned(
     tables: Mapping[str, str],
     files: list[str],
 ) -> dict[str, str]:
-    """File name to text of the machine with how its rotary axes lie; its slides keep their map. tables: the other files of its folder."""
+    """File name to text of the machine with how its rotary axes lie; its slides keep their map.
+    tables: the other files of its folder."""
     hidden = open_names(fit)
     data = {k: v for k, v in like.items() if k not in ("name", "title")} | dict(head)
     data["source"] = (
@@ -219,7 +234,10 @@ def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tu
             known |= {f"{name}_um_fwd": 2 * both / one, f"{name}_um_rev": 2 * both / one}
         else:
             values[f"{name}_{unit}"], known[f"{name}_{unit}"] = value / one, 2 * u / one
-    comment = "fitted to readings all over the volume; zero at the node next to zero, straightness without a slope"
+    comment = (
+        "fitted to readings all over the volume; zero at the node next to zero, straightness"
+        " without a slope"
+    )
     return (
         axis_table(letter, nodes, values, [comment]),
         axis_table(letter, nodes, known, ["U, 95 % (k = 2), of the values in the axis table"]),
@@ -228,8 +246,6 @@ def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tu
 
 def without_errors(machine: Machine) -> Machine:
     """The machine as its control believes it to be."""
-    from dataclasses import replace
-
     axes = {
         x: replace(a.bare, uncertainty=None, measured_at=np.zeros(3))
         for x, a in machine.axes.items()
@@ -241,5 +257,4 @@ def without_errors(machine: Machine) -> Machine:
         effects=(),
         control_tables=(),
         growth=(),
-        reversal=machine.reversal,
     )

@@ -35,7 +35,8 @@ def main() -> None:
 
 
 def write(case: Case, output: Path, truth: Path) -> None:
-    """A case under output/<name>; its answers into truth.json and details.json, follow-up files under truth/follow_up/<name>."""
+    """A case under output/<name>; its answers into truth.json and details.json, follow-up files
+    under truth/follow_up/<name>."""
     for folder, texts in (
         (output / case.name, case.files),
         (truth / "follow_up" / case.name, case.follow_up),

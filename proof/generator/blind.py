@@ -1,4 +1,5 @@
-"""Tests that can not show what is hidden, or not tell it from something else; and the follow-up that can."""
+"""Tests that can not show what is hidden, or not tell it from something else; and the follow-up
+that can."""
 
 from __future__ import annotations
 
@@ -18,8 +19,8 @@ SPOTS = ("lead_multiples", "one_direction", "one_arm", "one_sense")
 
 @dataclass
 class Spot:
-    """design: first the blind files, then `later` follow-up files; hidden: names to draw; suspects: what the blind spot is
-    about, whatever is hidden; test: what has to be asked for."""
+    """design: first the blind files, then `later` follow-up files; hidden: names to draw; suspects:
+    what the blind spot is about, whatever is hidden; test: what has to be asked for."""
 
     name: str
     design: Design
@@ -53,9 +54,14 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
             return position.cyclic(scene, axis, r, lead=lead)
 
         return Spot(
-            spot, replace(design, tracks=[first, second]), 1, {"cyclic": hidden}, axis, [f"cyclic:{axis}"],
+            spot,
+            replace(design, tracks=[first, second]),
+            1,
+            {"cyclic": hidden},
+            axis,
+            [f"cyclic:{axis}"],
             "targets that are no multiples of the lead, over two leads",
-        )  # fmt: skip
+        )
     if spot == "one_direction":
         first = designs.axis_line(rng, machine, axis, axis, 0.0, base.channels, both=False)
         second = designs.axis_line(
@@ -63,9 +69,14 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
         )
         names = {n: reversal.DRAW[n] for n in ("backlash", "backlash_position", "windup")}
         return Spot(
-            spot, replace(design, tracks=[first, second]), 1, names, axis, [f"{n}:{axis}" for n in names],
+            spot,
+            replace(design, tracks=[first, second]),
+            1,
+            names,
+            axis,
+            [f"{n}:{axis}" for n in names],
             "the same targets from both directions",
-        )  # fmt: skip
+        )
     if spot == "one_arm":
         first = designs.axis_line(
             rng, machine, axis, axis, 0.0, base.channels, both=True, two=False
@@ -75,9 +86,14 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
         )
         turn = unmeasured_turn(machine, axis, rng)
         return Spot(
-            spot, replace(design, tracks=[first, second]), 1, {"abbe": turn}, axis, [f"abbe:{axis}", f"pitch_shape:{axis}"],
+            spot,
+            replace(design, tracks=[first, second]),
+            1,
+            {"abbe": turn},
+            axis,
+            [f"abbe:{axis}", f"pitch_shape:{axis}"],
             "the same line at a second arm",
-        )  # fmt: skip
+        )
     plane = "XY" if machine.form == "mill" else "XZ"
     feed = float(rng.choice([1500.0, 2000.0]))
     seen = designs.ballbars(rng, machine, plane, [1, 1], [feed], 0.0, count=720)
@@ -89,9 +105,14 @@ def draw(rng: np.random.Generator, machine: Machine) -> Spot:
         "servo_mismatch": servo.servo_mismatch,
     }
     return Spot(
-        spot, replace(design, tracks=[*seen, *more]), 2, pair, "X", [f"squareness:{plane}", f"servo_mismatch:{plane}"],
+        spot,
+        replace(design, tracks=[*seen, *more]),
+        2,
+        pair,
+        "X",
+        [f"squareness:{plane}", f"servo_mismatch:{plane}"],
         "the circle in both senses and at two feeds",
-    )  # fmt: skip
+    )
 
 
 def _pitched(rng, machine: Machine, axis: str, track: Track, pitch: float, count: int) -> Track:
@@ -100,10 +121,22 @@ def _pitched(rng, machine: Machine, axis: str, track: Track, pitch: float, count
     line = np.zeros((count, 3))
     line[:, XYZ.index(axis)] = np.round(span.share(0.04) + pitch * np.arange(count), 3)
     made = tracks.targets(
-        rng, machine, track.head, line, [{x: machine.axes[x].share(0.5) for x in machine.axes if x != axis}], runs=3,
-        feed=2000.0, start=track.end + 900, dwell=(3.5, 5.5), gap=(150, 300), both=True, over=3.0, strokes=False,
-        loads=[0.0] * 3, sensitive=track.sensitive,
-    )  # fmt: skip
+        rng,
+        machine,
+        track.head,
+        line,
+        [{x: machine.axes[x].share(0.5) for x in machine.axes if x != axis}],
+        runs=3,
+        feed=2000.0,
+        start=track.end + 900,
+        dwell=(3.5, 5.5),
+        gap=(150, 300),
+        both=True,
+        over=3.0,
+        strokes=False,
+        loads=[0.0] * 3,
+        sensitive=track.sensitive,
+    )
     made.noise, made.channels = track.noise, track.channels
     return made
 

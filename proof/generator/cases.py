@@ -1,7 +1,8 @@
 """One case: the design first, then what is hidden in it, then the readings.
 
-What a kind of case changes: how many effects are hidden and from which list; masked asks for large known geometry, withheld
-for a design without a group of channels, blind for a test that can not see. Nothing else depends on it.
+What a kind of case changes: how many effects are hidden and from which list; masked asks for large
+known geometry, withheld for a design without a group of channels, blind for a test that can not
+see. Nothing else depends on it.
 """
 
 from __future__ import annotations
@@ -28,24 +29,48 @@ ADVERSE = (
     "sensor_drift",
 )
 CONFUSABLE = [
-    ("screw_heat", "scale"), ("backlash", "windup"), ("tool_wear", "spindle_growth"), ("laser_air", "screw_heat"),
-    ("squareness", "servo_lag"), ("squareness", "servo_mismatch"), ("backlash", "backlash_position"), ("scale", "cosine"),
-    ("structure_drift", "spindle_growth"), ("servo_lag", "inertia"), ("backlash", "reversal_spike"), ("bow", "squareness"),
-]  # fmt: skip
+    ("screw_heat", "scale"),
+    ("backlash", "windup"),
+    ("tool_wear", "spindle_growth"),
+    ("laser_air", "screw_heat"),
+    ("squareness", "servo_lag"),
+    ("squareness", "servo_mismatch"),
+    ("backlash", "backlash_position"),
+    ("scale", "cosine"),
+    ("structure_drift", "spindle_growth"),
+    ("servo_lag", "inertia"),
+    ("backlash", "reversal_spike"),
+    ("bow", "squareness"),
+]
 WITHHELD = {  # group of channels to the effects that they drive
-    "temperature": ("screw_heat", "structure_drift", "laser_air", "dead_path"), "force": ("force_compliance",),
-    "spindle": ("spindle_growth",), "rotation": ("abbe",),
-}  # fmt: skip
+    "temperature": ("screw_heat", "structure_drift", "laser_air", "dead_path"),
+    "force": ("force_compliance",),
+    "spindle": ("spindle_growth",),
+    "rotation": ("abbe",),
+}
 RARE = {  # few designs can show them: asked earlier
-    "abbe", "laser_air", "dead_path", "spindle_growth", "tool_wear", "tool_size", "force_compliance", "encoder_cyclic", "delay",
-    "clock_skew", "coulomb_friction", "viscous_friction", "alien:speed_product", "alien:gib_rock", "alien:speed_resonance",
-}  # fmt: skip
+    "abbe",
+    "laser_air",
+    "dead_path",
+    "spindle_growth",
+    "tool_wear",
+    "tool_size",
+    "force_compliance",
+    "encoder_cyclic",
+    "delay",
+    "clock_skew",
+    "coulomb_friction",
+    "viscous_friction",
+    "alien:speed_product",
+    "alien:gib_rock",
+    "alien:speed_resonance",
+}
 
 
 @dataclass
 class Case:
-    """files, follow_up: path to text, as the user gets them; truth: effects in the form of the practice answers; details:
-    what else the scorer may want to know."""
+    """files, follow_up: path to text, as the user gets them; truth: effects in the form of the
+    practice answers; details: what else the scorer may want to know."""
 
     name: str
     files: dict[str, str]
@@ -63,7 +88,8 @@ class Hidden:
 
 @dataclass
 class Drawn:
-    """A case before its readings are taken: what the loop needs to run a program on the true machine (scene, hidden)."""
+    """A case before its readings are taken: what the loop needs to run a program on the true
+    machine (scene, hidden)."""
 
     scene: Scene
     hidden: list[Hidden]
@@ -79,7 +105,8 @@ def make(seed: object, kind: str, number: int) -> Case:
 
 
 def draw(seed: object, kind: str, number: int) -> Drawn:
-    """The true machine, the experiment and what is hidden, of the case of this seed, kind and number."""
+    """The true machine, the experiment and what is hidden, of the case of this seed, kind and
+    number."""
     if kind not in KINDS:
         raise ValueError(f"kind {kind!r} is none of {', '.join(KINDS)}")
     words = (seed, kind, number)
@@ -149,11 +176,18 @@ def _wanted(rng: np.random.Generator, most: float = 16.0) -> float:
 
 
 def _find(
-    rng: np.random.Generator, scene: Scene, names: dict[str, Callable], wanted: float, others: list[Hidden], judge: oracle.Oracle,
-    axes: list[str] | None = None, tries: int = 3,
-) -> Hidden | None:  # fmt: skip
-    """An effect whose largest reading in the tracks of the judge is `wanted` um: names come in random order, the RARE ones sooner,
-    and the first that stands out of the noise beside the others is it; if none does, the one that comes nearest."""
+    rng: np.random.Generator,
+    scene: Scene,
+    names: dict[str, Callable],
+    wanted: float,
+    others: list[Hidden],
+    judge: oracle.Oracle,
+    axes: list[str] | None = None,
+    tries: int = 3,
+) -> Hidden | None:
+    """An effect whose largest reading in the tracks of the judge is `wanted` um: names come in
+    random order, the RARE ones sooner, and the first that stands out of the noise beside the others
+    is it; if none does, the one that comes nearest."""
     best: tuple[float, Hidden] | None = None
     at = [scene.design.tracks.index(t) for t in judge.tracks]
     haste = {name: rng.exponential() / (2.5 if name in RARE else 1.0) for name in sorted(names)}
@@ -196,18 +230,30 @@ def _told(words, drawn: Drawn) -> Case:
         shift = _sum([h.effect.on(track) for h in hidden], [h.size for h in hidden])
         rows = measured(scene.machine, track, shift, noise, faults)
         text = files.recording(
-            scene.world, track, rows, shift, design.channels, noise, late=round(late, 1) if k == late_file else 0.0,
+            scene.world,
+            track,
+            rows,
+            shift,
+            design.channels,
+            noise,
+            late=round(late, 1) if k == late_file else 0.0,
             warm=3.0 if "sensor_drift" in adverse and k == late_file else 0.0,
-        )  # fmt: skip
+        )
         if k < first:
             case.files[f"r{k + 1}.csv"] = text
         else:
             case.follow_up[f"f{k - first + 1}.csv"] = text
     case.truth = _truth(scene, hidden, range(first))
     case.details = {
-        "seed": str(seed), "kind": kind, "number": number, "machine": scene.machine.form, "faults": adverse, "withheld": group,
-        "files": [t.kind for t in design.tracks[:first]], "map_um": scene.machine.stated_um,
-    }  # fmt: skip
+        "seed": str(seed),
+        "kind": kind,
+        "number": number,
+        "machine": scene.machine.form,
+        "faults": adverse,
+        "withheld": group,
+        "files": [t.kind for t in design.tracks[:first]],
+        "map_um": scene.machine.stated_um,
+    }
     if spot:
         case.details["blind"] = {
             "spot": spot.name, "suspects": spot.suspects, "test": spot.test,
@@ -217,8 +263,10 @@ def _told(words, drawn: Drawn) -> Case:
 
 
 def _truth(scene: Scene, hidden: list[Hidden], which: range) -> list[dict]:
-    """What is hidden, with its size in these files. energy: what stands out of noise, set-up, map and the other truths;
-    apart: the least of it that another name leaves; twins: names that leave too little to be told from the truth here."""
+    """What is hidden, with its size in these files. energy: what stands out of noise, set-up, map
+    and the other truths;
+    apart: the least of it that another name leaves; twins: names that leave too little to be told
+    from the truth here."""
     tracks = [scene.design.tracks[k] for k in which]
     signals = [[h.rows[k] for k in which] for h in hidden]
     if not hidden:
@@ -228,23 +276,27 @@ def _truth(scene: Scene, hidden: list[Hidden], which: range) -> list[dict]:
     answers = []
     for j, (h, rows, energy) in enumerate(zip(hidden, signals, energies, strict=True)):
         largest = oracle.peak(tracks, rows)
-        bands = (
-            (0, 2),
-            (2, 4),
-            (4, 8),
-            (8, 16),
-        )  # a blind test may show less than 2 um of what it hides
+        # a blind test may show less than 2 um of what it hides
+        bands = ((0, 2), (2, 4), (4, 8), (8, 16))
         band = next((f"{low}-{high}" for low, high in bands if largest < high * 0.9999), "8-16")
         apart = energy
         same: list[str] = []
         if energy >= oracle.VISIBLE and not h.effect.name.startswith("alien"):
             left, same = twins.found(scene, judge, h.effect, rows, signals[:j] + signals[j + 1 :])
             apart = min(energy, left)
-        answers.append({
-            "effect": h.effect.name, "axis": h.effect.axis, "parameters": {k: float(v) for k, v in h.effect.parameters(h.size).items()},
-            "peak_um": round(largest, 3), "visible": bool(energy >= oracle.VISIBLE),
-            "energy": round(energy, 1), "apart": round(apart, 1), "twins": same, "band": band,
-        })  # fmt: skip
+        answers.append(
+            {
+                "effect": h.effect.name,
+                "axis": h.effect.axis,
+                "parameters": {k: float(v) for k, v in h.effect.parameters(h.size).items()},
+                "peak_um": round(largest, 3),
+                "visible": bool(energy >= oracle.VISIBLE),
+                "energy": round(energy, 1),
+                "apart": round(apart, 1),
+                "twins": same,
+                "band": band,
+            }
+        )
     return answers
 
 
@@ -293,12 +345,16 @@ def _withhold(rng: np.random.Generator, design: Design) -> str:
 def _adverse(rng: np.random.Generator, design: Design) -> list[str]:
     """One fault of the test that this design can have, sometimes two."""
     able = [
-        f for f in ADVERSE
+        f
+        for f in ADVERSE
         if not (f == "warming_ballbar" and not any(t.kind == "ballbar" for t in design.tracks))
-        and not (f in ("missing_dwell", "sensor_drift") and not any(t.kind == "targets" for t in design.tracks))
+        and not (
+            f in ("missing_dwell", "sensor_drift")
+            and not any(t.kind == "targets" for t in design.tracks)
+        )
         and not (f == "sensor_drift" and not (design.channels["air"] or design.channels["screw"]))
         and not (f == "clock_offset" and len(design.tracks) < 2)
-    ]  # fmt: skip
+    ]
     return [str(f) for f in rng.choice(able, size=2 if rng.random() < 0.2 else 1, replace=False)]
 
 
@@ -309,6 +365,7 @@ def _faults(rng: np.random.Generator, adverse: list[str]) -> Faults:
         rng.uniform(2.0, 5.0),
     )
     return Faults(
-        outliers if "outliers" in adverse else 0.0, warming if "warming_ballbar" in adverse else 0.0,
+        outliers if "outliers" in adverse else 0.0,
+        warming if "warming_ballbar" in adverse else 0.0,
         ringing if "missing_dwell" in adverse else 0.0,
-    )  # fmt: skip
+    )

@@ -1,4 +1,5 @@
-"""Experiments as drawn: which instruments, where, how fast, with which channels. Knows no effect and no kind of case."""
+"""Experiments as drawn: which instruments, where, how fast, with which channels. Knows no effect
+and no kind of case."""
 
 from __future__ import annotations
 
@@ -34,9 +35,16 @@ class Design:
 
 
 MENU = {  # share of experiments that hold such a file
-    "axis": 0.85, "second_axis": 0.45, "diagonal": 0.45, "straightness": 0.35, "angle": 0.12, "ballbar": 0.75, "trace": 0.45,
-    "gauge": 0.4, "features": 0.35,
-}  # fmt: skip
+    "axis": 0.85,
+    "second_axis": 0.45,
+    "diagonal": 0.45,
+    "straightness": 0.35,
+    "angle": 0.12,
+    "ballbar": 0.75,
+    "trace": 0.45,
+    "gauge": 0.4,
+    "features": 0.35,
+}
 
 
 def draw(rng: np.random.Generator, machine: Machine) -> Design:
@@ -48,11 +56,19 @@ def draw(rng: np.random.Generator, machine: Machine) -> Design:
     rng.shuffle(files)
     channels = _channels(rng)
     room = {
-        "start": rng.uniform(15, 24), "swing": log_uniform(rng, 0.2, 5.0), "period": rng.uniform(3, 12) * 3600,
-        "phase": rng.uniform(0, 2 * np.pi), "walk": rng.uniform(0.05, 0.3), "heating": rng.choice([0.0, rng.normal(0, 4.0)]),
-        "heating_at": rng.uniform(0, 3e4), "heating_tau": rng.uniform(1500, 6000), "screw_tau": rng.uniform(700, 2400),
-        "screw_rise": rng.uniform(3.0, 8.0), "sensor": rng.uniform(0.2, 0.6), "bearing": rng.uniform(0.1, 0.5),
-    }  # fmt: skip
+        "start": rng.uniform(15, 24),
+        "swing": log_uniform(rng, 0.2, 5.0),
+        "period": rng.uniform(3, 12) * 3600,
+        "phase": rng.uniform(0, 2 * np.pi),
+        "walk": rng.uniform(0.05, 0.3),
+        "heating": rng.choice([0.0, rng.normal(0, 4.0)]),
+        "heating_at": rng.uniform(0, 3e4),
+        "heating_tau": rng.uniform(1500, 6000),
+        "screw_tau": rng.uniform(700, 2400),
+        "screw_rise": rng.uniform(3.0, 8.0),
+        "sensor": rng.uniform(0.2, 0.6),
+        "bearing": rng.uniform(0.1, 0.5),
+    }
     plans = _lines(machine)
     plan: list[Track] = []
     now = 0.0
@@ -70,10 +86,15 @@ def draw(rng: np.random.Generator, machine: Machine) -> Design:
 def _channels(rng) -> dict[str, bool]:
     warm = rng.random()
     return {
-        "air": bool(warm < 0.8), "screw": bool(warm < 0.7), "bed": bool(warm < 0.75), "force": bool(rng.random() < 0.7),
-        "spindle": bool(rng.random() < 0.85), "feed": bool(rng.random() < 0.9), "current": bool(rng.random() < 0.6),
+        "air": bool(warm < 0.8),
+        "screw": bool(warm < 0.7),
+        "bed": bool(warm < 0.75),
+        "force": bool(rng.random() < 0.7),
+        "spindle": bool(rng.random() < 0.85),
+        "feed": bool(rng.random() < 0.9),
+        "current": bool(rng.random() < 0.6),
         "stated": bool(rng.random() < 0.25),
-    }  # fmt: skip
+    }
 
 
 def _lines(machine: Machine) -> list[str]:
@@ -132,9 +153,14 @@ def _file(
         return [trace(rng, machine, now, channels, "scale" if rng.random() < 0.5 else "tool")]
     count = int(rng.integers(6, 11))
     made = parts.features(
-        rng, machine, _head("features", machine, "coordinate measuring machine"), now, count, rng.uniform(8, 18),
+        rng,
+        machine,
+        _head("features", machine, "coordinate measuring machine"),
+        now,
+        count,
+        rng.uniform(8, 18),
         int(rng.integers(0, 3)),
-    )  # fmt: skip
+    )
     made.noise = {"sd": rng.uniform(0.8, 2.6)}
     return [made]
 
@@ -142,8 +168,11 @@ def _file(
 def _laser_noise(rng, sd: tuple[float, float], walk: tuple[float, float]) -> dict[str, float]:
     """Student's t with a random walk under it, um; zero: where the set-up left the zero."""
     return {
-        "sd": rng.uniform(*sd), "freedom": rng.uniform(3.5, 8), "walk": rng.uniform(*walk), "zero": rng.normal(0, 10),
-    }  # fmt: skip
+        "sd": rng.uniform(*sd),
+        "freedom": rng.uniform(3.5, 8),
+        "walk": rng.uniform(*walk),
+        "zero": rng.normal(0, 10),
+    }
 
 
 def turning_mill(machine: Machine) -> bool:
@@ -214,11 +243,22 @@ def axis_line(
         sensitive=_vector(machine, sensitive, angle),
     )
     made = tracks.targets(
-        rng, machine, head, line, places(rng, machine, free, two), runs=runs,
-        feed=float(rng.choice([1000.0, 2000.0, 3000.0])), start=now, dwell=(3.5, 5.5),
-        gap=(150, 1200), both=both, over=float(rng.uniform(2.0, 5.0)), strokes=bool(rng.random() < 0.75), loads=loads,
+        rng,
+        machine,
+        head,
+        line,
+        places(rng, machine, free, two),
+        runs=runs,
+        feed=float(rng.choice([1000.0, 2000.0, 3000.0])),
+        start=now,
+        dwell=(3.5, 5.5),
+        gap=(150, 1200),
+        both=both,
+        over=float(rng.uniform(2.0, 5.0)),
+        strokes=bool(rng.random() < 0.75),
+        loads=loads,
         sensitive=sensitive,
-    )  # fmt: skip
+    )
     made.noise = _laser_noise(rng, (0.3, 1.6), (0.01, 0.07))
     made.channels = {"force": True}
     if channels["stated"]:
@@ -248,17 +288,30 @@ def diagonal(rng, machine, plane, now, channels, both=None) -> Track:
         sensitive=_vector(machine, unit),
     )
     made = tracks.targets(
-        rng, machine, head, np.round(line, 3), places(rng, machine, free, False), runs=runs,
-        feed=float(rng.choice([1000.0, 2000.0])), start=now, dwell=(3.5, 5.5), gap=(130, 600), both=both is not False,
-        over=float(rng.uniform(2.0, 5.0)), strokes=bool(rng.random() < 0.6), loads=[0.0] * runs, sensitive=unit,
-    )  # fmt: skip
+        rng,
+        machine,
+        head,
+        np.round(line, 3),
+        places(rng, machine, free, False),
+        runs=runs,
+        feed=float(rng.choice([1000.0, 2000.0])),
+        start=now,
+        dwell=(3.5, 5.5),
+        gap=(130, 600),
+        both=both is not False,
+        over=float(rng.uniform(2.0, 5.0)),
+        strokes=bool(rng.random() < 0.6),
+        loads=[0.0] * runs,
+        sensitive=unit,
+    )
     made.noise = _laser_noise(rng, (0.3, 1.3), (0.01, 0.07))
     made.channels = {"force": True}
     return made
 
 
 def gauge(rng, machine, now) -> Track:
-    """Probing between the parts of a working day: few targets, one approach, many runs, the spindle on and off."""
+    """Probing between the parts of a working day: few targets, one approach, many runs, the spindle
+    on and off."""
     letter = str(rng.choice(["X", "Z"] if machine.form != "mill" else ["X", "Y", "Z"]))
     axis = machine.axes[letter]
     line = np.zeros((int(rng.integers(4, 7)), 3))
@@ -274,10 +327,22 @@ def gauge(rng, machine, now) -> Track:
         sensitive=_vector(machine, sensitive),
     )
     made = tracks.targets(
-        rng, machine, head, line, places(rng, machine, [x for x in machine.axes if x != letter], False), runs=runs,
-        feed=3000.0, start=now, dwell=(2.0, 3.5), gap=(140, 320), both=False, over=4.0, strokes=True, loads=[0.0] * runs,
+        rng,
+        machine,
+        head,
+        line,
+        places(rng, machine, [x for x in machine.axes if x != letter], False),
+        runs=runs,
+        feed=3000.0,
+        start=now,
+        dwell=(2.0, 3.5),
+        gap=(140, 320),
+        both=False,
+        over=4.0,
+        strokes=True,
+        loads=[0.0] * runs,
         sensitive=sensitive,
-    )  # fmt: skip
+    )
     made.noise = _laser_noise(rng, (0.5, 1.3), (0.0, 0.03))
     first = [float(made.time[made.run == r][0]) for r in range(1, runs + 1)]
     speed = float(rng.choice([750.0, 1500.0, 3000.0]))
@@ -339,9 +404,13 @@ def trace(rng, machine, now, channels, sees) -> Track:
     if turning_mill(machine):
         centre[2] = 0.0
     speeds = {
-        "creep": float(rng.choice([10.0, 15.0, 20.0])), "brisk": float(rng.choice([800.0, 1200.0])), "cut": 400.0,
-        "long": float(rng.choice([5000.0, 6000.0, 7500.0])), "circle": float(rng.choice([1000.0, 1500.0, 2000.0])), "radius": 12.0,
-    }  # fmt: skip
+        "creep": float(rng.choice([10.0, 15.0, 20.0])),
+        "brisk": float(rng.choice([800.0, 1200.0])),
+        "cut": 400.0,
+        "long": float(rng.choice([5000.0, 6000.0, 7500.0])),
+        "circle": float(rng.choice([1000.0, 1500.0, 2000.0])),
+        "radius": 12.0,
+    }
     head = _head(
         "trace", machine, "grid encoder" if sees == "tool" else "controller log", sees=sees
     )

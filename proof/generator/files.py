@@ -1,4 +1,5 @@
-"""Texts of a case: machine.toml, axis tables, recordings, as the contracts want them. The layout follows the design alone."""
+"""Texts of a case: machine.toml, axis tables, recordings, as the contracts want them. The layout
+follows the design alone."""
 
 from __future__ import annotations
 
@@ -27,8 +28,11 @@ def machine_files(machine: Machine) -> dict[str, str]:
     files = {}
     for x, axis in machine.axes.items():
         lines += [
-            f"[axes.{x}]", f"travel = [{axis.low}, {axis.high}]", f"least_increment = {axis.least}", f'table  = "{x}.csv"',
-        ]  # fmt: skip
+            f"[axes.{x}]",
+            f"travel = [{axis.low}, {axis.high}]",
+            f"least_increment = {axis.least}",
+            f'table  = "{x}.csv"',
+        ]
         if axis.measured_at:
             lines.append(f"measured_at = {_inline(axis.measured_at)}")
         lines += [f"max_velocity = {axis.velocity}", f"max_acceleration = {axis.acceleration}", ""]
@@ -56,10 +60,17 @@ def machine_files(machine: Machine) -> dict[str, str]:
 
 
 def recording(
-    world: World, track: Track, rows: np.ndarray, shift: Shift, channels: dict[str, bool], rng: np.random.Generator,
-    late: float = 0.0, warm: float = 0.0,
-) -> str:  # fmt: skip
-    """One file. late: s by which its clock is off; warm: K by which its thermometers drift while it lasts."""
+    world: World,
+    track: Track,
+    rows: np.ndarray,
+    shift: Shift,
+    channels: dict[str, bool],
+    rng: np.random.Generator,
+    late: float = 0.0,
+    warm: float = 0.0,
+) -> str:
+    """One file. late: s by which its clock is off; warm: K by which its thermometers drift while it
+    lasts."""
     head = [f"# {line}" for line in _head(track.head)]
     machine = world.design.machine
     if track.kind == "features":
@@ -139,7 +150,7 @@ def _features(track: Track, rows: np.ndarray, rng: np.random.Generator) -> str:
         for k in range(3):
             size = f["nominal"] + (value + rng.normal(0, track.noise["sd"])) * 1e-3
             lines.append(
-                f"{f['feature']},{f['kind']},{f['axis']},{f['nominal']:.4f},{size:.4f},{f['part']},{k + 1}"
+                f"{f['feature']},{f['kind']},{f['axis']},{f['nominal']:.4f},{size:.4f},{f['part']},{k + 1}"  # noqa: E501
             )
     return "\n".join(lines) + "\n"
 

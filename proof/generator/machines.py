@@ -1,7 +1,9 @@
-"""Machines as drawn: two-axis grinders and lathes, three-axis mills; the map that the user has, and how it is wrong.
+"""Machines as drawn: two-axis grinders and lathes, three-axis mills; the map that the user has, and
+how it is wrong.
 
-The true geometry is the user's map plus smooth random curves of the size that the map's source states. Lengths mm,
-deviations um, rotations urad; deviation = actual - commanded, tool relative to workpiece.
+The true geometry is the user's map plus smooth random curves of the size that the map's source
+states. Lengths mm, deviations um, rotations urad; deviation = actual - commanded, tool relative to
+workpiece.
 """
 
 from __future__ import annotations
@@ -26,9 +28,8 @@ class Axis:
     acceleration: float  # mm/s2
     measured_at: dict[str, float]
     nodes: np.ndarray
-    tables: dict[
-        str, tuple[np.ndarray, np.ndarray]
-    ]  # component to forward, reverse; the same array where one-way
+    # component to forward, reverse; the same array where one-way
+    tables: dict[str, tuple[np.ndarray, np.ndarray]]
     screw_lead: float
 
     @property
@@ -55,9 +56,8 @@ class Machine:
     square: dict[str, float]
     tool: dict[str, float]
     stated_um: float  # standard uncertainty of the map, in its source
-    errors: dict[str, np.ndarray] = field(
-        default_factory=dict
-    )  # component to (2 WAVES,) um or urad
+    # component to (2 WAVES,) um or urad
+    errors: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def letters(self) -> str:
@@ -70,7 +70,8 @@ class Machine:
         return [p for p in parts if p in XYZ], parts.index("b") - 1
 
     def column(self, component: str, position: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """What the user's map says: linear between nodes, of the direction in which the axis last moved."""
+        """What the user's map says: linear between nodes, of the direction in which the axis last
+        moved."""
         axis = self.axes[component[2]]
         forward, reverse = axis.tables[component]
         up = np.interp(position, axis.nodes, forward)
@@ -88,14 +89,16 @@ class Machine:
         return [c for axis in self.axes.values() for c in axis.tables]
 
     def lean(self, name: str, position: np.ndarray) -> np.ndarray:
-        """(N, 3) um for one urad of a squareness such as C0Y: a small turn of the axis that leans."""
+        """(N, 3) um for one urad of a squareness such as C0Y: a small turn of the axis that
+        leans."""
         turn, along = np.zeros(3), np.zeros((len(position), 3))
         turn[ABC.index(name[0])] = 1e-3
         along[:, XYZ.index(name[2])] = position[:, XYZ.index(name[2])]
         return np.cross(turn, along)
 
     def carry(self, component: str, value: np.ndarray, position: np.ndarray) -> np.ndarray:
-        """(N, 3) um at the tool of one component (N,) at positions (N, 3): a rotation acts with its arm."""
+        """(N, 3) um at the tool of one component (N,) at positions (N, 3): a rotation acts with its
+        arm."""
         result = np.zeros((len(value), 3))
         if component[1] in XYZ:
             result[:, XYZ.index(component[1])] = value
@@ -140,7 +143,8 @@ class Machine:
 
 
 def draw(rng: np.random.Generator, masked: bool = False) -> Machine:
-    """A machine and its map. masked: positioning errors of 80 to 110 um, so that they hide 2 to 8 um tenfold."""
+    """A machine and its map. masked: positioning errors of 80 to 110 um, so that they hide 2 to 8
+    um tenfold."""
     form = str(rng.choice(["grinder", "lathe", "mill"], p=[0.28, 0.27, 0.45]))
     size = log_uniform(rng, 8.0, 100.0)
     if masked:
@@ -161,7 +165,8 @@ def draw(rng: np.random.Generator, masked: bool = False) -> Machine:
         if rng.random() < 0.5:
             square |= {"B0Z": rng.normal(0, 30), "A0Z": rng.normal(0, 30)}
         place = str(rng.choice(["zero", "middle"], p=[0.7, 0.3]))
-        # a rotation of a mill acts with the arm of the third axis: the plane of the tests is where that arm is zero
+        # a rotation of a mill acts with the arm of the third axis: the plane of the tests is where
+        # that arm is zero
         lows = {x: 0.0 if place == "zero" else -spans[x] / 2 for x in "XY"} | {
             "Z": -spans["Z"] if turning else 0.0
         }
@@ -182,9 +187,16 @@ def draw(rng: np.random.Generator, masked: bool = False) -> Machine:
             rng, x, lows[x], lows[x] + span, least, fast, at, size, "".join(spans), turning, masked
         )
     return Machine(
-        form, f"{form}-{number}", title, control, chain, axes, {k: float(np.round(v, 3)) for k, v in square.items()}, tool,
+        form,
+        f"{form}-{number}",
+        title,
+        control,
+        chain,
+        axes,
+        {k: float(np.round(v, 3)) for k, v in square.items()},
+        tool,
         round(float(rng.uniform(0.2, 0.45)), 2),
-    )  # fmt: skip
+    )
 
 
 def _round(value: float) -> float:
@@ -223,9 +235,17 @@ def _axis(rng, x, low, high, least, fast, at, size, letters, turning, masked) ->
             )
             tables[f"E{turn}{x}"] = (value, value)
     return Axis(
-        x, low, high, least, float(rng.choice([12000.0, 15000.0, 20000.0] if fast else [8000.0, 10000.0])),
-        float(rng.choice([1500.0, 2500.0])), at, nodes, tables, float(rng.choice([5.0, 8.0, 10.0, 12.0, 16.0, 20.0])),
-    )  # fmt: skip
+        x,
+        low,
+        high,
+        least,
+        float(rng.choice([12000.0, 15000.0, 20000.0] if fast else [8000.0, 10000.0])),
+        float(rng.choice([1500.0, 2500.0])),
+        at,
+        nodes,
+        tables,
+        float(rng.choice([5.0, 8.0, 10.0, 12.0, 16.0, 20.0])),
+    )
 
 
 def _smooth(rng, u: np.ndarray, reach: float) -> np.ndarray:

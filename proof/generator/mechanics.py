@@ -1,4 +1,5 @@
-"""Pieces of machine dynamics: friction with memory, servo loops as linear filters, slip in steps."""
+"""Pieces of machine dynamics: friction with memory, servo loops as linear filters, slip in
+steps."""
 
 from __future__ import annotations
 
@@ -7,7 +8,8 @@ from scipy.signal import bilinear, lfilter, lfilter_zi
 
 
 def play(way: np.ndarray, gap: float) -> np.ndarray:
-    """The table behind a screw with dead travel `gap` (mm): (N,) what it lags or leads, -gap/2 to gap/2, at each point."""
+    """The table behind a screw with dead travel `gap` (mm): (N,) what it lags or leads, -gap/2 to
+    gap/2, at each point."""
     found = np.empty(len(way))
     state = way[0] - gap / 2
     for k, x in enumerate(way.tolist()):
@@ -17,8 +19,9 @@ def play(way: np.ndarray, gap: float) -> np.ndarray:
 
 
 def iwan(way: np.ndarray, yields: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Iwan's parallel sliders: (N,) force of springs that slip at `yields` (mm), each with its share of the whole; -1 to 1.
-    Between two turns every spring stretches until it slips, so a whole stretch is one clip."""
+    """Iwan's parallel sliders: (N,) force of springs that slip at `yields` (mm), each with its
+    share of the whole; -1 to 1. Between two turns every spring stretches until it slips, so a whole
+    stretch is one clip."""
     step = np.sign(np.diff(way, prepend=way[0]))
     moved = np.flatnonzero(step)
     turns = moved[1:][step[moved[1:]] != step[moved[:-1]]] - 1
@@ -42,8 +45,9 @@ def lugre(
     stribeck: float,
     bristle: float,
 ) -> np.ndarray:
-    """LuGre's friction force (N,) for speeds v (mm/s): Coulomb level `forward` or `reverse` by direction, times `peak` near
-    rest; stribeck mm/s; bristle mm. The bristle's equation is linear between samples and is solved exactly there."""
+    """LuGre's friction force (N,) for speeds v (mm/s): Coulomb level `forward` or `reverse` by
+    direction, times `peak` near rest; stribeck mm/s; bristle mm. The bristle's equation is linear
+    between samples and is solved exactly there."""
     level = np.where(v >= 0, forward, reverse) * (1 + (peak - 1) * np.exp(-((v / stribeck) ** 2)))
     rate = np.abs(v) / bristle
     keep = np.exp(-rate * dt)
@@ -65,8 +69,8 @@ def second_order(dt: float, u: np.ndarray, omega: float, zeta: float) -> np.ndar
 def loop_response(
     dt: float, force: np.ndarray, integral: float | None, mechanical: float
 ) -> np.ndarray:
-    """Following error of a position loop under a force, in units of force / stiffness: a lag of `mechanical` s twice and,
-    where the loop has an integral of `integral` s, back to zero."""
+    """Following error of a position loop under a force, in units of force / stiffness: a lag of
+    `mechanical` s twice and, where the loop has an integral of `integral` s, back to zero."""
     b, a = bilinear([1.0], [mechanical**2, 2 * mechanical, 1.0], 1 / dt)
     out = _filtered(b, a, force)
     if integral is not None:
@@ -87,8 +91,9 @@ def slip_steps(
     fastest: float,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Saw-tooth of a slide that sticks until the drive is `hold` mm ahead, then jumps to 2 slide - hold; above `fastest`
-    mm/s it follows evenly. (N,) mm beyond the even lag; each hold differs by a tenth."""
+    """Saw-tooth of a slide that sticks until the drive is `hold` mm ahead, then jumps to 2 slide -
+    hold; above `fastest` mm/s it follows evenly. (N,) mm beyond the even lag; each hold differs by
+    a tenth."""
     lag = 0.0
     limit = hold
     found = np.zeros(len(way))

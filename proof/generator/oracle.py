@@ -1,7 +1,9 @@
-"""What a hidden effect is worth in these very recordings: its largest reading, and how far it stands out of the noise.
+"""What a hidden effect is worth in these very recordings: its largest reading, and how far it
+stands out of the noise.
 
-The energy of a truth is its signal over the noise, with everything taken out that an honest tool must leave open: the set-up
-of each file, the map's own uncertainty, and the other truths of the case.
+The energy of a truth is its signal over the noise, with everything taken out that an honest tool
+must leave open: the set-up of each file, the map's own uncertainty, and the other truths of the
+case.
 """
 
 from __future__ import annotations
@@ -47,8 +49,9 @@ def peak(tracks: list[Track], rows: Rows) -> float:
 
 @dataclass
 class _Column:
-    """One column of readings of a file: where its blocks begin, the weight of a reading, what the map and the set-up leave open
-    of it (curves, blocks) and the inverse of the set-up's normal matrix."""
+    """One column of readings of a file: where its blocks begin, the weight of a reading, what the
+    map and the set-up leave open of it (curves, blocks) and the inverse of the set-up's normal
+    matrix."""
 
     track: int
     index: int
@@ -144,9 +147,15 @@ def _map_columns(machine: Machine, track: Track, pick: np.ndarray) -> np.ndarray
 
 def _thinned(track: Track, pick: np.ndarray) -> Track:
     return Track(
-        track.kind, track.head, track.moving, track.run[pick], track.time[pick], track.position[pick], track.direction[pick],
+        track.kind,
+        track.head,
+        track.moving,
+        track.run[pick],
+        track.time[pick],
+        track.position[pick],
+        track.direction[pick],
         sensitive=track.sensitive,
-    )  # fmt: skip
+    )
 
 
 def _variance(track: Track) -> float:

@@ -1,4 +1,5 @@
-"""Parts that are measured after machining: which points of the machine a feature is made of, and when."""
+"""Parts that are measured after machining: which points of the machine a feature is made of, and
+when."""
 
 from __future__ import annotations
 
@@ -19,8 +20,9 @@ def features(
     minutes: float,
     changes: int,
 ) -> Track:
-    """Features of parts that were cut one after the other, from `start`. A row of the track is a point of a feature; what a
-    feature's error is of its points is in `features`: points, their weights and the axis along which they count."""
+    """Features of parts that were cut one after the other, from `start`. A row of the track is a
+    point of a feature; what a feature's error is of its points is in `features`: points, their
+    weights and the axis along which they count."""
     shapes: list[dict[str, Any]] = []
     middle = np.array([machine.axes[x].middle if x in machine.axes else 0.0 for x in XYZ])
     if machine.form == "mill":
@@ -64,20 +66,36 @@ def features(
             at[0] = round(low + u * (span - low))
             bore = k == 3
             going = np.array([[1.0 if bore else -1.0, 1.0, -1.0]])
-            shapes.append({
-                "feature": f"D{k + 1}", "kind": "bore_diameter" if bore else "boss_diameter", "axis": "X", "nominal": 2 * at[0],
-                "points": at[None], "going": going, "weights": np.array([2.0]), "size": 1 if bore else -1,
-            })  # fmt: skip
+            shapes.append(
+                {
+                    "feature": f"D{k + 1}",
+                    "kind": "bore_diameter" if bore else "boss_diameter",
+                    "axis": "X",
+                    "nominal": 2 * at[0],
+                    "points": at[None],
+                    "going": going,
+                    "weights": np.array([2.0]),
+                    "size": 1 if bore else -1,
+                }
+            )
         foot = machine.axes["Z"].share(0.1)
         for k in range(3):
             a, b = middle.copy(), middle.copy()
             length = float(np.round(rng.uniform(0.15, 0.5) * machine.axes["Z"].length))
             a[2], b[2] = foot, foot + length
             going = np.tile([-1.0, 1.0, -1.0], (2, 1))
-            shapes.append({
-                "feature": f"S{k + 1}", "kind": "step", "axis": "Z", "nominal": length, "points": np.array([a, b]), "going": going,
-                "weights": np.array([-1.0, 1.0]), "size": 0,
-            })  # fmt: skip
+            shapes.append(
+                {
+                    "feature": f"S{k + 1}",
+                    "kind": "step",
+                    "axis": "Z",
+                    "nominal": length,
+                    "points": np.array([a, b]),
+                    "going": going,
+                    "weights": np.array([-1.0, 1.0]),
+                    "size": 0,
+                }
+            )
     run: list[int] = []
     time: list[float] = []
     position, direction, rows, spindle, moved = [], [], [], [], []
@@ -108,9 +126,18 @@ def features(
         )
     every = max(2, parts // (changes + 1))
     return Track(
-        "features", head, moving, np.array(run), np.array(time), np.array(position), np.array(direction), features=rows,
-        spindle=spindle, active=moved, changes=[start + p * minutes * 60 for p in range(every, parts, every)] if changes else [],
-    )  # fmt: skip
+        "features",
+        head,
+        moving,
+        np.array(run),
+        np.array(time),
+        np.array(position),
+        np.array(direction),
+        features=rows,
+        spindle=spindle,
+        active=moved,
+        changes=[start + p * minutes * 60 for p in range(every, parts, every)] if changes else [],
+    )
 
 
 def _across(name, kind, x, i, size, middle, high_going, low_going, grows) -> dict[str, Any]:
@@ -119,6 +146,12 @@ def _across(name, kind, x, i, size, middle, high_going, low_going, grows) -> dic
     going = np.ones((2, 3))
     going[0, i], going[1, i] = low_going, high_going
     return {
-        "feature": name, "kind": kind, "axis": x, "nominal": float(size), "points": np.array([a, b]), "going": going,
-        "weights": np.array([-1.0, 1.0]), "size": grows,
-    }  # fmt: skip
+        "feature": name,
+        "kind": kind,
+        "axis": x,
+        "nominal": float(size),
+        "points": np.array([a, b]),
+        "going": going,
+        "weights": np.array([-1.0, 1.0]),
+        "size": grows,
+    }

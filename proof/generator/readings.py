@@ -1,4 +1,5 @@
-"""From deviations to readings: what each instrument projects out, its set-up, its noise, and how a test goes wrong."""
+"""From deviations to readings: what each instrument projects out, its set-up, its noise, and how a
+test goes wrong."""
 
 from __future__ import annotations
 
@@ -24,7 +25,8 @@ class Faults:
 
 
 def project(machine: Machine, track: Track, shift: Shift | None) -> np.ndarray:
-    """(rows, columns) um (urad for angles) that a shift means for the readings of a track, to first order."""
+    """(rows, columns) um (urad for angles) that a shift means for the readings of a track, to first
+    order."""
     n = len(track.time)
     if track.kind == "features":
         found = np.zeros((len(track.features), 1))
@@ -70,7 +72,8 @@ def normals(track: Track) -> np.ndarray:
 def measured(
     machine: Machine, track: Track, shift: Shift, rng: np.random.Generator, faults: Faults
 ) -> np.ndarray:
-    """(rows, columns) um as the file will hold them. Deviations of the machine included where the instrument sees them."""
+    """(rows, columns) um as the file will hold them. Deviations of the machine included where the
+    instrument sees them."""
     whole = Shift(tool=machine.deviation(track.position, track.direction))
     if track.quantity == "angle":
         whole.turn = machine.rotation(track.position, track.direction)
@@ -89,9 +92,8 @@ def measured(
         rows[:, 0] += (
             noise["zero"] + noise["sd"] * student + noise["walk"] * np.cumsum(rng.normal(0, 1, n))
         )
-        gross = np.flatnonzero(
-            rng.random(n) < 0.003 + faults.outliers
-        )  # some slips are in every file
+        # some slips are in every file
+        gross = np.flatnonzero(rng.random(n) < 0.003 + faults.outliers)
         size = (12.0 if faults.outliers else 4.0) * noise["sd"]
         rows[gross, 0] += rng.choice([-1.0, 1.0], len(gross)) * size * rng.uniform(1, 3, len(gross))
         rows[:, 0] += (
@@ -107,9 +109,8 @@ def measured(
         lost = np.flatnonzero(rng.random(n) < 0.2 * faults.outliers)
         rows[lost, 0] += rng.normal(0, 12, len(lost))
     elif track.kind == "trace":
-        outside = (
-            3.0 if track.head["sees"] == "tool" else 0.0
-        )  # um of a zero that an outside instrument has
+        # um of a zero that an outside instrument has
+        outside = 3.0 if track.head["sees"] == "tool" else 0.0
         for k in range(rows.shape[1]):
             rows[:, k] += _ar(rng, n, noise["sd"], noise["rho"]) + rng.normal(0, outside)
     else:
@@ -119,7 +120,8 @@ def measured(
 
 
 def _radial(track: Track, tool: np.ndarray, noise: dict) -> np.ndarray:
-    """The length of the bar, exactly: its ball stands a little beside the centre that the program believes."""
+    """The length of the bar, exactly: its ball stands a little beside the centre that the program
+    believes."""
     letters = list(track.head["centre"])
     beside = np.array([noise["u"], noise["v"]]) * 1e-3
     arm = [

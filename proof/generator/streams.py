@@ -1,4 +1,5 @@
-"""Random streams: every draw follows from seed, kind and number of a case and the purpose of the draw."""
+"""Random streams: every draw follows from seed, kind and number of a case and the purpose of the
+draw."""
 
 from __future__ import annotations
 
@@ -12,8 +13,8 @@ def digest(*words: object) -> bytes:
 
 
 def stream(*words: object) -> np.random.Generator:
-    """A generator of its own for these words; another purpose is another stream, so that a draw more here moves nothing
-    there."""
+    """A generator of its own for these words; another purpose is another stream, so that a draw
+    more here moves nothing there."""
     return np.random.default_rng(np.frombuffer(digest(*words), np.uint32))
 
 

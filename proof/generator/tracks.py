@@ -1,6 +1,7 @@
 """Recordings as they are planned: what is commanded, when, and which points the readings belong to.
 
-A Track knows nothing of errors. Positions are (N, 3) mm in the order X Y Z; an axis that the machine lacks stays zero.
+A Track knows nothing of errors. Positions are (N, 3) mm in the order X Y Z; an axis that the
+machine lacks stays zero.
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ from proof.generator.machines import XYZ, Machine
 
 @dataclass(eq=False)
 class Sweep:
-    """One uninterrupted motion on a fine grid: time (M,) s, position (M, 3), where the rows are in it, and which rows of
-    the track they are."""
+    """One uninterrupted motion on a fine grid: time (M,) s, position (M, 3), where the rows are in
+    it, and which rows of the track they are."""
 
     time: np.ndarray
     position: np.ndarray
@@ -27,9 +28,10 @@ class Sweep:
 
 @dataclass(eq=False)
 class Track:
-    """kind: of the contract; head: keys of the file's head; run, time (N,); position, direction (N, 3): direction is that of
-    each axis' last motion; moving: axes that move. Of targets: sensitive (3,), way (K, 3) all points at which the slide
-    turned or stopped and where the rows are in it (stop). Of dynamic kinds: sweeps. Of features: part_rows."""
+    """kind: of the contract; head: keys of the file's head; run, time (N,); position, direction (N,
+    3): direction is that of each axis' last motion; moving: axes that move. Of targets: sensitive
+    (3,), way (K, 3) all points at which the slide turned or stopped and where the rows are in it
+    (stop). Of dynamic kinds: sweeps. Of features: part_rows."""
 
     kind: str
     head: dict[str, Any]
@@ -67,12 +69,26 @@ class Track:
 
 
 def targets(
-    rng: np.random.Generator, machine: Machine, head: dict, line: np.ndarray, lines: list[dict[str, float]], *, runs: int,
-    feed: float, start: float, dwell: tuple[float, float], gap: tuple[float, float], both: bool, over: float, strokes: bool,
-    loads: list[float], sensitive: np.ndarray,
-) -> Track:  # fmt: skip
-    """Captures at rest along `line` (K, 3) there and back. lines: where the other axes stand, in turn over the runs; over: mm
-    by which the slide goes past the first and the last target; strokes: the axis works in the gaps between the runs."""
+    rng: np.random.Generator,
+    machine: Machine,
+    head: dict,
+    line: np.ndarray,
+    lines: list[dict[str, float]],
+    *,
+    runs: int,
+    feed: float,
+    start: float,
+    dwell: tuple[float, float],
+    gap: tuple[float, float],
+    both: bool,
+    over: float,
+    strokes: bool,
+    loads: list[float],
+    sensitive: np.ndarray,
+) -> Track:
+    """Captures at rest along `line` (K, 3) there and back. lines: where the other axes stand, in
+    turn over the runs; over: mm by which the slide goes past the first and the last target;
+    strokes: the axis works in the gaps between the runs."""
     step = line[1:] - line[:-1]
     going = np.sign(step[0])
     unit = step[0] / np.linalg.norm(step[0])
@@ -124,15 +140,36 @@ def targets(
     forces = np.zeros((len(time), 3))
     forces[:, XYZ.index(moving[0])] = force
     return Track(
-        "targets", head, moving, np.array(run), np.round(time, 3), np.round(position, 3), np.array(direction), feed, sensitive,
-        np.array(way), np.array(stop), force=forces, active=active,
-    )  # fmt: skip
+        "targets",
+        head,
+        moving,
+        np.array(run),
+        np.round(time, 3),
+        np.round(position, 3),
+        np.array(direction),
+        feed,
+        sensitive,
+        np.array(way),
+        np.array(stop),
+        force=forces,
+        active=active,
+    )
 
 
 def ballbar(
-    rng: np.random.Generator, machine: Machine, head: dict, plane: str, centre: np.ndarray, radius: float, feed: float,
-    start: float, senses: list[int], count: int, theta: float, lead: float,
-) -> Track:  # fmt: skip
+    rng: np.random.Generator,
+    machine: Machine,
+    head: dict,
+    plane: str,
+    centre: np.ndarray,
+    radius: float,
+    feed: float,
+    start: float,
+    senses: list[int],
+    count: int,
+    theta: float,
+    lead: float,
+) -> Track:
     """Full circles, one a run, after `lead` rad of feed-in that is not recorded."""
     i, j = XYZ.index(plane[0]), XYZ.index(plane[1])
     speed = feed / 60
@@ -173,16 +210,34 @@ def ballbar(
         for x in plane
     ]
     return Track(
-        "ballbar", head, plane, np.array(run), np.concatenate(time), np.concatenate(position), np.concatenate(direction), feed,
-        sweeps=sweeps, sense=np.array(sense), active=active,
-    )  # fmt: skip
+        "ballbar",
+        head,
+        plane,
+        np.array(run),
+        np.concatenate(time),
+        np.concatenate(position),
+        np.concatenate(direction),
+        feed,
+        sweeps=sweeps,
+        sense=np.array(sense),
+        active=active,
+    )
 
 
 def trace(
-    rng: np.random.Generator, machine: Machine, head: dict, pair: str, centre: np.ndarray, start: float, runs: int,
-    speeds: dict[str, float], cut: np.ndarray, rate: float,
-) -> Track:  # fmt: skip
-    """A test program in motion: creeping and brisk reversals, long moves, circles, a cut under load (cut (2,) N mean)."""
+    rng: np.random.Generator,
+    machine: Machine,
+    head: dict,
+    pair: str,
+    centre: np.ndarray,
+    start: float,
+    runs: int,
+    speeds: dict[str, float],
+    cut: np.ndarray,
+    rate: float,
+) -> Track:
+    """A test program in motion: creeping and brisk reversals, long moves, circles, a cut under load
+    (cut (2,) N mean)."""
     moves = list(_program(machine, pair, centre, speeds))
     grip = 0.55 * min(machine.axes[x].acceleration for x in pair)
     where, loaded = _sampled(moves, centre, pair, grip, rate)
@@ -207,9 +262,17 @@ def trace(
     travel = {x: (where[:, XYZ.index(x)].min(), where[:, XYZ.index(x)].max()) for x in pair}
     active = [(sweeps[0].time[0], sweeps[-1].time[-1], x, *travel[x], 25.0) for x in pair]
     return Track(
-        "trace", head, pair, np.repeat(np.arange(1, runs + 1), n), np.concatenate(time), np.tile(where, (runs, 1)),
-        np.tile(direction, (runs, 1)), sweeps=sweeps, force=np.concatenate(force), active=active,
-    )  # fmt: skip
+        "trace",
+        head,
+        pair,
+        np.repeat(np.arange(1, runs + 1), n),
+        np.concatenate(time),
+        np.tile(where, (runs, 1)),
+        np.tile(direction, (runs, 1)),
+        sweeps=sweeps,
+        force=np.concatenate(force),
+        active=active,
+    )
 
 
 def _program(
@@ -245,7 +308,8 @@ def _at(axis: int, value: float) -> np.ndarray:
 def _sampled(
     moves: list[tuple], centre: np.ndarray, pair: str, grip: float, rate: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Positions (N, 3) at the rate, and where the cut is. Speed rises and falls linearly along every move, by `grip` mm/s2."""
+    """Positions (N, 3) at the rate, and where the cut is. Speed rises and falls linearly along
+    every move, by `grip` mm/s2."""
     i, j = XYZ.index(pair[0]), XYZ.index(pair[1])
     here, parts, loads = np.zeros(2), [], []
     for move in moves:

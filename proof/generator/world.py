@@ -1,7 +1,9 @@
-"""What goes on while an experiment lasts: room, screws that warm along their length, spindle, cutting, tool changes.
+"""What goes on while an experiment lasts: room, screws that warm along their length, spindle,
+cutting, tool changes.
 
-Screws are rods of nodes that the nut heats where it runs and the bearing at one end; the thermometer sits at one place. The
-room swings, walks and is heated at some time. Temperatures in degrees Celsius, time in s on a grid of STEP.
+Screws are rods of nodes that the nut heats where it runs and the bearing at one end; the
+thermometer sits at one place. The room swings, walks and is heated at some time. Temperatures in
+degrees Celsius, time in s on a grid of STEP.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
     python -m proof.real [NAME...] [-o FOLDER] [--quick] [--json FILE] [--page docs/PROOF.md]
 
---page puts the section into a document, between its marks; where there is no such file it is the section alone.
+--page puts the section into a document, between its marks; where there is no such file it is the
+section alone.
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ def main() -> None:
         results.append(result.as_dict())
         word = "yes" if result.verdict else f"NO ({'; '.join(result.reasons)})"
         print(
-            f"{case.name}: {word}; {result.first or 'nothing'}; {result.size} [{time.monotonic() - started:.1f} s]",
+            f"{case.name}: {word}; {result.first or 'nothing'}; {result.size}"
+            f" [{time.monotonic() - started:.1f} s]",
             flush=True,
         )
     if options.json:

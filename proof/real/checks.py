@@ -1,4 +1,5 @@
-"""What was found against what is known, by arithmetic that is not the tool's: of the readings, the answer and the residuals."""
+"""What was found against what is known, by arithmetic that is not the tool's: of the readings, the
+answer and the residuals."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ class Outcome:
     again: dict[str, Any]
     residuals: list[dict[str, str]]
     recordings: list[Path]
-    far: float  # um: the largest reading of a positioning test over the whole travel of the written machine
+    # um: the largest reading of a positioning test over the whole travel of the written machine
+    far: float
 
 
 def key(effect: dict[str, Any]) -> str:
@@ -78,7 +80,8 @@ def reversal(outcome: Outcome, axis: str) -> dict[float, float]:
 
 
 def reversal_at(places: list[float], known: list[float], near: float) -> Callable[[Outcome], Check]:
-    """Reversal at targets. The authors' own means hold a first cycle that is far off; the median of the cycles does not."""
+    """Reversal at targets. The authors' own means hold a first cycle that is far off; the median of
+    the cycles does not."""
 
     def check(outcome: Outcome) -> Check:
         found = reversal(outcome, "X")
@@ -92,7 +95,8 @@ def reversal_at(places: list[float], known: list[float], near: float) -> Callabl
         theirs = ", ".join(f"{m:.1f}" for m in middle)
         wide = [p for p, m, k in zip(places, middle, known, strict=True) if abs(m - k) > 10]
         bad = (
-            f"; the authors' means at {', '.join(f'{p:g}' for p in wide)} mm hold a first cycle that is far off"
+            f"; the authors' means at {', '.join(f'{p:g}' for p in wide)} mm hold a first cycle"
+            " that is far off"
             if wide
             else ""
         )
@@ -115,7 +119,8 @@ def reversal_of_table(axis: str, near: float) -> Callable[[Outcome], Check]:
         off = [found[x] - (read[x, 1.0] - read[x, -1.0]) for x in found]
         rms = float(np.sqrt(np.mean(np.square(off)))) if off else np.inf
         return Check(
-            f"reversal within {max(map(abs, off), default=0):.1f} um of the table's at every target, {rms:.2f} um rms",
+            f"reversal within {max(map(abs, off), default=0):.1f} um of the table's at every"
+            f" target, {rms:.2f} um rms",
             rms < near,
         )
 
@@ -127,7 +132,10 @@ def within_readings(axis: str, travel: tuple[float, float]) -> Callable[[Outcome
 
     def check(outcome: Outcome) -> Check:
         largest = max(map(abs, convert.recording_columns(outcome.recordings[0])["reading_um"]))
-        text = f"the written machine errs by up to {outcome.far:.0f} um between {travel[0]:g} and {travel[1]:g} mm; read were {largest:.0f} um at most"
+        text = (
+            f"the written machine errs by up to {outcome.far:.0f} um between {travel[0]:g} and"
+            f" {travel[1]:g} mm; read were {largest:.0f} um at most"
+        )
         return Check(
             text,
             outcome.far < 3 * largest,
@@ -172,7 +180,8 @@ def within(
 
 
 def steady_lag(outcome: Outcome) -> Check:
-    """Off by speed, where both speeds agree and a place has three digits that are worth something."""
+    """Off by speed, where both speeds agree and a place has three digits that are worth
+    something."""
     said, right = [], True
     read = [
         {n: np.array(v) for n, v in convert.recording_columns(p).items()}
@@ -199,8 +208,8 @@ def steady_lag(outcome: Outcome) -> Check:
 
 
 def feed_drive(outcome: Outcome) -> Check:
-    """The drive's voltage is kv (kp (command - place) - speed): kp and kv by least squares. A steady speed v then lags by
-    (1 + friction / (kv gain)) / kp, and dry friction adds a step."""
+    """The drive's voltage is kv (kp (command - place) - speed): kp and kv by least squares. A
+    steady speed v then lags by (1 + friction / (kv gain)) / kp, and dry friction adds a step."""
     (path,) = outcome.recordings
     c = {n: np.array(v) for n, v in convert.recording_columns(path).items()}
     speed = np.gradient(c["X_act_mm"], c["t_s"])
@@ -220,8 +229,9 @@ def feed_drive(outcome: Outcome) -> Check:
     viscous = named(outcome.answer, "viscous_friction:X", "N_per_m_s")
     dry = named(outcome.answer, "coulomb_friction:X", "size_N")
     text = (
-        f"lag {interval(found, 'ms')}, by the loop {lag:.2f} ms and a step of {step:.1f} um by dry friction; "
-        f"mass {interval(mass, 'kg')} (second run), viscous {interval(viscous, 'N s/m')}, dry {interval(dry, 'N')}"
+        f"lag {interval(found, 'ms')}, by the loop {lag:.2f} ms and a step of {step:.1f} um by dry"
+        f" friction; mass {interval(mass, 'kg')} (second run), viscous"
+        f" {interval(viscous, 'N s/m')}, dry {interval(dry, 'N')}"
     )
     near = [(found, lag, 0.05), (mass, 95.1, 0.02), (viscous, 203.5, 0.1), (dry, 20.4, 0.1)]
     return Check(text, all(f is not None and abs(f["value"] / k - 1) < tol for f, k, tol in near))

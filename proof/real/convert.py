@@ -1,7 +1,7 @@
 """Other people's files as recordings by the contract, and the machines that they are held against.
 
-Every function takes text or a path and gives text. A machine is written from what its authors state: axes and travel, and
-the tables only where they are not what is to be found.
+Every function takes text or a path and gives text. A machine is written from what its authors
+state: axes and travel, and the tables only where they are not what is to be found.
 """
 
 from __future__ import annotations
@@ -29,8 +29,14 @@ def head(kind: str, machine: str, instrument: str, source: str, **more: str) -> 
 
 
 def targets(
-    axis: str, rows: Iterable[Sequence[float | str]], columns: Sequence[str], machine: str, instrument: str, source: str, **more: str
-) -> str:  # fmt: skip
+    axis: str,
+    rows: Iterable[Sequence[float | str]],
+    columns: Sequence[str],
+    machine: str,
+    instrument: str,
+    source: str,
+    **more: str,
+) -> str:
     """Readings at rest of one axis along itself."""
     lines = head(
         "targets",
@@ -56,9 +62,14 @@ def bare(
 ) -> dict[str, str]:
     """A machine as its drawing has it: no error in any table. File name to text."""
     text = [
-        'format  = "gcomp-machine/1"', f'name    = "{name}"', f'title   = "{title}"', f'control = "{control}"',
-        f'chain   = "{chain}"', f'source  = "{source}"', "",
-    ]  # fmt: skip
+        'format  = "gcomp-machine/1"',
+        f'name    = "{name}"',
+        f'title   = "{title}"',
+        f'control = "{control}"',
+        f'chain   = "{chain}"',
+        f'source  = "{source}"',
+        "",
+    ]
     files = {}
     for axis, (low, high) in travel.items():
         text += [
@@ -74,7 +85,8 @@ def bare(
 
 
 def merged(table: str) -> str:
-    """An axis table in which both directions are their mean: the lost motion is taken out, all else stays."""
+    """An axis table in which both directions are their mean: the lost motion is taken out, all else
+    stays."""
     comments = [line for line in table.splitlines() if line.startswith("#")]
     rows = list(csv.DictReader(line for line in table.splitlines() if not line.startswith("#")))
     names = []
@@ -89,10 +101,12 @@ def merged(table: str) -> str:
     ]
     for row in rows:
         cells = [
-            row[n]
-            if n in row
-            else f"{(float(row[f'{n}_fwd']) + float(row[f'{n}_rev'])) / 2:.4f}".rstrip("0").rstrip(
-                "."
+            (
+                row[n]
+                if n in row
+                else f"{(float(row[f'{n}_fwd']) + float(row[f'{n}_rev'])) / 2:.4f}".rstrip(
+                    "0"
+                ).rstrip(".")
             )
             for n in names
         ]
@@ -112,7 +126,8 @@ def concealed(folder: Path, axis: str) -> dict[str, str]:
 
 
 def iso_tables(text: str) -> list[tuple[int, float, int, float]]:
-    """Run, target mm, approach, reading um of a report of the ecmc test scripts: all cycles forward, then all backward."""
+    """Run, target mm, approach, reading um of a report of the ecmc test scripts: all cycles
+    forward, then all backward."""
     rows, way = [], 0
     for line in text.splitlines():
         if line.startswith("### Data "):
@@ -160,7 +175,8 @@ def dial_gauge(text: str, source: str) -> str:
 
 
 def servo_rests(text: str, source: str, loaded: bool) -> str:
-    """Rests of a servo: a run is a way out, the way back to the middle and the three pulls there; with or without the pulls."""
+    """Rests of a servo: a run is a way out, the way back to the middle and the three pulls there;
+    with or without the pulls."""
     rows, run = [], 0
     for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):
         target = float(row["target"])

@@ -17,7 +17,7 @@ better than before, no more than a tenth of the readings is put aside, and the s
 (`proof/real/checks.py`). *No* stays
 in the table. Of the ecmc reports only the reversal was asked for at first; the mean deviation, which their author prints too, was added to what
 is right when the tool had named it.
-"""
+"""  # noqa: E501
 
 
 def number(value: float | None) -> str:
@@ -53,12 +53,32 @@ def row(r: dict[str, Any]) -> str:
     verdict = "yes" if r["verdict"] else "**no**: " + "; ".join(r["reasons"])
     if r["note"]:
         verdict += f". {r['note'][0].upper()}{r['note'][1:]}"
-    cells = [r["title"], f"{r['whom']}; {r['licence']}", r["known"], r["concealed"], said, held, number(r["floor"]), words(r["second"]), verdict]  # fmt: skip
+    cells = [
+        r["title"],
+        f"{r['whom']}; {r['licence']}",
+        r["known"],
+        r["concealed"],
+        said,
+        held,
+        number(r["floor"]),
+        words(r["second"]),
+        verdict,
+    ]
     return "| " + " | ".join(c.replace("|", "/") for c in cells) + " |"
 
 
 def table(results: list[dict[str, Any]]) -> str:
-    titles = ["recording", "from; licence", "known", "model without it", "gcomp said", "held out before -> after, um rms", "noise", "second run", "found"]  # fmt: skip
+    titles = [
+        "recording",
+        "from; licence",
+        "known",
+        "model without it",
+        "gcomp said",
+        "held out before -> after, um rms",
+        "noise",
+        "second run",
+        "found",
+    ]
     lines = ["| " + " | ".join(titles) + " |", "|" + " --- |" * len(titles)]
     return "\n".join([*lines, *(row(r) for r in results)])
 
@@ -81,7 +101,8 @@ def page(results: list[dict[str, Any]]) -> str:
 
 
 def put_in(document: str, section: str) -> str:
-    """The section between its marks; before "How the effect is concealed" where there are none yet."""
+    """The section between its marks; before "How the effect is concealed" where there are none
+    yet."""
     if BEGIN in document:
         head, rest = document.split(BEGIN, 1)
         return head + section.rstrip("\n") + rest.split(END, 1)[1]
@@ -97,4 +118,4 @@ LIMITS = """
 means: as the authors have it, or as their own numbers have it by simple arithmetic. The two grinder rows and their null compare a table with itself: they
 show that the term is named when it is taken out and nothing when it is not, no more. Squareness, cyclic errors, heat and tool wear are not in the
 table: no recording of them was found that may be passed on and is small enough to be checked by eye.
-"""
+"""  # noqa: E501

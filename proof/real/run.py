@@ -32,9 +32,8 @@ class Result:
     others: list[str]
     equivalents: list[str]
     size: str
-    about_mean: (
-        float | None
-    )  # um rms of the held-out readings about their mean, from the readings alone
+    # um rms of the held-out readings about their mean, from the readings alone
+    about_mean: float | None
     before: float | None
     after: float | None
     floor: float | None
@@ -87,7 +86,8 @@ def diagnose(job: Job, machine: Path, folder: Path, step: int) -> dict[str, Any]
     ]
     gcomp(*call)
     answer = json.loads((folder / files["--json"]).read_text(encoding="utf-8"))
-    # What is not told apart, or does not foretell targets between, is written only when it is asked for: here it is.
+    # What is not told apart, or does not foretell targets between, is written only when it is asked
+    # for: here it is.
     names = [
         f"{e['effect']}:{e['axis'] or ''}" for e in answer["effects"] if e["status"] == "accepted"
     ]
@@ -142,7 +142,21 @@ def run(case: Case, folder: Path) -> Result | None:
         answer = diagnose(job, job.machine, folder, 1)
         again = diagnose(job, folder / "machine1", folder, 2)
     except Refused as e:
-        return Result(**told, first="", others=[], equivalents=[], size="", about_mean=None, before=None, after=None, floor=None, second=[], unknown=False, verdict=False, reasons=[f"refused: {e}"])  # fmt: skip
+        return Result(
+            **told,
+            first="",
+            others=[],
+            equivalents=[],
+            size="",
+            about_mean=None,
+            before=None,
+            after=None,
+            floor=None,
+            second=[],
+            unknown=False,
+            verdict=False,
+            reasons=[f"refused: {e}"],
+        )
     rows = checks.residual_rows(folder / "residuals1.csv")
     reach = far("X", folder / "machine1", folder) if case.name.endswith("-travel") else 0.0
     found = checks.accepted(answer)

@@ -1,1 +1,2 @@
-"""The thesis' tables as an experiment: recordings, the machine without its tables, and what is diagnosed from them."""
+"""The thesis' tables as an experiment: recordings, the machine without its tables, and what is
+diagnosed from them."""

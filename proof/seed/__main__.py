@@ -1,8 +1,10 @@
-"""The worked story: from the thesis' tables to the named suspects of its unexplained rest, and what the data can not decide.
+"""The worked story: from the thesis' tables to the named suspects of its unexplained rest, and what
+the data can not decide.
 
     python -m proof.seed [-o FOLDER] [--no-figures]
 
-Writes the tables as recordings, diagnoses them against machines without tables, prints the story, draws three figures.
+Writes the tables as recordings, diagnoses them against machines without tables, prints the story,
+draws three figures.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.diagnose.answer import Diagnosis
-from postproc.pages.style import LIGHT
+from postproc.style import LIGHT
 from proof.seed.experiment import X, Z, table
 from proof.seed.suspects import column, sizes
 

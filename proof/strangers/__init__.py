@@ -7,9 +7,9 @@ steps are seen by both; laser, delay and clock errors are put into the reading o
 of an angle is the rotation vector along `sensitive` (keys X, Y, Z).  Parts are cut where the
 map is zero; they have no free zero.  See the module docstrings for sources.
 
-Families of kinds: open, held (drawn in sealed trials, known by name from one), fresh (numbered).
-Who works on the tool that is judged runs no case of the fresh family, and reads neither the
-modules fresh_*.py nor their tests.
+Families of kinds: open, held (drawn in sealed trials, known by name from one), fresh (numbered;
+opened by a trial), sealed (numbered; no run has used it).  Who works on the tool that is judged
+runs no case of the last one, and reads neither the modules sealed_*.py nor their tests.
 """
 
 from .base import Case

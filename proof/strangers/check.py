@@ -114,4 +114,4 @@ def check(count: int = 5) -> None:
                 seen, total = seen + sum(t["visible"] for t in c.truth), total + len(c.truth)
             spent = (time.time() - t0) / count
             assert make("check", tier, 0, family) == make("check", tier, 0, family)
-            print(f"{family:5s} {tier:12s} visible {seen}/{total}  {spent:.2f} s each")
+            print(f"{family:6s} {tier:12s} visible {seen}/{total}  {spent:.2f} s each")

@@ -14,9 +14,8 @@ import numpy as np
 from .base import Array, Rec, Rng, logu, pick
 from .machines import Machine
 
-ORDERS: dict[
-    str, Callable[[Array, int, float], list[tuple[float, int]]]
-] = {}  # orders filed elsewhere
+# orders filed elsewhere
+ORDERS: dict[str, Callable[[Array, int, float], list[tuple[float, int]]]] = {}
 
 
 def header_meta(m: Machine, **kw: object) -> dict:

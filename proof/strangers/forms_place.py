@@ -318,9 +318,9 @@ def _wear(kind: str, family: str) -> None:
             y = {
                 "linear": s,
                 "taylor": s**0.6,
-                "three_stage": 0.3 * (1 - np.exp(-s / 0.08))
-                + 0.4 * s
-                + 0.6 * np.maximum(s - 0.7, 0),
+                "three_stage": (
+                    0.3 * (1 - np.exp(-s / 0.08)) + 0.4 * s + 0.6 * np.maximum(s - 0.7, 0)
+                ),
                 "chipping": s + 0.5 * (k >= 2),
             }[kind]
             return Part(reading=-2 * a * y * q.meta["radial"])

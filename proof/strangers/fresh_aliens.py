@@ -1,7 +1,9 @@
-"""Physics without a name in the contract, fresh family.  Do not read while working on the judged tool.
+"""Physics without a name in the contract, fresh family.  Do not read while working on the judged
+tool.
 
-Sources: Slocum 1992 (carriages, way lubrication, preload), Rivin 2003 (rocking on elastic mounts), Ohta 1999
-(passage of balls in linear bearings), Bryan 1990 and Mayr et al. 2012 (local heat of what moves).
+Sources: Slocum 1992 (carriages, way lubrication, preload), Rivin 2003 (rocking on elastic mounts),
+Ohta 1999 (passage of balls in linear bearings), Bryan 1990 and Mayr et al. 2012 (local heat of what
+moves).
 """
 
 from __future__ import annotations
@@ -36,7 +38,8 @@ def seen_across(w: World, r: Rng, ax: int) -> Array:
 
 @alien
 def yaw_play(w: World, r: Rng, ax: int) -> Shape:
-    """A carriage with play about its vertical: it flips at a reversal, by a lever on another axis."""
+    """A carriage with play about its vertical: it flips at a reversal, by a lever on another
+    axis."""
     to, c, d = other(w, r, ax), r.uniform(0.2, 0.8), sensed(w, r)
     x0 = logu(r, 0.1, 5)
 
@@ -51,7 +54,8 @@ def yaw_play(w: World, r: Rng, ax: int) -> Shape:
 
 @alien
 def sway(w: World, r: Rng, ax: int) -> Shape:
-    """A building or an elastic footing rocks with two tones; nothing at the pivot, opposite beyond."""
+    """A building or an elastic footing rocks with two tones; nothing at the pivot, opposite
+    beyond."""
     span = max(float(np.ptp(pick(r, w.recs).t)), 1.0)
     p = span / r.uniform(4, 20)
     p2, ph, c, d = (
@@ -70,7 +74,8 @@ def sway(w: World, r: Rng, ax: int) -> Shape:
 
 @alien
 def lubricator(w: World, r: Rng, ax: int) -> Shape:
-    """Impulse lubrication: a shot every so often lifts the slide, the way it goes wipes the film off."""
+    """Impulse lubrication: a shot every so often lifts the slide, the way it goes wipes the film
+    off."""
     q0 = pick(r, w.recs)
     every = max(float(np.ptp(q0.t)), 1.0) * r.uniform(0.08, 0.3)
     ph, d = r.uniform(0, 1), seen_across(w, r, ax)
@@ -87,7 +92,8 @@ def lubricator(w: World, r: Rng, ax: int) -> Shape:
 
 @alien
 def ball_cage(w: World, r: Rng, ax: int) -> Shape:
-    """Balls pass the load zone with a period that is not the lead's; each reversal shifts their phase."""
+    """Balls pass the load zone with a period that is not the lead's; each reversal shifts their
+    phase."""
     p, key = w.machine.lead[ax] * r.uniform(1.6, 2.7), int(r.integers(2**62))
     phase = np.random.default_rng(key).uniform(0, 2 * np.pi, 4000)
     size = np.random.default_rng(key + 1).uniform(0.4, 1.0, 4000)

@@ -1,7 +1,7 @@
 """Target designs of the fresh family.  Do not read while working on the judged tool.
 
-Halving: ends, middle, quarters ... (van der Corput 1935), every second run in the mirrored order, so
-that place and time hardly go together (Cox 1951, designs in the presence of trend).  Home: the
+Halving: ends, middle, quarters ... (van der Corput 1935), every second run in the mirrored order,
+so that place and time hardly go together (Cox 1951, designs in the presence of trend).  Home: the
 first target is read again between all others, as drift is checked in comparisons (NIST, Croarkin
 1984).  Area: parallel lines over a plane against a long plane mirror, to and fro (Zhang, Ouyang
 and Lu 1988, lines for volumetric errors; Bobroff 1993).

@@ -1,8 +1,9 @@
 """Friction and lost motion of the fresh family.  Do not read while working on the judged tool.
 
-Signs and what sees what as in forms_motion.  Sources: Bouc 1967 and Wen 1976 (hysteresis), Tustin 1947
-(friction falling with speed), Eyring 1936 (shear of a film), Rabinowicz 1958 (stick-slip fading with
-speed), Tarng, Kao and Lin 1997 (quadrant glitches), Armstrong-Helouvry, Dupont and Canudas de Wit 1994.
+Signs and what sees what as in forms_motion.  Sources: Bouc 1967 and Wen 1976 (hysteresis), Tustin
+1947 (friction falling with speed), Eyring 1936 (shear of a film), Rabinowicz 1958 (stick-slip
+fading with speed), Tarng, Kao and Lin 1997 (quadrant glitches), Armstrong-Helouvry, Dupont and
+Canudas de Wit 1994.
 """
 
 from __future__ import annotations

@@ -3,14 +3,14 @@
 Fast: fresh-1 mixture of two normals whose exceedances come with speed (Tukey 1960; Huber 1964),
 fresh-2 nonsubtractive triangular dither and rounding (Lipshitz, Wannamaker and Vanderkooy 1992:
 total error variance Q^2/4), fresh-3 skewed contact noise (gamma; a dirty or rough contact reads to
-one side), fresh-4 fractionally integrated white noise, power law 1/f^(2d) with 2d < 1 (Hosking 1981;
-Kasdin 1995).
+one side), fresh-4 fractionally integrated white noise, power law 1/f^(2d) with 2d < 1 (Hosking
+1981; Kasdin 1995).
 Slow: fresh-5 fractional Brownian motion, power law 1/f^(2H+1) (Mandelbrot and Van Ness 1968; the
-Allan variance of a power law grows with the 2H-th power of the averaging time), fresh-6 turbulence of
-the air along a beam, variance growing with the path (Estler 1985; Bobroff 1993), fresh-7 switching
-between two states of which one is rare (Machlup 1954), fresh-8 the day's cycle of a room nobody
-recorded, with its half (ISO/TR 16015; ISO 230-3, environmental test), fresh-9 a new seat at every run
-(thread or cup of a ballbar, a mirror's kinematic seat).
+Allan variance of a power law grows with the 2H-th power of the averaging time), fresh-6 turbulence
+of the air along a beam, variance growing with the path (Estler 1985; Bobroff 1993), fresh-7
+switching between two states of which one is rare (Machlup 1954), fresh-8 the day's cycle of a room
+nobody recorded, with its half (ISO/TR 16015; ISO 230-3, environmental test), fresh-9 a new seat at
+every run (thread or cup of a ballbar, a mirror's kinematic seat).
 fresh-0: captures or stretches that are missing (a broken beam, a lost radio link).
 
 Every kind tells the oracle its exact second moments.

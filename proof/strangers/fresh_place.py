@@ -1,8 +1,8 @@
 """Forms of place, load and tool of the fresh family.  Do not read while working on the judged tool.
 
-Conventions as in forms_place.  Sources: Schwenke et al. 2008 (CIRP Annals 57/2), Slocum 1992 (Precision
-Machine Design: racks, rails, beams), Heydemann 1981 (quadrature signals), Roark (beam under a load
-that travels), ISO 230-1:2012 (squareness), Usui 1984 and ISO 3685 (wear).
+Conventions as in forms_place.  Sources: Schwenke et al. 2008 (CIRP Annals 57/2), Slocum 1992
+(Precision Machine Design: racks, rails, beams), Heydemann 1981 (quadrature signals), Roark (beam
+under a load that travels), ISO 230-1:2012 (squareness), Usui 1984 and ISO 3685 (wear).
 """
 
 from __future__ import annotations
@@ -84,7 +84,8 @@ def wobbling_screw(w: World, r: Rng, ax: int) -> Shape:
 
 @fresh("encoder_cyclic")
 def quadrature(w: World, r: Rng, ax: int) -> Shape:
-    """Offsets, unequal gain and phase of the two signals of the axis's own scale (Heydemann 1981)."""
+    """Offsets, unequal gain and phase of the two signals of the axis's own scale (Heydemann
+    1981)."""
     p = float(pick(r, [0.02, 0.04, 0.1, 0.2, 0.5, 1.0, 2.0]))
     o1, o2, g, e = r.uniform(-0.15, 0.15, 4)
 
@@ -174,7 +175,8 @@ def rail_joint(w: World, r: Rng, ax: int) -> Shape:
 
 @fresh("sag")
 def cross_rail(w: World, r: Rng, ax: int) -> Shape:
-    """Rail clamped at both ends under a saddle that travels: cube of s(1 - s), at the load (Roark)."""
+    """Rail clamped at both ends under a saddle that travels: cube of s(1 - s), at the load
+    (Roark)."""
     to = across(w, r, ax)
     return tool_only(
         to, lambda q: -64 * (unit_place(w, ax, q) * (1 - unit_place(w, ax, q))) ** 3, axis=AX[ax]

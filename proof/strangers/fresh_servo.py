@@ -1,4 +1,5 @@
-"""Servo, vibration and lost steps of the fresh family.  Do not read while working on the judged tool.
+"""Servo, vibration and lost steps of the fresh family.  Do not read while working on the judged
+tool.
 
 Signs as in forms_motion.  Sources: Altintas 2012 (Manufacturing Automation: drives with dead time,
 flexible drives), Koren 1980 (cross-coupled axes), ISO 230-8 (vibration of pumps and compressors).
@@ -97,7 +98,8 @@ def pump(w: World, r: Rng, ax: int) -> Shape | None:
 
 @fresh("step_loss")
 def slipping(w: World, r: Rng, ax: int) -> Shape:
-    """A loss that takes three slips in short succession (a belt that skips, a motor that falls out)."""
+    """A loss that takes three slips in short succession (a belt that skips, a motor that falls
+    out)."""
     q0, sign = pick(r, w.recs), pick(r, [-1.0, 1.0])
     span = float(np.ptp(q0.t))
     t0 = float(r.uniform(q0.t[0] + 0.15 * span, q0.t[-1] - 0.2 * span))

@@ -1,8 +1,9 @@
-"""Heat, drift, spindle and instrument of the fresh family.  Do not read while working on the judged tool.
+"""Heat, drift, spindle and instrument of the fresh family.  Do not read while working on the judged
+tool.
 
-Conventions as in forms_time.  Sources: Bryan 1990, Ramesh, Mannan and Poo 2000, Mayr et al. 2012 (thermal
-errors), Carslaw and Jaeger 1959 (fins, rods, half-spaces), Birch and Downs 1994 (water vapour in
-the refractive index), Bobroff 1993 (beam paths and optics), ISO 230-3.
+Conventions as in forms_time.  Sources: Bryan 1990, Ramesh, Mannan and Poo 2000, Mayr et al. 2012
+(thermal errors), Carslaw and Jaeger 1959 (fins, rods, half-spaces), Birch and Downs 1994 (water
+vapour in the refractive index), Bobroff 1993 (beam paths and optics), ISO 230-3.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from .world import World, lowpass, slow_ou
 
 @fresh("screw_heat")
 def bearing_fin(w: World, r: Rng, ax: int) -> Shape:
-    """Heat of the fixed bearing that dies away along the screw as in a fin, beside a share all along."""
+    """Heat of the fixed bearing that dies away along the screw as in a fin, beside a share all
+    along."""
     lo, hi = w.machine.travel[ax]
     flip, fin, share = r.random() < 0.5, r.uniform(0.15, 0.6) * (hi - lo) + 40, r.uniform(0.2, 0.6)
 
@@ -116,7 +118,8 @@ for _e, _k in (("laser_air", "held"), ("laser_air", "layered"), ("dead_path", "v
 
 @fresh("cosine")
 def nudged(w: World, r: Rng, ax: int) -> Shape | None:
-    """A beam that is set anew for each run and never quite right: short by another amount each time."""
+    """A beam that is set anew for each run and never quite right: short by another amount each
+    time."""
     mine = lasers(w, ax)
     if not mine:
         return None

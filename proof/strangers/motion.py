@@ -47,7 +47,7 @@ def trace(
     use = list(r.permutation(m.axes))
     ax = int(use[0])
     at = inside(m, r, 0.35, 0.6)
-    room = {a: (m.travel[a][1] - m.travel[a][0]) for a in m.axes}
+    room = {a: m.travel[a][1] - m.travel[a][0] for a in m.axes}
     feed = float(o.get("feed", logu(r, 20, 300) if kind == "creep" else logu(r, 200, 6000)))
     v, acc = feed / 60, m.amax * r.uniform(0.2, 0.8)
     pos = np.tile(at, (n, 1))

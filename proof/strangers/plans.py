@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import fresh_designs
+from . import fresh_designs, sealed_designs
 from .base import AX, Rec, Rng, pick
 from .designs import ballbar, diagonal, features, inside, targets
 from .machines import Machine, draw_machine
@@ -55,12 +55,15 @@ def experiment(
 ) -> tuple[Machine, list[Rec], dict, str]:
     """Machine, files in order of time, drivers asked for, and the plan's name."""
     plan = pick(r, PLANS.get(suspect, ["laser", "long", "mix", "trace_tool", "straight", "diag"]))
-    held, fresh = family == "held", family == "fresh"
+    held = family == "held"
+    draw = {"fresh": fresh_designs.draw, "sealed": sealed_designs.draw}.get(family)
     if (held and plan == "diag") or (masked and plan in ("features", "trace_scale")):
         plan = "diag" if plan == "diag" else "laser"
     kind = None
     if plan == "features":
         kind = pick(r, ["mill", "router"])
+    if family == "sealed":
+        kind = sealed_designs.machine_kind(r, kind)
     m = draw_machine(r, masked, kind, flat=plan == "features")
     drivers = {
         "load": suspect == "force_compliance" or r.random() < 0.15,
@@ -70,7 +73,7 @@ def experiment(
     }
     t, recs = float(np.round(r.uniform(0, 60), 1)), []
     for i, kind in enumerate(files(r, plan)):
-        made = fresh_designs.draw(r, m, kind, t, f"r{i + 1}") if fresh else None
+        made = draw(r, m, kind, t, f"r{i + 1}") if draw else None
         recs.append(made or one(r, m, kind, t, f"r{i + 1}", held, plan))
         t = float(recs[-1].t[-1]) + pick(r, [120.0, 600.0, 1800.0, 5400.0]) * r.uniform(0.7, 1.5)
         t = float(np.round(t, 1))

@@ -1,9 +1,9 @@
 """Register of textbook forms: effect name -> list of (form, family, function).
 
-Three families of kinds: "open" to development; "held" back from it, until a trial has shown them;
-"fresh", which no run has used.  A case draws from its own family and from the open one.  Forms,
-noises and aliens of the fresh family bear numbers for names, so that the page of a trial does not
-give away what they are.
+Four families of kinds: "open" to development; "held" back from it, until a trial has shown them;
+"fresh", whose cases were looked at after a trial; "sealed", which no run has used.  A case draws
+from its own family and from the open one.  Forms, noises and aliens of the last two bear numbers
+for names, so that the page of a trial does not give away what they are.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from .world import World
 
 Form = Callable[[World, Rng, int], "Shape | None"]
 FORMS: dict[str, list[tuple[str, str, Form]]] = {}
-FAMILIES = ("open", "held", "fresh")
+FAMILIES = ("open", "held", "fresh", "sealed")
+NUMBERED = ("fresh", "sealed")  # families whose kinds bear numbers
 
 
 def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
@@ -32,8 +33,18 @@ def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]
 
 def fresh(effect: str) -> Callable[[Form], Form]:
     """Decorator that files a form of the fresh family under its effect, numbered."""
-    mine = sum(family == "fresh" for _, family, _ in FORMS.get(effect, []))
-    return form(effect, f"fresh-{mine + 1}", "fresh")
+    return numbered(effect, "fresh")
+
+
+def sealed(effect: str) -> Callable[[Form], Form]:
+    """Decorator that files a form of the sealed family under its effect, numbered."""
+    return numbered(effect, "sealed")
+
+
+def numbered(effect: str, family: str) -> Callable[[Form], Form]:
+    """Decorator that files a form under its effect by the next number of its family."""
+    mine = sum(f == family for _, f, _ in FORMS.get(effect, []))
+    return form(effect, f"{family}-{mine + 1}", family)
 
 
 def allowed(effect: str, family: str) -> list[tuple[str, str, Form]]:

@@ -19,13 +19,19 @@ from . import (  # noqa: F401
     fresh_place,
     fresh_servo,
     fresh_time,
+    sealed_aliens,
+    sealed_motion,
+    sealed_noise,
+    sealed_place,
+    sealed_servo,
+    sealed_time,
 )
 from .base import AX, Array, Case, Part, Rec, Rng, Shape, digest, logu, observe, pick, stream
 from .machines import draw_map_error, map_error, stated
 from .noise import LATER, Noise, draw_noise
 from .oracle import Oracle, alone
 from .plans import EFFECTS, blind, experiment
-from .registry import FAMILIES, FORMS, allowed
+from .registry import FAMILIES, FORMS, NUMBERED, allowed
 from .world import World, draw_world
 from .write import machine_files, recording
 
@@ -130,9 +136,8 @@ def draw_effect(
     if kinds:
         forms = [f for f in forms if f[0] in kinds] or forms
     own = [f for f in forms if f[1] != "open"]
-    if (
-        own and w.family == "fresh" and len(own) < len(forms)
-    ):  # two of three: what an effect usually is stays in
+    # two of three: what an effect usually is stays in
+    if own and w.family in NUMBERED and len(own) < len(forms):
         own = pick(r, [own, own, [f for f in forms if f not in own]])
     name, family, fn = pick(r, own or forms)
     live = sorted({a for q in recs for a in q.moving}) or w.machine.axes
@@ -226,8 +231,13 @@ def plan_names(r: Rng, tier: str, suspect: str, family: str) -> list[list[str]]:
         return [[suspect] * 8 + [str(x) for x in r.permutation(sorted(HIDDEN) * 3)]]
     if tier == "alien":
         names = [n for n in FORMS if n.startswith("alien:")]
-        early, held, fresh = ([n for n in names if FORMS[n][0][1] == f] for f in FAMILIES)
-        pools = {"open": [early], "held": [held, held, early], "fresh": [fresh]}[family]
+        early, held, fresh, last = ([n for n in names if FORMS[n][0][1] == f] for f in FAMILIES)
+        pools = {
+            "open": [early],
+            "held": [held, held, early],
+            "fresh": [fresh],
+            "sealed": [last],
+        }[family]
         return [[pick(r, pick(r, pools)) for _ in range(25)]]
     count = 2 if tier == "pair" else 3
     if r.random() < 0.5:
@@ -342,8 +352,9 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
         "map_factor": round(factor, 2),
         "hidden": sorted(hidden),
         "files": {
-            q.name: q.kind
-            + (":" + str(q.meta.get("sees") or q.meta.get("quantity") or "")).rstrip(":")
+            q.name: (
+                q.kind + (":" + str(q.meta.get("sees") or q.meta.get("quantity") or "")).rstrip(":")
+            )
             for q in recs + follow
         },
         "targets": int(sum(len(np.unique(q.pos, axis=0)) for q in recs if q.kind == "targets")),
@@ -380,9 +391,10 @@ def hide_blind(r: Rng, w: World, recs: list[Rec], suspects: list[str], ax: int) 
             "cyclic": {"pure", "harmonics"},
         }.get(name)
         h = draw_effect(r, w, recs, name, logu(r, 3, 16), ax, kinds)
-        # fresh family: but for circles in one sense, which show two suspects alike, the test sees nothing
+        # numbered families: but for circles in one sense, which show two suspects alike, the test
+        # sees nothing
         seen = (
-            w.family == "fresh"
+            w.family in NUMBERED
             and len(suspects) != 2
             and h is not None
             and peak_of(h.mu[:1], recs[:1]) > 0.2

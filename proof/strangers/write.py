@@ -20,7 +20,7 @@ def machine_files(m: Machine) -> dict[str, str]:
         f'control = "{m.control}"',
         f'chain = "{m.chain}"',
     ]
-    if m.kind in ("lathe", "grinder"):
+    if "lathe" in m.kind or m.kind == "grinder":
         rows.append('diameter = ["X"]')
     rows += [f'source = "calibration report; {u}"', ""]
     files: dict[str, str] = {}

@@ -1,10 +1,11 @@
 """What streaming promises, on a real GRBL 1.1h image, judged by the step pulses of its motors.
 
     python -m proof.streaming whole          12 programs, whole
-    python -m proof.streaming interrupted    each of them, interrupted in seven ways at random lines,
-                                             and begun again
+    python -m proof.streaming interrupted    each of them, interrupted in seven ways at random
+                                             lines, and begun again
     python -m proof.streaming faults         100 schedules of faults on the wire and at the machine
-    python -m proof.streaming short          20 clean jobs of pieces of 0.1 to 1 mm at F1000 to F5000
+    python -m proof.streaming short          20 clean jobs of pieces of 0.1 to 1 mm at F1000 to
+                                             F5000
 
 Needs ../shared/receivers and as many seconds as the machine would (10 to 40 a job). A job in which
 the simulator could not keep up with the clock is made again. Exit status 1 where something was not
@@ -80,8 +81,10 @@ def main() -> int:
         if not row.right or not row.verdict:
             print(f"    {row.said}")
         sys.stdout.flush()
-    print(f"{sum(ends.values())} jobs, exit statuses {dict(ends)}; twice {max(twice, default=0)} motions; "
-          f"done and aside, mm: {sorted(unseen)}; wrong {len(wrong)}: {wrong}")  # fmt: skip
+    print(
+        f"{sum(ends.values())} jobs, exit statuses {dict(ends)}; twice {max(twice, default=0)}"
+        f" motions; done and aside, mm: {sorted(unseen)}; wrong {len(wrong)}: {wrong}"
+    )
     return bool(wrong)
 
 

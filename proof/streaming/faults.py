@@ -26,8 +26,13 @@ RATE = 5000.0  # mm/min: the fastest that the machine moves ($110)
 UNSEEN = RATE / 60 * Limits.watch / 2
 WAITS = 8.0  # s that a person lets a machine hold
 JOBS = (
-    programs.zigzag, programs.fine, programs.fast, programs.surface, programs.inch, programs.no_block,
-)  # fmt: skip
+    programs.zigzag,
+    programs.fine,
+    programs.fast,
+    programs.surface,
+    programs.inch,
+    programs.no_block,
+)
 Fault = tuple[str, tuple[str, ...], Callable[[RealGrbl, random.Random], None], bool]
 
 
@@ -111,7 +116,10 @@ def schedule(seed: int) -> Row:
             slow = real.behind
     way = Way(program, ZERO)
     status = process.returncode
-    what = f"{program.name}: {', '.join([*names, *went_on])}{' ' + ' '.join(latency) if latency else ''}"
+    what = (
+        f"{program.name}:"
+        f" {', '.join([*names, *went_on])}{' ' + ' '.join(latency) if latency else ''}"
+    )
     verdict = judged(way, steps, np.zeros((0, 3)))
     right = verdict.right(0)
     if status == 0 and not right:
@@ -124,11 +132,15 @@ def schedule(seed: int) -> Row:
 
 
 def _odd(place: Path, program: programs.Program) -> str:
-    """What the controller has received that is no line of the program: a feed that lost a digit, say."""
+    """What the controller has received that is no line of the program: a feed that lost a digit,
+    say."""
     received = (place / "rx.bin").read_bytes().decode("latin-1")
     wanted = set(program.text.split("\n"))
     rows = [re.sub(r"[?!~]", "", row).strip() for row in received.split("\n")]
-    return f"it has not ended; received and not sent: {[row for row in rows if row not in wanted][-8:]}"
+    return (
+        "it has not ended; received and not sent:"
+        f" {[row for row in rows if row not in wanted][-8:]}"
+    )
 
 
 def _do(real: RealGrbl, place: Path, r: random.Random, names: list[str], process) -> None:

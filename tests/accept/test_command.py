@@ -1,4 +1,5 @@
-"""`gcomp accept` as a user meets it: the whole loop by commands, the thesis' own case, and what is refused."""
+"""`gcomp accept` as a user meets it: the whole loop by commands, the thesis' own case, and what is
+refused."""
 
 from __future__ import annotations
 
@@ -23,9 +24,6 @@ from tests.pages import drawn
 
 ROOT = Path(__file__).resolve().parents[2]
 THESIS = ROOT / "machines" / "studer-s36-thesis"
-needs_seed = pytest.mark.skipif(
-    not SEED.is_dir(), reason="the measured tables are not beside the project"
-)
 
 
 def gcomp(*words) -> int:
@@ -34,7 +32,8 @@ def gcomp(*words) -> int:
 
 @pytest.fixture
 def loop(tmp_path, monkeypatch):
-    """The grinder's Z and its diagonal, measured by the simulator before and after a correction by its own map."""
+    """The grinder's Z and its diagonal, measured by the simulator before and after a correction by
+    its own map."""
     monkeypatch.chdir(ROOT)
 
     def made(map_, *flags):
@@ -117,7 +116,8 @@ def test_the_loop_closes(loop, capsys):
 
 
 def test_a_map_with_its_sign_turned_is_named_and_called_the_maps(loop, capsys):
-    """All of Z.csv negated, as a table of corrections would be: what the map says was taken out, and there is twice as much."""
+    """All of Z.csv negated, as a table of corrections would be: what the map says was taken out,
+    and there is twice as much."""
     made, place = loop
     bad = place / "turned"
     bad.mkdir()
@@ -139,7 +139,8 @@ def test_a_map_with_its_sign_turned_is_named_and_called_the_maps(loop, capsys):
 
 
 def thesis_diagonal(columns: str) -> Recording:
-    """What the thesis' model leaves on its diagonal, table 6.3's commands as printed: actual - nominal, along it."""
+    """What the thesis' model leaves on its diagonal, table 6.3's commands as printed: actual -
+    nominal, along it."""
     machine = read_machine(THESIS)
     with open(SEED / "table_6_3_compensated_diagonal.csv", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -158,18 +159,22 @@ def thesis_diagonal(columns: str) -> Recording:
         parts.append(unit @ (actual - nominal) * 1e3)
     n = len(rows)
     table = {
-        "run": np.ones(2 * n), "X_mm": np.tile(nominal[0], 2), "Z_mm": np.tile(nominal[1], 2),
-        "approach_X": np.repeat([1.0, -1.0], n), "approach_Z": np.repeat([1.0, -1.0], n), "reading_um": np.concatenate(parts),
-    }  # fmt: skip
+        "run": np.ones(2 * n),
+        "X_mm": np.tile(nominal[0], 2),
+        "Z_mm": np.tile(nominal[1], 2),
+        "approach_X": np.repeat([1.0, -1.0], n),
+        "approach_Z": np.repeat([1.0, -1.0], n),
+        "reading_um": np.concatenate(parts),
+    }
     head = {"quantity": "displacement", "sensitive": {"X": float(unit[0]), "Z": float(unit[1])}}
     return Recording("targets", head, table, f"{columns or 'none'}.csv", np.arange(2 * n))
 
 
-@needs_seed
 def test_the_thesis_diagonal_as_far_as_its_tables_carry_it():
-    """Figure 6.16 by table 6.3: without compensation the model has a range E of 85.8 um (machines/studer-s36/README.md), the
-    positional compensation leaves nearly all of it ("very little effect", figure 6.14), the geometric one what the
-    printed digits leave. The thesis measured 29.5 um and about 70 % less: its tables explain no more than that."""
+    """Figure 6.16 by table 6.3: without compensation the model has a range E of 85.8 um
+    (machines/studer-s36/README.md), the positional compensation leaves nearly all of it ("very
+    little effect", figure 6.14), the geometric one what the printed digits leave. The thesis
+    measured 29.5 um and about 70 % less: its tables explain no more than that."""
     machine = read_machine(THESIS)
     found = {}
     for kind in ("pos", "geo"):
@@ -186,8 +191,9 @@ def test_the_thesis_diagonal_as_far_as_its_tables_carry_it():
 
 
 def test_the_seventy_percent_and_the_milling_machine():
-    """Chapter 6.3: 29.5 um are left and about 70 % removed, so about 98 um were there; table 7.1: X 42.7 to 9.14 um, Y
-    22.26 to 3.8 um. U of the ratio by hand: hypot(3 / 98.3, 29.5 * 5 / 98.3^2) = 0.0342."""
+    """Chapter 6.3: 29.5 um are left and about 70 % removed, so about 98 um were there; table 7.1: X
+    42.7 to 9.14 um, Y 22.26 to 3.8 um. U of the ratio by hand: hypot(3 / 98.3, 29.5 * 5 / 98.3^2) =
+    0.0342."""
     for before, after, less in ((98.3, 29.5, 0.700), (42.7, 9.14, 0.786), (22.26, 3.8, 0.829)):
         change = judge._change(Parameter("A", before * 1e-3, ""), Parameter("A", after * 1e-3, ""))
         assert change.reduction == approx(less, abs=5e-4) and change.U is None
@@ -195,7 +201,7 @@ def test_the_seventy_percent_and_the_milling_machine():
     assert known.U == approx(0.0342, abs=1e-4)
 
 
-# -- what is refused -----------------------------------------------------------------------------------------------------
+# -- what is refused -------------------------------------------------------------------------------
 
 
 def files(place: Path, *changes) -> list[str]:
@@ -281,7 +287,8 @@ def test_page_and_json_to_one_file_are_refused(tmp_path, capsys):
 
 
 def test_another_direction_is_no_uncorrected_machine(loop, capsys):
-    """A diagonal read along another line than before, against commanded places, looked as if nothing had happened."""
+    """A diagonal read along another line than before, against commanded places, looked as if
+    nothing had happened."""
     made, place = loop
     assert made("studer-s36") == 0
     words = (
@@ -300,3 +307,20 @@ def test_another_direction_is_no_uncorrected_machine(loop, capsys):
         "its readings are along X+0.3011 Z+0.9536, and those before along X+0.3162"
         in capsys.readouterr().err
     )
+
+
+def test_the_shipped_recordings_are_the_simulators_and_are_accepted(tmp_path, monkeypatch, capsys):
+    """before_z.csv and after_z.csv of sample_recordings, byte for byte by their README's lines."""
+    monkeypatch.chdir(tmp_path)
+    simulate = ("simulate", "--machine", "studer-s36", "--noise", "0.2", "--quiet")
+    test = ("--test", "positioning:Z,runs=3", "--seed", "5", "--program-out", "z.nc")
+    assert gcomp(*simulate, *test, "-o", "before_z.csv") == 0
+    correct = ("z.nc", "--machine", "studer-s36", "--outside", "clamp", "--quiet")
+    assert gcomp(*correct, "-o", "z_corrected.nc") == 0
+    again = ("z_corrected.nc", "--nominal", "z.nc", "--seed", "6", "--instrument", "laser")
+    assert gcomp(*simulate, *again, "-o", "after_z.csv") == 0
+    names = [ROOT / "sample_recordings" / name for name in ("before_z.csv", "after_z.csv")]
+    for name in names:
+        assert Path(name.name).read_bytes() == name.read_bytes()
+    assert gcomp("accept", *names, "--machine", "studer-s36") == 0
+    assert "all signs that can be told are right (3 of 3)" in capsys.readouterr().out

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from postproc.accept import judge, pairing, report, signs
+from postproc.accept import Outcome, Ratio, judge, pairing, report, signs
 from postproc.iso import Options
+from postproc.pages import accepted
 from tests.calibrate.simulation import Slide, recording, two_axes
 
 REST = {"X": 80.0, "Z": 200.0}
@@ -22,13 +23,18 @@ def machine(rng) -> dict[str, Slide]:
     """Without angles, so that what each component leaves is known by hand."""
     axes = two_axes(rng)
     return {
-        x: replace(a, forward={n: v for n, v in a.forward.items() if n in TRANSLATIONS}, reverse={n: v for n, v in a.reverse.items() if n in TRANSLATIONS})
+        x: replace(
+            a,
+            forward={n: v for n, v in a.forward.items() if n in TRANSLATIONS},
+            reverse={n: v for n, v in a.reverse.items() if n in TRANSLATIONS},
+        )
         for x, a in axes.items()
-    }  # fmt: skip
+    }
 
 
 def left(axis: Slide, name: str, fault: str) -> Slide:
-    """The axis after a correction: by none, or with the sign of one direction, of both, or of the reversal turned."""
+    """The axis after a correction: by none, or with the sign of one direction, of both, or of the
+    reversal turned."""
     up, down = axis.forward[name], axis.reverse[name]
     forward, reverse = {
         "": (0 * up, 0 * down),
@@ -62,8 +68,8 @@ def found(rng, axis: Slide, name: str, fault: str, noise=0.3, runs=5):
 
 
 def test_signs_turned_at_random_are_all_named_and_no_others():
-    """200 components of random machines, 5 runs each way, 0.3 um of scatter; a sixth of each of five faults,
-    a sixth without any."""
+    """200 components of random machines, 5 runs each way, 0.3 um of scatter; a sixth of each of
+    five faults, a sixth without any."""
     rng = np.random.default_rng(17)
     counts: dict[str, int] = {}
     for _ in range(CASES):
@@ -103,7 +109,8 @@ def test_a_ratio_is_what_is_left_by_hand(noise):
 
 
 def test_the_interval_of_a_ratio_holds_19_of_20():
-    """200 measurements of one axis with 40 % left: the three intervals hold the truth in 90 to 99 % of them."""
+    """200 measurements of one axis with 40 % left: the three intervals hold the truth in 90 to 99 %
+    of them."""
     rng = np.random.default_rng(8)
     axis = machine(rng)["X"]
     part = replace(
@@ -141,8 +148,8 @@ def test_one_run_is_judged_by_what_does_not_follow():
 
 
 def test_under_much_scatter_a_turned_sign_may_stay_open_and_is_never_called_right():
-    """120 components of 0.8 to 8 um under 0.2 to 1 um of scatter and 2 to 5 runs: none is named that is not turned, and what is
-    not named is said to be too small, or open."""
+    """120 components of 0.8 to 8 um under 0.2 to 1 um of scatter and 2 to 5 runs: none is named
+    that is not turned, and what is not named is said to be too small, or open."""
     rng = np.random.default_rng(99)
     missed = 0
     for _ in range(120):
@@ -190,3 +197,20 @@ def test_what_stays_open_is_listed_in_the_verdict():
         and len(lines) == 2
     )
     assert 'signs = "verified"' in report.verdict(outcomes[:1], "mine")[1]
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "mood"),
+    [
+        (["undecided", "undecided"], "open"),
+        ([], "open"),
+        (["good", "undecided"], "good"),
+        (["good", "between"], "open"),
+        (["good", "turned"], "bad"),
+    ],
+)
+def test_the_page_is_green_only_where_a_sign_was_told(verdicts, mood):
+    """The headline "Nothing here is large enough to judge a sign by" was green."""
+    ratios = tuple(Ratio("reversal", 0.0, 0.1, 1e-3, v) for v in verdicts)
+    outcome = Outcome("Z", "um", None, None, (), ratios, None, 0.0, None, 0.0, (), {})
+    assert accepted.mood([outcome]) == mood

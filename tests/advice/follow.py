@@ -1,7 +1,8 @@
 """Runs a program on a machine with a map, and says what stops it.
 
-A case is a program that is refused, and the program (or the options) that a person comes to who does what the advice says.
-`|` ends a line. The second one must be corrected and verified, or be stopped by the sentence of `then`, another one.
+A case is a program that is refused, and the program (or the options) that a person comes to who
+does what the advice says. `|` ends a line. The second one must be corrected and verified, or be
+stopped by the sentence of `then`, another one.
 """
 
 from __future__ import annotations
@@ -26,11 +27,17 @@ from tests.corpus import run
 from tests.refusals_doc import sentences
 
 CHAPTERS = (
-    "The text of a program", "Words, codes and motions", "Shifts of the coordinates", "Holes in place",
-    "What the error map can not answer", "Written out: cycles, turned and scaled coordinates",
-    "Written out: LinuxCNC's O-words and expressions", "Written out: Fanuc's macros",
-    "Written out: Sinumerik's control structures", "Written out: all languages",
-)  # fmt: skip
+    "The text of a program",
+    "Words, codes and motions",
+    "Shifts of the coordinates",
+    "Holes in place",
+    "What the error map can not answer",
+    "Written out: cycles, turned and scaled coordinates",
+    "Written out: LinuxCNC's O-words and expressions",
+    "Written out: Fanuc's macros",
+    "Written out: Sinumerik's control structures",
+    "Written out: all languages",
+)
 WRITE = {"expand": True}
 NOWHERE: dict[str, float] = {}
 
@@ -39,8 +46,10 @@ NOWHERE: dict[str, float] = {}
 class Case:
     """first, also: options of the one run and of the other, beside those of both (`how`).
 
-    expand; start: mm, of all axes zero if missing; offsets: as run.offsets() if missing; hole_um; centre; steps, depth;
-    library: name to text; delete: block delete; outside; integers; lathe: X and Z alone; machine: one of the project's."""
+    expand; start: mm, of all axes zero if missing; offsets: as run.offsets() if missing; hole_um;
+    centre; steps, depth;
+    library: name to text; delete: block delete; outside; integers; lathe: X and Z alone; machine:
+    one of the project's."""
 
     dialect: str
     before: str
@@ -72,9 +81,13 @@ def stopped(dialect: str, text: str, how: Mapping) -> ProgramError | None:
         machine = read_machine(run.ROOT / "machines" / how["machine"])
     start = how.get("start", dict.fromkeys(machine.letters, 0.0))
     setup = setup_of(
-        machine, how.get("offsets", run.offsets()), start, how.get("delete", False), how.get("centre", "incremental"),
+        machine,
+        how.get("offsets", run.offsets()),
+        start,
+        how.get("delete", False),
+        how.get("centre", "incremental"),
         how.get("integers", ""),
-    )  # fmt: skip
+    )
     hole = how.get("hole_um")
     options = Options(1.0 * UM, how.get("outside"), hole_tolerance=hole and hole * UM)
     filter_ = Filter(machine, spoken, setup, options, "part.nc")
@@ -123,7 +136,8 @@ def patterns() -> list[tuple[re.Pattern[str], int, str]]:
 
 
 def sentence(message: str) -> str:
-    """The sentence of docs/REFUSALS.md that a message is, the most definite one; "" where it is none."""
+    """The sentence of docs/REFUSALS.md that a message is, the most definite one; "" where it is
+    none."""
     message = message.partition(" (in the block that was written out")[0]
     return max(
         ((n, text) for pattern, n, text in patterns() if pattern.match(message)), default=(0, "")

@@ -127,6 +127,12 @@ HOLES = [
         also=WRITE,
         how={"lathe": 1},
     ),
+    mill(
+        M,
+        HOLE + "G81 X11. Z4. R6. F9|G18|X12.",
+        HOLE + "G81 X11. Z4. R6. F9|G18|X12.|G80",
+        also=WRITE,
+    ),
     mill(C, HOLE + "G33.1 X11. Z-40. K1.", HOLE + "G0 X11.|G33.1 Z-40. K1."),
     mill(M, HOLE + "G81 X11. Z-140. R2. F9", HOLE + "G81 X11. Z-140. R2. F9|G80", also=WRITE),
     mill(
@@ -209,6 +215,12 @@ MAP = [
         "G0 X10. Y10. Z0. A0. C0.|G2 X20. I5. C90. F9",
         "G0 X10. Y10. Z0. A0. C0.|G1 X15. Y15. C45. F9|X20. Y10. C90.",
         how={"machine": "example-five-axis"},
+    ),
+    Case(
+        C,
+        "G0 X100. Y100. Z0. A0.|G1 C90. F360",
+        "G0 X100. Y100. Z0. A0. C0.|G1 C90. F360",
+        how={"machine": "example-five-axis", "start": NOWHERE},
     ),
     Case(
         C,

@@ -1,6 +1,8 @@
-"""For every sentence that stops a program, its advice is followed: it must not lead to the same sentence again.
+"""For every sentence that stops a program, its advice is followed: it must not lead to the same
+sentence again.
 
-The sentences are those of docs/REFUSALS.md, read out of the source: a new one needs a case here, or a reason in NO_CASE.
+The sentences are those of docs/REFUSALS.md, read out of the source: a new one needs a case here, or
+a reason in NO_CASE.
 """
 
 from __future__ import annotations
@@ -11,11 +13,11 @@ import pytest
 
 from postproc.errors import ProgramError
 from postproc.nc import dialects
-from tests.advice import follow, plain, written_fanuc, written_linuxcnc, written_siemens
+from tests.advice import follow, plain, rest, written_fanuc, written_linuxcnc, written_siemens
 from tests.advice.no_case import NO_CASE
 from tests.refusals_doc import sentences
 
-CASES = [*plain.ALL, *written_fanuc.ALL, *written_linuxcnc.ALL, *written_siemens.ALL]
+CASES = [*plain.ALL, *written_fanuc.ALL, *written_linuxcnc.ALL, *written_siemens.ALL, *rest.ALL]
 ALL = {
     follow.bare(message): advice
     for chapter in follow.CHAPTERS
@@ -69,7 +71,8 @@ def test_every_sentence_has_a_case():
 
 
 def test_every_sentence_has_a_way_out():
-    """What the source leaves open is said where the sentence is made: a code's own reason, a function's list."""
+    """What the source leaves open is said where the sentence is made: a code's own reason, a
+    function's list."""
     assert all(error.advice for error in met().values())
     unsaid = {m for m, advice in ALL.items() if not advice and m not in met()}
     assert unsaid <= set(NO_CASE)
@@ -106,3 +109,12 @@ def test_only_where_a_language_runs_is_it_named(name, text):
     if error is not None and "run with --expand" in error.advice:
         after = follow.stopped(name, text, follow.WRITE)
         assert after is None or follow.sentence(after.message) != follow.sentence(error.message)
+
+
+def test_a_place_that_a_homing_lost_is_not_asked_for_at_the_start():
+    text = "G91 G28 X0|G90 G92 X0|G1 X5. F9"
+    error = follow.stopped("fanuc-mill", text, {})
+    assert "a new zero where the machine stands" in error.message
+    assert "leads it nowhere known" in error.advice
+    error = follow.stopped("fanuc-mill", text, {"start": follow.NOWHERE})
+    assert "--start X0" in error.advice

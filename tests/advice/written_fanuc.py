@@ -24,7 +24,10 @@ def macro(before: str, after: str, then: str = "", dialect: str = M, **options) 
 
 
 ROUGH = "G71 U2. R1.|G71 P10 Q20 F.2|"
-NURBS = "G90 G0 X0. Y0.|G6.2 P3 K0. X0. Y0. R1. F500.|K0. X5. Y0. R.70710678|K0. X5. Y5. R1.|K1.|K1.|K1.|G1 X9."
+NURBS = (
+    "G90 G0 X0. Y0.|G6.2 P3 K0. X0. Y0. R1. F500.|K0. X5. Y0. R.70710678|K0. X5. Y5."
+    " R1.|K1.|K1.|K1.|G1 X9."
+)
 
 
 def nurbs(old: str, new: str) -> Case:
@@ -33,6 +36,12 @@ def nurbs(old: str, new: str) -> Case:
 
 
 TURNING = [
+    Case(
+        "haas",
+        "G90 G0 X1. Y2. Z5.|F100|G68 X0. Y0. R30|G1 X9.|G69",
+        "G90 G0 X1. Y2. Z5.|F100|G68 X0. Y0. R30.|G1 X9. Y2.|G69",
+        how=WRITE,
+    ),
     lathe(
         ROUGH + "N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.",
         ROUGH + "N10 G0 X30.|G1 Z-5.|X40. Z-9.|N20 X100.",
@@ -45,6 +54,16 @@ TURNING = [
     lathe("G90 X50. U-5. Z-5. F.1", "G90 X50. Z-5. F.1"),
     lathe(ROUGH + "N10 G0 X40.|G4 X1.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe("G42 G1 X90. F.1|G90 X80. Z-5.", "G42 G1 X90. F.1|G40 G1 X91.|G90 X80. Z-5."),
+    lathe(
+        "G42 G0 X99.|G70 P10 Q20|G40 G0 X98.|M30|N10 G0 G42 X40.|N20 G1 G40 Z-5. F.1",
+        "G42 G0 X99.|G70 P10 Q20|G40 G0 X98.|M30|N10 G0 X40.|N20 G1 Z-5. F.1",
+    ),
+    Case(
+        "haas-lathe",
+        "G0 X100. Z2.|G42 G0 X99.|G70 P10 Q20|G40 G0 X98.|M30|N10 G0 X40.|N20 G1 Z-5. F.1",
+        "G0 X100. Z2.|G70 P10 Q20|G0 X98.|M30|N10 G0 G42 X40.|G1 Z-5. F.1|N20 G0 G40 X99.",
+        how=WRITE,
+    ),
     lathe("G70|G0 Z9.", "G70 P10 Q20|G0 Z9.|M30|N10 G0 X40.|N20 G1 Z-5. F.1"),
     lathe(
         "G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5. F.1",
@@ -72,7 +91,8 @@ TURNING = [
     ),
     lathe("G75 F.1|G0 Z9.", "G75 X50. Z-5. P1000 Q1000 F.1|G0 Z9."),
     lathe(
-        ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N10 G0 X1.", ROUGH + "N10 G0 X40.|N20 G1 Z-5.|N11 G0 X1."
+        "G70 P10 Q20|M30|N10 G0 X40.|N20 G1 Z-5. F.1|N10 G0 X1.",
+        "G70 P10 Q20|M30|N10 G0 X40.|N20 G1 Z-5. F.1|N11 G0 X1.",
     ),
     lathe(ROUGH + "N10 G0 X40.|N20 X40.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe(ROUGH + "N10 G0 X40.|N20 G2 X50. Z-5.", ROUGH + "N10 G0 X40.|N20 G2 X50. Z-3. R5."),
@@ -87,6 +107,75 @@ TURNING = [
     lathe("G74 R1.|G74 X50. Z-5. P1 Q1 F.1", "G74 R1.|G74 X50. Z-5. P5000 Q1000 F.1"),
     lathe("G74 R1.|G74 Z-50. Q1 F.1", "G74 R1.|G74 Z-50. Q1000 F.1"),
 ]
+L0 = "G81 Z-5. R2. L0|"
+BOLTS = [
+    mill("G70 I20. J0. L4|G80", f"{L0}G70 I20. J0. L4|G80", dialect=H),
+    mill(f"{L0}G70 J0. L4|G80", f"{L0}G70 I20. J0. L4|G80", dialect=H),
+    mill(f"{L0}G70 I20. J0. L1.5|G80", f"{L0}G70 I20. J0. L4|G80", dialect=H),
+    mill(f"{L0}G70 I20. J30 L4|G80", f"{L0}G70 I20. J30. L4|G80", dialect=H),
+    mill(
+        "G83 Z-5. R2. Q1. G70 I20. J0. L4|G80",
+        "G83 Z-5. R2. Q1. L0|G70 I20. J0. L4|G80",
+        dialect=H,
+    ),
+    mill(f"G18 {L0}G70 I20. J0. L4|G80", f"G17 {L0}G70 I20. J0. L4|G80", dialect=H),
+    mill(
+        f"{L0}X9. L0|G70 I20. J0. L4|G80",
+        f"{L0}X9. L0|G70 X9. Y2. I20. J0. L4|G80",
+        dialect=H,
+    ),
+    mill("G101 X5.|G0 X3.", "G101 X0|G0 X3.|G100 X0", dialect=H),
+    mill("G101|G0 X3.", "G101 X0 Y0|G0 X3. Y4.|G100 X0 Y0", dialect=H),
+    mill("G101 X0 Y0|G100|G0 X3.", "G101 X0 Y0|G100 X0 Y0|G0 X3. Y4.", dialect=H),
+]
+FIRST = "N10 G0 X40.|G1 Z-5. F.1|"
+BEHIND = [
+    macro(
+        "#1=0|WHILE[#1 LT 2]DO1 #1=#1+1|G1 X#1|END1",
+        "#1=0|WHILE[#1 LT 2]DO1|#1=#1+1|G1 X#1|END1",
+    ),
+]
+DRAWN = [
+    lathe(
+        "G71 U-2. R1.|G71 P10 Q20 F.2|N10 G0 X40.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."
+    ),
+    lathe(
+        ROUGH + "N10 G0 X40.|G1 Z-5.|X30. Z-9.|N20 X100.",
+        ROUGH + "N10 G0 X40. Z2.|G1 Z-5.|X30. Z-9.|N20 X100.",
+    ),
+    lathe(
+        ROUGH + "N10 G0 X40. Z2.|G1 Z-5.|X120. Z-9.|X30.|N20 X100.",
+        "G0 X130.|" + ROUGH + "N10 G0 X40. Z2.|G1 Z-5.|X120. Z-9.|X30.|N20 X100.",
+    ),
+    lathe(
+        "G71 U2. R1.|G71 P10 Q20 U-.5 F.2|N10 G0 X40. Z2.|G1 Z-5.|X30. Z-9.|N20 X100.",
+        "G71 U2. R1.|G71 P10 Q20 U.5 F.2|N10 G0 X40. Z2.|G1 Z-5.|X30. Z-9.|N20 X100.",
+    ),
+    lathe(
+        ROUGH + "N10 G0 X40. Z2.|G1 Z-5.|G2 X60. Z-5.5 R10.|G1 X50.|N20 X100.",
+        ROUGH + "N10 G0 X40. Z2.|G1 Z-5.|X60. Z-5.5|X50.|N20 X100.",
+    ),
+    lathe(
+        "G71 U.0005 R1.|G71 P10 Q20 F.2|N10 G0 X40. Z2.|G1 Z-5.|X30. Z-9.|N20 X100.",
+        ROUGH + "N10 G0 X40. Z2.|G1 Z-5.|X30. Z-9.|N20 X100.",
+    ),
+    lathe(ROUGH + FIRST + "#1=50.|N20 X100.", ROUGH + FIRST + "X50.|N20 X100."),
+    lathe("G1 X90. F.1|A90.", "G1 X90. F.1|X95."),
+    lathe("G1 X90. F.1|Z-9. A90.", "G1 X90. F.1|Z-9. X95."),
+    lathe("G1 X90. F.1|X80. A180.", "G1 X90. F.1|X80. Z-9."),
+    lathe("G1 X90. ,R5. C1. F.1|Z-9.", "G1 X90. C1. F.1|Z-9."),
+    lathe(ROUGH + FIRST + "A90.|N20 A90.", ROUGH + FIRST + "N20 X100."),
+    lathe(ROUGH + FIRST + "X60.|N20 A90.", ROUGH + FIRST + "X60.|N20 X100."),
+    lathe(ROUGH + FIRST + "A90.|N20 X100.", ROUGH + FIRST + "X60.|N20 X100."),
+    lathe(ROUGH + FIRST + "A90.|X60. Z-9. A90.|N20 X100.", ROUGH + FIRST + "X60.|Z-9.|N20 X100."),
+    lathe(ROUGH + FIRST + "X60. ,C20.|Z-9.|N20 X100.", ROUGH + FIRST + "X60. ,C2.|Z-9.|N20 X100."),
+    lathe(ROUGH + FIRST + "X60. ,C2.|N20 X100.", ROUGH + FIRST + "X60.|N20 X100."),
+    lathe(
+        ROUGH + FIRST + "X60. ,C2.|G2 X80. Z-15. R10.|N20 G1 X100.",
+        ROUGH + FIRST + "X60.|G2 X80. Z-15. R10.|N20 G1 X100.",
+    ),
+    lathe("G1 X90. ,R5. F.1|W-9.", "G1 X90. ,R5. F.1|Z-9."),
+]
 DRILLING = [
     mill("M3 S9|G83 Z-9. R2. Q2. I1.", "M3 S9|G83 Z-9. R2. Q2.|G80", dialect=H),
     mill("M3 S9|G81 Z-9. R2.|L0", "M3 S9|G81 Z-9. R2.|G80|L0", "", dialect=M),
@@ -100,18 +189,47 @@ DRILLING = [
     mill("M3 S9|G4 P1 G81 Z-5. R2.", "M3 S9|G4 P1|G81 Z-5. R2.|G80"),
     mill("M3 S9|G91 G81 X1. Z-5. R-2. K2|R-3.", "M3 S9|G91 G81 X1. Z-5. R-2. K2|R-3. Z-5.|G80"),
     mill("M3 S9|G93 G81 X1. Z-5. R2. F1", "M3 S9|G94 G81 X1. Z-5. R2. F1|G80"),
-    Case(M, "M3 S9|F9|G99 G81 X1. Y1. Z-1. R2.|G98 X2.", "M3 S9|F9|G0 Z9.|G99 G81 X1. Y1. Z-1. R2.|G98 X2.|G80", how={**WRITE, "start": {"X": 0.0, "Y": 0.0}}),
-    Case(M, "M3 S9|F9|G0 Z50|G43 H1|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G43 H1|G0 Z50|G81 X1. Y1. Z-1. R2.|G80", first={"offsets": {"G54": {}}}, how=WRITE),
-    Case(M, "M3 S9|F9|G81 X1. Y1. Z-1. R2.", "M3 S9|F9|G81 X1. Y1. Z-1. R2.|G80", first={"start": NOWHERE}, how=WRITE),
-]  # fmt: skip
-HAAS_LATHE = [
-    Case("fanuc-lathe", "G0 X10. Z5.|M3 S9|G91 G83 X0. Z-5. F.1|G80", "G0 X10. Z5.|M3 S9|G91 G83 X0. Z-5. R-1. F.1|G80", how=WRITE),
     Case(
-        "haas-lathe", "G0 X100. Z2.|G73 P10 Q20 D2 I1.|N10 G0 G42 X40.|N20 G1 G40 Z-5. F.1",
-        "G0 X100. Z2.|G73 P10 Q20 D2 I1.|N10 G0 X40.|N20 G1 Z-5. F.1", how=WRITE,
+        M,
+        "M3 S9|F9|G99 G81 X1. Y1. Z-1. R2.|G98 X2.",
+        "M3 S9|F9|G0 Z9.|G99 G81 X1. Y1. Z-1. R2.|G98 X2.|G80",
+        how={**WRITE, "start": {"X": 0.0, "Y": 0.0}},
     ),
-    Case("haas-lathe", "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 W1.", "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 Z6.", how=WRITE),
-]  # fmt: skip
+    Case(
+        M,
+        "M3 S9|F9|G0 Z50|G43 H1|G81 X1. Y1. Z-1. R2.",
+        "M3 S9|F9|G43 H1|G0 Z50|G81 X1. Y1. Z-1. R2.|G80",
+        first={"offsets": {"G54": {}}},
+        how=WRITE,
+    ),
+    Case(
+        M,
+        "M3 S9|F9|G81 X1. Y1. Z-1. R2.",
+        "M3 S9|F9|G81 X1. Y1. Z-1. R2.|G80",
+        first={"start": NOWHERE},
+        how=WRITE,
+    ),
+]
+HAAS_LATHE = [
+    Case(
+        "fanuc-lathe",
+        "G0 X10. Z5.|M3 S9|G91 G83 X0. Z-5. F.1|G80",
+        "G0 X10. Z5.|M3 S9|G91 G83 X0. Z-5. R-1. F.1|G80",
+        how=WRITE,
+    ),
+    Case(
+        "haas-lathe",
+        "G0 X100. Z2.|G73 P10 Q20 D2 I1.|N10 G0 G42 X40.|N20 G1 G40 Z-5. F.1",
+        "G0 X100. Z2.|G73 P10 Q20 D2 I1.|N10 G0 X40.|N20 G1 Z-5. F.1",
+        how=WRITE,
+    ),
+    Case(
+        "haas-lathe",
+        "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 W1.",
+        "G0 X20. Z5.|G81 Z-8. R2. F.1|G80|G0 Z6.",
+        how=WRITE,
+    ),
+]
 FAGOR = [
     mill(before, after, dialect="fagor")
     for before, after in (
@@ -153,24 +271,41 @@ POCKETS = [
     )
 ]
 DIRECTIONS = [
-    Case(M, "G43.5 H1|G1 X1. F9", "G43 H1|G1 X1. F9", how={**WRITE, "offsets": {"H1": {}}, "lathe": True}),
+    Case(
+        M,
+        "G43.5 H1|G1 X1. F9",
+        "G43 H1|G1 X1. F9",
+        how={**WRITE, "offsets": {"H1": {}}, "lathe": True},
+    ),
     turned("G43.5 H1 Q2.|G1 X1. F9", "G43.5 H1|G1 X1. F9"),
     turned("G43.5 H1|G2 X5. I1. J1. F9", "G43.4 H1|G1 X5. A1. F9"),
     turned("G43.5 H1|G91 G1 X5. J1. K9. F9", "G43.5 H1|G90 G1 X5. J1. K9. F9"),
     turned("G43.5 H1|G1 X5. I0 J0 K0 F9", "G43.5 H1|G1 X5. I0 J0 K1. F9"),
     turned("G43.5 H1|G1 X5. K-1. F9", "G43.5 H1|G1 X5. K1. F9"),
-    Case(M, "G43.5 H1|G1 X5. J1. K9. F9", "G0 A0. C0.|G43.5 H1|G1 X5. Y0. Z-300. J1. K9. F9", "", how={**FIVE, "start": NOWHERE}),
-]  # fmt: skip
+    Case(
+        M,
+        "G43.5 H1|G1 X5. J1. K9. F9",
+        "G0 A0. C0.|G43.5 H1|G1 X5. Y0. Z-300. J1. K9. F9",
+        "",
+        how={**FIVE, "start": NOWHERE},
+    ),
+]
 FRAMES = [
     mill("G68 X0 Y0 Z1. R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G51.1 X0|G68 X0 Y0 R30.", "G51.1 X0|G50.1 X0|G0 X1. Y1.|G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G68 X0 Y0 R30.|G54", "G68 X0 Y0 R30.|G69|G54|G0 X1. Y1."),
     mill("G68 X0 Y0 R30.|G28 X0", "G68 X0 Y0 R30.|G69|G28 X0|G0 X1. Y1."),
-    mill("G51 X0 Y0 Z0 P2.|G68 X0 Y0 R30.|G50", "G51 X0 Y0 Z0 P2.|G68 X0 Y0 R30.|G69|G50|G0 X1. Y1. Z5."),
+    mill(
+        "G51 X0 Y0 Z0 P2.|G68 X0 Y0 R30.|G50",
+        "G51 X0 Y0 Z0 P2.|G68 X0 Y0 R30.|G69|G50|G0 X1. Y1. Z5.",
+    ),
     mill("G68 X0 Y0 R30.|G51 X0 Y0 P2.", "G51 X0 Y0 P2.|G68 X0 Y0 R30.|G69|G50|G0 X1. Y1. Z5."),
     mill("G51 X0 Y0|G0 X3.", "G51 X0 Y0 P2.|G0 X3. Y3. Z5.|G50|G0 X1. Y1. Z5.", dialect=H),
     mill("G51.1|G0 X3.", "G51.1 X0|G0 X3. Y1.|G50.1 X0|G0 X1. Y1."),
-    mill("G91 G68 X0 Y0 R30.|G68 X0 Y0 R30.", "G91 G68 X0 Y0 R30.|G69|G90 G68 X0 Y0 R30.|G69|G0 X1. Y1."),
+    mill(
+        "G91 G68 X0 Y0 R30.|G68 X0 Y0 R30.",
+        "G91 G68 X0 Y0 R30.|G69|G90 G68 X0 Y0 R30.|G69|G0 X1. Y1.",
+    ),
     mill("G68 X0 R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G68 X0 Y0 Z0 I0 J0 K1 R30.", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
     mill("G68 X0 Y0", "G68 X0 Y0 R30.|G69|G0 X1. Y1."),
@@ -178,14 +313,27 @@ FRAMES = [
     mill("G51 X0 Y0 Z0 P0.", "G51 X0 Y0 Z0 P2.|G50|G0 X1. Y1. Z5."),
     mill("G68 X0 Y0 R30.|G18", "G68 X0 Y0 R30.|G69|G18|G0 X1. Y1. Z1."),
     mill("M3 S9|G51 X0 Y0 Z0 P2.|G84 Z-5. R1.", "M3 S9|G84 Z-5. R1.|G80"),
-    Case(M, "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.", "G68 X0 Y0 R90.|G0 X1. Y1.|G69|G0 X1. Y1. Z5.", how={**WRITE, "start": NOWHERE}),
-    Case(M, "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.", "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.", first={"start": NOWHERE}, how=WRITE),
+    Case(
+        M,
+        "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.",
+        "G68 X0 Y0 R90.|G0 X1. Y1.|G69|G0 X1. Y1. Z5.",
+        how={**WRITE, "start": NOWHERE},
+    ),
+    Case(
+        M,
+        "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.",
+        "G68 R90.|G0 X1. Y1.|G69|G0 X1. Y1.",
+        first={"start": NOWHERE},
+        how=WRITE,
+    ),
     mill("G41 D1 G1 X5.|G51.1 X0", "G41 D1 G1 X5.|G40 G1 X9.|G51.1 X0|G50.1 X0|G0 X1. Y1."),
     mill("G51 X0 Y0 Z0 P2|G0 X3.", "G51 X0 Y0 Z0 P2.|G0 X3. Y3. Z5.|G50|G0 X1. Y1. Z5.", dialect=H),
-    mill("G68 X0 Y0 R30.|G1 X5. Y5.|G69|G91 X1.", "G68 X0 Y0 R30.|G1 X5. Y5.|G69|G90 X1. Y1.|G91 X1."),
+    mill(
+        "G68 X0 Y0 R30.|G1 X5. Y5.|G69|G91 X1.", "G68 X0 Y0 R30.|G1 X5. Y5.|G69|G90 X1. Y1.|G91 X1."
+    ),
     mill("G16|X50.", "G16|G0 X50. Y30.|G15|G0 X1. Y1."),
     mill("G68 X0 Y0 R30.|G90.1 G2 X5. Y5. I1. J1.", "G68 X0 Y0 R30.|G0 X1. Y1.|G69|G0 X1. Y1."),
-]  # fmt: skip
+]
 CURVES = [
     nurbs("G90 G0 X0. Y0.|", "G90 G0 X0. Y0.|G91 "),
     nurbs("P3", "P5"),
@@ -286,6 +434,9 @@ MORE = [
 ALL = [
     *MORE,
     *TURNING,
+    *DRAWN,
+    *BEHIND,
+    *BOLTS,
     *HAAS_LATHE,
     *FAGOR,
     *OKUMA,

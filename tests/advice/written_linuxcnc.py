@@ -1,4 +1,5 @@
-"""Sentences on what is written out: LinuxCNC's cycles, splines, O-words and expressions; grblHAL and Marlin beside it."""
+"""Sentences on what is written out: LinuxCNC's cycles, splines, O-words and expressions; grblHAL
+and Marlin beside it."""
 
 from __future__ import annotations
 
@@ -69,13 +70,42 @@ CYCLES = [
     turn("G71 D1 I1", "G71 Q100 D1 I1"),
     turn("G71 Q101 D1 I1", "G71 Q100 D1 I1"),
     turn("G71 Q100 I0", "G71 Q100 I1 R.5"),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "X4 Z-6 F5 M8"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 R.1"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 I1 K-5"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 R2|X5 Z-7 R1"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "X#1 Z-6"), shape_after=SHAPE),
-    turn("G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("G1 Z-4|X4 Z-6|", ""), shape_after=SHAPE),
+    turn(
+        "G71 Q100 I1",
+        "G71 Q100 I1",
+        shape=SHAPE.replace("X4 Z-6", "X4 Z-6 F5 M8"),
+        shape_after=SHAPE,
+    ),
+    turn(
+        "G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6"), shape_after=SHAPE
+    ),
+    turn(
+        "G71 Q100 I1",
+        "G71 Q100 I1",
+        shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 R.1"),
+        shape_after=SHAPE,
+    ),
+    turn(
+        "G71 Q100 I1",
+        "G71 Q100 I1",
+        shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 I1 K-5"),
+        shape_after=SHAPE,
+    ),
+    turn(
+        "G71 Q100 I1",
+        "G71 Q100 I1",
+        shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 R2|X5 Z-7 R1"),
+        shape_after=SHAPE,
+    ),
+    turn(
+        "G71 Q100 I1",
+        "G71 Q100 I1",
+        shape=SHAPE.replace("X4 Z-6", "#1=3 X4 Z-6"),
+        shape_after=SHAPE,
+    ),
+    turn(
+        "G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("G1 Z-4|X4 Z-6|", ""), shape_after=SHAPE
+    ),
     turn("G71 Q100 I1 D50", "G71 Q100 I1 D.1"),
     turn("G70 Q100 P1.5", "G70 Q100 P1"),
     turn("G91 G70 Q100", "G90 G70 Q100"),
@@ -87,7 +117,7 @@ CYCLES = [
     turn("M3 S9|G76 P1 I-1 J.2 K1", "M3 S9|G76 P1 Z-5 I-1 J.2 K1"),
     turn("G76 P1 Z-5 I-1 J.2 K1", "M3 S9|G76 P1 Z-5 I-1 J.2 K1"),
     turn("M3 S9|G41.1 D1 G1 X20|G76 P1 Z-5 I-1 J.2 K1", "M3 S9|G76 P1 Z-5 I-1 J.2 K1"),
-]  # fmt: skip
+]
 
 
 def words(before: str, after: str, then: str = "", **options) -> Case:
@@ -132,20 +162,28 @@ O_WORDS = [
     words("X[1+]", "X[1+1]"),
     words("o1 sub|o1 call|o1 endsub|o1 call", "o1 sub|o1 endsub|o1 call"),
     words("X" + "-" * 60 + "1", "X1"),
-    words("o1 call" + "[1]" * 31 + "|M2|o1 sub|o1 endsub|M2", "#31=1|o1 call" + "[1]" * 30 + "|M2|o1 sub|o1 endsub|M2"),
+    words(
+        "o1 call" + "[1]" * 31 + "|M2|o1 sub|o1 endsub|M2",
+        "#31=1|o1 call" + "[1]" * 30 + "|M2|o1 sub|o1 endsub|M2",
+    ),
     words("o1 while [1]|o1 endwhile", "o1 while [0]|o1 endwhile"),
     words("o1 if [0]", "o1 if [0]|o1 endif"),
     words("o1 sub|o2 sub|o2 endsub|o1 endsub|M2", "o1 sub|o1 endsub|o2 sub|o2 endsub|M2"),
     words("o1 do|o1 while [0]|o1 do|o1 while [0]", "o1 do|o1 while [0]|o2 do|o2 while [0]"),
     words("o1 call|M2|O1|M99|M2", "M98 P1|M2|O1|M99|M2"),
-    words("o<a> call|M2|o<a> sub|o<b> sub|o<b> endsub|o<a> endsub", "o<a> call|M2|o<a> sub|o<a> endsub|o<b> sub|o<b> endsub"),
+    words(
+        "o<a> call|M2|o<a> sub|o<b> sub|o<b> endsub|o<a> endsub",
+        "o<a> call|M2|o<a> sub|o<a> endsub|o<b> sub|o<b> endsub",
+    ),
     words("o100 call|o100 sub|o100 endsub|M2", "o100 call|M2|o100 sub|o100 endsub|M2"),
     words("o<a> call|M2|o<a> sub|X1", "o<a> call|M2|o<a> sub|X1|o<a> endsub"),
     words("o<a", "o<a> sub|o<a> endsub"),
     words("G41.1 D3|X#5420", "G41.1 D3|G1 X20|X40|G40 G1 X60|X#5420"),
     words("(abort, no tool)", "(no tool)"),
     words("o<gone> call", "o<gone> call|M2|o<gone> sub|o<gone> endsub"),
-    words("o<gone> call", "o<gone> call", also={"library": {"gone": "o<gone> sub|o<gone> endsub|M2"}}),
+    words(
+        "o<gone> call", "o<gone> call", also={"library": {"gone": "o<gone> sub|o<gone> endsub|M2"}}
+    ),
     words("X##1", "#1=5|#5=1|X##1"),
     words("o1 foo", "o1 sub|o1 endsub"),
     words(";py,x=1|X1", "X1"),
@@ -160,7 +198,7 @@ O_WORDS = [
     words("X[2**2000]", "X[2**2]"),
     words("#<_task>=1", "#<_own>=1"),
     words("X1 X2|o1 if [#<_metric> EQ 1]|o1 endif", "X2|o1 if [#<_metric> EQ 1]|o1 endif"),
-]  # fmt: skip
+]
 STATES = [
     words("M72", "M70|M72"),
     words("M70 X1", "M70|X1"),

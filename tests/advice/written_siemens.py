@@ -1,4 +1,5 @@
-"""Sentences on what is written out: Sinumerik's frames, corners, control structures and expressions."""
+"""Sentences on what is written out: Sinumerik's frames, corners, control structures and
+expressions."""
 
 from __future__ import annotations
 
@@ -48,6 +49,14 @@ CORNERS = [
     frame("DIAM90|G1 X50 RND=5|Y9", "DIAMOF|G1 X50 RND=5|Y9"),
     frame("G1 RND=3 RP=3 AP=4|Y9", "G1 RP=3 AP=4|Y9"),
 ]
+ARCS = [
+    frame("G1 X9 AR=90", "G2 X9 Y9 AR=90"),
+    frame("DIAM90|G2 X9 Y9 AR=90", "DIAMOF|G2 X9 Y9 AR=90"),
+    frame("G2 X9 Y9 AR=400", "G2 X9 Y9 AR=40"),
+    frame("G2 X9 Y9 I5 AR=40", "G2 X9 Y9 AR=40"),
+    frame("G2 AR=40", "G2 I5 J0 AR=40"),
+    frame("G2 X0 Y0 AR=40", "G2 X9 Y0 AR=40"),
+]
 TAKES, VAR = (
     {"library": {"TAKES": "PROC TAKES(VAR REAL aa)|M17"}},
     {"library": {"GIVES": "PROC GIVES(REAL aa)|G0 X=aa|M17"}},
@@ -80,7 +89,9 @@ PARTS = [
     run("NONE1(5)", "NONE1", how=NONE),
     run("GIVES(1,2)", "GIVES(1)", how=VAR),
     run("X=$AA_IM[Q]", "X=$AA_IM[Y]"),
-    Case("siemens", "G0 X=$AA_IW[X]", "G0 X1 Y1 Z1|G0 X=$AA_IW[X]", how={**WRITE, "start": NOWHERE}),
+    Case(
+        "siemens", "G0 X=$AA_IW[X]", "G0 X1 Y1 Z1|G0 X=$AA_IW[X]", how={**WRITE, "start": NOWHERE}
+    ),
     run("X10 # 5", "X10"),
     run("X=ROUND(-2.5)", "X=-3"),
     run("DEF CHAR cc=300", "DEF REAL cc=300"),
@@ -128,7 +139,7 @@ PARTS = [
     run("X=AX[5]", "X1"),
     run("AX[5]=1", "AX[Y]=1"),
     run("X=AXSTRING(5)", "X1"),
-    run('X=AXSTRING(Y)', "X1"),
+    run("X=AXSTRING(Y)", "X1"),
     run("G70|X=$AA_IM[Y]", "G71|X=$AA_IM[Y]"),
     run('MSG("A"', 'MSG("A")'),
     run("GONE", "GONE", also={"library": {"GONE": "G0 X1|M17"}}),
@@ -139,9 +150,10 @@ PARTS = [
     run("R=5", "R1=5"),
     run("N10 REPEAT", "N10 REPEAT|UNTIL TRUE"),
     run("X=SIN()", "X=SIN(1)"),
-    run('X=$AC_TIME', "X1"),
-]  # fmt: skip
+    run("X=$AC_TIME", "X1"),
+]
 HOLE = "F100|CYCLE81(10,0,2,-5)"
+MODAL = "F100|MCALL CYCLE81(10,0,2,-5)|"
 DRILLING = [
     run("MCALL POCKET4(1)", HOLE),
     run("CYCLE81(10,0,2)", HOLE),
@@ -154,6 +166,18 @@ DRILLING = [
     run('CYCLE81("A")', HOLE),
     run("CYCLE85(10,0,2,-5,,0,100,100)", "F100|CYCLE85(10,0,2,-5,,0,100,100)"),
     run("F100|CYCLE83(10,0,2,-5,,,0.0001)", "F100|CYCLE83(10,0,2,-5,,,1)"),
+    run("CYCLE86(10,0,2,-5)", "G0 Z2|G1 F100 Z-5|G0 Z10"),
+    run(f"{MODAL}HOLES1(0,0,0,5,9)", f"{MODAL}HOLES1(0,0,0,5,9,2)"),
+    run(f"{MODAL}HOLES1(0,0,0,5,9,2.5)", f"{MODAL}HOLES1(0,0,0,5,9,2)"),
+    run(f"{MODAL}HOLES1(1,2,3,4,5,6,7,8,9,10,11,12)", f"{MODAL}HOLES1(0,0,0,5,9,2)"),
+    run(f'{MODAL}HOLES2(0,0,"A",0,0,2)', f"{MODAL}X5 Y0|X-5"),
+    run(f"{MODAL}HOLES2(0,0,-5,0,0,2)", f"{MODAL}HOLES2(0,0,5,0,0,2)"),
+    run(f"{MODAL}HOLES2(0,0,5,0,0,2,10)", f"{MODAL}X5 Y0|X-5"),
+    run(f"{MODAL}CYCLE801(0,0,0,1,1,500,500)", f"{MODAL}CYCLE801(0,0,0,1,1,5,5)"),
+    run(f"{MODAL}CYCLE802(111111111,111111111,1)", f"{MODAL}CYCLE802(111111111,111111111,1,2)"),
+    run(f"{MODAL}CYCLE802(111111111,111111111)", f"{MODAL}CYCLE802(111111111,111111111,1,2)"),
+    run(f"DIAM90|{MODAL}HOLES1(0,0,0,5,9,2)", f"{MODAL}DIAMOF|HOLES1(0,0,0,5,9,2)"),
+    run("F100|HOLES1(0,0,0,5,9,2)", f"{MODAL}HOLES1(0,0,0,5,9,2)"),
 ]
 POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
 POLYNOMIALS = [
@@ -169,4 +193,4 @@ POLYNOMIALS = [
     frame("DIAM90|" + POLY, "DIAMOF|" + POLY),
     frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
 ]
-ALL = [*DRILLING, *FRAMES, *CORNERS, *PARTS, *POLYNOMIALS]
+ALL = [*DRILLING, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]

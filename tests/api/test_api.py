@@ -1,4 +1,5 @@
-"""The Python interface gives what the command line gives, takes every setting, and refuses what is none."""
+"""The Python interface gives what the command line gives, takes every setting, and refuses what is
+none."""
 
 from __future__ import annotations
 
@@ -11,28 +12,32 @@ import pytest
 import gcomp
 from postproc.api.programs import CHOICES, UNITS
 from postproc.cli import main
-from postproc.commands import reading
+from postproc.commands import reading_options
 
 ROOT = Path(__file__).resolve().parents[2]
 SHAFT = ROOT / "sample_programs" / "shaft.nc"
-# What the command line calls otherwise: a unit at the end, and two offsets that would have one name.
-OTHERWISE = {"tolerance_um": "tolerance", "hole_tolerance_um": "hole_tolerance", "hysteresis_um": "hysteresis",
-             "ramp_mm": "ramp", "offsets": "offset", "offset_files": "offsets"}  # fmt: skip
+# What the command line calls otherwise: a unit at the end, and two offsets that would have one
+# name.
+OTHERWISE = {
+    "tolerance_um": "tolerance",
+    "hole_tolerance_um": "hole_tolerance",
+    "hysteresis_um": "hysteresis",
+    "ramp_mm": "ramp",
+    "offsets": "offset",
+    "offset_files": "offsets",
+}
 
 
 def options() -> dict[str, argparse.Action]:
     parser = argparse.ArgumentParser(add_help=False)
-    reading.arguments(parser)
+    reading_options.arguments(parser)
     return {action.dest: action for action in parser._actions}
 
 
 def test_every_option_of_the_command_line_is_a_setting_and_no_other():
     taken = {OTHERWISE.get(name, name) for name in gcomp.Settings.__annotations__}
-    assert taken == set(options()) - {
-        "machine",
-        "temperature",
-        "only",
-    }  # all three are of load_machine
+    # all three are of load_machine
+    assert taken == set(options()) - {"machine", "temperature", "only"}
     assert set(UNITS) | set(CHOICES) <= set(gcomp.Settings.__annotations__)
 
 
@@ -41,11 +46,16 @@ def test_choices_are_those_of_the_command_line():
         assert tuple(options()[name].choices or ()) == allowed
 
 
-@pytest.mark.parametrize("settings, words", [
-    ({}, []), ({"tolerance_um": 2.0}, ["--tolerance", "2um"]), ({"reversal": "mean"}, ["--reversal", "mean"]),
-    ({"block_delete": True, "cut_rapids": True}, ["--block-delete", "on", "--cut-rapids"]),
-    ({"offsets": {"G54": {"X": 1.0, "Z": -0.5}}}, ["--offset", "G54=X1,Z-0.5"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "settings, words",
+    [
+        ({}, []),
+        ({"tolerance_um": 2.0}, ["--tolerance", "2um"]),
+        ({"reversal": "mean"}, ["--reversal", "mean"]),
+        ({"block_delete": True, "cut_rapids": True}, ["--block-delete", "on", "--cut-rapids"]),
+        ({"offsets": {"G54": {"X": 1.0, "Z": -0.5}}}, ["--offset", "G54=X1,Z-0.5"]),
+    ],
+)
 def test_the_bytes_and_the_json_of_the_command_line(tmp_path, settings, words):
     out, told = tmp_path / "out.nc", tmp_path / "told.json"
     assert (
@@ -81,7 +91,10 @@ def test_a_path_a_text_bytes_and_any_pieces_are_the_same_program():
     ]
     assert len({gcomp.compensate(way, machine).program for way in ways}) == 1
     live = gcomp.live_filter(machine)
-    assert b"".join(live.feed(data[i : i + 7]) for i in range(0, len(data), 7)) + live.finish() == gcomp.compensate(data, machine).program  # fmt: skip
+    assert (
+        b"".join(live.feed(data[i : i + 7]) for i in range(0, len(data), 7)) + live.finish()
+        == gcomp.compensate(data, machine).program
+    )
 
 
 def test_bytes_that_are_no_text_come_through():
@@ -97,11 +110,18 @@ def test_a_zero_map_moves_no_byte_and_says_so():
     assert (done.text, done.changed, done.added) == (text, 0, 0)
 
 
-@pytest.mark.parametrize("settings, says", [
-    ({"tolerance_um": -1}, "not above zero"), ({"tolerance_um": 5000}, "over 1 mm"),
-    ({"reversal": "sideways"}, "none of mean, step"), ({"offsets": {"G99": {"X": 1.0}}}, "G99"),
-    ({"offsets": {"G54": {"Q": 1.0}}}, "Q"), ({"start": {"Y": 0.0}}, "no axis of studer-s36"), ({"dialect": "none"}, "none"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "settings, says",
+    [
+        ({"tolerance_um": -1}, "not above zero"),
+        ({"tolerance_um": 5000}, "over 1 mm"),
+        ({"reversal": "sideways"}, "none of mean, step"),
+        ({"offsets": {"G99": {"X": 1.0}}}, "G99"),
+        ({"offsets": {"G54": {"Q": 1.0}}}, "Q"),
+        ({"start": {"Y": 0.0}}, "no axis of studer-s36"),
+        ({"dialect": "none"}, "none"),
+    ],
+)
 def test_a_setting_that_can_not_be_is_refused_with_what_can(settings, says):
     with pytest.raises(gcomp.UsageError) as error:
         gcomp.compensate("G0 X1.\n", "studer-s36", **settings)

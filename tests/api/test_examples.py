@@ -31,7 +31,18 @@ def test_the_first_example_of_the_module(beside):
 
 def test_every_public_name_is_said_on_the_page_or_stands_in_the_list_of_types():
     page = (ROOT / "docs" / "PYTHON.md").read_text()
-    types = {"Compensated", "Verified", "Evaluated", "Diagnosed", "Calibrated", "Filter", "Machine", "Recording", "Place", "Notice"}  # fmt: skip
+    types = {
+        "Compensated",
+        "Verified",
+        "Evaluated",
+        "Diagnosed",
+        "Calibrated",
+        "Filter",
+        "Machine",
+        "Recording",
+        "Place",
+        "Notice",
+    }
     missing = [
         n for n in gcomp.__all__ if not n.startswith("__") and n not in types and n not in page
     ]

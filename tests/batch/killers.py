@@ -1,4 +1,5 @@
-"""Work that ends its own process, as running out of memory does; found by the workers under this name."""
+"""Work that ends its own process, as running out of memory does; found by the workers under this
+name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Many programs: all are done, once, whatever ends; one that can not be corrected stops no other; what is done stays done."""
+"""Many programs: all are done, once, whatever ends; one that can not be corrected stops no other;
+what is done stays done."""
 
 from __future__ import annotations
 
@@ -120,7 +121,20 @@ def test_one_bad_program_stops_nothing_and_says_where(place, capfd):
 
 
 def test_several_machines_have_folders_of_their_own(place):
-    assert run("in", "--machine", "studer-s36", "--machine", "perfect", "-o", "out", "-j", 2, "--quiet", "--dialect", "fanuc-lathe") in (0, 2)  # fmt: skip
+    assert run(
+        "in",
+        "--machine",
+        "studer-s36",
+        "--machine",
+        "perfect",
+        "-o",
+        "out",
+        "-j",
+        2,
+        "--quiet",
+        "--dialect",
+        "fanuc-lathe",
+    ) in (0, 2)
     assert {p.name for p in Path("out").iterdir() if p.is_dir()} == {"studer-s36", "perfect"}
     assert results(place / "out" / "perfect") == results(place / "in")
 
@@ -189,15 +203,25 @@ def test_a_line_that_was_cut_off_is_a_job_done_again(place):
     assert len({entry["output"] for entry in ledger(Path("out"))}) == COUNT
 
 
-@pytest.mark.parametrize("words, says", [
-    (["in", "-o", "out"], "--machine is missing"), (["none", "--machine", "perfect", "-o", "out"], "there is no program none"),
-    (["in", "--machine", "no-such", "-o", "out"], "there is no machine 'no-such'"),
-    (["in", "--machine", "perfect", "-o", "in"], "would be written among the programs in in"),
-    (["in/p00.nc", "same/p00.nc", "--machine", "perfect", "-o", "out"], "would both be written to"),
-    (["empty", "--machine", "perfect", "-o", "out"], "there is no program in empty"),
-    (["in", "--machine", "perfect", "-o", "out", "-j", "0"], "not a number of processes"),
-    (["in", "--machine", "perfect", "-o", "out", "--scheduler", "tcp://127.0.0.1:9"], "no Dask scheduler answers"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        (["in", "-o", "out"], "--machine is missing"),
+        (["none", "--machine", "perfect", "-o", "out"], "there is no program none"),
+        (["in", "--machine", "no-such", "-o", "out"], "there is no machine 'no-such'"),
+        (["in", "--machine", "perfect", "-o", "in"], "would be written among the programs in in"),
+        (
+            ["in/p00.nc", "same/p00.nc", "--machine", "perfect", "-o", "out"],
+            "would both be written to",
+        ),
+        (["empty", "--machine", "perfect", "-o", "out"], "there is no program in empty"),
+        (["in", "--machine", "perfect", "-o", "out", "-j", "0"], "not a number of processes"),
+        (
+            ["in", "--machine", "perfect", "-o", "out", "--scheduler", "tcp://127.0.0.1:9"],
+            "no Dask scheduler answers",
+        ),
+    ],
+)
 def test_what_can_not_be_is_refused_before_anything_is_written(
     place, capfd, monkeypatch, words, says
 ):

@@ -1,4 +1,5 @@
-"""A Dask scheduler in a process of its own, with workers of its own: the same results, and a killed worker loses nothing."""
+"""A Dask scheduler in a process of its own, with workers of its own: the same results, and a killed
+worker loses nothing."""
 
 from __future__ import annotations
 
@@ -25,8 +26,11 @@ def started(*words: str) -> subprocess.Popen:
         "DASK_DISTRIBUTED__ADMIN__LOG_FORMAT": "%(message)s",
     }
     return subprocess.Popen(
-        [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], env=env, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL
-    )  # fmt: skip
+        [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]],
+        env=env,
+        stderr=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+    )
 
 
 def address_in(file: Path) -> str:
@@ -61,7 +65,18 @@ def scheduler(tmp_path_factory):
     try:
         address = address_in(file)
         for k in range(2):
-            children.append(started("dask_worker", address, "--nthreads", "1", "--no-nanny", *own, "--local-directory", str(folder / str(k))))  # fmt: skip
+            children.append(
+                started(
+                    "dask_worker",
+                    address,
+                    "--nthreads",
+                    "1",
+                    "--no-nanny",
+                    *own,
+                    "--local-directory",
+                    str(folder / str(k)),
+                )
+            )
         yield address, children
     finally:
         for child in children:

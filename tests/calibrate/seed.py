@@ -1,4 +1,5 @@
-"""The measured grinder's printed tables as recordings: one run each way, as a laser would have written them."""
+"""The measured grinder's printed tables as recordings: one run each way, as a laser would have
+written them."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from postproc.recordings import Recording
 
-SEED = Path(__file__).resolve().parents[3] / "shared" / "seed"
+SEED = Path(__file__).resolve().parents[2] / "proof" / "seed" / "tables"
 TABLES = {"Z": "table_6_1_studer_s36_z_axis.csv", "X": "table_6_2_studer_s36_x_axis.csv"}
 COLUMNS = {"EZZ": "dzz", "EXZ": "dxz", "EBZ": "eyz", "EXX": "dxx", "EZX": "dzx"}
 QUANTITIES = {

@@ -1,7 +1,9 @@
-"""Machines that are known, and what a laser would read on them. Written from the rigid-body equation of the contract with
-numpy alone; nothing of the package under test computes a truth here, it only carries the recordings.
+"""Machines that are known, and what a laser would read on them. Written from the rigid-body
+equation of the contract with numpy alone; nothing of the package under test computes a truth here,
+it only carries the recordings.
 
-reading(q) = n . (d(q) + eps(q) x (p + the others' positions in the arm - m)) + set-up zero + set-up slope q + noise
+reading(q) = n . (d(q) + eps(q) x (p + the others' positions in the arm - m)) + set-up zero + set-up
+slope q + noise
 """
 
 from __future__ import annotations
@@ -18,8 +20,8 @@ XYZ = "XYZ"
 
 @dataclass
 class Slide:
-    """One axis of a known machine: targets (K,) mm; forward, reverse: component to (K,) um or urad; arm: the other axes
-    that count; measured_at: mm, where `forward` and `reverse` hold."""
+    """One axis of a known machine: targets (K,) mm; forward, reverse: component to (K,) um or urad;
+    arm: the other axes that count; measured_at: mm, where `forward` and `reverse` hold."""
 
     letter: str
     targets: np.ndarray
@@ -152,8 +154,9 @@ def everything(rng, machine: dict[str, Slide], rest: dict[str, float], **how) ->
 
 
 def truth(axis: Slide, component: str, rest: dict[str, float], lined=True, datum=0.0) -> np.ndarray:
-    """(2, K) um or urad: what a perfect calibration gives at the targets: as seen from `rest`, straightnesses about the
-    least-squares line of the mean of both directions, that mean zero at the datum."""
+    """(2, K) um or urad: what a perfect calibration gives at the targets: as seen from `rest`,
+    straightnesses about the least-squares line of the mean of both directions, that mean zero at
+    the datum."""
     q, direction = axis.targets, component[1]
     if direction in "ABC":
         value = (
@@ -170,7 +173,8 @@ def truth(axis: Slide, component: str, rest: dict[str, float], lined=True, datum
 def coverage(
     make, chain, rest, options, calibrate, trials: int, seed: int, **how
 ) -> tuple[int, int, float, float]:
-    """Values within 2 u, values in all, root mean square of the normalised error, mean u; over `trials` machines."""
+    """Values within 2 u, values in all, root mean square of the normalised error, mean u; over
+    `trials` machines."""
     rng = np.random.default_rng(seed)
     inside = count = 0
     square = sum_u = 0.0

@@ -64,9 +64,12 @@ def test_a_displacement_across_the_axis_is_a_straightness_and_said_so():
 def test_a_rotary_axis_has_components_too():
     n = 13
     recording = Recording(
-        "targets", {"quantity": "angle", "sensitive": {"Z": 1.0}},
-        {"C_deg": np.linspace(0, 360, n), "approach_C": np.ones(n), "reading_urad": np.zeros(n)}, "c.csv", np.arange(n),
-    )  # fmt: skip
+        "targets",
+        {"quantity": "angle", "sensitive": {"Z": 1.0}},
+        {"C_deg": np.linspace(0, 360, n), "approach_C": np.ones(n), "reading_urad": np.zeros(n)},
+        "c.csv",
+        np.arange(n),
+    )
     assert assign(recording).component == "ECC"
 
 
@@ -76,10 +79,16 @@ WRONG = {
     "straightness along itself": (targets({"X": Q}, {"X": 1.0}, "straightness"), "along X itself"),
     "length about C": (targets({"X": Q}, {"C": 1.0}, "displacement"), "rotary"),
     "two axes at an angle": (targets({"X": Q, "Z": Q}, {"X": 1.0}, "displacement"), "45.0 degrees"),
-    "two axes and an angle": (targets({"X": Q, "Z": Q}, {"X": 0.70710678, "Z": 0.70710678}, "angle"), "angle"),
-    "two axes in a curve": (targets({"X": Q, "Z": Q**2 / 400}, {"X": 0.70710678, "Z": 0.70710678}, "displacement"), "straight line"),
+    "two axes and an angle": (
+        targets({"X": Q, "Z": Q}, {"X": 0.70710678, "Z": 0.70710678}, "angle"),
+        "angle",
+    ),
+    "two axes in a curve": (
+        targets({"X": Q, "Z": Q**2 / 400}, {"X": 0.70710678, "Z": 0.70710678}, "displacement"),
+        "straight line",
+    ),
     "a circle": (replace(targets({"X": Q}, {"X": 1.0}, "displacement"), kind="ballbar"), "ballbar"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", WRONG)

@@ -1,4 +1,5 @@
-"""Every check speaks of what it is made for, with its number, and is silent on a clean calibration."""
+"""Every check speaks of what it is made for, with its number, and is silent on a clean
+calibration."""
 
 from __future__ import annotations
 
@@ -17,13 +18,11 @@ from tests.calibrate.simulation import Slide, recording, slide
 GRINDER, TABLE = parse("w-b-Z-X-t"), parse("w-Z-b-X-t")
 NODES = np.array([0, 33, 61, 94, 127, 153, 181, 214, 247, 273, 301, 334, 367, 395])
 OPTIONS = Options(GRINDER, leads={"Z": 80.0}, travel={"Z": (0.0, 395.0), "X": (0.0, 200.0)})
-needs_seed = pytest.mark.skipif(
-    not seed.SEED.is_dir(), reason="the measured tables are not beside the project"
-)
 
 
 def carriage(fine: int = 1) -> Slide:
-    """A Z axis that follows a bent rail: EXZ in um is the integral of EBZ in urad over Z in mm, divided by 1000."""
+    """A Z axis that follows a bent rail: EXZ in um is the integral of EBZ in urad over Z in mm,
+    divided by 1000."""
     axis = Slide("Z", NODES, {}, {}, ("X",))
     t = NODES / 395.0
     axis.forward = {
@@ -67,12 +66,12 @@ def test_a_clean_calibration_has_no_doubts_and_little_to_say():
     assert not result.outliers and not result.left_out and not result.refused
 
 
-# -- angle and straightness --------------------------------------------------------------------------------------------
+# -- angle and straightness ------------------------------------------------------------------------
 
 
-@needs_seed
 def test_the_grinders_yaw_has_the_wrong_sign():
-    """compensation.md 3.3: on the thesis' Z data the correlation is -0.71; 0.6 um predicted, 3.0 um measured."""
+    """compensation.md 3.3: on the thesis' Z data the correlation is -0.71; 0.6 um predicted, 3.0 um
+    measured."""
     found = [
         f
         for f in calibrate(seed.all_recordings(), Options(GRINDER)).findings
@@ -112,8 +111,9 @@ def test_degrees_for_mm_per_m():
 
 @pytest.mark.parametrize("optic", ["tool", "workpiece"])
 def test_of_a_table_the_relation_turns_round_for_a_point_that_stays_on_it(optic):
-    """A table's deviation against the tool is the opposite of its own, and so is its coordinate and its angle: the
-    straightness of a point on it has the slope -EBZ. Read at a point that goes with the tool, EBZ * z is added."""
+    """A table's deviation against the tool is the opposite of its own, and so is its coordinate and
+    its angle: the straightness of a point on it has the slope -EBZ. Read at a point that goes with
+    the tool, EBZ * z is added."""
     axis = carriage()
     for side in (axis.forward, axis.reverse):
         side["EXZ"] = -side["EXZ"] + (side["EBZ"] * NODES * 1e-3 if optic == "tool" else 0)
@@ -125,7 +125,7 @@ def test_of_a_table_the_relation_turns_round_for_a_point_that_stays_on_it(optic)
     assert found.numbers["correlation"] > 0.97
 
 
-# -- the others --------------------------------------------------------------------------------------------------------
+# -- the others ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("factor, says", [(1e-3, "Are the readings mm"), (1e3, "nm")])
@@ -157,10 +157,16 @@ def test_positions_that_are_diameters_or_inches():
     assert "are they inches" in doubts(calibrate(parts, replace(inch, max_slope=1.0)), "unit")[0]
 
 
-@pytest.mark.parametrize("nodes, lead, says", [
-    (np.arange(14) * 30.0, 10.0, "whole turns"), (np.arange(14) * 30.0, 5.0, "whole turns"),
-    (np.arange(14) * 30.0, 20.0, "half turns"), (np.arange(14) * 30.0, 12.0, "half turns"), (NODES, 5.0, None),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "nodes, lead, says",
+    [
+        (np.arange(14) * 30.0, 10.0, "whole turns"),
+        (np.arange(14) * 30.0, 5.0, "whole turns"),
+        (np.arange(14) * 30.0, 20.0, "half turns"),
+        (np.arange(14) * 30.0, 12.0, "half turns"),
+        (NODES, 5.0, None),
+    ],
+)
 def test_targets_at_the_same_angle_of_the_screw(nodes, lead, says):
     rng = np.random.default_rng(3)
     parts = [recording(rng, slide(rng, "Z", nodes * 1.0, ("EZZ",)), "EZZ", {"X": 0.0}, noise=0.1)]
@@ -235,10 +241,15 @@ def test_a_step_in_the_table():
     assert "Z = 181 and 214" in found[0].message and "--accept-slope" in found[0].message
 
 
-@pytest.mark.parametrize("states, level, says", [
-    (("off", "off"), None, ""), (("active", "active"), "note", "what they leave"),
-    (("active", "off"), "doubt", "describe no state"), (("", "off"), "note", "1 recording does not say"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "states, level, says",
+    [
+        (("off", "off"), None, ""),
+        (("active", "active"), "note", "what they leave"),
+        (("active", "off"), "doubt", "describe no state"),
+        (("", "off"), "note", "1 recording does not say"),
+    ],
+)
 def test_the_controls_own_tables(states, level, says):
     parts = clean()[:2]
     for part, state in zip(parts, states, strict=True):
@@ -307,7 +318,8 @@ def test_one_run_without_an_instrument_has_no_uncertainty():
     assert np.isnan(result.components["EZZ"].u).all()
     assert "uncertainty is not known" in doubts(result, "scatter")[0]
     stated = calibrate(clean(runs=1, u=0.2), OPTIONS).components["EZZ"]
-    # one reading less the mean of two at the datum: 0.2 * sqrt(1.5); at the datum half the difference of two
+    # one reading less the mean of two at the datum: 0.2 * sqrt(1.5); at the datum half the
+    # difference of two
     assert stated.u[0, 5] == approx(0.2e-3 * 1.5**0.5)
     assert stated.u[0, 0] == approx(0.2e-3 * 0.5**0.5)
 
@@ -330,7 +342,8 @@ def test_a_negated_file_and_one_with_its_directions_exchanged_overshoot(column):
 
 
 def test_lost_motion_of_nothing_but_scatter_is_not_called_overshoot():
-    """Scatter of 2 um over five runs: the median of the reversals strays by less than its U, 19 times of 20."""
+    """Scatter of 2 um over five runs: the median of the reversals strays by less than its U, 19
+    times of 20."""
     axis = carriage()
     axis.reverse["EZZ"] = axis.forward["EZZ"]
     said = 0

@@ -1,4 +1,5 @@
-"""Squareness and lost motion from a ballbar: by the equation's own numbers, by machines that are known, and what is refused."""
+"""Squareness and lost motion from a ballbar: by the equation's own numbers, by machines that are
+known, and what is refused."""
 
 from __future__ import annotations
 
@@ -29,14 +30,23 @@ def circle(plane: str, radial, rng=None, noise=0.0, senses=(1, -1), runs=1, turn
         place[plane[0]] = CENTRE[plane[0]] + RADIUS * np.cos(t)
         place[plane[1]] = CENTRE[plane[1]] + RADIUS * np.sin(t)
         reading = radial(t, sense, place) / UM + (rng.normal(0, noise, len(t)) if rng else 0.0)
-        parts.append({"run": np.full(len(t), k + 1.0), "t_s": 10.0 * k + np.arange(len(t)) / 100, "radial_um": reading, "sense": np.full(len(t), 1.0 * sense)} | {f"{x}_cmd_mm": v for x, v in place.items()})  # fmt: skip
+        parts.append(
+            {
+                "run": np.full(len(t), k + 1.0),
+                "t_s": 10.0 * k + np.arange(len(t)) / 100,
+                "radial_um": reading,
+                "sense": np.full(len(t), 1.0 * sense),
+            }
+            | {f"{x}_cmd_mm": v for x, v in place.items()}
+        )
     columns = {n: np.concatenate([p[n] for p in parts]) for n in parts[0]}
     head = {"centre": {x: CENTRE[x] for x in plane}, "radius_mm": RADIUS, "feed_mm_min": 1000.0}
     return Recording("ballbar", head, columns, f"{plane}.csv", np.arange(len(columns["run"])))
 
 
 def equation(g, scale, play, lag, centre=(0.0, 0.0), zero=0.0):
-    """What the bar reads, written from the axes' own errors: a leans by g per mm of b, both have play, one follows later."""
+    """What the bar reads, written from the axes' own errors: a leans by g per mm of b, both have
+    play, one follows later."""
 
     def radial(t, sense, place):
         ways = -sense * np.sin(t), sense * np.cos(t)
@@ -60,7 +70,8 @@ def test_each_number_of_the_equation_comes_back():
 
 
 def test_the_intervals_hold():
-    """100 circles with 0.5 um of scatter: at least 93 % of squareness, scale and both lost motions within 2 u."""
+    """100 circles with 0.5 um of scatter: at least 93 % of squareness, scale and both lost motions
+    within 2 u."""
     rng = np.random.default_rng(7)
     inside = []
     for _ in range(100):
@@ -98,8 +109,9 @@ def by_machine(machine):
 
 @pytest.mark.parametrize("chain", CHAINS)
 def test_circles_and_two_straightnesses_give_one_squareness(chain):
-    """A machine of 18 components, measured at scattered places: circles anywhere say what a square says, for they are read
-    beside the components. What parts them is the interpolation between 11 targets."""
+    """A machine of 18 components, measured at scattered places: circles anywhere say what a square
+    says, for they are read beside the components. What parts them is the interpolation between 11
+    targets."""
     machine = truth(np.random.default_rng(3), parse(chain))
     single = measured(machine, "scattered")
     round_ = [circle(p, by_machine(machine)(p)) for p in ("XY", "YZ", "XZ")]
@@ -118,7 +130,8 @@ def test_circles_and_two_straightnesses_give_one_squareness(chain):
 
 @pytest.mark.parametrize("name", square.NAMES)
 def test_every_name_has_its_sign(name):
-    """An axis that leans by 120 urad alone, as Machine has it (chain.leans): found under the same name."""
+    """An axis that leans by 120 urad alone, as Machine has it (chain.leans): found under the same
+    name."""
     chain = parse("w-b-X-Y-Z-t")
     machine = truth(np.random.default_rng(1), chain)
     axes = {
@@ -143,11 +156,29 @@ def test_every_name_has_its_sign(name):
     [
         (circle("XY", equation(0, 0, (0, 0), 0), senses=(1,)), "turn one way only"),
         (circle("XY", equation(0, 0, (0, 0), 0), turn=TURN[:150]), "no full turns"),
-        (replace(circle("XY", equation(0, 0, (0, 0), 0)), head={"centre": {"X": 0.0}, "radius_mm": 1.0}), "names no two linear"),
-        (replace(circle("XY", equation(0, 0, (0, 0), 0)), head={"centre": CENTRE | {}, "radius_mm": 1.0}), "names no two linear"),
-        (replace(circle("XY", equation(0, 0, (0, 0), 0)), head={"centre": {"X": 0.0, "Y": 0.0}, "radius_mm": 1.0}), "samples lie on"),
+        (
+            replace(
+                circle("XY", equation(0, 0, (0, 0), 0)),
+                head={"centre": {"X": 0.0}, "radius_mm": 1.0},
+            ),
+            "names no two linear",
+        ),
+        (
+            replace(
+                circle("XY", equation(0, 0, (0, 0), 0)),
+                head={"centre": CENTRE | {}, "radius_mm": 1.0},
+            ),
+            "names no two linear",
+        ),
+        (
+            replace(
+                circle("XY", equation(0, 0, (0, 0), 0)),
+                head={"centre": {"X": 0.0, "Y": 0.0}, "radius_mm": 1.0},
+            ),
+            "samples lie on",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_circle_in_both_senses_is_refused(one, says):
     machine = truth(np.random.default_rng(1), parse(CHAINS[0]))
     with pytest.raises(CalibrationError, match=says):

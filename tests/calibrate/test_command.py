@@ -1,4 +1,5 @@
-"""`gcomp calibrate` as a user meets it: recordings on disk, a machine folder, what is printed and what is refused."""
+"""`gcomp calibrate` as a user meets it: recordings on disk, a machine folder, what is printed and
+what is refused."""
 
 from __future__ import annotations
 
@@ -98,7 +99,8 @@ def test_the_runs_stand_beside_the_table(made, capsys):
 
 
 def test_what_is_written_of_the_uncertainty_is_read_back(made, capsys):
-    """U = 2 u of every node and direction, as the file of the runs tells it; the squareness was stated with u = 3 urad."""
+    """U = 2 u of every node and direction, as the file of the runs tells it; the squareness was
+    stated with u = 3 urad."""
     _, names, place = made
     run(capsys, *names, *ASKED, "--squareness", "B0X=-120.5,3", "-o", place / "mine")
     written = read_machine(place / "mine")
@@ -148,7 +150,8 @@ def test_an_uncertainty_that_is_not_known_is_not_written(tmp_path, capsys):
 
 
 def test_what_machines_of_a_kind_share_comes_from_one_that_is_alike(made, capsys):
-    """Control, chain, travels and limits; what is the other's own is not taken, and that is said."""
+    """Control, chain, travels and limits; what is the other's own is not taken, and that is
+    said."""
     _, names, place = made
     status, out, _ = run(capsys, *names, "--like", "studer-s36", "-o", place / "mine")
     assert status == 0
@@ -168,7 +171,8 @@ def test_what_machines_of_a_kind_share_comes_from_one_that_is_alike(made, capsys
 
 
 def test_no_zero_is_invented(made, capsys):
-    """A program in G54 would cut at the machine's zero, and nobody said that the part lies there."""
+    """A program in G54 would cut at the machine's zero, and nobody said that the part lies
+    there."""
     _, names, place = made
     assert run(capsys, *names, *ASKED, "-o", place / "mine")[0] == 0
     assert read_machine(place / "mine").offsets == {}
@@ -183,7 +187,10 @@ def test_what_the_map_lacks_is_said_in_the_output_in_the_file_and_when_it_is_sho
     says = [
         "squareness of XZ, which nobody measured: 100 urad would be 51.0 um at the far corner",
         "EBX: never measured",
-        "Z beyond 0 to 510 mm, where it was measured; the travel goes 40 mm beyond it: places there are refused",
+        (
+            "Z beyond 0 to 510 mm, where it was measured; the travel goes 40 mm beyond it: places"
+            " there are refused"
+        ),
         "a proof of its signs (unverified)",
     ]
     wider = ("--travel", "Z=-10,550")
@@ -313,11 +320,27 @@ def test_a_recording_twice_is_refused(made, capsys):
     assert status == 2 and "the same file" in err
 
 
-@pytest.mark.parametrize("arguments", [
-    ("--squareness", "X0B=3"), ("--squareness", "B0X=abc"), ("--squareness", "B0X"), ("--travel", "Z=5"), ("--travel", "Z=9,5"),
-    ("--lead", "Z=0"), ("--lead", "Q=5"), ("--datum", "Z"), ("--datum", "Z=x"), ("--chain", "w-t"), ("--control", "none-such"),
-    ("--like", "none-such"), ("--column", "abc"), ("--figure", "picture.bmp"), ("--travel", "Y=0,5"), ("--datum", "Z=9999"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--squareness", "X0B=3"),
+        ("--squareness", "B0X=abc"),
+        ("--squareness", "B0X"),
+        ("--travel", "Z=5"),
+        ("--travel", "Z=9,5"),
+        ("--lead", "Z=0"),
+        ("--lead", "Q=5"),
+        ("--datum", "Z"),
+        ("--datum", "Z=x"),
+        ("--chain", "w-t"),
+        ("--control", "none-such"),
+        ("--like", "none-such"),
+        ("--column", "abc"),
+        ("--figure", "picture.bmp"),
+        ("--travel", "Y=0,5"),
+        ("--datum", "Z=9999"),
+    ],
+)
 def test_what_can_not_be_meant_is_refused_in_a_sentence(made, capsys, arguments):
     _, names, place = made
     status, _, err = run(capsys, *names, *ASKED, *arguments, "-o", place / "mine")

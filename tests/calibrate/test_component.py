@@ -1,4 +1,5 @@
-"""One component: zero, line, gaps, several files; and the measured grinder given back by its own tables."""
+"""One component: zero, line, gaps, several files; and the measured grinder given back by its own
+tables."""
 
 from __future__ import annotations
 
@@ -28,12 +29,8 @@ from tests.calibrate.simulation import (
 UM, URAD = 1e-3, 1e-6
 GRINDER, MILL = parse("w-b-Z-X-t"), parse("w-X-Y-b-Z-t")
 REST = {"X": 80.0, "Z": 200.0}
-needs_seed = pytest.mark.skipif(
-    not seed.SEED.is_dir(), reason="the measured tables are not beside the project"
-)
 
 
-@needs_seed
 def test_the_grinders_tables_come_back_where_zeros_and_lines_are_kept():
     """Tables 6.1 and 6.2 as they stand in machines/studer-s36, to 0.05 um."""
     from pathlib import Path
@@ -54,9 +51,9 @@ def test_the_grinders_tables_come_back_where_zeros_and_lines_are_kept():
         assert component.value[1] / one == approx(table.reverse[row] / one, abs=0.05)
 
 
-@needs_seed
 def test_the_grinders_line_is_taken_off_once():
-    """EZX: slope of the mean of both directions by numpy's polyfit, -91.9 urad; only B0X is added back."""
+    """EZX: slope of the mean of both directions by numpy's polyfit, -91.9 urad; only B0X is added
+    back."""
     stated = -382.352941 * URAD
     result = calibrate(seed.all_recordings(), Options(GRINDER, squareness={"B0X": (stated, None)}))
     component = result.components["EZX"]
@@ -70,14 +67,12 @@ def test_the_grinders_line_is_taken_off_once():
     assert component.value == approx(expected, abs=1e-9)
     x = np.array([[170.0], [0.0]])
     deviation = result.machine.deviation(x, np.zeros((2, 1)))[1, 0]
-    assert deviation == approx(
-        component.mean[-1] - component.mean[0], abs=1e-9
-    )  # the model itself adds no slope
+    # the model itself adds no slope
+    assert deviation == approx(component.mean[-1] - component.mean[0], abs=1e-9)
     assert np.polyfit(component.nodes, component.mean, 1)[0] == approx(0.0, abs=1e-12)
     assert not [f for f in result.findings if f.check == "squareness"]
 
 
-@needs_seed
 def test_lines_that_are_kept_beside_a_squareness_are_told():
     options = Options(GRINDER, keep_lines=True, squareness={"B0X": (-382.352941 * URAD, None)})
     told = [
@@ -108,7 +103,8 @@ def made(letter="X", component="EZX", values=None, nodes=None, ways=(1, -1)) -> 
 
 @pytest.mark.parametrize("line", ["least-squares", "end-points"])
 def test_both_lines_leave_the_reversal(line):
-    """A straight line with a step between the directions: nothing is left but half a um up and half down."""
+    """A straight line with a step between the directions: nothing is left but half a um up and half
+    down."""
     component = build([assign(made())], Options(MILL, line=line))
     assert component.slope / URAD == approx(10.0)
     assert component.value / UM == approx(np.array([[0.5] * 5, [-0.5] * 5]))
@@ -116,7 +112,8 @@ def test_both_lines_leave_the_reversal(line):
 
 
 def test_the_two_lines_differ_where_the_rail_is_bent():
-    """0, 0, 0, 0, 4 um at 0 to 400 mm: through the ends 10 urad; least squares 8 urad, by hand (sum (q-200) y / sum (q-200)^2)."""
+    """0, 0, 0, 0, 4 um at 0 to 400 mm: through the ends 10 urad; least squares 8 urad, by hand (sum
+    (q-200) y / sum (q-200)^2)."""
     bent = made(values={1: [0, 0, 0, 0, 4], -1: [0, 0, 0, 0, 4]})
     assert build([assign(bent)], Options(MILL, line="end-points")).slope / URAD == approx(10.0)
     assert build([assign(bent)], Options(MILL)).slope / URAD == approx(8.0)
@@ -139,7 +136,8 @@ def test_without_position_zero_the_datum_is_the_first_target():
 
 
 def test_a_direction_that_was_not_read_is_filled_and_told():
-    """In - at 400 nothing (no overrun): 8 from the other direction less the reversal of 300; at 100 half way."""
+    """In - at 400 nothing (no overrun): 8 from the other direction less the reversal of 300; at 100
+    half way."""
     full = made(component="EXX", values={1: [0, 2, 4, 6, 8], -1: [-1, 1, 3, 4, 9]})
     rows = np.delete(np.arange(10), [6, 9])
     component = build([assign(full.pick(rows))], Options(MILL, keep_zero=True))
@@ -205,26 +203,32 @@ def test_the_same_component_at_another_place_of_the_others_is_refused():
 
 def test_one_target_is_no_component():
     alone = made().pick(np.array([0, 5]))
-    series = replace(assign(made()), **{n: getattr(assign(made()), n)[[0, 5]] for n in ("position", "approach", "run", "reading", "lines")})  # fmt: skip
+    series = replace(
+        assign(made()),
+        **{
+            n: getattr(assign(made()), n)[[0, 5]]
+            for n in ("position", "approach", "run", "reading", "lines")
+        },
+    )
     assert len(alone) == 2
     with pytest.raises(CalibrationError, match="1 target"):
         build([series], Options(MILL))
 
 
-# -- what more runs do not lessen ----------------------------------------------------------------------------------------
+# -- what more runs do not lessen ------------------------------------------------------------------
 
 
 def test_the_instrument_counts_in_full_and_noise_does_not():
-    """u = 0.5 um of the instrument beside a scatter of 0.3 / sqrt(20): the square root of the sum of squares."""
+    """u = 0.5 um of the instrument beside a scatter of 0.3 / sqrt(20): the square root of the sum
+    of squares."""
     rng = np.random.default_rng(3)
     part = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 80.0}, runs=20)
     scatter = build([assign(part)], Options(GRINDER)).u
     stated = replace(part, head=part.head | {"u_um": 0.5})
     assert build([assign(stated)], Options(GRINDER)).u / UM == approx(np.hypot(0.5, scatter / UM))
     assert build([assign(stated)], Options(GRINDER, u_random=True)).u == approx(scatter)
-    assert scatter[0, 5] / UM == approx(
-        0.3 * (1 / 20 + 1 / 40) ** 0.5, rel=0.05
-    )  # less the mean of two at the datum
+    # less the mean of two at the datum
+    assert scatter[0, 5] / UM == approx(0.3 * (1 / 20 + 1 / 40) ** 0.5, rel=0.05)
 
 
 def test_the_temperature_counts_with_the_length_from_the_datum():
@@ -238,7 +242,7 @@ def test_the_temperature_counts_with_the_length_from_the_datum():
     assert warm[0, 0] == cold[0, 0]
 
 
-# -- where it was measured ---------------------------------------------------------------------------------------------
+# -- where it was measured -------------------------------------------------------------------------
 
 
 def test_measured_at_names_the_axes_of_the_arm_only():
@@ -251,7 +255,8 @@ def test_measured_at_names_the_axes_of_the_arm_only():
 
 
 def test_the_measured_point_counts():
-    """Along X, which Z carries, as a position; along Z, where no axis makes an arm, in the translations: EXZ - 120 EBZ."""
+    """Along X, which Z carries, as a position; along Z, where no axis makes an arm, in the
+    translations: EXZ - 120 EBZ."""
     at, away = (
         calibrate(
             everything(np.random.default_rng(2), two_axes(np.random.default_rng(2)), REST),
@@ -296,7 +301,8 @@ def test_components_measured_at_two_places_are_brought_together_with_the_angles(
     "ratio, refused", [(0.0, True), (2.0, True), (-1.0, True), (1.0, False), (0.9, False)]
 )
 def test_before_and_after_make_no_map_together(name, ratio, refused):
-    """The same axis with so much of its deviation, each with its own zero and line of the set-up."""
+    """The same axis with so much of its deviation, each with its own zero and line of the
+    set-up."""
     rng = np.random.default_rng(11)
     axis = two_axes(rng)["Z"]
     axis = Slide(

@@ -1,4 +1,5 @@
-"""Known machines, simulated recordings: the truth lies within the stated uncertainty as often as it says.
+"""Known machines, simulated recordings: the truth lies within the stated uncertainty as often as it
+says.
 
 200 machines of each kind: benchmarks/calibration.py.
 """
@@ -24,16 +25,16 @@ MACHINES = {
 @pytest.mark.parametrize("runs, machines", [(5, 40), (3, 25), (2, 25)])
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_truth_lies_within_two_u_in_95_of_100(name, runs, machines):
-    """Two-way, noise 0.3 um and 0.3 urad; 25 machines are 4000 values or more, whose share strays by 0.4 %."""
+    """Two-way, noise 0.3 um and 0.3 urad; 25 machines are 4000 values or more, whose share strays
+    by 0.4 %."""
     make, options, rest = MACHINES[name]
     inside, count, spread, _ = coverage(
         make, options.chain, rest, options, calibrate, machines, seed=runs, runs=runs
     )
     assert count >= 4000
     assert 0.93 <= inside / count <= 0.97
-    assert spread == approx(
-        1.0, abs=0.06
-    )  # neither too wide nor too narrow: errors have the size of u
+    # neither too wide nor too narrow: errors have the size of u
+    assert spread == approx(1.0, abs=0.06)
 
 
 def test_more_runs_make_it_smaller():
@@ -47,9 +48,11 @@ def test_more_runs_make_it_smaller():
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_calibrated_machine_deviates_as_the_true_one(name):
-    """Anywhere in the space, both directions, but for what a set-up can not see: a shift and a turn of the whole.
+    """Anywhere in the space, both directions, but for what a set-up can not see: a shift and a turn
+    of the whole.
 
-    30 runs of 0.1 um, straightness lines and zeros of the truth kept out by fitting a rigid motion and shear to the difference.
+    30 runs of 0.1 um, straightness lines and zeros of the truth kept out by fitting a rigid motion
+    and shear to the difference.
     """
     make, options, rest = MACHINES[name]
     rng = np.random.default_rng(12)

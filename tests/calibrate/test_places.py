@@ -1,5 +1,5 @@
-"""Where the other axes stood: a map from 18 recordings without noise is as good as its targets allow, wherever they were
-taken; and so is a squareness that a square gave at any place."""
+"""Where the other axes stood: a map from 18 recordings without noise is as good as its targets
+allow, wherever they were taken; and so is a squareness that a square gave at any place."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ def truth(rng, chain) -> Machine:
 
 
 def recording(machine: Machine, letter: str, row: int, rest: dict[str, float]) -> Recording:
-    """One component without noise, the other axes at `rest`; straightnesses of a pair against one square."""
+    """One component without noise, the other axes at `rest`; straightnesses of a pair against one
+    square."""
     q = np.linspace(*TRAVEL[letter], TARGETS)
     place = np.stack([q if x == letter else np.full(TARGETS, rest[x]) for x in machine.letters])
     columns = {f"{x}_mm": place[i] for i, x in enumerate(machine.letters)}
@@ -79,7 +80,11 @@ def recording(machine: Machine, letter: str, row: int, rest: dict[str, float]) -
 def rests(how: str, name: str) -> dict[str, float]:
     rng = np.random.default_rng(zlib.crc32(name.encode()))
     middle = {"X": 240.0, "Y": 210.0, "Z": -170.0}
-    return {"zero": dict.fromkeys(XYZ, 0.0), "middle": middle, "scattered": {x: round(rng.uniform(*TRAVEL[x])) * 1.0 for x in XYZ}}[how]  # fmt: skip
+    return {
+        "zero": dict.fromkeys(XYZ, 0.0),
+        "middle": middle,
+        "scattered": {x: round(rng.uniform(*TRAVEL[x])) * 1.0 for x in XYZ},
+    }[how]
 
 
 def measured(machine: Machine, how: str, without: tuple[str, ...] = ()) -> list[Recording]:
@@ -88,7 +93,8 @@ def measured(machine: Machine, how: str, without: tuple[str, ...] = ()) -> list[
 
 
 def apart(one: Machine, other: Machine) -> float:
-    """um: rms over the volume of the difference, without the six motions of a rigid body, which nobody sees."""
+    """um: rms over the volume of the difference, without the six motions of a rigid body, which
+    nobody sees."""
     place = np.stack(
         [g.ravel() for g in np.meshgrid(*(np.linspace(*TRAVEL[x], 15) for x in XYZ), indexing="ij")]
     )
@@ -121,7 +127,8 @@ def made(calibration) -> Machine:
 @pytest.mark.parametrize("how", ["zero", "middle", "scattered"])
 @pytest.mark.parametrize("line", ["least-squares", "end-points"])
 def test_eighteen_recordings_give_the_machine_wherever_they_were_taken(chain, how, line):
-    """Squareness read where angles have turned the axes was 3.0 to 8.2 times the error of interpolation."""
+    """Squareness read where angles have turned the axes was 3.0 to 8.2 times the error of
+    interpolation."""
     for seed in range(3):
         machine = truth(np.random.default_rng(seed), parse(chain))
         options = Options(parse(chain), keep_all=True, square_error=(0.0, 1e-9), line=line)
@@ -135,8 +142,8 @@ def test_eighteen_recordings_give_the_machine_wherever_they_were_taken(chain, ho
 
 @pytest.mark.parametrize("chain", CHAINS)
 def test_a_stated_squareness_holds_where_the_square_stood(chain):
-    """What a square shows at X 310, Y 90, Z -220 is the slopes of both its arms there; brought to the tables' zero it
-    makes the same machine."""
+    """What a square shows at X 310, Y 90, Z -220 is the slopes of both its arms there; brought to
+    the tables' zero it makes the same machine."""
     machine = truth(np.random.default_rng(5), parse(chain))
     at = {"X": 310.0, "Y": 90.0, "Z": -220.0}
     on_it = [recording(machine, x, XYZ.index(o), at) for x in XYZ for o in XYZ if x != o]
@@ -147,10 +154,8 @@ def test_a_stated_squareness_holds_where_the_square_stood(chain):
             np.polyfit(parts[f"E{o}{m}"].position(m), parts[f"E{o}{m}"].reading, 1)[0]
             for m, o in ((a, b), (b, a))
         ]
-        stated[name] = (
-            (1 if name == "B0Z" else -1) * sum(slopes),
-            1e-9,
-        )  # the signs of chain.leans
+        # the signs of chain.leans
+        stated[name] = ((1 if name == "B0Z" else -1) * sum(slopes), 1e-9)
     found = calibrate(
         measured(machine, "scattered"),
         Options(parse(chain), keep_all=True, squareness=stated, square_at=at),
@@ -167,7 +172,8 @@ def test_a_stated_squareness_holds_where_the_square_stood(chain):
 
 
 def test_the_opening_by_hand():
-    """w-b-Z-X-t, EBZ = 20 urad at Z 400 and 0 at Z 0: there X leans by 20 urad more, since Z carries it."""
+    """w-b-Z-X-t, EBZ = 20 urad at Z 400 and 0 at Z 0: there X leans by 20 urad more, since Z
+    carries it."""
     q = np.linspace(0.0, 400.0, 5)
 
     def along(letter, component, value, angle=False):

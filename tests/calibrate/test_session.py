@@ -1,4 +1,5 @@
-"""measurement.toml: one file says what each recording is, and every command that reads recordings takes it."""
+"""measurement.toml: one file says what each recording is, and every command that reads recordings
+takes it."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from pytest import approx
 
 from postproc import cli
 from postproc.commands import session
-from postproc.commands.recordings import read_files
+from postproc.commands.recording_files import read_files
 from postproc.machine.file import read_machine
 from postproc.recordings import ReadingOptions, contract
 from tests.calibrate.simulation import recording, two_axes
@@ -41,7 +42,10 @@ def place(tmp_path):
             one.approach(moving),
             one.columns["reading_um"],
         )
-        lines = ["Target,Run,Direction,Deviation", *(f"{q:g},{r:g},{'+' if a > 0 else '-'},{v / 1e3:.6f}" for r, q, a, v in rows)]  # fmt: skip
+        lines = [
+            "Target,Run,Direction,Deviation",
+            *(f"{q:g},{r:g},{'+' if a > 0 else '-'},{v / 1e3:.6f}" for r, q, a, v in rows),
+        ]
         (tmp_path / f"{name}_bare.csv").write_text("\n".join(lines) + "\n")
     return tmp_path
 
@@ -198,7 +202,7 @@ def test_a_first_session_is_written_from_files(place, capsys, monkeypatch):
     text = (place / "first.toml").read_text()
     assert "# Z moves, displacement along Z: " in text and "# can not be read yet: " in text
     assert gcomp("recordings", "EZZ.csv", "--session", "first.toml") == 2
-    assert "it is there already" in capsys.readouterr().err
+    assert "first.toml is there already" in capsys.readouterr().err
     done = text.replace('# component = "EXX"\n# unit = "um"', 'component = "EXX"\nunit = "mm"')
     (place / "first.toml").write_text(
         done.replace('# like = "example-mill"', 'like = "studer-s36"')

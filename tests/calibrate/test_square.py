@@ -1,4 +1,5 @@
-"""Squareness: signs by rotation matrices, and every source of it from readings of a machine that is known."""
+"""Squareness: signs by rotation matrices, and every source of it from readings of a machine that is
+known."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ def turned(rotation: str, angle: float) -> np.ndarray:
 
 @pytest.mark.parametrize("name", square.NAMES)
 def test_the_sign_is_that_of_a_right_handed_rotation(name):
-    """The leaning axis, turned by 100 urad: its point at 200 mm moves along the other axis by sign * 0.02 mm."""
+    """The leaning axis, turned by 100 urad: its point at 200 mm moves along the other axis by sign
+    * 0.02 mm."""
     point = 200.0 * turned(name[0], 100e-6) @ np.eye(3)[XYZ.index(name[2])]
     other = XYZ.index(square.other_of(name))
     assert point[other] == approx(square.sign(name) * 0.02, abs=1e-9)
@@ -39,10 +41,18 @@ def test_the_sign_is_that_of_a_right_handed_rotation(name):
 
 @pytest.mark.parametrize(
     "name, leans, more_than_90",
-    [("C0Y", "-X", True), ("A0Z", "-Y", True), ("B0X", "-Z", True), ("B0Z", "+X", False), ("C0X", "+Y", False), ("A0Y", "+Z", False)],
-)  # fmt: skip
+    [
+        ("C0Y", "-X", True),
+        ("A0Z", "-Y", True),
+        ("B0X", "-Z", True),
+        ("B0Z", "+X", False),
+        ("C0X", "+Y", False),
+        ("A0Y", "+Z", False),
+    ],
+)
 def test_leaning_and_the_angle_between_the_axes(name, leans, more_than_90):
-    """compensation.md 3.3: C0Y = +S leans Y to -X, A0Z = +S leans Z to -Y, B0X = +S leans X to -Z, and B0Z = -S."""
+    """compensation.md 3.3: C0Y = +S leans Y to -X, A0Z = +S leans Z to -Y, B0X = +S leans X to -Z,
+    and B0Z = -S."""
     assert square.other_of(name) == leans[1]
     assert square.sign(name) == (-1 if leans[0] == "-" else 1)
     axis = turned(name[0], 1e-4) @ np.eye(3)[XYZ.index(name[2])]
@@ -54,7 +64,8 @@ def test_leaning_and_the_angle_between_the_axes(name, leans, more_than_90):
 @pytest.mark.parametrize("tilt", [0.0, 250e-6])
 @pytest.mark.parametrize("over", [0.0, 40e-6])
 def test_two_straightnesses_give_it_however_the_square_lies(name, tilt, over):
-    """A machine with one axis leaning by 120 urad reads a square of 90 degrees + over that lies turned by tilt."""
+    """A machine with one axis leaning by 120 urad reads a square of 90 degrees + over that lies
+    turned by tilt."""
     value = 120e-6
     leaning, other = XYZ.index(name[2]), XYZ.index(square.other_of(name))
     axes = {leaning: turned(name[0], value)[:, leaning], other: np.eye(3)[other]}
@@ -107,7 +118,7 @@ def test_one_diagonal_is_not_enough():
         square.from_diagonals([1e-5], [{"X": 0.6, "Z": 0.8}], [1e-7], ["B0X"])
 
 
-# -- through a whole calibration ---------------------------------------------------------------------------------------
+# -- through a whole calibration -------------------------------------------------------------------
 
 
 def face_diagonal(rng, machine, value: float, down: bool, runs=5, noise=0.3) -> Recording:
@@ -180,7 +191,8 @@ def test_one_face_diagonal_says_why_it_gives_nothing():
 def on_a_square(
     rng, machine, value: float, over: float, tilt: float, turned_over: bool, **head
 ) -> list[Recording]:
-    """Both straightnesses of the grinder against the arms of one square, as test_two_straightnesses has them."""
+    """Both straightnesses of the grinder against the arms of one square, as test_two_straightnesses
+    has them."""
     over = -over if turned_over else over
     result = []
     for name, slope in (("EZX", -value + tilt + over), ("EXZ", -tilt)):

@@ -15,9 +15,6 @@ from postproc.units import UM
 from tests.calibrate import seed
 from tests.calibrate.simulation import recording, slide, two_axes
 
-needs_seed = pytest.mark.skipif(
-    not seed.SEED.is_dir(), reason="the measured tables are not beside the project"
-)
 GRINDER = parse("w-b-Z-X-t")
 
 
@@ -41,7 +38,8 @@ def test_quantiles_of_chi_squared(dof, median, limit):
 
 
 def test_means_and_scatter_by_hand():
-    """At 10 in +: 1, 2, 3, so mean 2 and s 1; at 10 in -: 5 and 9, so 7 and sqrt(8); at 0 only in -."""
+    """At 10 in +: 1, 2, 3, so mean 2 and s 1; at 10 in -: 5 and 9, so 7 and sqrt(8); at 0 only in
+    -."""
     position = np.array([10, 10, 10, 10, 10, 0.0])
     approach = np.array([1, 1, 1, -1, -1, -1])
     cells = cells_of(position, approach, np.array([1, 2, 3, 5, 9, 4.0]))
@@ -72,10 +70,9 @@ def test_one_scatter_for_all_targets_where_chance_explains_their_differences():
     assert uneven.s[:, 16:].mean() > 5 * uneven.s[:, :16].mean()
 
 
-# -- outliers ----------------------------------------------------------------------------------------------------------
+# -- outliers --------------------------------------------------------------------------------------
 
 
-@needs_seed
 def test_the_slip_of_the_measured_grinder_is_found_and_nothing_else():
     """Table 6.2, straightness, reverse, X = 90: -31.5 between -31.1 and -38.2 um."""
     found = calibrate(seed.all_recordings(), Options(GRINDER)).outliers
@@ -87,7 +84,6 @@ def test_the_slip_of_the_measured_grinder_is_found_and_nothing_else():
     assert found[0].line == seed.FIRST_LINE + 18 + 8
 
 
-@needs_seed
 def test_the_slip_is_left_out_only_where_that_is_asked_for():
     parts = [seed.recording("EZX"), seed.recording("EXX")]
     how = {"keep_lines": True, "keep_zero": True}
@@ -104,8 +100,8 @@ def test_the_slip_is_left_out_only_where_that_is_asked_for():
 @pytest.mark.parametrize("runs, size", [(1, 10.0), (3, 5.0), (5, 5.0)])
 @pytest.mark.parametrize("trial", range(5))
 def test_a_slip_is_found_with_its_line(runs, size, trial):
-    """Noise 0.3 um. One reading among several runs, or one alone in its direction, where an axis that bends by several
-    um between targets hides smaller ones."""
+    """Noise 0.3 um. One reading among several runs, or one alone in its direction, where an axis
+    that bends by several um between targets hides smaller ones."""
     rng = np.random.default_rng(100 * runs + trial)
     data = recording(rng, two_axes(rng)["Z"], "EZZ", {"X": 0.0}, runs=runs)
     row = 18 * 2 * (runs - 1) + 3 + 2 * trial

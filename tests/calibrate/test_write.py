@@ -46,9 +46,18 @@ def test_the_order_is_that_of_the_format():
     }
     text = machine_toml(data, {"": "top\nof it", "axes.Z.travel": "mm"})
     assert text.splitlines() == [
-        "# top", "# of it", 'format = "f"', 'name = "n"', 'source = "s"', "",
-        "[axes.Z]", "travel = [0.0, 1.0]                    # mm", "", "[limits]", 'outside = "error"',
-    ]  # fmt: skip
+        "# top",
+        "# of it",
+        'format = "f"',
+        'name = "n"',
+        'source = "s"',
+        "",
+        "[axes.Z]",
+        "travel = [0.0, 1.0]                    # mm",
+        "",
+        "[limits]",
+        'outside = "error"',
+    ]
 
 
 def test_a_table_is_read_back_to_a_tenth_of_a_nanometre(tmp_path):

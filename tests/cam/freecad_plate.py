@@ -1,4 +1,5 @@
-"""Run by freecadcmd (see make.py): a plate with contour, pocket and holes, and its programs from FreeCAD's own posts."""
+"""Run by freecadcmd (see make.py): a plate with contour, pocket and holes, and its programs from
+FreeCAD's own posts."""
 
 import importlib
 import os

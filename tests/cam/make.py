@@ -1,12 +1,14 @@
-"""Makes the programs of this folder by running PrusaSlicer and FreeCAD, as a person at the screen would.
+"""Makes the programs of this folder by running PrusaSlicer and FreeCAD, as a person at the screen
+would.
 
     apt-get install --no-install-recommends prusa-slicer freecad-python3
     python -m tests.cam.make [--only NAME]
 
-PrusaSlicer slices a washer with the stock profiles that come with it (printer, its default print and filament profile, with
-what they inherit); a few printers a second time with the extruder's words the other way (absolute, relative). FreeCAD makes a
-plate with a contour, a pocket and four holes (freecad_plate.py) and writes it with six of its post-processors. The output is
-kept as it was written; README.md says of every file what it came from.
+PrusaSlicer slices a washer with the stock profiles that come with it (printer, its default print
+and filament profile, with what they inherit); a few printers a second time with the extruder's
+words the other way (absolute, relative). FreeCAD makes a plate with a contour, a pocket and four
+holes (freecad_plate.py) and writes it with six of its post-processors. The output is kept as it was
+written; README.md says of every file what it came from.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 PROFILES = Path("/usr/share/PrusaSlicer/profiles")
-# The extruder's words the other way than in the profile; PrusaSlicer wants no G92 E0 with absolute ones, and one with relative.
+# The extruder's words the other way than in the profile; PrusaSlicer wants no G92 E0 with absolute
+# ones, and one with relative.
 ABSOLUTE = {"use_relative_e_distances": "0", "before_layer_gcode": "", "layer_gcode": ""}
 RELATIVE = {"use_relative_e_distances": "1", "layer_gcode": "G92 E0"}
 # File name: vendor's bundle, printer, what is set otherwise.
@@ -57,8 +60,17 @@ POSTS = {
     "freecad-marlin": ("marlin", ""),
     "freecad-smoothie": ("smoothie", ""),
 }
-NO_KEYS = ("inherits", "renamed_from", "compatible_printers", "compatible_printers_condition", "compatible_prints",
-           "compatible_prints_condition", "default_print_profile", "default_filament_profile", "printer_notes")  # fmt: skip
+NO_KEYS = (
+    "inherits",
+    "renamed_from",
+    "compatible_printers",
+    "compatible_printers_condition",
+    "compatible_prints",
+    "compatible_prints_condition",
+    "default_print_profile",
+    "default_filament_profile",
+    "printer_notes",
+)
 
 
 def sections(path: Path) -> dict[str, dict[str, str]]:
@@ -84,7 +96,8 @@ def flat(bundle: dict[str, dict[str, str]], kind: str, name: str) -> dict[str, s
 
 
 def called(bundle: dict[str, dict[str, str]], kind: str, name: str) -> str:
-    """The default profile of that name, of the first extruder; a bundle may leave the ending of the name out."""
+    """The default profile of that name, of the first extruder; a bundle may leave the ending of the
+    name out."""
     name = name.split(";")[0].strip('" ')
     if f"{kind}:{name}" in bundle:
         return name
@@ -100,13 +113,22 @@ def washer(outer: float = 4.0, inner: float = 2.0, height: float = 0.4, sides: i
     for a, b, c, d in zip(in_, out, out[1:], in_[1:], strict=False):
         low = [(*p, 0.0) for p in (a, b, c, d)]
         high = [(*p, height) for p in (a, b, c, d)]
-        for p, q, r, s in ((low[0], low[3], low[2], low[1]), high, (low[1], low[2], high[2], high[1]),
-                           (low[3], low[0], high[0], high[3])):  # fmt: skip
+        for p, q, r, s in (
+            (low[0], low[3], low[2], low[1]),
+            high,
+            (low[1], low[2], high[2], high[1]),
+            (low[3], low[0], high[0], high[3]),
+        ):
             facets += [(p, q, r), (p, r, s)]
     lines = ["solid washer"]
     for facet in facets:
-        lines += ["facet normal 0 0 0", "outer loop", *(f"vertex {x:.6f} {y:.6f} {z:.6f}" for x, y, z in facet),
-                  "endloop", "endfacet"]  # fmt: skip
+        lines += [
+            "facet normal 0 0 0",
+            "outer loop",
+            *(f"vertex {x:.6f} {y:.6f} {z:.6f}" for x, y, z in facet),
+            "endloop",
+            "endfacet",
+        ]
     return "\n".join([*lines, "endsolid washer", ""])
 
 

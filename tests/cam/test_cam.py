@@ -1,5 +1,5 @@
-"""Programs that PrusaSlicer and FreeCAD wrote, on a made-up machine with errors: all corrected and verified, no filament
-lost; on a machine without errors byte for byte what they were."""
+"""Programs that PrusaSlicer and FreeCAD wrote, on a made-up machine with errors: all corrected and
+verified, no filament lost; on a machine without errors byte for byte what they were."""
 
 from __future__ import annotations
 
@@ -22,14 +22,22 @@ from postproc.verify import Verifier
 HERE = Path(__file__).parent
 NODES = np.arange(-60.0, 421.0, 30.0)
 OTHERS = {
-    "voron-v2": "klipper", "ratrig-v-core-3": "klipper", "jubilee": "reprap", "deltiq-2": "reprap",
-    "freecad-linuxcnc": "linuxcnc", "freecad-mach3": "mach3", "freecad-grbl": "grbl", "freecad-grblhal": "grblhal",
-    "freecad-centroid": "centroid", "freecad-smoothie": "smoothie",
-}  # fmt: skip
+    "voron-v2": "klipper",
+    "ratrig-v-core-3": "klipper",
+    "jubilee": "reprap",
+    "deltiq-2": "reprap",
+    "freecad-linuxcnc": "linuxcnc",
+    "freecad-mach3": "mach3",
+    "freecad-grbl": "grbl",
+    "freecad-grblhal": "grblhal",
+    "freecad-centroid": "centroid",
+    "freecad-smoothie": "smoothie",
+}
 FILES = sorted([*HERE.glob("*.gcode"), *HERE.glob("*.nc")])
 STATED = {"G54": {"X": 100.0, "Y": 100.0, "Z": 50.0}, "H1": {}}
 HOME = {"X": 0.0, "Y": 0.0, "Z": 0.0}
-# Motions behind G29, G80, START_PRINT and the like, where nobody knows where the printer stands: none but these is left.
+# Motions behind G29, G80, START_PRINT and the like, where nobody knows where the printer stands:
+# none but these is left.
 MOST_LEFT = 4
 
 
@@ -82,7 +90,8 @@ def left(filter_: Filter) -> int:
 
 
 def filament(text: bytes, relative_with_distance: bool) -> float:
-    """The sum of all E, counted by this file's own reading: G90 G91 and M82 M83 as Marlin or Klipper have them."""
+    """The sum of all E, counted by this file's own reading: G90 G91 and M82 M83 as Marlin or
+    Klipper have them."""
     absolute, e_absolute, place, total = True, True, 0.0, 0.0
     for line in text.decode("latin-1").splitlines():
         code = re.sub(r"\([^)]*\)", "", line.split(";")[0]).upper()
@@ -119,7 +128,8 @@ def test_there_is_what_was_promised():
 
 @pytest.mark.parametrize("path", [f for f in FILES if f.suffix == ".gcode"], ids=lambda p: p.stem)
 def test_a_print_is_recognised(path):
-    """By the names that its start code calls: a slicer's own remarks are the same for every firmware."""
+    """By the names that its start code calls: a slicer's own remarks are the same for every
+    firmware."""
     assert between(path.read_bytes()) == [OTHERS.get(path.stem, "marlin")]
 
 
@@ -165,8 +175,12 @@ def test_without_a_stated_home_what_is_not_known_is_left_and_counted(path):
 
 
 def test_filament_is_counted_through_arcs():
-    """A spiral of four arcs, absolute and incremental E: arcs that are cut share their filament out."""
-    arcs = "G2 X80 Y60 I10 J0 E{0} F1200\nG3 X100 Y60 I10 J0 E{1}\nG2 X60 Y60 I-20 J0 Z.4 E{2}\nG3 X61 Y61 I0 J1 E{3}\n"
+    """A spiral of four arcs, absolute and incremental E: arcs that are cut share their filament
+    out."""
+    arcs = (
+        "G2 X80 Y60 I10 J0 E{0} F1200\nG3 X100 Y60 I10 J0 E{1}\nG2 X60 Y60 I-20 J0 Z.4 E{2}\nG3 X61"
+        " Y61 I0 J1 E{3}\n"
+    )
     for head, values in (("M83\n", (0.8, 0.7, 2.5, 0.05)), ("M82\n", (0.8, 1.5, 4.0, 4.05))):
         text = ("G28\n" + head + "G92 E0\nG1 X60 Y60 Z.2 F6000\n" + arcs.format(*values)).encode()
         dialect = dialects.load("marlin")

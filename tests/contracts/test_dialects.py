@@ -1,4 +1,5 @@
-"""Laws for every dialect, also a stranger's. `python -m tests.contracts.test_dialects` writes docs/DIALECTS.md."""
+"""Laws for every dialect, also a stranger's. `python -m tests.contracts.test_dialects` writes
+docs/DIALECTS.md."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ import pytest
 from postproc.errors import UsageError
 from postproc.nc import codes, dialects
 from postproc.nc.cycles import family
-from postproc.nc.expand import siemens_drilling
+from postproc.nc.expand import siemens_holes
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.spellings import respelled
@@ -21,11 +22,10 @@ from postproc.nc.state import NONE, Setup
 ROOT = Path(__file__).parents[2]
 DOC = ROOT / "docs" / "DIALECTS.md"
 NAMES = dialects.names()
-DRILLED = ("MCALL", *siemens_drilling.NAMES)  # what Sinumerik's language writes out
+DRILLED = ("MCALL", *siemens_holes.NAMES)  # what Sinumerik's language writes out
 LETTERS = set("ABCDEFGHIJKLMNOPQRSTUVWXYZ")
-HAS_WAY_OUT = re.compile(
-    r"^[a-z/(].*\S: \S.*[^.]$", re.DOTALL
-)  # what is wrong, a colon, what to do
+# what is wrong, a colon, what to do
+HAS_WAY_OUT = re.compile(r"^[a-z/(].*\S: \S.*[^.]$", re.DOTALL)
 
 pytestmark = pytest.mark.parametrize("name", NAMES)
 
@@ -34,7 +34,7 @@ def every() -> list[dialects.Dialect]:
     return [dialects.load(name) for name in NAMES]
 
 
-# -- rows --------------------------------------------------------------------------------------------------------------
+# -- rows ------------------------------------------------------------------------------------------
 
 
 def test_codes_are_whole(name):
@@ -50,9 +50,10 @@ def test_codes_are_whole(name):
             f"{code.word} does {code.does!r}: a key of postproc.nc.codes"
         )
         # ROT alone takes a shift back; with words it is refused.
-        assert not code.refuses or code.does in ("", "frame"), (
-            f"{code.word}: what the interpreter does it does not refuse"
-        )
+        assert not code.refuses or code.does in (
+            "",
+            "frame",
+        ), f"{code.word}: what the interpreter does it does not refuse"
 
 
 def test_the_motions_and_modes_that_the_interpreter_asks_for(name):
@@ -145,7 +146,7 @@ def test_a_modal_code_that_moves_otherwise_is_refused_or_done(name):
         assert dialect.is_refused[[20, 30]].all(), "nobody keeps a pole from block to block yet"
 
 
-# -- the dialect -------------------------------------------------------------------------------------------------------
+# -- the dialect -----------------------------------------------------------------------------------
 
 
 def test_a_dialect_is_found_by_its_name_and_is_data(name):
@@ -201,7 +202,7 @@ def test_its_signs_are_regular_expressions(name):
         assert not re.compile(sign, re.MULTILINE).search(""), "a sign that is everywhere is none"
 
 
-# -- the interpreter with it -------------------------------------------------------------------------------------------
+# -- the interpreter with it -----------------------------------------------------------------------
 
 
 def test_the_state_at_the_start(name):
@@ -226,7 +227,8 @@ def test_the_state_at_the_start(name):
 
 
 def test_every_code_of_it_can_be_read(name):
-    """A block with the code alone makes no traceback, and leaves no axis at a place that it invented."""
+    """A block with the code alone makes no traceback, and leaves no axis at a place that it
+    invented."""
     dialect = dialects.load(name)
     setup = Setup(
         ("X", "Y", "Z"),
@@ -252,7 +254,7 @@ def test_a_code_that_it_has_not_is_not_read_as_one_that_it_has(name):
     assert np.count_nonzero(dialect.meant != dialects.NOTHING) == len(spelled)
 
 
-# -- docs/DIALECTS.md --------------------------------------------------------------------------------------------------
+# -- docs/DIALECTS.md ------------------------------------------------------------------------------
 
 
 def test_the_page_of_dialects_is_up_to_date(name):
@@ -268,13 +270,16 @@ def test_an_unknown_name_is_answered_with_the_names(name):
 
 HEAD = """# Dialects
 
+What gcomp does with the codes of each control: look here before you use it with a control, or when a code was refused. How to add
+one: [ADDING](ADDING.md). An M code that stands in no row passes as it is; where the dialect does not know it, a notice says so. A G
+code that stands in no row is refused, but where a row says that macros pass.
+
 Generated from the tables by `python -m tests.contracts.test_dialects`; a test compares them. A dialect is a file of
 data, `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
 machine.toml chooses it, `--dialect auto` goes by what the program requires (`signs`) and what it excludes (`excludes`, and codes
 that the control has not). An error names another dialect only where the program, read in it, comes farther.
 
-- **followed**: the code is obeyed,
-    and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
+- **followed**: the code is obeyed, and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
   tool's centre where its radius is stated, else at the programmed place, and the bound of that error is said.
 - **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
   threads, taps of lathes, coordinates given to the place where the machine stands.
@@ -292,9 +297,8 @@ them to `--start` there, elsewhere to places that nobody knows. What could not b
 An F or S whose value only the machine knows (`F#<_hal[feed]>`, `S#5`) moves no axis and passes where the language has
 variables, with `--expand` too.
 
-Which axis words are diameters is said by machine.toml (`diameter`),
-    by G7 G8 or DIAMON DIAMOF where there are such codes.
-"""
+Which axis words are diameters is said by machine.toml (`diameter`), by G7 G8 or DIAMON DIAMOF where there are such codes.
+"""  # noqa: E501
 
 
 def chapter(dialect: dialects.Dialect) -> str:
@@ -345,9 +349,11 @@ def chapter(dialect: dialects.Dialect) -> str:
     rows.append(
         (
             "tool lengths",
-            "by T, with its offset"
-            if dialect.tool_offsets
-            else {"H": "G43 H", "D": "D, at once", "T": "T, at once"}[dialect.length_letter],
+            (
+                "by T, with its offset"
+                if dialect.tool_offsets
+                else {"H": "G43 H", "D": "D, at once", "T": "T, at once"}[dialect.length_letter]
+            ),
         )
     )
     rows.append(("arc may miss its end by", _tolerance(dialect)))

@@ -31,15 +31,20 @@ STATE = State(
     channels={
         **{f"T_screw_{x}_C": 20 + RNG.uniform(0, 4, N) for x in "XYZ"},
         **{f"force_{x}_N": RNG.uniform(0, 300, N) for x in "XYZ"},
-        "T_air_C": 20 + RNG.uniform(0, 2, N), "T_bed_C": 20 + RNG.uniform(0, 1, N), "spindle_rpm": RNG.uniform(0, 3000, N),
-        "part": np.arange(N, dtype=float), "material": RNG.choice([-1.0, 1.0], N), "wall": np.resize([-1.0, 0.0, 1.0], N), "bore": RNG.choice([0.0, 1.0], N),
+        "T_air_C": 20 + RNG.uniform(0, 2, N),
+        "T_bed_C": 20 + RNG.uniform(0, 1, N),
+        "spindle_rpm": RNG.uniform(0, 3000, N),
+        "part": np.arange(N, dtype=float),
+        "material": RNG.choice([-1.0, 1.0], N),
+        "wall": np.resize([-1.0, 0.0, 1.0], N),
+        "bore": RNG.choice([0.0, 1.0], N),
     },
     angles={x: RNG.uniform(-5e-5, 5e-5, (3, N)) for x in "XYZ"},
     beam=RNG.uniform(0, 500, N),
     passage=np.zeros(N),
     file=np.zeros(N),
     lines={"X": "YZ", "Y": "XZ", "Z": "XY"},
-)  # fmt: skip
+)
 FOUND = {
     "cyclic": {"period_mm": 7.3, "second": 1.0, "grows": 1.0, "sided": 0.0},
     "encoder_cyclic": {"period_mm": 7.3, "second": 0.0, "grows": 0.0, "sided": 0.0},
@@ -99,7 +104,8 @@ def test_columns_are_vectors_row_by_row(name):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_parameters_say_all_of_a_fit(name):
-    """Coefficients to named parameters and back are the same deviation; no coefficients are no deviation."""
+    """Coefficients to named parameters and back are the same deviation; no coefficients are no
+    deviation."""
     module = effects.load(name)
     for shape in shapes_of(name, module):
         columns = module.columns(STATE, axis_of(module), **shape)
@@ -117,8 +123,9 @@ def test_parameters_say_all_of_a_fit(name):
     "name", [n for n in NAMES if any(hasattr(effects.load(n), how) for how in APPLIED)]
 )
 def test_tables_are_the_same_physics(name):
-    """What a compensator applies is what the diagnosis fits, within 1 % of its size (tables are linear between nodes).
-    Windup is fully built up in the table, so it is compared far from a reversal."""
+    """What a compensator applies is what the diagnosis fits, within 1 % of its size (tables are
+    linear between nodes). Windup is fully built up in the table, so it is compared far from a
+    reversal."""
     module = effects.load(name)
     assert module.USE == "compensate"
     axis = axis_of(module)

@@ -1,8 +1,9 @@
-"""Small models of controls: what each adds to a command, from the text that it would load. Written from the manuals' facts,
-none of gcomp's readers in it. `turn` -1 reads every value of the file with its sign turned.
+"""Small models of controls: what each adds to a command, from the text that it would load. Written
+from the manuals' facts, none of gcomp's readers in it. `turn` -1 reads every value of the file with
+its sign turned.
 
-A model is called with the moving and the corrected axis, commands (N,) mm and the direction of the last move, and gives
-(N,) mm. What it does not understand it refuses with an assertion.
+A model is called with the moving and the corrected axis, commands (N,) mm and the direction of the
+last move, and gives (N,) mm. What it does not understand it refuses with an assertion.
 """
 
 from __future__ import annotations
@@ -15,8 +16,9 @@ INCH = 25.4
 
 
 def linuxcnc(files: dict[str, bytes], kind: str, unit: float = 1.0, turn: float = 1.0):
-    """usrmotintf stops at the first line without three numbers; command.c refuses what does not ascend and more than 256;
-    trims are single precision; control.c adds the trim of the joint's direction."""
+    """usrmotintf stops at the first line without three numbers; command.c refuses what does not
+    ascend and more than 256; trims are single precision; control.c adds the trim of the joint's
+    direction."""
     loaded = {}
     for name, data in files.items():
         rows: list[list[float]] = []
@@ -42,8 +44,8 @@ def linuxcnc(files: dict[str, bytes], kind: str, unit: float = 1.0, turn: float 
 
 
 def enc_comp(files: dict[str, bytes], notices, unit: float = 1.0, turn: float = 1.0):
-    """K3: a positive value moves the axis in the negative direction; MD32450 is added once at a reversal (half here, half
-    there, which is the same but for the zero)."""
+    """K3: a positive value moves the axis in the negative direction; MD32450 is added once at a
+    reversal (half here, half there, which is the same but for the zero)."""
     text = files["AX_EEC.INI"].decode()
     assert text.endswith("M17\n")
     heads = dict(re.findall(r"_(STEP\[0,\w+\]|MIN\[0,\w+\]|MAX\[0,\w+\])=(\S+)", text))
@@ -69,7 +71,8 @@ def enc_comp(files: dict[str, bytes], notices, unit: float = 1.0, turn: float = 
 
 
 def cec(files: dict[str, bytes], unit: float = 1.0, turn: float = 1.0):
-    """K3: the value is added to the output axis over the position of the input axis; DIRECTION 1, -1, 0 for both."""
+    """K3: the value is added to the output axis over the position of the input axis; DIRECTION 1,
+    -1, 0 for both."""
     text = files["NC_CEC.INI"].decode()
     tables = {}
     for t in set(re.findall(r"\$AN_CEC\[(\d+),", text)):
@@ -94,8 +97,9 @@ def cec(files: dict[str, bytes], unit: float = 1.0, turn: float = 1.0):
 def fanuc(
     text: str, home: dict[str, float], step: float, increment: float, axes: str, turn: float = 1.0
 ):
-    """B-63980EN page 100: number n is put out between the points n-1 and n, detection unit x 3623; A-77810E: numbers from
-    3626 on for travel in -, 3627 at the reference from the other side; 1851 at a reversal."""
+    """B-63980EN page 100: number n is put out between the points n-1 and n, detection unit x 3623;
+    A-77810E: numbers from 3626 on for travel in -, 3627 at the reference from the other side; 1851
+    at a reversal."""
     parameter, pitch = {}, {}
     for number, axis, value in re.findall(r"N(\d+) P(\d) R(-?[\d.]+)", text):
         length = 1 / increment if "." in value else 1.0
@@ -124,8 +128,9 @@ def fanuc(
 
 
 def heidenhain(files: dict[str, bytes], unit: float = 1.0, turn: float = 1.0):
-    """MANUALplus 620 pages 716 to 718: AXISPOS, a column for each corrected axis, BACKLASH for travel in -; .CMA: the column
-    of the moving axis names its .COM. Positive where the axis travels too far, so it is taken away."""
+    """MANUALplus 620 pages 716 to 718: AXISPOS, a column for each corrected axis, BACKLASH for
+    travel in -; .CMA: the column of the moving axis names its .COM. Positive where the axis travels
+    too far, so it is taken away."""
     if "config.CMA" in files:
         head, row = (line.split() for line in files["config.CMA"].decode().splitlines()[1:3])
         assigned = dict(zip(head[1:-1], row[1:-1], strict=True))
@@ -156,7 +161,8 @@ def _rows(data: bytes) -> list[list[str]]:
 
 
 def haas(data: bytes, home: dict[str, float], turn: float = 1.0):
-    """96-8000 page 305: every 0.5 inch from machine zero towards minus, inches; taken as added to the command."""
+    """96-8000 page 305: every 0.5 inch from machine zero towards minus, inches; taken as added to
+    the command."""
 
     def added(moving, along, command, way):
         values = [float(r[3]) * INCH for r in _rows(data) if r[0] == moving]
@@ -167,7 +173,8 @@ def haas(data: bytes, home: dict[str, float], turn: float = 1.0):
 
 
 def fagor(data: bytes, unit: float = 1.0, turn: float = 1.0):
-    """8055 page 328: the error of each direction is taken away; all zero in -: that of + for both."""
+    """8055 page 328: the error of each direction is taken away; all zero in -: that of + for
+    both."""
 
     def added(moving, along, command, way):
         table = np.array([[float(v) for v in r[1:]] for r in _rows(data) if r[0] == moving]).T
@@ -178,7 +185,8 @@ def fagor(data: bytes, unit: float = 1.0, turn: float = 1.0):
 
 
 def mitsubishi(data: bytes, step: float, turn: float = 1.0):
-    """E68 page 292: increments of half output units between division points, zero at the reference."""
+    """E68 page 292: increments of half output units between division points, zero at the
+    reference."""
 
     def added(moving, along, command, way):
         table = np.array([[float(v) for v in r[1:]] for r in _rows(data) if r[0] == moving]).T

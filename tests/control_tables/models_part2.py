@@ -1,7 +1,7 @@
 """Small models of controls, written from their documents and sources, not from gcomp's readers.
 
-Each takes the text that a control would load and gives where the control sends the slides. What it does not know it
-refuses with an assertion.
+Each takes the text that a control would load and gives where the control sends the slides. What it
+does not know it refuses with an assertion.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ import numpy as np
 XYZ = "XYZ"
 
 
-# -- Beckhoff and ISG: leadscrew list -----------------------------------------------------------------------------------
+# -- Beckhoff and ISG: leadscrew list --------------------------------------------------------------
 
 
 def lsec(text: str):
-    """TF5200: value = actual - setpoint in 0.1 um; the setpoint is changed so that it is gone; linear; held beyond."""
+    """TF5200: value = actual - setpoint in 0.1 um; the setpoint is changed so that it is gone;
+    linear; held beyond."""
     entries = {}
     for line in text.splitlines():
         words = line.split("#")[0].split()
@@ -43,11 +44,12 @@ def lsec(text: str):
     return sent
 
 
-# -- ISG VolComp --------------------------------------------------------------------------------------------------------
+# -- ISG VolComp -----------------------------------------------------------------------------------
 
 
 def isg_parameters(text: str) -> dict:
-    """TF5280, "ISG CSV format": parameter to a function of the axes; GRID: linear along every argument, held beyond."""
+    """TF5280, "ISG CSV format": parameter to a function of the axes; GRID: linear along every
+    argument, held beyond."""
     found = {}
     for block in re.split(r"^#.*$", re.sub(r"//.*", "", text), flags=re.MULTILINE):
         rows = [line.split() for line in block.splitlines() if line.split()]
@@ -95,9 +97,10 @@ def etalon_parameters(text: str) -> dict:
 def volcomp(parameters: dict, chain: str, workpiece_axes: int):
     """Where VolComp sends the slides: the command less the deviation of the ISO 230-1 model.
 
-    The model is the product of homogeneous transforms from the workpiece to the tool tip: an axis of the workpiece's side
-    errs before it moves, one of the tool's side after. Errors are taken a thousandth as large and the result a thousand
-    times, so that what is left of second order is nothing.
+    The model is the product of homogeneous transforms from the workpiece to the tool tip: an axis
+    of the workpiece's side errs before it moves, one of the tool's side after. Errors are taken a
+    thousandth as large and the result a thousand times, so that what is left of second order is
+    nothing.
     """
     scale = 1e-3
 
@@ -127,11 +130,12 @@ def listing(text: str) -> dict:
     return dict(line.split() for line in text.splitlines() if line.strip())
 
 
-# -- printers -----------------------------------------------------------------------------------------------------------
+# -- printers --------------------------------------------------------------------------------------
 
 
 class Marlin:
-    """planner.h: skew(); M852.cpp; backlash.cpp: the distance is added in the new direction, the start counts as +."""
+    """planner.h: skew(); M852.cpp; backlash.cpp: the distance is added in the new direction, the
+    start counts as +."""
 
     def __init__(self, text: str):
         self.xy = self.xz = self.yz = 0.0
@@ -204,11 +208,12 @@ class RepRap:
         return moved - [self.lost[a] if w < 0 else 0.0 for a, w in zip(XYZ, way, strict=True)]
 
 
-# -- tables of one axis -------------------------------------------------------------------------------------------------
+# -- tables of one axis ----------------------------------------------------------------------------
 
 
 def nc_studio(text: str):
-    """Axis to where the slide is sent: nominal less the error of the direction, from the manual's rows."""
+    """Axis to where the slide is sent: nominal less the error of the direction, from the manual's
+    rows."""
     rows, axis = {}, ""
     for line in text.splitlines():
         if line.startswith("["):
@@ -223,7 +228,8 @@ def nc_studio(text: str):
 
 
 def typed(text: str):
-    """A person who types a sheet in: start, length and points to the even places, the columns in their order."""
+    """A person who types a sheet in: start, length and points to the even places, the columns in
+    their order."""
     head, rows = {}, []
     for line in text.splitlines():
         if "=" in line and not line.startswith("#"):
@@ -240,7 +246,8 @@ def typed(text: str):
 
 
 def centroid_one(text: str, counts_per_mm: float):
-    """Version 1: number of points, place of the last in counts from home; a correction in counts at each."""
+    """Version 1: number of points, place of the last in counts from home; a correction in counts at
+    each."""
     lines = text.split()
     n, last = int(lines[0]), int(lines[1])
     assert len(lines) == n + 2

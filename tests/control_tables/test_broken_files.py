@@ -1,4 +1,5 @@
-"""A control's table that is not whole is refused with file, line and reason: it is trusted with somebody's axis."""
+"""A control's table that is not whole is refused with file, line and reason: it is trusted with
+somebody's axis."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from postproc.control_tables import ExportOptions
 from postproc.errors import GcompError, UsageError
 from postproc.recordings import Source
 
-OPTIONS = ExportOptions(reference={"X": 0.0})
+OPTIONS = ExportOptions(reference={"X": 0.0}, extra={"cec_sign": "-"})
 FANUC = (
     "axis,parameter_no,value\nX,3620,2\nX,3621,1\nX,3622,4\nX,3623,1\nX,3624,20000\nX,1,1\nX,2,0\n"
 )
@@ -31,33 +32,84 @@ COM = (
 HAAS = "axis,point,position_in,value_in\nX,0,0.0,0.0001\nX,1,-0.5,0.0002\n"
 FAGOR = "axis,position_mm,error_plus_mm,error_minus_mm\nX,0.0,0.001,0.002\nX,10.0,0.001,0.002\n"
 MITSUBISHI = "axis,point,position_mm,increment\nX,0,0,0\nX,1,10,3\n"
-G10 = "%\nO1\nG10 L50\nN3620 P1 R2\nN3621 P1 R1\nN3622 P1 R4\nN3623 P1 R1\nN3624 P1 R20000\nN10001 R1\nG11\nM30\n%\n"
+G10 = (
+    "%\nO1\nG10 L50\nN3620 P1 R2\nN3621 P1 R1\nN3622 P1 R4\nN3623 P1 R1\nN3624 P1 R20000\nN10001"
+    " R1\nG11\nM30\n%\n"
+)
 
 BROKEN = [
     # control, name, text, line, words of the complaint
-    ("linuxcnc", "X.comp", "# nominal forward reverse\n0 0 0\n10 10.001 10\n", 1, "2 lines below are not loaded"),
+    (
+        "linuxcnc",
+        "X.comp",
+        "# nominal forward reverse\n0 0 0\n10 10.001 10\n",
+        1,
+        "2 lines below are not loaded",
+    ),
     ("linuxcnc", "X.comp", "0 0 0\n\n10 10.001 10\n", 2, "not three numbers"),
     ("linuxcnc", "X.comp", "0 0 0\n10 10.001\n", 2, "not three numbers"),
     ("linuxcnc", "X.comp", "0 0 0\n10 10 10\n10 10 10\n", 3, "does not ascend"),
     ("linuxcnc", "X.comp", "0 0 0\n100 0.001 0.002\n", 2, "not a file of type 0"),
     ("linuxcnc", "X.comp", "0 0 0\n10 nan 10\n", 2, "'nan' is not a number"),
-    ("linuxcnc", "X.comp", "".join(f"{i} {i} {i}\n" for i in range(257)), 257, "more than 256 entries"),
+    (
+        "linuxcnc",
+        "X.comp",
+        "".join(f"{i} {i} {i}\n" for i in range(257)),
+        257,
+        "more than 256 entries",
+    ),
     ("linuxcnc", "X.comp", " \n", 1, "empty"),
     ("siemens-enc-comp", "e.ini", ENC.replace("M17\n", ""), 8, "M17 is missing"),
-    ("siemens-enc-comp", "e.ini", ENC.replace("[0,1,X1]", "[0,2,X1]"), 4, "point 1 of X1 is missing"),
+    (
+        "siemens-enc-comp",
+        "e.ini",
+        ENC.replace("[0,1,X1]", "[0,2,X1]"),
+        4,
+        "point 1 of X1 is missing",
+    ),
     ("siemens-enc-comp", "e.ini", ENC.replace("[0,1,X1]", "[0,0,X1]"), 4, "stands twice"),
-    ("siemens-enc-comp", "e.ini", ENC.replace("MAX[0,X1]=10", "MAX[0,X1]=30"), 5, "does not give 2 points"),
+    (
+        "siemens-enc-comp",
+        "e.ini",
+        ENC.replace("MAX[0,X1]=10", "MAX[0,X1]=30"),
+        5,
+        "does not give 2 points",
+    ),
     ("siemens-enc-comp", "e.ini", ENC.replace("MODULO[0,X1]=0", "MODULO[0,X1]=1"), 8, "modulo"),
-    ("siemens-enc-comp", "e.ini", ENC.replace("$AA_ENC_COMP_MIN[0,X1]=0\n", ""), 4, "MIN of X1 is missing"),
+    (
+        "siemens-enc-comp",
+        "e.ini",
+        ENC.replace("$AA_ENC_COMP_MIN[0,X1]=0\n", ""),
+        4,
+        "MIN of X1 is missing",
+    ),
     ("siemens-enc-comp", "e.ini", ENC.replace("=0.001", "=0,001"), 4, "not a number"),
     ("siemens-enc-comp", "e.ini", ENC + "$AA_ENC_COMP[0,2,X1]=0\n", 10, "after M17"),
     ("siemens-cec", "c.ini", CEC.replace("[0,1]=", "[0,5]="), 10, "gap"),
     ("siemens-cec", "c.ini", CEC.replace("TABLE[0]=0", "TABLE[0]=2"), 7, "multiplied by another"),
     ("siemens-cec", "c.ini", CEC.replace("DIRECTION[0]=0", "DIRECTION[0]=3"), 6, "not 0, 1 or -1"),
-    ("siemens-cec", "c.ini", CEC.replace("$AN_CEC_OUTPUT_AXIS[0]=(AX3)\n", ""), 9, "OUTPUT_AXIS of table 0 is missing"),
+    (
+        "siemens-cec",
+        "c.ini",
+        CEC.replace("$AN_CEC_OUTPUT_AXIS[0]=(AX3)\n", ""),
+        9,
+        "OUTPUT_AXIS of table 0 is missing",
+    ),
     ("siemens-cec", "c.ini", CEC.replace("(AX3)", "(Q9)"), 10, "which axis is Q9"),
-    ("siemens-cec", "c.ini", CEC[:-4] + CEC.replace("[0", "[1"), 20, "in a direction that another has already"),
-    ("siemens-cec", "c.ini", CEC.replace("$AN_CEC_STEP", "$AN_CEC_STEPS"), 3, "no line of a cross error"),
+    (
+        "siemens-cec",
+        "c.ini",
+        CEC[:-4] + CEC.replace("[0", "[1"),
+        20,
+        "in a direction that another has already",
+    ),
+    (
+        "siemens-cec",
+        "c.ini",
+        CEC.replace("$AN_CEC_STEP", "$AN_CEC_STEPS"),
+        3,
+        "no line of a cross error",
+    ),
     ("fanuc", "f.csv", FANUC.replace("X,2,0", "X,9,0"), 8, "compensation number 9 is of no axis"),
     ("fanuc", "f.csv", FANUC.replace("X,2,0", "X,3,0"), 7, "number 2 is missing between 1 and 3"),
     ("fanuc", "f.csv", FANUC.replace("X,2,0", "X,1,0"), 8, "stands twice"),
@@ -65,9 +117,21 @@ BROKEN = [
     ("fanuc", "f.csv", FANUC.replace("X,2,0", "X,2,0.5"), 8, "not an increment"),
     ("fanuc", "f.csv", FANUC.replace("X,2,0", "X,2"), 8, "2 values under 3 columns"),
     ("fanuc", "f.csv", FANUC.replace("X,3624,20000\n", ""), 0, "parameter 3624 of X is missing"),
-    ("fanuc", "f.csv", FANUC.replace("X,1,1\n", "Y,1,1\n"), 7, "lies in the range of X and of another axis"),
+    (
+        "fanuc",
+        "f.csv",
+        FANUC.replace("X,1,1\n", "Y,1,1\n"),
+        7,
+        "lies in the range of X and of another axis",
+    ),
     ("fanuc", "f.nc", G10.replace("G11\n", ""), 11, "G11 is missing"),
-    ("fanuc", "f.nc", G10.replace("N10001 R1", "N10001 R"), 9, "no parameter or compensation number"),
+    (
+        "fanuc",
+        "f.nc",
+        G10.replace("N10001 R1", "N10001 R"),
+        9,
+        "no parameter or compensation number",
+    ),
     ("fanuc", "f.nc", G10.replace("N3620 P1", "N3620 P7"), 4, "no axis number 7"),
     ("fanuc", "f.nc", G10.replace("N3620 P1", "N3630 P1"), 4, "parameter 3630 is none of"),
     ("fanuc", "f.nc", G10.replace("N10001 R1", "G1 X5"), 9, "no parameter or compensation number"),
@@ -83,7 +147,7 @@ BROKEN = [
     ("fagor", "f.csv", FAGOR.replace("error_plus_mm", "error"), 1, "the columns are"),
     ("mitsubishi", "m.csv", MITSUBISHI.replace("10,3", "10,3.5"), 3, "not a whole number"),
     ("mitsubishi", "m.csv", MITSUBISHI.replace("10,3", "10,300"), 0, "beyond -128 to 127"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("control", "name", "text", "line", "words"), BROKEN)
@@ -131,9 +195,15 @@ MINE = (
     "mitsubishi",
 )
 WHOLE = {
-    "linuxcnc": "0 0 0\n10 10.001 10\n", "fanuc": FANUC, "siemens-enc-comp": ENC, "siemens-cec": CEC, "heidenhain": COM,
-    "haas": HAAS, "fagor": FAGOR, "mitsubishi": MITSUBISHI,
-}  # fmt: skip
+    "linuxcnc": "0 0 0\n10 10.001 10\n",
+    "fanuc": FANUC,
+    "siemens-enc-comp": ENC,
+    "siemens-cec": CEC,
+    "heidenhain": COM,
+    "haas": HAAS,
+    "fagor": FAGOR,
+    "mitsubishi": MITSUBISHI,
+}
 
 
 @pytest.mark.parametrize("control", MINE)
@@ -153,7 +223,7 @@ def test_any_bytes_end_in_tables_or_one_sentence(control, data):
     raw = data.draw(st.one_of(st.just(text.encode()), st.binary(max_size=40)))
     try:
         tables = control_tables.load(control).read(
-            Source("AXIS_X.COM", raw), replace(OPTIONS, extra={"axis": "X"})
+            Source("AXIS_X.COM", raw), replace(OPTIONS, extra={"axis": "X", "cec_sign": "-"})
         )
     except GcompError as error:
         assert error.message

@@ -1,5 +1,6 @@
-"""Every control with its table takes the machine's deviation out, to what the export says is left; with the sign of the file
-turned the deviation is there twice. Readers do what the control does, and writing what was read gives the same bytes."""
+"""Every control with its table takes the machine's deviation out, to what the export says is left;
+with the sign of the file turned the deviation is there twice. Readers do what the control does, and
+writing what was read gives the same bytes."""
 
 from __future__ import annotations
 
@@ -22,8 +23,9 @@ INCH = 25.4
 
 @dataclass(frozen=True)
 class Case:
-    """A control and how it is set up. zero: the approach for which nothing is added at the reference, 0 the mean of both,
-    None where the control does not ask for that; own: whether it only holds tables along the moving axis."""
+    """A control and how it is set up. zero: the approach for which nothing is added at the
+    reference, 0 the mean of both, None where the control does not ask for that; own: whether it
+    only holds tables along the moving axis."""
 
     control: str
     options: ExportOptions
@@ -33,7 +35,10 @@ class Case:
     @property
     def id(self) -> str:
         extra = ",".join(f"{k}={v}" for k, v in self.options.extra.items())
-        return f"{self.control} {self.options.unit} {extra} {'' if self.options.two_way else 'one-way'}"
+        return (
+            f"{self.control} {self.options.unit} {extra}"
+            f" {'' if self.options.two_way else 'one-way'}"
+        )
 
     def model(self, export, turn=1.0):
         o, files = self.options, export.files
@@ -45,7 +50,7 @@ class Case:
         if self.control == "siemens-enc-comp":
             return models.enc_comp(files, export.notices, unit, turn)
         if self.control == "siemens-cec":
-            return models.cec(files, unit, turn if o.extra.get("cec_sign", "-") == "-" else -turn)
+            return models.cec(files, unit, turn if o.extra["cec_sign"] == "-" else -turn)
         if self.control == "fanuc":
             text = next(data for name, data in files.items() if name.endswith(".nc")).decode()
             if o.extra.get("form") == "l52":
@@ -81,17 +86,18 @@ MM, INCHES = (
 )
 ONE = replace(MM, two_way=False)
 TOP = replace(MM, reference={"X": 600.0, "Z": 700.0})
+CEC = {"cec_sign": "-"}  # as the one public generator
 CASES = [
     Case("linuxcnc", replace(MM, extra={"type": "0"})),
     Case("linuxcnc", replace(INCHES, extra={"type": "1"})),
     Case("linuxcnc", replace(ONE, extra={"type": "1"})),
     Case("siemens-enc-comp", replace(MM, spacing=10.0), zero=0.0),
     Case("siemens-enc-comp", replace(INCHES, spacing=12.7), zero=0.0),
-    Case("siemens-cec", replace(MM, spacing=10.0), zero=0.0, own=False),
+    Case("siemens-cec", replace(MM, spacing=10.0, extra=CEC), zero=0.0, own=False),
     Case(
         "siemens-cec", replace(INCHES, spacing=12.7, extra={"cec_sign": "+"}), zero=0.0, own=False
     ),
-    Case("siemens-cec", replace(ONE, spacing=10.0), zero=0.0, own=False),
+    Case("siemens-cec", replace(ONE, spacing=10.0, extra=CEC), zero=0.0, own=False),
     Case("fanuc", replace(MM, spacing=10.0), zero=1.0),
     Case(
         "fanuc",
@@ -112,7 +118,8 @@ CASES = [
 
 @st.composite
 def tables(draw, moving: str = "X", along: str = "X", amplitude: float = 0.06):
-    """A table that bends gently: 2 to 20 nodes, up to 60 um, its two directions up to 10 um apart."""
+    """A table that bends gently: 2 to 20 nodes, up to 60 um, its two directions up to 10 um
+    apart."""
     count = draw(st.integers(2, 20))
     gaps = draw(
         st.lists(st.sampled_from([10.0, 20.0, 25.0, 30.0]), min_size=count - 1, max_size=count - 1)
@@ -120,9 +127,8 @@ def tables(draw, moving: str = "X", along: str = "X", amplitude: float = 0.06):
     start = draw(st.sampled_from([-100.0, -40.0, 0.0, 30.0]))
     nodes = start + np.concatenate([[0.0], np.cumsum(gaps)])
     steps = draw(st.lists(st.integers(-60, 60), min_size=count, max_size=count))
-    forward = np.clip(
-        np.cumsum(steps) * 1e-4, -amplitude, amplitude
-    )  # up to 6 um between neighbours
+    # up to 6 um between neighbours
+    forward = np.clip(np.cumsum(steps) * 1e-4, -amplitude, amplitude)
     play = draw(st.lists(st.integers(-50, 50), min_size=count, max_size=count))
     reverse = forward + np.array(play) * 1e-4 if draw(st.booleans()) else forward
     return ErrorTable(moving, along, nodes, forward, reverse)
@@ -136,7 +142,8 @@ def sets(draw):
 
 
 def checked(case: Case, group: list[ErrorTable]):
-    """Where the control holds a table: table, what is left by the model of the control, and that with the sign turned."""
+    """Where the control holds a table: table, what is left by the model of the control, and that
+    with the sign turned."""
     module = control_tables.load(case.control)
     export = module.write(group, case.options)
     right, wrong = case.model(export), case.model(export, turn=-1.0)

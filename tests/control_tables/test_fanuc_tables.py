@@ -1,4 +1,5 @@
-"""Fanuc's numbers: the manual's own example, the seed's Table 7.2 there and back, carry, magnification, both directions."""
+"""Fanuc's numbers: the manual's own example, the seed's Table 7.2 there and back, carry,
+magnification, both directions."""
 
 from __future__ import annotations
 
@@ -43,7 +44,8 @@ def manual_csv() -> bytes:
 
 
 def test_the_manuals_example_gives_the_sums_that_follow_by_hand():
-    """0 at the reference; up from there +2 +3 +3 +2 +1 -1 -1 0 +2, down +1 +1 +2 +2 +4 +3 +2 0 (its figure spans 4)."""
+    """0 at the reference; up from there +2 +3 +3 +2 +1 -1 -1 0 +2, down +1 +1 +2 +2 +4 +3 +2 0 (its
+    figure spans 4)."""
     (table,) = fanuc.read(Source("manual.csv", manual_csv()), HOME)
     np.testing.assert_allclose(table.nodes, np.arange(-400, 500, 50))
     up = [0, 2, 3, 3, 2, 1, -1, -1, 0, 2]
@@ -80,7 +82,8 @@ def test_table_7_2_is_read_and_written_back_to_the_same_82_numbers_and_settings(
 
 @seed
 def test_table_7_2_takes_out_what_its_sums_say():
-    """X: 51 to 101 add up to 36 um, all but the last of them (0) below the reference: at -1000 the axis was 36 um too far in +.
+    """X: 51 to 101 add up to 36 um, all but the last of them (0) below the reference: at -1000 the
+    axis was 36 um too far in +.
     Y: 171 to 201 add up to 12 um from -600 to +20; backlash of 2 um."""
     told = replace(HOME, extra={"settings": SETTINGS.read_text()})
     x, y, z = fanuc.read(Source(PITCH.name, PITCH.read_bytes()), told)

@@ -1,4 +1,5 @@
-"""What is verified and what is not is said alike wherever it is said: in the list, in the sign, and beside every file."""
+"""What is verified and what is not is said alike wherever it is said: in the list, in the sign, and
+beside every file."""
 
 from __future__ import annotations
 
@@ -7,8 +8,9 @@ import pytest
 from postproc import cli, control_tables
 
 MORE = {
-    "siemens-cec": ("--component", "EXY", "--component", "EYX", "--set", "cec_sign=-"), "fanuc": ("--reference", "X=0,Y=0,Z=0"),
-}  # fmt: skip
+    "siemens-cec": ("--component", "EXY", "--component", "EYX", "--set", "cec_sign=-"),
+    "fanuc": ("--reference", "X=0,Y=0,Z=0"),
+}
 
 
 @pytest.mark.parametrize("name", control_tables.names())

@@ -1,4 +1,5 @@
-"""What each control can not hold is refused or said: entries, spacings, directions, templates, zero at the reference."""
+"""What each control can not hold is refused or said: entries, spacings, directions, templates, zero
+at the reference."""
 
 from __future__ import annotations
 
@@ -44,7 +45,7 @@ def table(
     )
 
 
-# -- LinuxCNC -----------------------------------------------------------------------------------------------------------
+# -- LinuxCNC --------------------------------------------------------------------------------------
 
 
 def test_linuxcnc_gets_three_bare_numbers_a_line_of_actual_positions_or_of_trims():
@@ -94,18 +95,25 @@ def test_backlash_is_said_to_be_ignored():
     assert any("ignores BACKLASH" in n for n in linuxcnc.write([table([1.0, 2.0])], HOME).notices)
 
 
-# -- Siemens ------------------------------------------------------------------------------------------------------------
+# -- Siemens ---------------------------------------------------------------------------------------
 
 
 def test_enc_comp_is_written_as_the_manual_prints_it_with_the_deviation_positive():
-    """K3 page 242: a positive value moves the axis in -, so an axis that goes 3 um too far gets +0.003."""
+    """K3 page 242: a positive value moves the axis in -, so an axis that goes 3 um too far gets
+    +0.003."""
     text = siemens_enc_comp.write([table([0.0, 3.0, 5.0])], HOME).files["AX_EEC.INI"].decode()
     assert text.splitlines() == [
-        "%_N_AX_EEC_INI", "CHANDATA(1)",
-        "$AA_ENC_COMP[0,0,X1]=0.00000", "$AA_ENC_COMP[0,1,X1]=0.00300", "$AA_ENC_COMP[0,2,X1]=0.00500",
-        "$AA_ENC_COMP_STEP[0,X1]=10", "$AA_ENC_COMP_MIN[0,X1]=0", "$AA_ENC_COMP_MAX[0,X1]=20",
-        "$AA_ENC_COMP_IS_MODULO[0,X1]=0", "M17",
-    ]  # fmt: skip
+        "%_N_AX_EEC_INI",
+        "CHANDATA(1)",
+        "$AA_ENC_COMP[0,0,X1]=0.00000",
+        "$AA_ENC_COMP[0,1,X1]=0.00300",
+        "$AA_ENC_COMP[0,2,X1]=0.00500",
+        "$AA_ENC_COMP_STEP[0,X1]=10",
+        "$AA_ENC_COMP_MIN[0,X1]=0",
+        "$AA_ENC_COMP_MAX[0,X1]=20",
+        "$AA_ENC_COMP_IS_MODULO[0,X1]=0",
+        "M17",
+    ]
 
 
 def test_enc_comp_states_the_backlash_that_leaves_least():
@@ -127,17 +135,24 @@ def test_points_that_do_not_suffice_are_refused_with_the_spacing_that_does():
 
 def test_cec_writes_a_pair_by_direction_and_counts_its_tables():
     both = [table([0, 4], reverse=[2, 6]), table([0, 9], along="Z")]
-    text = siemens_cec.write(both, HOME).files["NC_CEC.INI"].decode()
+    text = (
+        siemens_cec.write(both, replace(HOME, extra={"cec_sign": "-"})).files["NC_CEC.INI"].decode()
+    )
     assert re.findall(r"DIRECTION\[(\d)\]=(-?\d)", text) == [("0", "1"), ("1", "-1"), ("2", "0")]
     assert "$AN_CEC_INPUT_AXIS[2]=(AX1)\n$AN_CEC_OUTPUT_AXIS[2]=(AX3)" in text
     assert "; unverified" in text and text.endswith("M17\n")
     with pytest.raises(TableError, match="3 tables are needed, and the control has 2"):
-        siemens_cec.write(both, replace(HOME, extra={"tables": "2"}))
+        siemens_cec.write(both, replace(HOME, extra={"cec_sign": "-", "tables": "2"}))
 
 
 def test_the_dial_gauge_test_tells_the_right_sign_from_the_wrong_one():
     one = table([0.0, 5.0, 20.0])
-    export = siemens_cec.write([one], HOME)
+    for said, other in ("-+", "+-"):
+        told = siemens_cec.write([one], replace(HOME, extra={"cec_sign": said})).notices
+        assert f"(then --set cec_sign={other})" in " ".join(told)
+    with pytest.raises(UsageError, match="cec_sign is not said"):
+        siemens_cec.write([one], HOME)
+    export = siemens_cec.write([one], replace(HOME, extra={"cec_sign": "-"}))
     (notice,) = (n for n in export.notices if n.startswith("dial-gauge"))
     bare, right, wrong = (float(v) for v in re.findall(r"([+-][\d.]+) um", notice))
     for turn, said in ((1.0, right), (-1.0, wrong)):
@@ -146,9 +161,12 @@ def test_the_dial_gauge_test_tells_the_right_sign_from_the_wrong_one():
         assert shown == approx(said, abs=0.06)
 
 
-# -- Heidenhain ---------------------------------------------------------------------------------------------------------
+# -- Heidenhain ------------------------------------------------------------------------------------
 
-TEMPLATE = "BEGIN ACHSE.COM MM\r\nNR      AXISPOS    X          Y          Z          BACKLASH\r\n[END]\r\n"
+TEMPLATE = (
+    "BEGIN ACHSE.COM MM\r\nNR      AXISPOS    X          Y          Z         "
+    " BACKLASH\r\n[END]\r\n"
+)
 
 
 def test_a_template_keeps_its_frame_its_columns_and_its_line_ends():
@@ -199,9 +217,8 @@ def test_the_legacy_form_has_a_spacing_of_a_power_of_two_and_gentle_neighbours()
     export = heidenhain.write([long], replace(HOME, spacing=6.5536, extra={"form": "legacy"}))
     rows = export.files["AXIS_Y.COM"].decode().splitlines()[2:-1]
     positions = [float(row.split()[1]) for row in rows]
-    assert (
-        positions[:4] == [-90.0, -83.4464, -76.8928, -70.3392] and len(rows) == 78
-    )  # 77 intervals
+    # 77 intervals
+    assert positions[:4] == [-90.0, -83.4464, -76.8928, -70.3392] and len(rows) == 78
     assert any("2^16 x 0.1 um" in n for n in export.notices)
     with pytest.raises(
         UsageError, match=r"7 mm is not a power of two x 0.1 um\n +--spacing 6.5536 or 13.1072"
@@ -212,7 +229,7 @@ def test_the_legacy_form_has_a_spacing_of_a_power_of_two_and_gentle_neighbours()
         heidenhain.write([steep], replace(HOME, extra={"form": "legacy"}))
 
 
-# -- Haas, Fagor --------------------------------------------------------------------------------------------------------
+# -- Haas, Fagor -----------------------------------------------------------------------------------
 
 
 def test_haas_goes_down_from_machine_zero_every_half_inch():

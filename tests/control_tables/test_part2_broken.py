@@ -21,7 +21,10 @@ kw.ssfk.table[1].setpoint 1000
 kw.ssfk.table[0].pos 3
 kw.ssfk.table[1].pos 4
 """
-SHEET = "axis = X\nunit = mm\nstart = 0\nlength = 10\npoints = 2\nposition, error_positive\n0, 0.1\n10, 0.2\n"
+SHEET = (
+    "axis = X\nunit = mm\nstart = 0\nlength = 10\npoints = 2\nposition, error_positive\n0, 0.1\n10,"
+    " 0.2\n"
+)
 ONE = {"version": "1", "counts_per_mm": "1000", "axis": "X"}
 
 
@@ -138,7 +141,8 @@ def test_a_broken_file_is_refused_with_file_line_and_reason(control, text, line,
 )
 @given(data=st.data())
 def test_a_file_with_a_slip_is_read_or_refused_and_nothing_else(control, data):
-    """A written file with a few bytes changed, cut or doubled ends in tables or in one sentence, never in a traceback."""
+    """A written file with a few bytes changed, cut or doubled ends in tables or in one sentence,
+    never in a traceback."""
     module = load(control)
     nodes = np.array([-40.0, -20.0, 0.0])
     table = ErrorTable("X", "X", nodes, np.array([0.0, 0.01, 0.0]), np.array([0.02, 0.03, 0.02]))

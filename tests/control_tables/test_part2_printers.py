@@ -1,4 +1,5 @@
-"""Skew factors and lost motion of Marlin, Klipper and RepRapFirmware, by models from the firmwares' sources."""
+"""Skew factors and lost motion of Marlin, Klipper and RepRapFirmware, by models from the firmwares'
+sources."""
 
 from __future__ import annotations
 
@@ -53,7 +54,8 @@ def text_of(form, tables, **options) -> str:
 @pytest.mark.parametrize("form, model", FIRMWARES)
 @given(xy=slopes, xz=slopes, yz=slopes, place=st.tuples(*[st.floats(0, 250)] * 3))
 def test_the_firmware_reaches_the_command(form, model, xy, xz, yz, place):
-    """Also the product of two slopes, up to 25 um here, is taken out; with the sign turned the error is twice as large."""
+    """Also the product of two slopes, up to 25 um here, is taken out; with the sign turned the
+    error is twice as large."""
     control = model(text_of(form, machine(xy, xz, yz)))
     way = (1, 1, 1)
     slide = control.sent(place, way)
@@ -97,7 +99,8 @@ def test_what_is_read_writes_the_same_file(form, model, xy, xz, yz):
 def test_an_axis_that_leans_the_other_way_round_makes_the_same_angle(
     form, model, along, moving, plane
 ):
-    """X leaning towards +Y by 1 mrad closes the angle as Y leaning towards +X would: the part comes out square, turned."""
+    """X leaning towards +Y by 1 mrad closes the angle as Y leaning towards +X would: the part comes
+    out square, turned."""
     export = form.write([leaning(moving, along, 1e-3)], ExportOptions())
     (data,) = export.files.values()
     control = model(data.decode())
@@ -112,8 +115,9 @@ def test_an_axis_that_leans_the_other_way_round_makes_the_same_angle(
 
 
 def test_the_example_of_klippers_manual():
-    """docs/Skew_Correction.md: XY=140.4,142.8,99.8; by hand, side = sqrt(2*140.4^2 + 2*142.8^2 - 4*99.8^2)/2 = 100.4587,
-    cos = (140.4^2 - 142.8^2)/(4*99.8*100.4587) = -0.016948: the factor is -0.016951."""
+    """docs/Skew_Correction.md: XY=140.4,142.8,99.8; by hand, side = sqrt(2*140.4^2 + 2*142.8^2 -
+    4*99.8^2)/2 = 100.4587, cos = (140.4^2 - 142.8^2)/(4*99.8*100.4587) = -0.016948: the factor is
+    -0.016951."""
     (table,) = klipper.read(Source("f", b"SET_SKEW XY=140.4,142.8,99.8\n"), ExportOptions())
     assert table.name == "EXY" and table.forward[-1] / table.nodes[-1] == approx(
         -0.016951, abs=1e-6

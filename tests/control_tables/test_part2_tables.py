@@ -1,4 +1,5 @@
-"""Tables along one axis: Beckhoff's list, Mach4, Centroid, NcStudio. The control with the table loaded reaches the command."""
+"""Tables along one axis: Beckhoff's list, Mach4, Centroid, NcStudio. The control with the table
+loaded reaches the command."""
 
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ from postproc.errors import UsageError
 from postproc.recordings import Source
 
 COUNTS = 1574.803  # per mm: 40,000 per inch
-SELF = 1e-4  # mm: how much a deviation of 40 um changes over itself, at the slopes used here (2.5 um/mm)
+# mm: how much a deviation of 40 um changes over itself, at the slopes used here (2.5 um/mm)
+SELF = 1e-4
 
 
 @st.composite
@@ -51,7 +53,8 @@ def places(table: ErrorTable) -> np.ndarray:
 
 
 def reaches(table: ErrorTable, sent, bound: float) -> None:
-    """Sent there, the tool stands at the command within the bound; with the sign turned it is off twice as far."""
+    """Sent there, the tool stands at the command within the bound; with the sign turned it is off
+    twice as far."""
     p = places(table)
     for way in (1.0, -1.0):
         own = table.at(p, way)
@@ -64,7 +67,7 @@ def reaches(table: ErrorTable, sent, bound: float) -> None:
         )
 
 
-# -- Beckhoff -----------------------------------------------------------------------------------------------------------
+# -- Beckhoff --------------------------------------------------------------------------------------
 
 
 @given(error_tables())
@@ -98,8 +101,8 @@ def test_beckhoff_with_even_points_needs_no_setpoints(table):
 
 
 def test_beckhoff_computes_the_value_as_its_manual_does():
-    """TF5200, "Example - Non-equidistant bilateral SSFK": -102 and 80 tenths where 19856.5 and 19874.7 um are reached for
-    19866.7 um."""
+    """TF5200, "Example - Non-equidistant bilateral SSFK": -102 and 80 tenths where 19856.5 and
+    19874.7 um are reached for 19866.7 um."""
     nodes, actual = np.array([19.8, 19.8667]), np.array([[19.8, 19.8565], [19.8, 19.8747]])
     table = ErrorTable("Y", "Y", nodes, *(actual - nodes))
     text = beckhoff_lsec.write([table], ExportOptions()).files["achskw_Y.lis"].decode()
@@ -142,7 +145,7 @@ def test_beckhoff_refuses_what_it_can_not_hold():
         )
 
 
-# -- NcStudio -----------------------------------------------------------------------------------------------------------
+# -- NcStudio --------------------------------------------------------------------------------------
 
 
 @given(error_tables(), error_tables(axis="X"))
@@ -166,8 +169,12 @@ def test_nc_studio_reaches_the_command(one, two):
 
 
 def test_nc_studio_reads_the_example_of_its_manual():
-    """NK200, table 3-2; and an axis with backlash only, which is what a tool that stays behind in - looks like."""
-    text = ";unit=mm\r\n[X]\r\n-570.025, 0.027, 0.083\r\n-450.020, 0.025, 0.077\r\n[y]\r\n0.000,\t0.000, 0.030\r\n1000.00, 0.000, 0.030\r\n"
+    """NK200, table 3-2; and an axis with backlash only, which is what a tool that stays behind in -
+    looks like."""
+    text = (
+        ";unit=mm\r\n[X]\r\n-570.025, 0.027, 0.083\r\n-450.020, 0.025,"
+        " 0.077\r\n[y]\r\n0.000,\t0.000, 0.030\r\n1000.00, 0.000, 0.030\r\n"
+    )
     x, y = nc_studio.read(Source("axeserr.dat", text.encode()), ExportOptions())
     assert x.forward == approx([0.027, 0.025]) and x.reverse == approx([0.083, 0.077])
     behind = ErrorTable("Y", "Y", np.array([0.0, 1000.0]), np.zeros(2), np.full(2, 0.03))
@@ -178,13 +185,14 @@ def test_nc_studio_reads_the_example_of_its_manual():
     )
 
 
-# -- sheets -------------------------------------------------------------------------------------------------------------
+# -- sheets ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("form, turn, other", [(mach4, 1.0, "-"), (centroid, -1.0, "+")])
 @given(table=error_tables(even=True), unit=st.sampled_from(["mm", "inch"]))
 def test_a_sheet_that_is_typed_in_reaches_the_command(form, turn, other, table, unit):
-    """Mach4 subtracts the error, Centroid adds the correction; with the sign turned by the option it is twice the error."""
+    """Mach4 subtracts the error, Centroid adds the correction; with the sign turned by the option
+    it is twice the error."""
     export = form.write([table], ExportOptions(unit=unit))
     (data,) = export.files.values()
     nodes, up, down = models.typed(data.decode())
@@ -208,8 +216,8 @@ def test_a_sheet_that_is_typed_in_reaches_the_command(form, turn, other, table, 
 
 @given(error_tables(even=True, home=True))
 def test_centroid_version_one_reaches_the_command(table):
-    """One value for both directions, in counts: half the reversal stays, and half a count (0.32 um); what is off at home,
-    where the table must be zero, is told and stays as well."""
+    """One value for both directions, in counts: half the reversal stays, and half a count (0.32
+    um); what is off at home, where the table must be zero, is told and stays as well."""
     options = ExportOptions(
         extra={"version": "1", "counts_per_mm": str(COUNTS), "axis": "Y"}, reference={"Y": 0.0}
     )
@@ -231,7 +239,8 @@ def test_centroid_version_one_reaches_the_command(table):
 
 
 def test_centroid_version_one_is_the_example_that_is_published():
-    """cncsnw, "Laser Compensation": header 24 -1448819, and corrections 0 -32 -38 ...; 920 mm, 40 mm apart, to minus."""
+    """cncsnw, "Laser Compensation": header 24 -1448819, and corrections 0 -32 -38 ...; 920 mm, 40
+    mm apart, to minus."""
     values = [
         0,
         -32,

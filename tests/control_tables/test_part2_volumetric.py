@@ -1,4 +1,5 @@
-"""ISG CSV and Etalon exchange hold a whole machine: what is read back deviates as the machine does, and the control takes it out."""
+"""ISG CSV and Etalon exchange hold a whole machine: what is read back deviates as the machine does,
+and the control takes it out."""
 
 from __future__ import annotations
 
@@ -28,7 +29,8 @@ FORMATS = [isg_csv, etalon]
 def machine(
     seed: int, order=("X", "Y", "Z"), side: int = 2, two_way: bool = False, optics=("", "", "")
 ) -> Machine:
-    """A three-axis machine of random errors: tens of um, tens of urad, measured somewhere, with a tool."""
+    """A three-axis machine of random errors: tens of um, tens of urad, measured somewhere, with a
+    tool."""
     rng = np.random.default_rng(seed)
     size = np.array([0.02, 0.02, 0.02, 5e-5, 5e-5, 5e-5])[:, None]
     axes, square = {}, {}
@@ -95,7 +97,8 @@ def control(form, m: Machine, chain: str | None = None, side: int | None = None)
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("order, side", CHAINS)
 def test_what_is_read_back_deviates_as_the_machine_does(form, order, side):
-    """In all 24 orders of a chain, measured anywhere, with any tool; also where tables are held beyond their ends."""
+    """In all 24 orders of a chain, measured anywhere, with any tool; also where tables are held
+    beyond their ends."""
     m = machine(7 + side, order, side)
     p, still = places(m, beyond=30.0), np.zeros((3, 40))
     assert back(form, m).deviation(p, still) == approx(m.deviation(p, still), abs=NANOMETRE / 100)
@@ -104,8 +107,9 @@ def test_what_is_read_back_deviates_as_the_machine_does(form, order, side):
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("order, side", CHAINS)
 def test_the_control_reaches_what_was_commanded(form, order, side):
-    """The model of the control, by homogeneous transforms, sends the slides to command - deviation; the machine is there
-    within what a deviation changes along itself. With the sign turned the error is twice as large."""
+    """The model of the control, by homogeneous transforms, sends the slides to command - deviation;
+    the machine is there within what a deviation changes along itself. With the sign turned the
+    error is twice as large."""
     m = machine(70 + side, order, side)
     deviation = control(form, m)
     p = places(m, 12)
@@ -161,7 +165,8 @@ def test_one_value_for_both_directions_leaves_what_is_told(form):
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("side", range(4))
 def test_a_point_that_went_along_with_the_other_side_is_exact_at_nodes_only(form, side):
-    """A rotation times the axis' own position bends between nodes: at the nodes it is exact, between it is told."""
+    """A rotation times the axis' own position bends between nodes: at the nodes it is exact,
+    between it is told."""
     m = machine(13, side=side, optics=("tool", "workpiece", "tool"))
     export = form.write_machine(m, ExportOptions())
     p = places(m, 300)
@@ -196,9 +201,18 @@ def test_etalon_holds_the_middle_of_what_depends_on_a_second_axis():
     assert any("over Z are written as their middle" in notice for notice in export.notices)
 
 
-@pytest.mark.parametrize("name, along, sign", [("B0X", (1, 0, 0), (0, 0, -1)), ("C0Y", (0, 1, 0), (-1, 0, 0)), ("B0Z", (0, 0, 1), (1, 0, 0)), ("A0Z", (0, 0, 1), (0, -1, 0))])  # fmt: skip
+@pytest.mark.parametrize(
+    "name, along, sign",
+    [
+        ("B0X", (1, 0, 0), (0, 0, -1)),
+        ("C0Y", (0, 1, 0), (-1, 0, 0)),
+        ("B0Z", (0, 0, 1), (1, 0, 0)),
+        ("A0Z", (0, 0, 1), (0, -1, 0)),
+    ],
+)
 def test_squareness_leans_as_the_names_say(name, along, sign):
-    """By hand: 100 urad over 200 mm are 20 um, towards -Z for B0X, -X for C0Y, +X for B0Z, -Y for A0Z."""
+    """By hand: 100 urad over 200 mm are 20 um, towards -Z for B0X, -X for C0Y, +X for B0Z, -Y for
+    A0Z."""
     for form, text in ((isg_csv, f"{name}\n0.0001\n"), (etalon, f"[{name}]\nVALUE = 0.0001\n")):
         found = form.read_machine(Source("f", text.encode()), ExportOptions())
         place = 200.0 * np.array(along)[:, None]
@@ -222,11 +236,13 @@ Y0A Z0A X0B
     found = isg_csv.read_machine(Source("m.csv", text.encode()), ExportOptions())
     (exx,) = (g for g in found.grids if g.rows == [0])
     assert (exx.letter, exx.other) == ("X", "Z")
-    assert exx.evaluate(np.array([5.0]), np.array([50.0]), np.zeros(1))[0] == approx(
-        0.015
-    )  # mean of the four
+    # mean of the four
+    assert exx.evaluate(np.array([5.0]), np.array([50.0]), np.zeros(1))[0] == approx(0.015)
     assert len(found.grids) == 6 and sum("is not read" in n for n in found.notices) == 3
-    text = "[C0B]\nVALUE = 0.000022355737\n[A0Z]\nVALUE = 0.0000476\n[EXY]\nGridpoints = {\n-280.0 -0.001358635132\n-270.0 -0.000240680764 // c\n}  // end of EXY\n"
+    text = (
+        "[C0B]\nVALUE = 0.000022355737\n[A0Z]\nVALUE = 0.0000476\n[EXY]\nGridpoints = {\n-280.0"
+        " -0.001358635132\n-270.0 -0.000240680764 // c\n}  // end of EXY\n"
+    )
     found = etalon.read_machine(Source("m.txt", text.encode()), ExportOptions())
     assert found.square == {"A0Z": 0.0000476} and "C0B" in found.notices[0]
     assert found.axes["Y"].evaluate(np.array([-275.0]), np.zeros(1))[0] == approx(-0.000799657948)

@@ -1,4 +1,5 @@
-"""`gcomp export --residual`: the control holds its part, the machine folder the rest; together they are the machine.
+"""`gcomp export --residual`: the control holds its part, the machine folder the rest; together they
+are the machine.
 
 Models of controls (models.py) read the files as the controls do.
 """
@@ -54,8 +55,8 @@ def added(control: str, files, q: np.ndarray, way: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("control", ["linuxcnc", "heidenhain"])
 def test_the_control_and_the_rest_are_the_machine(tmp_path, capsys, control):
-    """At 400 random places and sides: what the machine does with the control's table at work is what the rest says, but
-    for one shift of each axis (a control adds nothing at its reference)."""
+    """At 400 random places and sides: what the machine does with the control's table at work is
+    what the rest says, but for one shift of each axis (a control adds nothing at its reference)."""
     files, rest = exported(tmp_path, control)
     whole = read_machine(ROOT / "machines" / "example-mill")
     rng = np.random.default_rng(2)
@@ -101,8 +102,9 @@ def test_a_program_for_the_rest_ends_where_it_belongs_with_the_table_at_work(tmp
 
 
 def test_klipper_is_told_the_diagonals_that_a_caliper_read(tmp_path, capsys):
-    """The square of 100 mm of which machines/README.md makes example-printer (141.62 and 141.22) comes back in SET_SKEW XY=AC,BD,AD
-    (klippy/extras/skew_correction.py), and the rest of that machine has no squareness left."""
+    """The square of 100 mm of which machines/README.md makes example-printer (141.62 and 141.22)
+    comes back in SET_SKEW XY=AC,BD,AD (klippy/extras/skew_correction.py), and the rest of that
+    machine has no squareness left."""
     files, rest = exported(tmp_path, "klipper", machine="example-printer")
     found = re.search(r"XY=([\d.]+),([\d.]+),100\b", files["example-printer.gcode"].decode())
     assert [float(v) for v in found.groups()] == pytest.approx([141.62, 141.22], abs=2e-3)

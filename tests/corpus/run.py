@@ -1,8 +1,10 @@
-"""Real programs, whole, on made-up machines: what comes out, and which laws of a correction hold for it.
+"""Real programs, whole, on made-up machines: what comes out, and which laws of a correction hold
+for it.
 
-The programs stand beside the project and are no part of it. Each is read in the dialect that a knowing user would choose,
-by a machine without errors (the output must be the input, to the byte) and by machines with smooth maps (the output is
-replayed and measured). What is measured here is added up from motions by other code than the one that made them.
+The programs stand beside the project and are no part of it. Each is read in the dialect that a
+knowing user would choose, by a machine without errors (the output must be the input, to the byte)
+and by machines with smooth maps (the output is replayed and measured). What is measured here is
+added up from motions by other code than the one that made them.
 """
 
 from __future__ import annotations
@@ -45,7 +47,7 @@ FAR = 3000.0  # mm: tables reach from -FAR to FAR
 MAX_STEPS, MAX_DEPTH = 200_000, 50
 LONGEST_S = 20
 
-# -- programs ----------------------------------------------------------------------------------------------------------
+# -- programs --------------------------------------------------------------------------------------
 
 PLOTTER = "a pen on a small controller: M300 lifts it, G4 P counts milliseconds"
 LATHE = "X and Z alone, X a diameter, I K arcs in G18"
@@ -105,7 +107,8 @@ SLOW = {
 
 @dataclass(frozen=True)
 class Program:
-    """One file. name: "folder/file"; dialect: the one that a knowing user would choose; why: where that is not obvious."""
+    """One file. name: "folder/file"; dialect: the one that a knowing user would choose; why: where
+    that is not obvious."""
 
     name: str
     path: Path
@@ -143,7 +146,8 @@ def programs() -> list[Program]:
 
 
 def has_cycles(program: Program) -> bool:
-    """Whether canned cycles or frames stand in it, which --expand writes out though they can be corrected in place."""
+    """Whether canned cycles or frames stand in it, which --expand writes out though they can be
+    corrected in place."""
     return bool(re.search(rb"(?i)G8[1-9]|G7[346]|TRANS|ROT|DEF |=|o<", program.text))
 
 
@@ -168,7 +172,7 @@ def recognised(text: bytes) -> str:
     return " ".join(name for name, signs in found if len(signs) == len(found[0][1]))
 
 
-# -- machines ----------------------------------------------------------------------------------------------------------
+# -- machines --------------------------------------------------------------------------------------
 
 TOML = """\
 format  = "gcomp-machine/1"
@@ -194,10 +198,25 @@ travel = [-{far}, {far}]
 least_increment = {least}
 """
 WAVES = {  # component: um or urad, mm of a wave, phase
-    "XX": (8.0, 410.0, 0.3), "YX": (5.0, 230.0, 1.1), "ZX": (6.0, 310.0, 2.0), "AX": (2.0, 900.0, 0.5), "BX": (1.5, 700.0, 1.0), "CX": (2.0, 800.0, 0.1),
-    "XY": (6.0, 260.0, 1.7), "YY": (9.0, 380.0, 0.9), "ZY": (4.0, 170.0, 0.2), "AY": (1.5, 650.0, 1.4), "BY": (2.0, 950.0, 0.7), "CY": (1.0, 500.0, 2.2),
-    "XZ": (5.0, 210.0, 0.8), "YZ": (7.0, 290.0, 1.9), "ZZ": (8.0, 350.0, 0.6), "AZ": (2.0, 850.0, 0.9), "BZ": (1.5, 750.0, 1.8), "CZ": (1.0, 600.0, 0.4),
-}  # fmt: skip
+    "XX": (8.0, 410.0, 0.3),
+    "YX": (5.0, 230.0, 1.1),
+    "ZX": (6.0, 310.0, 2.0),
+    "AX": (2.0, 900.0, 0.5),
+    "BX": (1.5, 700.0, 1.0),
+    "CX": (2.0, 800.0, 0.1),
+    "XY": (6.0, 260.0, 1.7),
+    "YY": (9.0, 380.0, 0.9),
+    "ZY": (4.0, 170.0, 0.2),
+    "AY": (1.5, 650.0, 1.4),
+    "BY": (2.0, 950.0, 0.7),
+    "CY": (1.0, 500.0, 2.2),
+    "XZ": (5.0, 210.0, 0.8),
+    "YZ": (7.0, 290.0, 1.9),
+    "ZZ": (8.0, 350.0, 0.6),
+    "AZ": (2.0, 850.0, 0.9),
+    "BZ": (1.5, 750.0, 1.8),
+    "CZ": (1.0, 600.0, 0.4),
+}
 GAP_UM = 3.0  # half of it each way
 
 
@@ -216,8 +235,13 @@ class Variant:
 
 MAIN = Variant()
 VARIANTS = (
-    MAIN, Variant(False), Variant(True, 0.0001, 5.0), Variant(False, 0.0001, 5.0), Variant(True, 0.001), Variant(True, 0.001, 5.0),
-)  # fmt: skip
+    MAIN,
+    Variant(False),
+    Variant(True, 0.0001, 5.0),
+    Variant(False, 0.0001, 5.0),
+    Variant(True, 0.001),
+    Variant(True, 0.001, 5.0),
+)
 
 
 def write_zero(folder: Path, lathe: bool = False) -> Path:
@@ -234,7 +258,8 @@ def write_zero(folder: Path, lathe: bool = False) -> Path:
 
 
 def write_smooth(folder: Path, two_way: bool, least: float, lathe: bool = False) -> Path:
-    """X Y Z with all errors of their slides as smooth waves of a few um, and A B C without tables; a lathe: X and Z."""
+    """X Y Z with all errors of their slides as smooth waves of a few um, and A B C without tables;
+    a lathe: X and Z."""
     folder.mkdir(parents=True)
     text = TOML.format(name=folder.name) + SQUARE
     nodes = np.arange(-FAR, FAR + 1, 25.0)
@@ -308,7 +333,7 @@ def offsets() -> dict[str, dict[str, float]]:
     return {name: dict(zero, R=0.0) if name[0] in "DT" else zero for name in names}
 
 
-# -- one run -----------------------------------------------------------------------------------------------------------
+# -- one run ---------------------------------------------------------------------------------------
 
 NEEDS = "--expand is needed"
 REASONS = (  # what a refusal is about, by what its message or advice says; the first that fits
@@ -341,7 +366,8 @@ BROKEN = "an error of gcomp"
 
 @dataclass
 class Outcome:
-    """What became of a program. um: largest deviation; paths in mm; faults: laws that do not hold."""
+    """What became of a program. um: largest deviation; paths in mm; faults: laws that do not
+    hold."""
 
     status: str = ""  # identical, verified, written (zero map, --expand), refused, broken
     line: int = 0
@@ -377,7 +403,8 @@ def make_filter(
     tolerance_um: float | None = None,
     start: dict[str, float] | None = None,
 ) -> Filter:
-    """A filter for the dialect; all offsets are zero, and the machine stands at zero where `start` does not say more."""
+    """A filter for the dialect; all offsets are zero, and the machine stands at zero where `start`
+    does not say more."""
     dialect = dialects.load(program.dialect)
     machine = machine.carrying(dialect.carried)
     place = {x: 0.0 for x in machine.letters} | (start or {})
@@ -525,7 +552,7 @@ def _run(filter_: Filter, text: bytes, expand: bool, cuts: tuple[int, ...] = ())
     return outcome
 
 
-# -- laws --------------------------------------------------------------------------------------------------------------
+# -- laws ------------------------------------------------------------------------------------------
 
 
 def first_difference(a: bytes, b: bytes) -> str:
@@ -557,7 +584,8 @@ def whole(filter_: Filter, text: bytes) -> Motions:
 
 
 def lengths(motions: Motions, rows: list[int]) -> np.ndarray:
-    """(N,) mm along X Y Z: straight ways, arcs by their sweep, holes down and up; 0 where an end is not known."""
+    """(N,) mm along X Y Z: straight ways, arcs by their sweep, holes down and up; 0 where an end is
+    not known."""
     way = (motions.target - motions.start)[rows] / TICKS_PER_MM
     length = np.sqrt((way**2).sum(axis=0))
     arcs = motions.arcs
@@ -604,7 +632,8 @@ def _measure(outcome: Outcome, filter_: Filter, plain: bytes, counts) -> None:
         )
     a, b = lengths(nominal, rows), lengths(out, rows)
     outcome.path_in, outcome.path_out = float(a.sum()), float(b.sum())
-    # Where the place is lost and found again the way up to there is not known; both sums leave it out.
+    # Where the place is lost and found again the way up to there is not known; both sums leave it
+    # out.
     slack = (
         1e-3 * outcome.path_in
         + tolerance * len(out)
@@ -626,7 +655,8 @@ def _measure(outcome: Outcome, filter_: Filter, plain: bytes, counts) -> None:
 def _same_places(
     outcome: Outcome, filter_: Filter, nominal: Motions, out: Motions, owner: np.ndarray
 ) -> None:
-    """The end of each motion's last piece: by no more than a correction beside the nominal end, rotary axes on it."""
+    """The end of each motion's last piece: by no more than a correction beside the nominal end,
+    rotary axes on it."""
     last = np.flatnonzero(np.append(owner[1:] != owner[:-1], True))
     away = np.abs(out.target[:, last] - nominal.target[:, owner[last]]) / TICKS_PER_MM
     known = out.target_known[:, last] & nominal.target_known[:, owner[last]]
@@ -642,12 +672,12 @@ def _same_places(
         if worst.max(initial=0.0) > most:
             k = int(worst.argmax())
             outcome.faults.append(
-                f"{letter} ends {worst[k]:.4f} mm from the nominal place in motion {int(owner[last[k]])}, "
-                f"largest correction {filter_.summary.largest:.4f}"
+                f"{letter} ends {worst[k]:.4f} mm from the nominal place in motion"
+                f" {int(owner[last[k]])}, largest correction {filter_.summary.largest:.4f}"
             )
 
 
-# -- tables of places --------------------------------------------------------------------------------------------------
+# -- tables of places ------------------------------------------------------------------------------
 
 
 # The tables were made with this one's axes where another program of its folder leaves them.
@@ -655,7 +685,8 @@ TABLE_BEGINS = {"sinumerik/increment.mpf": {"Y": 900.0}}
 
 
 def table_of(program: Program) -> list[tuple[float, ...]] | None:
-    """The places X Y Z A B C, each other than the one before, that a table beside the program says it reaches."""
+    """The places X Y Z A B C, each other than the one before, that a table beside the program says
+    it reaches."""
     stem = program.path.with_suffix("")
     path = next(
         (p for p in (stem.with_suffix(".csv"), Path(f"{stem}_raw.csv")) if p.exists()), None
@@ -674,7 +705,8 @@ def table_of(program: Program) -> list[tuple[float, ...]] | None:
 def places_of(
     machines: Machines, program: Program, text: bytes, expand: bool
 ) -> list[tuple[float, ...]]:
-    """The same, as the program takes the machine there. Raises GcompError or BlockFault where it is refused."""
+    """The same, as the program takes the machine there. Raises GcompError or BlockFault where it is
+    refused."""
     filter_ = make_filter(machines.zero(), program, start=TABLE_BEGINS.get(program.name))
     plain = b"".join(output(filter_, text, expand))
     target = whole(filter_, plain).target / TICKS_PER_MM
@@ -692,8 +724,8 @@ def _changing(program: Program, rows: list[tuple[float, ...]]) -> list[tuple[flo
 
 
 def table_fault(machines: Machines, program: Program) -> str:
-    """Where the places of a program, as it is and written out, first differ from those of its table; "" if nowhere, if
-    there is no table, or if the program is refused."""
+    """Where the places of a program, as it is and written out, first differ from those of its
+    table; "" if nowhere, if there is no table, or if the program is refused."""
     table = table_of(program)
     for expand in (False, True) if table else ():
         try:

@@ -1,9 +1,12 @@
-"""The share of real programs that are corrected: `python -m tests.corpus.share FOLDER` runs `gcomp --verify` on all of them.
+"""The share of real programs that are corrected: `python -m tests.corpus.share FOLDER` runs `gcomp
+--verify` on all of them.
 
-FOLDER holds programs of other people, DIALECT/SOURCE/FILE: the dialect of their control, and where they come from. They are
-no part of the project; what is kept of them are the figures (`--write`: share.csv, from which docs/COVERAGE.md is made).
-Each is run as its user would: the command line, a machine with 6 m of travel on every axis whose map is smooth, all offsets
-stated as zero, home where the control has one. A refusal is answered once, by the option that its advice names.
+FOLDER holds programs of other people, DIALECT/SOURCE/FILE: the dialect of their control, and where
+they come from. They are no part of the project; what is kept of them are the figures (`--write`:
+share.csv, from which docs/COVERAGE.md is made).
+Each is run as its user would: the command line, a machine with 6 m of travel on every axis whose
+map is smooth, all offsets stated as zero, home where the control has one. A refusal is answered
+once, by the option that its advice names.
 """
 
 from __future__ import annotations
@@ -40,7 +43,7 @@ dialect of its control; long ones with fewer of their motions. Where a search na
 of its own. `gcomp --verify` runs as its user would run it: a machine with 6 m of travel and a smooth two-way map, all offsets
 stated as zero, home stated, 1 um; a refusal is answered by the option that its advice names (`python -m tests.corpus.share`).
 *Broken*: the control would stop at it too. *Not in the text*: what is cut depends on what only the machine knows (probing,
-variables that it keeps, axes that a machine with X Y Z A B C has not), or it is a template."""
+variables that it keeps, axes that a machine with X Y Z A B C has not), or it is a template."""  # noqa: E501
 SECONDS = 60
 OPTIONS = (  # what an advice names, and what its user would type
     (r"--arc-centre", ("--arc-centre", "absolute")),
@@ -49,23 +52,49 @@ OPTIONS = (  # what an advice names, and what its user would type
     (r"--expand", ("--expand",)),
     (r"--start ([A-Z0-9,.]+)", ("--start", "")),  # as the advice writes it
     (r"--outside", ("--outside", "clamp")),
+    (r"--integers units", ("--integers", "units")),
 )
 BROKEN = (  # an error that the control tells too, or that no control could run
-    "misses its own end", "is not text", "a comment is opened", "words in one block", "without its centre words",
-    "is not defined in this program", "has no number", "no sequence number", "an arc of radius 0", "WHILE without DO1",
-    "calls it unimplemented", "is not a code of", "a value is missing, or is none", "no motion code (G0 G1 G2 G3) is in force",
-    "'$' is not part of a plain NC block", "'#' is not part of a plain NC block",
-)  # fmt: skip
+    "is too short: the end lies",
+    "inverse time needs an F word",
+    "a depth has no sign",
+    "',' or ')' is missing",
+    "misses its own end",
+    "is not text",
+    "a comment is opened",
+    "words in one block",
+    "without its centre words",
+    "is not defined in this program",
+    "has no number",
+    "no sequence number",
+    "an arc of radius 0",
+    "WHILE without DO1",
+    "calls it unimplemented",
+    "is not a code of",
+    "a value is missing, or is none",
+    "no motion code (G0 G1 G2 G3) is in force",
+    "'$' is not part of a plain NC block",
+    "'#' is not part of a plain NC block",
+)
 NOT_THERE = (  # what the text does not say
-    "{", "[%", "(probe)", "only the control knows", "the machine has no axis", "the machine has no rotary axes",
-    "only the machine knows", "belongs to the control", "a value is missing",
-    "there is no program O", "nor a subprogram that it has",
-)  # fmt: skip
+    "{",
+    "[%",
+    "(probe)",
+    "only the control knows",
+    "the machine has no axis",
+    "the machine has no rotary axes",
+    "only the machine knows",
+    "belongs to the control",
+    "a value is missing",
+    "there is no program O",
+    "nor a subprogram that it has",
+)
 
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one program: `corrected`, `with an option` or `refused`, and the sentence that refused it."""
+    """What became of one program: `corrected`, `with an option` or `refused`, and the sentence that
+    refused it."""
 
     source: str
     dialect: str
@@ -113,8 +142,24 @@ def _once(path: Path, folder: Path, more: tuple[str, ...]) -> tuple[bool, str]:
     ):
         try:
             with at_most(SECONDS):
-                done = gcomp([str(path), "--machine", str(folder), "--tolerance", "1um",
-                              "--verify", "--offsets", str(folder / "offsets.csv"), "-o", f"{out}/out.nc", *more]) == 0  # fmt: skip
+                done = (
+                    gcomp(
+                        [
+                            str(path),
+                            "--machine",
+                            str(folder),
+                            "--tolerance",
+                            "1um",
+                            "--verify",
+                            "--offsets",
+                            str(folder / "offsets.csv"),
+                            "-o",
+                            f"{out}/out.nc",
+                            *more,
+                        ]
+                    )
+                    == 0
+                )
         except SystemExit as stop:
             done = not stop.code
         except TimeoutError:
@@ -171,8 +216,13 @@ def table(rows: list[dict[str, str]]) -> list[str]:
             for column in COLUMNS[2:]:
                 each[name][column] += int(row[column])
             each[name]["sources"] += 1
-    lines = ["| dialect | sources | programs | corrected | with an option | broken | not in the text | refused, legitimate | share of the legitimate |",
-             "|---|---:|---:|---:|---:|---:|---:|---:|---:|"]  # fmt: skip
+    lines = [
+        (
+            "| dialect | sources | programs | corrected | with an option | broken | not in the text"
+            " | refused, legitimate | share of the legitimate |"
+        ),
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
     for name in [*sorted(n for n in each if n != "all"), *(["all"] if "all" in each else [])]:
         c = each[name]
         good, legitimate = (
@@ -181,7 +231,8 @@ def table(rows: list[dict[str, str]]) -> list[str]:
         )
         share = f"{100 * good / legitimate:.0f} %" if legitimate else ""
         lines.append(
-            f"| {name} | {c['sources']} | {' | '.join(str(c[column]) for column in COLUMNS[2:])} | {share} |"
+            f"| {name} | {c['sources']} | {' | '.join(str(c[column]) for column in COLUMNS[2:])} |"
+            f" {share} |"
         )
     return lines
 

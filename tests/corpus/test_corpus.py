@@ -1,4 +1,5 @@
-"""Every real program is corrected and verified, or truly refused; none gets worse than docs/COVERAGE.md says."""
+"""Every real program is corrected and verified, or truly refused; none gets worse than
+docs/COVERAGE.md says."""
 
 from __future__ import annotations
 
@@ -42,7 +43,8 @@ def written() -> tuple[dict[str, str], dict[str, str]]:
 
 
 def test_laws(machines, program):
-    """No byte moved by a map without errors; no traceback, nothing lost, paths as long, within the tolerance."""
+    """No byte moved by a map without errors; no traceback, nothing lost, paths as long, within the
+    tolerance."""
     row = row_of(machines, program)
     if written()[1].get(program.name) == report.BROKEN:
         pytest.xfail("docs/COVERAGE.md names an error here")
@@ -113,7 +115,6 @@ def test_totals_are_those_of_the_tables():
     assert int(numbers["corrected and verified with --expand"]) == found.count(report.EXPANDED)
     assert int(numbers["refused"]) == found.count(report.REFUSED)
     assert int(numbers["errors of gcomp"]) == found.count(report.BROKEN)
-    held_back = (
-        1.5 * 1.0 * 3**0.5
-    )  # um: each of three slides by the hysteresis, and half of it inside a block
+    # um: each of three slides by the hysteresis, and half of it inside a block
+    held_back = 1.5 * 1.0 * 3**0.5
     assert float(numbers["largest deviation corrected, um"]) <= MAIN.tolerance_um + held_back

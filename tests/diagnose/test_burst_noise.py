@@ -1,5 +1,5 @@
-"""An instrument that switches between two levels is told from an axis that loses steps, and from what turns do; and of a
-machine whose slide yaws as it turns the squareness has two values."""
+"""An instrument that switches between levels is told from an axis that loses steps, and from
+what turns do; and of a machine whose slide yaws as it turns the squareness has two values."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ travel = [0.0, 400.0]
 least_increment = 0.0001
 travel = [0.0, 200.0]
 """
-HEAD = '# format = "gcomp-recording/1"\n# kind = "trace"\n# machine = "m"\n# instrument = "control"\n# sees = "{}"\n'
+HEAD = (
+    '# format = "gcomp-recording/1"\n# kind = "trace"\n# machine = "m"\n# instrument = "control"\n#'
+    ' sees = "{}"\n'
+)
 TIME = np.arange(4000) * 0.01
 PLACE = 200 + 40 * np.sin(2 * np.pi * TIME / 7.0)  # X to and fro, eleven turns
 NOISE = np.random.default_rng(5).normal(0, 0.2, (2, len(TIME)))
@@ -69,14 +72,51 @@ def test_there_and_back_several_times_is_the_instrument(tmp_path):
     assert not told(tmp_path, switched([3.1, 9.4, 13.0, 24.3, 31.7], 4.0))
 
 
+def test_a_lost_step_beside_an_instrument_that_switches(tmp_path):
+    """Y's reading switches, which is said; what X lost stays lost, and is told as a name that may
+    be another: the same electronics read X."""
+    at = [3.1, 9.4, 13.0, 24.3, 31.7]
+    assert not told(tmp_path, switched([20.2], 4.0), across_um=switched(at, 4.0))
+    answer = json.loads((tmp_path / "a.json").read_text())
+    (found,) = answer["effects"]
+    assert (found["effect"], found["axis"], found["status"]) == ("step_loss", "X", "tentative")
+    assert found["parameters"]["t_s"]["value"] == pytest.approx(20.2, abs=0.02)
+    assert any("switches between two levels, 5 times by about 4 um" in n for n in answer["notices"])
+
+
 def test_a_jump_that_stays_is_a_lost_step(tmp_path):
     (found,) = told(tmp_path, switched([13.0], 4.0))
     assert found["effect"] == "step_loss" and found["axis"] == "X"
     assert found["parameters"]["jump_um"]["value"] == pytest.approx(4.0, abs=0.3)
 
 
+def test_many_levels_are_the_instrument(tmp_path):
+    """A level that is drawn anew whenever it pleases, six times in X, five in Y. One of the jumps
+    alone would be a lost step."""
+    x = np.array([0.0, 3.0, -2.0, 4.0, 1.0, -3.0, 2.0])
+    y = np.array([0.0, -3.0, 1.0, -2.0, 2.0, -1.0])
+    assert not told(
+        tmp_path,
+        x[np.searchsorted([3.1, 9.4, 13.0, 20.2, 24.3, 31.7], TIME)],
+        across_um=y[np.searchsorted([5.2, 10.9, 16.1, 27.5, 34.0], TIME)],
+    )
+    answer = json.loads((tmp_path / "a.json").read_text())
+    assert answer["verdict"] == "nothing-left-out"
+    assert [n.split(" jumps ")[0] for n in answer["notices"] if "burst noise" in n] == [
+        "trace.csv: X_act_mm",
+        "trace.csv: Y_act_mm",
+    ]
+
+
+def test_steps_that_are_lost_to_one_side_are_no_levels(tmp_path):
+    """Three times 4 um more, never back: a motor that loses steps."""
+    found = told(tmp_path, 4.0 * np.searchsorted([9.4, 16.2, 26.4], TIME))
+    assert [(f["effect"], f["axis"]) for f in found] == [("step_loss", "X")]
+
+
 def test_what_changes_with_every_turn_is_the_machine(tmp_path):
-    """10 um of lost motion that the scale at the tool sees: two levels too, but the axis makes them."""
+    """10 um of lost motion that the scale at the tool sees: two levels too, but the axis makes
+    them."""
     names = [
         f["effect"]
         for f in told(tmp_path, -5.0 * np.sign(np.cos(2 * np.pi * TIME / 7.0)), sees="tool")

@@ -1,4 +1,5 @@
-"""What a machine's model leaves out is found, named with its size, written down, and then nothing is left."""
+"""What a machine's model leaves out is found, named with its size, written down, and then nothing
+is left."""
 
 from __future__ import annotations
 
@@ -128,13 +129,13 @@ def test_nothing_is_found_where_nothing_is(tmp_path, seed):
     assert told["detection_limits_um"]["backlash:Z"] < 2.0  # it says what it would have seen
     assert all(size >= 0.7 for size in told["detection_limits_um"].values())
     unseen = {f"{spot['effect']}:{spot['axis'] or ''}" for spot in told["not_visible"]}
-    assert unseen and not unseen & set(
-        told["detection_limits_um"]
-    )  # what can not be seen has no limit
+    # what can not be seen has no limit
+    assert unseen and not unseen & set(told["detection_limits_um"])
 
 
 def test_an_instrument_never_reaches_the_machine(tmp_path):
-    """A laser that is not parallel to the axis, and a machine with lost motion: only the second is written down."""
+    """A laser that is not parallel to the axis, and a machine with lost motion: only the second is
+    written down."""
     files = simulate(tmp_path, ("backlash:Z:size_um=7",))
     text = Path(files[1]).read_text().splitlines()
     at = text.index(next(line for line in text if line.startswith("run,")))
@@ -152,7 +153,8 @@ def test_an_instrument_never_reaches_the_machine(tmp_path):
 
 
 def test_the_written_effect_has_its_interval(tmp_path):
-    """Half of the 95 % interval stands beside the size, where it was fitted; the play over which it is taken up was not."""
+    """Half of the 95 % interval stands beside the size, where it was fitted; the play over which it
+    is taken up was not."""
     told = answer(
         simulate(tmp_path, ("backlash:Z:size_um=7",)),
         STUDER,
@@ -169,9 +171,13 @@ def test_the_written_effect_has_its_interval(tmp_path):
 
 
 def test_what_even_targets_hide_is_said(tmp_path):
-    """Targets every 30 mm: a screw of 10 mm could swing as it likes; the tool says so, and which test would show it."""
+    """Targets every 30 mm: a screw of 10 mm could swing as it likes; the tool says so, and which
+    test would show it."""
     rng = np.random.default_rng(8)
-    head = '# format = "gcomp-recording/1"\n# kind = "targets"\n# quantity = "displacement"\n# sensitive = { X = 0.0, Z = 1.0 }\n'
+    head = (
+        '# format = "gcomp-recording/1"\n# kind = "targets"\n# quantity = "displacement"\n#'
+        " sensitive = { X = 0.0, Z = 1.0 }\n"
+    )
     machine = places.load(STUDER)
     rows = []
     for run in (1, 2, 3):
@@ -267,13 +273,17 @@ def test_scipy_is_loaded_only_where_it_is_needed():
     import subprocess
     import sys
 
-    code = "import sys, postproc.cli, postproc.commands.compensate, postproc.filter; assert 'scipy' not in sys.modules"
+    code = (
+        "import sys, postproc.cli, postproc.commands.compensate, postproc.filter; assert 'scipy'"
+        " not in sys.modules"
+    )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=ROOT)
     assert places.load(STUDER).name == "studer-s36"
 
 
 def test_a_vibration_whose_phase_differs_from_run_to_run(tmp_path):
-    """The run that is held out swings in a phase of its own: it is not explained, and nothing breaks."""
+    """The run that is held out swings in a phase of its own: it is not explained, and nothing
+    breaks."""
     file = Path(simulate(tmp_path, tests=("ballbar:XZ",))[0])
     lines = file.read_text().splitlines()
     at = lines.index(next(line for line in lines if line.startswith("run,")))

@@ -1,4 +1,5 @@
-"""The evidence of a set of effects is the marginal likelihood that a dense normal distribution gives; rounding is no evidence."""
+"""The evidence of a set of effects is the marginal likelihood that a dense normal distribution
+gives; rounding is no evidence."""
 
 from __future__ import annotations
 
@@ -61,7 +62,8 @@ def twice_log_density(y: np.ndarray, covariance: np.ndarray) -> float:
 
 
 def test_it_is_the_marginal_likelihood_of_a_normal_distribution():
-    """Two instruments, one with an autoregression, a map that both share, and two effects of which the second shows in one of them."""
+    """Two instruments, one with an autoregression, a map that both share, and two effects of which
+    the second shows in one of them."""
     rng = np.random.default_rng(3)
     evidence, without = two_instruments(rng)
     both, alone = rng.normal(size=2 * N), np.r_[np.zeros(N), rng.normal(size=N)]
@@ -99,7 +101,8 @@ def test_a_look_at_the_whole_dictionary_says_the_same_as_one_after_the_other():
 
 
 def test_columns_that_nuisances_make_alike_have_no_evidence_of_rounding():
-    """Two columns that differ by a nuisance of unknown size: together they are worth no more than one of them."""
+    """Two columns that differ by a nuisance of unknown size: together they are worth no more than
+    one of them."""
     rng = np.random.default_rng(2)
     slope, bend = np.linspace(-1, 1, N), rng.normal(size=N)
     nuisance = Group("zero", np.stack([np.ones(N), slope], axis=1), FREE)
@@ -125,7 +128,8 @@ def test_what_an_instrument_wanders_is_learned(size):
 
 
 def test_few_readings_scatter_as_others_do():
-    """Of five readings 5 um apart beside others that scatter by 0.2 um: 5 (0.2/5)^(6/11) = 0.86 um; of sixty, what they scatter by."""
+    """Of five readings 5 um apart beside others that scatter by 0.2 um: 5 (0.2/5)^(6/11) = 0.86 um;
+    of sixty, what they scatter by."""
     few = Unit(
         np.arange(5), "laser", False, np.array([0, 5]), np.arange(5.0), np.full(5, 5e-3), usual=2e-4
     )

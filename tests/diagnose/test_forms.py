@@ -1,4 +1,5 @@
-"""Textbook forms of effects, by hand: friction at rest and at slow speeds, jumps that come back, leads of screws, a tool ground again."""
+"""Textbook forms of effects, by hand: friction at rest and at slow speeds, jumps that come back,
+leads of screws, a tool ground again."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ def moved(name: str, state: State, axis: str = "X", **named: float) -> np.ndarra
 
 
 def test_viscous_friction_with_a_power_is_no_lag():
-    """At 10 mm/s it is um_s_mm times 10 whatever the power; at 40 mm/s with the power 1/2 only twice as much."""
+    """At 10 mm/s it is um_s_mm times 10 whatever the power; at 40 mm/s with the power 1/2 only
+    twice as much."""
     state = State(
         {"X": np.zeros(3)}, {"X": np.ones(3)}, LIMITS, velocity={"X": np.array([10.0, 40.0, -40.0])}
     )
@@ -26,7 +28,8 @@ def test_viscous_friction_with_a_power_is_no_lag():
 
 
 def test_friction_is_let_go_at_rest_and_higher_when_slow():
-    """10 um between the directions; 4 um more at the slowest, fallen by e at 6 mm/s: 5 + 2 exp(-(1)^2) = 5.736 um behind."""
+    """10 um between the directions; 4 um more at the slowest, fallen by e at 6 mm/s: 5 + 2
+    exp(-(1)^2) = 5.736 um behind."""
     speed = np.array([100.0, 6.0, 0.0, -100.0])
     state = State(
         {"X": np.zeros(4)}, {"X": np.array([1.0, 1.0, 1.0, -1.0])}, LIMITS, velocity={"X": speed}
@@ -57,7 +60,8 @@ def test_steps_are_lost_and_found_again():
 
 
 def test_a_screw_swings_otherwise_from_the_other_side():
-    """2 um, cosine, and 1 um cosine of the side: 3 um coming from below and 1 um from above; both are what the tables hold."""
+    """2 um, cosine, and 1 um cosine of the side: 3 um coming from below and 1 um from above; both
+    are what the tables hold."""
     named = {"period_mm": 10.0, "amplitude_um": 2.0, "phase_deg": 0.0, "sided_um": 1.0}
     for side, size in ((1.0, 3.0), (-1.0, 1.0)):
         state = State({"X": np.array([20.0, 25.0])}, {"X": np.full(2, side)}, LIMITS)
@@ -70,14 +74,14 @@ def test_a_screw_swings_otherwise_from_the_other_side():
 
 def test_leads_are_asked_for_where_they_turn_often_enough():
     state = State({"X": np.linspace(0.0, 14.0, 30)}, {"X": np.ones(30)}, LIMITS)
-    assert (
-        max(shape["period_mm"] for shape in cyclic.shapes(state, "X")) == 4.0
-    )  # three turns of 4 mm are 12 mm
+    # three turns of 4 mm are 12 mm
+    assert max(shape["period_mm"] for shape in cyclic.shapes(state, "X")) == 4.0
 
 
 def test_beams_give_as_textbooks_say():
-    """A beam held at one end: 5/16 of its end's deflection at half the reach. One on two supports under its load: s^2 (1 - s)^2, at a
-    quarter (3/16)^2 over (1/4)^2 = 0.5625 of the middle; the series of four terms is within 1 %."""
+    """A beam held at one end: 5/16 of its end's deflection at half the reach. One on two supports
+    under its load: s^2 (1 - s)^2, at a quarter (3/16)^2 over (1/4)^2 = 0.5625 of the middle; the
+    series of four terms is within 1 %."""
     state = State(
         {"X": np.array([50.0, 100.0, 25.0]), "Z": np.zeros(3)},
         {"X": np.ones(3)},

@@ -1,4 +1,5 @@
-"""Friction that turns round after a reversal: its shape, that it opposes motion, and where a pair of axes is compared."""
+"""Friction that turns round after a reversal: its shape, that it opposes motion, and where a pair
+of axes is compared."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ from postproc.effects import State, friction_asymmetry
 
 
 def test_friction_turns_round_as_the_loop_settles():
-    """10 um of friction between the two senses, a loop of 20 ms: on the old side in the turn, half way between after
-    20 ms x ln 2 = 13.9 ms, 5 um behind in the end."""
+    """10 um of friction between the two senses, a loop of 20 ms: on the old side in the turn, half
+    way between after 20 ms x ln 2 = 13.9 ms, 5 um behind in the end."""
     since = np.array([0.0, 0.02 * np.log(2.0), 10.0])
     state = State(
         {"X": np.zeros(3)},
@@ -39,7 +40,8 @@ def test_friction_turns_round_as_the_loop_settles():
     ],
 )
 def test_friction_opposes_motion_in_both_directions(size, slope, difference, holds):
-    """A lag of 10 and none is friction of one direction; a push along one of them is none; and alike it has another name."""
+    """A lag of 10 and none is friction of one direction; a push along one of them is none; and
+    alike it has another name."""
     assert (
         friction_asymmetry.sensible(
             size_um=size,

@@ -1,4 +1,5 @@
-"""Loads that a recording of targets holds: they bend the axis as forces do, and a beam in proportion."""
+"""Loads that a recording of targets holds: they bend the axis as forces do, and a beam in
+proportion."""
 
 from __future__ import annotations
 

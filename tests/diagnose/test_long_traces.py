@@ -1,4 +1,5 @@
-"""Traces of very many samples: read in blocks, averaged to rows that are short where something fades, named and sized as short ones are."""
+"""Traces of very many samples: read in blocks, averaged to rows that are short where something
+fades, named and sized as short ones are."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ import pytest
 
 from postproc import recordings
 from postproc.cli import main
-from postproc.diagnose import signals
+from postproc.diagnose import averages
 from postproc.recordings import contract
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,7 +31,8 @@ def read(data: bytes):
 
 
 def test_blocks_are_read_as_single_lines_are():
-    """A row that can not be used, an empty cell, a comment and a blank line change what they should, and nothing else."""
+    """A row that can not be used, an empty cell, a comment and a blank line change what they
+    should, and nothing else."""
     rng = np.random.default_rng(3)
     rows = [
         f"{1 + k // 9000},{k * 1e-3:.3f},{v:.4f},{v + 1e-3:.4f},20.5"
@@ -65,7 +67,7 @@ def test_a_column_of_words_is_one_in_every_block():
 
 
 def test_rows_after_a_turn_are_short_and_the_mean_stays():
-    n = signals.LONG * 4
+    n = averages.LONG * 4
     t = np.arange(n) * 1e-3
     side = np.where((t // 25) % 2 == 0, 1.0, -1.0)
     y = np.sin(t)
@@ -77,10 +79,10 @@ def test_rows_after_a_turn_are_short_and_the_mean_stays():
         "X approach": side,
         "channel T_air_C": np.full(n, 20.0),
     }
-    averaged = signals._averaged(columns)
+    averaged = averages.averaged(columns)
     size = np.round(averaged["width"] / 1e-3).astype(int)
-    width = int(np.ceil(n / signals.MOST_OF_LONG))
-    assert size.sum() == n and len(size) < 1.5 * signals.MOST_OF_LONG
+    width = int(np.ceil(n / averages.MOST_OF_LONG))
+    assert size.sum() == n and len(size) < 1.5 * averages.MOST_OF_LONG
     assert np.sum(size * averaged["y"]) == pytest.approx(y.sum(), abs=1e-9)
     first = np.flatnonzero(np.diff(averaged["X approach"]) != 0) + 1
     assert len(first) == 7
@@ -96,12 +98,14 @@ def test_rows_after_a_turn_are_short_and_the_mean_stays():
 def test_single_samples_tell_the_noise_of_a_row():
     rng = np.random.default_rng(4)
     y = np.sin(np.arange(40_000) * 1e-3) + rng.normal(0, 3e-4, 40_000)
-    assert signals._grain(y) == pytest.approx(3e-4, rel=0.03)
+    assert averages._grain(y) == pytest.approx(3e-4, rel=0.03)
 
 
 @pytest.mark.xfail(
     strict=True,
-    reason="a spike of 12 um beside a lag of 100 um is below the error of form of the lag (a tenth)",
+    reason=(
+        "a spike of 12 um beside a lag of 100 um is below the error of form of the lag (a tenth)"
+    ),
 )
 def test_names_and_sizes_do_not_depend_on_how_often_was_sampled(tmp_path):
     """The same motion at 100 and 1000 Hz: lag, lost motion and a spike that lasts 25 ms."""
@@ -120,10 +124,33 @@ def test_names_and_sizes_do_not_depend_on_how_often_was_sampled(tmp_path):
     for rate in (100, 1000):
         file, out = tmp_path / f"{rate}.csv", tmp_path / f"{rate}.json"
         more = [word for effect in effects for word in ("--with", effect)]
-        assert main(
-            ["simulate", str(tmp_path / "p.nc"), "--machine", STUDER, "--instrument", "log", "--set", f"rate={rate}", "--set", "sees=tool",
-             "--parts", "3", "--noise", "0.4", "--seed", "5", "-o", str(file), "--quiet", *more]
-        ) == 0  # fmt: skip
+        assert (
+            main(
+                [
+                    "simulate",
+                    str(tmp_path / "p.nc"),
+                    "--machine",
+                    STUDER,
+                    "--instrument",
+                    "log",
+                    "--set",
+                    f"rate={rate}",
+                    "--set",
+                    "sees=tool",
+                    "--parts",
+                    "3",
+                    "--noise",
+                    "0.4",
+                    "--seed",
+                    "5",
+                    "-o",
+                    str(file),
+                    "--quiet",
+                    *more,
+                ]
+            )
+            == 0
+        )
         assert (
             main(["diagnose", str(file), "--machine", STUDER, "--json", str(out), "--quiet"]) == 0
         )
@@ -133,7 +160,7 @@ def test_names_and_sizes_do_not_depend_on_how_often_was_sampled(tmp_path):
             for e in told["effects"]
             if e["status"] == "accepted"
         }
-        assert told["recordings"][0]["rows"] > (signals.LONG if rate == 1000 else 1000)
+        assert told["recordings"][0]["rows"] > (averages.LONG if rate == 1000 else 1000)
     play = found[1000].keys() & {"backlash:Z", "coulomb_friction:Z"}  # the same while an axis moves
     assert {"servo_lag:X", "reversal_spike:X"} <= set(found[1000]) and len(play) == 1
     assert found[1000]["servo_lag:X"]["tau_ms"]["value"] == pytest.approx(1.5, rel=0.02)

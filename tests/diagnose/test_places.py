@@ -1,13 +1,18 @@
-"""Where it differs: an angle's reading in urad, the stretch and not the rest of the way, one direction or both."""
+"""Where it differs: an angle's reading in urad, the stretch and not the rest of the way, one
+direction or both."""
 
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from postproc.cli import main
+from tests.diagnose.test_burst_noise import HEAD, MACHINE
 
 MILL = str(Path(__file__).parents[2] / "machines" / "example-mill")
 
@@ -94,3 +99,60 @@ def test_one_direction_alone(tmp_path, side):
         and -180 < where["from_mm"] < -120
         and 0 < where["to_mm"] < 60
     )
+
+
+def located(folder: Path, capsys, shows: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> str:
+    """The line that says where a trace of X, to and fro four times in 56 s, differs: by shows(place
+    mm, time s), um."""
+    time = np.arange(5600) * 0.01
+    place = 200 + 40 * np.sin(2 * np.pi * time / 14.0)
+    noise = np.random.default_rng(5).normal(0, 0.2, len(time))
+    error = (shows(place, time) + noise) * 1e-3
+    rows = [
+        f"1,{t:.2f},{c:.5f},100,{c + e:.5f},100" for t, c, e in zip(time, place, error, strict=True)
+    ]
+    file = folder / "trace.csv"
+    names = "run,t_s,X_cmd_mm,Y_cmd_mm,X_act_mm,Y_act_mm"
+    file.write_text("\n".join([HEAD.format("tool") + names, *rows, ""]))
+    (folder / "machine.toml").write_text(MACHINE)
+    assert main(["diagnose", str(file), "--machine", str(folder)]) == 0
+    said = capsys.readouterr()
+    return next(x for x in (said.out + said.err).splitlines() if x.startswith("WHERE"))
+
+
+@pytest.mark.parametrize("width", [4.0, 25.0])
+def test_what_is_always_there_has_no_time(tmp_path, capsys, width):
+    line = located(tmp_path, capsys, lambda x, t: 4.0 * np.exp(-(((x - 210) / width) ** 2)))
+    assert not re.search(r"to \d+ s", line), line
+
+
+@pytest.mark.parametrize("width", [8.0, 15.0])
+def test_what_comes_later_has_one(tmp_path, capsys, width):
+    """Passed in half a second, it is no noise that comes and goes either."""
+    line = located(
+        tmp_path, capsys, lambda x, t: 4.0 * np.exp(-(((x - 210) / width) ** 2)) * (t > 28.0)
+    )
+    begin, end = map(float, re.search(r"from (\d+) to (\d+) s", line).groups())
+    assert 27 < begin < 30 and 47 < end < 50, line  # the passages at 28.6 to 48.4 s
+
+
+def test_without_times_nothing_has_one(tmp_path, capsys):
+    file = Path(
+        recorded(
+            tmp_path,
+            "positioning:X",
+            "laser",
+            "reading_um",
+            lambda row: 6.0 * (-180 < row["X_mm"] < 60),
+        )
+    )
+    lines = file.read_text().splitlines()
+    head = next(k for k, line in enumerate(lines) if not line.startswith("#"))
+    at = lines[head].split(",").index("t_s")
+    rows = [line.split(",") for line in lines[head:]]
+    plain = [",".join([*row[:at], *row[at + 1 :]]) for row in rows]
+    file.write_text("\n".join([*lines[:head], *plain, ""]))
+    assert main(["diagnose", str(file), "--machine", MILL]) == 0
+    said = capsys.readouterr()
+    line = next(x for x in (said.out + said.err).splitlines() if x.startswith("WHERE"))
+    assert not re.search(r"to \d+ s", line), line

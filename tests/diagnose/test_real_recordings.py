@@ -44,7 +44,10 @@ def lags(d) -> dict[str, tuple[float, float, float]]:
 @real
 @pytest.mark.xfail(
     strict=True,
-    reason="the lag of X comes out as 6.6 ms where its log is rounded to 1 mm; Y and Z are 8.1 and 8.2 ms",
+    reason=(
+        "the lag of X comes out as 6.6 ms where its log is rounded to 1 mm; Y and Z are 8.1 and"
+        " 8.2 ms"
+    ),
 )
 def test_every_axis_of_the_mill_lags_by_8_ms():
     seen = lags(found(MILL))
@@ -57,7 +60,8 @@ def test_every_axis_of_the_mill_lags_by_8_ms():
 
 @real
 def test_lags_of_some_runs_foretell_the_others():
-    """Weighted by the rounding of the log (three digits) the lags of three runs explain what the three others are off by."""
+    """Weighted by the rounding of the log (three digits) the lags of three runs explain what the
+    three others are off by."""
     seen = lags(found(FITTED))
     assert {"Y", "Z"} <= set(seen)
     for axis in ("Y", "Z"):
@@ -88,8 +92,9 @@ def test_currents_show_dry_friction_and_nothing_is_invented(numbers):
 
 @real
 def test_a_feed_drive_needs_friction_that_differs_with_the_sense():
-    """Inertia 95.1 kg, viscous 203.5 N s/m, dry 20.4 N: Janot, Gautier and Brunot 2019, by other means, with an offset of
-    -3.2 N. On halves that took no part a friction that grows with the speed by its sense says more than that offset."""
+    """Inertia 95.1 kg, viscous 203.5 N s/m, dry 20.4 N: Janot, Gautier and Brunot 2019, by other
+    means, with an offset of -3.2 N. On halves that took no part a friction that grows with the
+    speed by its sense says more than that offset."""
     file = SHARED / "feed_drive_1.csv"
     (d,) = drive.drives([recordings.read(recordings.Source(file.name, file.read_bytes()))])
     value = {f.term.name: f.value for f in d.fitted}

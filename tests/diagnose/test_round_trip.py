@@ -1,4 +1,5 @@
-"""What was found is written down, simulated, and then nothing is left; and what is a fault of an instrument never reaches a program."""
+"""What was found is written down, simulated, and then nothing is left; and what is a fault of an
+instrument never reaches a program."""
 
 from __future__ import annotations
 
@@ -64,12 +65,13 @@ def diagnosed(files: list[str], machine: str, out: Path, *more: str) -> dict:
     [
         "backlash:Z:size_um=9",
         "squareness:XZ:urad=70",
-        "servo_mismatch:XZ:delta_tau_ms=0.8",  # circles alone do not part it from the lag of one axis
+        # circles alone do not part it from the lag of one axis
+        "servo_mismatch:XZ:delta_tau_ms=0.8",
     ],
 )
 def test_the_machine_that_was_written_explains_the_real_one_and_itself(tmp_path, effect):
-    """Recordings of the real machine, and such as the written one gives on another day, hold nothing more for its file; the old
-    file misses the effect in both."""
+    """Recordings of the real machine, and such as the written one gives on another day, hold
+    nothing more for its file; the old file misses the effect in both."""
     real = simulated(tmp_path, str(STUDER), 10, "--with", effect)
     found = str(tmp_path / "found")
     told = diagnosed(real, str(STUDER), tmp_path / "a.json", "--write-machine", found)
@@ -110,7 +112,8 @@ def machine_with(folder: Path, name: str) -> Path:
             (target / file.name).write_bytes(file.read_bytes())
     lines = ["", "[[effect]]", f'name = "{name}"', f'axis = "{axis}"']
     lines += [
-        f"{key} = {1.0 if key in ('along', 'across', 'arm', 'turn', 'lever', 'file', 'passages') else 40.0}"
+        f"{key} ="
+        f" {1.0 if key in ('along', 'across', 'arm', 'turn', 'lever', 'file', 'passages') else 40.0}"  # noqa: E501
         for key in module.PARAMETERS
     ]
     toml = target / "machine.toml"
@@ -129,7 +132,8 @@ def compensated(folder: Path, machine: Path) -> bytes:
 
 @pytest.mark.parametrize("name", LEFT_ALONE)
 def test_a_program_is_the_same_with_and_without_what_is_not_to_be_compensated(tmp_path, name):
-    """Byte by byte, for every effect of an instrument, of data, and of the machine that only a simulator may use."""
+    """Byte by byte, for every effect of an instrument, of data, and of the machine that only a
+    simulator may use."""
     machine = machine_with(tmp_path, name)
     assert read_machine(machine).effects[0].name == name
     assert compensated(tmp_path, machine) == compensated(tmp_path, STUDER)
@@ -153,7 +157,8 @@ def test_its_deviation_is_no_part_of_the_model_that_is_inverted(tmp_path, name):
 
 
 def test_a_machine_says_of_which_names_its_effects_were_not_told_apart(tmp_path, capsys):
-    """Circles alone do not part lost motion from friction: what is written says so, and so does the command."""
+    """Circles alone do not part lost motion from friction: what is written says so, and so does the
+    command."""
     circle, found = str(tmp_path / "c.csv"), tmp_path / "found"
     how = [
         "--test",

@@ -1,12 +1,15 @@
-"""What is concealed in the thesis' own tables is found from the CSV files alone, and what is a trap is not fallen into.
+"""What is concealed in the thesis' own tables is found from the CSV files alone, and what is a trap
+is not fallen into.
 
-The figures that are asked for: design of the diagnosis, 5.6, worked out there by hand from the same tables.
+The figures that are asked for: design of the diagnosis, 5.6, worked out there by hand from the same
+tables.
 """
 
 from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +17,7 @@ import pytest
 from pytest import approx
 
 from postproc import recordings
-from postproc.diagnose import analysis, noise, report, shared_jump
+from postproc.diagnose import analysis, locate, noise, report, shared_jump
 from postproc.machine.file import read_machine
 from proof.seed import experiment, suspects
 from proof.seed.__main__ import diagnosed
@@ -68,13 +71,33 @@ def test_the_jump_of_x_is_linked_to_its_straightness_and_its_cause_is_a_set(told
 
 
 def test_one_ratio_leaves_less_than_a_polynomial_of_fifth_order(grinder):
-    """Beside the white noise of each instrument, as the diagnosis looks for it (its own sigma holds wander and errors of form)."""
+    """Beside the white noise of each instrument, as the diagnosis looks for it (its own sigma holds
+    wander and errors of form)."""
     part = grinder.rows.pick(np.flatnonzero(~grinder.held))
     sigma = np.empty(len(part))
     for unit in noise.units(part):
         sigma[unit.rows] = unit.r
     (jump,) = shared_jump.find(part, part.residual, sigma)
     assert jump.before_mm > 7e-3 and jump.left_mm < 0.45e-3 < 0.5 * jump.polynomial_mm
+
+
+def test_targets_between_hundredths_of_a_millimetre(grinder):
+    """The same at targets every 10.0037 mm: all readings of its stretch are of it."""
+    part = grinder.rows.pick(np.flatnonzero(~grinder.held))
+    wide = {x: p * 1.00037 for x, p in part.state.position.items()}
+    part = replace(part, state=replace(part.state, position=wide))
+    sigma = np.empty(len(part))
+    for unit in noise.units(part):
+        sigma[unit.rows] = unit.r
+    (jump,) = shared_jump.find(part, part.residual, sigma)
+    for place in shared_jump.places(jump, part, part.residual):
+        own = part.signal == place.signal
+        at = np.unique(wide["X"][own])
+        assert place.high == at[at < jump.high + 1].max() and place.low in at
+        assert (
+            locate.inside(place, part).sum()
+            == (own & (wide["X"] > jump.low - 1) & (wide["X"] < jump.high + 1)).sum()
+        )
 
 
 def test_reversal_changes_along_x_and_along_z(told):

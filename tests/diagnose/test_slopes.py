@@ -1,4 +1,5 @@
-"""Causes that are a slope along an axis are told apart: by the instruments in which they show, by time, by temperature."""
+"""Causes that are a slope along an axis are told apart: by the instruments in which they show, by
+time, by temperature."""
 
 from __future__ import annotations
 
@@ -19,7 +20,10 @@ from postproc.effects import State
 from postproc.machine.file import read_machine
 
 STUDER = str(Path(__file__).resolve().parents[2] / "machines" / "studer-s36")
-HEAD = '# format = "gcomp-recording/1"\n# kind = "targets"\n# instrument = "{}"\n# quantity = "displacement"\n# sensitive = {{ Z = 1.0 }}\n'
+HEAD = (
+    '# format = "gcomp-recording/1"\n# kind = "targets"\n# instrument = "{}"\n# quantity ='
+    ' "displacement"\n# sensitive = {{ Z = 1.0 }}\n'
+)
 
 
 def targets(instrument: str) -> recordings.Recording:
@@ -42,10 +46,15 @@ def state(**channels: np.ndarray) -> State:
     """Two recordings, one after the other, of six readings each."""
     n = 12
     return State(
-        {"Z": np.tile(np.linspace(0.0, 500.0, 6), 2)}, {"Z": np.ones(n)}, {"Z": (0.0, 500.0)},
-        time=np.concatenate([np.arange(6) * 600.0 + 60.0, np.arange(6) * 600.0 + 7200.0]), channels=channels,
-        beam=np.tile(np.linspace(0.0, 500.0, 6), 2), file=np.repeat([0.0, 1.0], 6), passage=-np.ones(n),
-    )  # fmt: skip
+        {"Z": np.tile(np.linspace(0.0, 500.0, 6), 2)},
+        {"Z": np.ones(n)},
+        {"Z": (0.0, 500.0)},
+        time=np.concatenate([np.arange(6) * 600.0 + 60.0, np.arange(6) * 600.0 + 7200.0]),
+        channels=channels,
+        beam=np.tile(np.linspace(0.0, 500.0, 6), 2),
+        file=np.repeat([0.0, 1.0], 6),
+        passage=-np.ones(n),
+    )
 
 
 def test_air_that_nobody_recorded_changes_in_each_recording_in_its_own_way():
@@ -56,9 +65,8 @@ def test_air_that_nobody_recorded_changes_in_each_recording_in_its_own_way():
         {"told": 1.0, "by": 0.0},
     ]
     first, second, told = module.columns(s, "", told=1.0, by=-2.0)
-    assert (
-        first[5] == pytest.approx(500e-6 * 3000 / 3600) and not first[6:].any()
-    )  # 1 ppm/h over 500 mm and 50 min
+    # 1 ppm/h over 500 mm and 50 min
+    assert first[5] == pytest.approx(500e-6 * 3000 / 3600) and not first[6:].any()
     assert not second[:6].any() and second[11] == pytest.approx(first[5])
     assert told == pytest.approx(s.beam * 1e-6)
     named = module.parameters(np.array([2.0, -3.0, 7.0]), {"told": 1.0, "by": -2.0})
@@ -73,7 +81,8 @@ def test_air_that_nobody_recorded_changes_in_each_recording_in_its_own_way():
 
 
 def test_recorded_air_stands_beside_air_that_changes_with_the_time():
-    """A thermometer may be late or hang, and nobody records the pressure: two recordings, each with a rate of its own."""
+    """A thermometer may be late or hang, and nobody records the pressure: two recordings, each with
+    a rate of its own."""
     s = state(T_air_C=np.linspace(20.0, 22.0, 12))
     assert {shape["by"] for shape in effects.load("laser_air").shapes(s, "")} == {1.0, -2.0, 0.0}
 
@@ -83,7 +92,8 @@ def test_air_that_nobody_recorded_is_not_offered_by_its_temperature():
 
 
 def test_a_coarse_thermometer_on_the_screw_does_not_hide_its_heat():
-    """Heat that comes with time or travel is offered beside a recorded temperature, cold at the beginning."""
+    """Heat that comes with time or travel is offered beside a recorded temperature, cold at the
+    beginning."""
     s = state(T_screw_Z_C=np.round(np.linspace(20.0, 20.4, 12)))
     offered = effects.load("screw_heat").shapes(s, "Z")
     assert {shape["tau_s"] > 0 for shape in offered} == {False, True} and not any(
@@ -109,7 +119,8 @@ def test_a_temperature_goes_from_reading_to_reading_and_begins_as_the_room():
 
 
 def changed(file: Path, wrong_ppm: float, ppm_h: float) -> None:
-    """A laser's recording whose air was not recorded, was told wrong, and changed while it lasted."""
+    """A laser's recording whose air was not recorded, was told wrong, and changed while it
+    lasted."""
     lines = file.read_text().splitlines(keepends=True)
     head = "".join(line for line in lines if line.startswith("#"))
     table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
@@ -156,11 +167,16 @@ def test_one_air_says_the_slopes_of_all_lasers(tmp_path):
 
 
 def straightness(folder: Path, urad: float, um_per_h: float, angle: str = "") -> str:
-    """A file of straightness of X across Z along 150 mm of Z, two runs there and back, 20 s a target; X leans and drifts."""
+    """A file of straightness of X across Z along 150 mm of Z, two runs there and back, 20 s a
+    target; X leans and drifts."""
     lines = [
-        '# format = "gcomp-recording/1"', '# kind = "targets"', '# instrument = "straightness optics"',
-        '# quantity = "straightness"', "# sensitive = { X = 1.0 }", "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um",
-    ]  # fmt: skip
+        '# format = "gcomp-recording/1"',
+        '# kind = "targets"',
+        '# instrument = "straightness optics"',
+        '# quantity = "straightness"',
+        "# sensitive = { X = 1.0 }",
+        "run,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um",
+    ]
     rng, t = np.random.default_rng(4), 0.0
     for run in range(1, 9):
         for k in list(range(16)) if run % 2 else list(range(15, -1, -1)):
@@ -175,11 +191,15 @@ def straightness(folder: Path, urad: float, um_per_h: float, angle: str = "") ->
 def bare(folder: Path) -> str:
     """A machine of two axes without tables."""
     axes = "".join(
-        f"[axes.{x}]\ntravel = [0.0, 200.0]\nleast_increment = 0.001\nmeasured_at = {{ {y} = 0.0 }}\n"
+        f"[axes.{x}]\ntravel = [0.0, 200.0]\nleast_increment = 0.001\nmeasured_at = {{ {y} = 0.0"
+        " }\n"
         for x, y in ("XZ", "ZX")
     )
     (folder / "bare").mkdir()
-    text = 'format = "gcomp-machine/1"\nname = "bare"\ncontrol = "fanuc-lathe-a"\nchain = "w-b-Z-X-t"\n'
+    text = (
+        'format = "gcomp-machine/1"\nname = "bare"\ncontrol = "fanuc-lathe-a"\nchain ='
+        ' "w-b-Z-X-t"\n'
+    )
     (folder / "bare" / "machine.toml").write_text(text + axes)
     return str(folder / "bare")
 
@@ -218,7 +238,8 @@ def test_the_line_of_a_straightness_reading_is_the_machines_and_that_is_said(tmp
 
 
 def test_slides_at_rest_show_what_drifts(tmp_path):
-    """ISO 230-3: a reading a minute for two hours at one place; the frame goes 12 um with a time constant of 45 minutes."""
+    """ISO 230-3: a reading a minute for two hours at one place; the frame goes 12 um with a time
+    constant of 45 minutes."""
     rng, t = np.random.default_rng(7), np.arange(120) * 60.0
     value = 12.0 * (1 - np.exp(-t / 2700.0)) + rng.normal(0, 0.1, len(t))
     head = HEAD.format("dial gauge").replace("Z = 1.0", "X = 1.0")
@@ -231,7 +252,8 @@ def test_slides_at_rest_show_what_drifts(tmp_path):
 
 
 def test_the_map_errs_by_what_it_states(tmp_path):
-    """EXZ is stated to 2.4 um (95 %), 1.2 um (k = 1), four times the usual 0.3: of its terms the columns are four times as large."""
+    """EXZ is stated to 2.4 um (95 %), 1.2 um (k = 1), four times the usual 0.3: of its terms the
+    columns are four times as large."""
     folder, path = Path(bare(tmp_path)), straightness(tmp_path, 0.0, 0.0)
     read = [recordings.read(recordings.Source("r.csv", Path(path).read_bytes()))]
 

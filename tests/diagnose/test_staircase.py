@@ -1,4 +1,5 @@
-"""Where an axis turned, of readings at rest: a staircase of reversals turns at its targets, other tests overrun them."""
+"""Where an axis turned, of readings at rest: a staircase of reversals turns at its targets, other
+tests overrun them."""
 
 from __future__ import annotations
 
@@ -74,7 +75,6 @@ def targets(feed: str, wait: float):
 def test_how_far_it_went_beyond_is_what_it_had_time_for():
     assert targets(",feed_mm_min=,600", 0.0) == pytest.approx([0.0, 0.0], abs=1e-9)
     assert targets(",feed_mm_min=,600", 0.4) == pytest.approx([2.0, 2.0])
-    assert targets(",feed_mm_min=,600", 9.0) == pytest.approx(
-        [3.0, 3.0]
-    )  # it waited: no more than usual
+    # it waited: no more than usual
+    assert targets(",feed_mm_min=,600", 9.0) == pytest.approx([3.0, 3.0])
     assert targets("", 0.0) == pytest.approx([3.0, 3.0])  # nobody knows

@@ -40,6 +40,15 @@ def test_it_hangs():
     assert faulty(bad, TIME) is None, "what it read before and after is used"
 
 
+@pytest.mark.parametrize("hang", [slice(0, 30), slice(90, N)])
+def test_it_hangs_at_an_end(hang):
+    """No reading on the other side says what it was meanwhile."""
+    bad = np.round(WARMING, 2)
+    bad[hang] = bad[hang][0]
+    rows, what = faulty(bad, TIME)
+    assert rows[0] == hang.start and sorted(rows) == list(range(N)) and "30 times" in what
+
+
 @pytest.mark.parametrize("jump", [-4.0, 1.5])
 def test_it_jumps(jump):
     bad = WARMING + np.where(np.arange(N) >= 70, jump, 0.0)

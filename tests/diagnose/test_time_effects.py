@@ -1,4 +1,5 @@
-"""What comes with time, with the tool or at once: wear between changes, jumps between runs, channels between recordings."""
+"""What comes with time, with the tool or at once: wear between changes, jumps between runs,
+channels between recordings."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from postproc.diagnose import library, rows, slips
+from postproc.diagnose import library, outliers, rows
 from postproc.effects import State, structure_drift, tool_wear
 
 
@@ -16,9 +17,14 @@ def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
     n = len(rpm)
     channels = {"spindle_rpm": rpm, "gauged": np.full(n, gauged)}
     return State(
-        position={"X": np.zeros(n)}, approach={"X": np.ones(n)}, travel={"X": (0.0, 100.0)}, time=np.arange(n) * 200.0,
-        run=np.arange(n) + 1.0, channels=channels, file=np.zeros(n),
-    )  # fmt: skip
+        position={"X": np.zeros(n)},
+        approach={"X": np.ones(n)},
+        travel={"X": (0.0, 100.0)},
+        time=np.arange(n) * 200.0,
+        run=np.arange(n) + 1.0,
+        channels=channels,
+        file=np.zeros(n),
+    )
 
 
 def test_wear_at_a_gauge_begins_again_after_each_life():
@@ -68,9 +74,8 @@ def test_parts_that_were_turned_drift_from_part_to_part():
         state(np.zeros(6)), channels=channels, time=np.zeros(6), file=np.array([0, 1, 1, 1, 1, 1.0])
     )
     shown = structure_drift.columns(at, "X", tau_s=1e6, file=1.0)[0, 0] * 1e3
-    assert np.allclose(
-        shown, [0.0, 0.0, 0.5, 1.0, 0.0, 0.0]
-    )  # what lies between two walls keeps its size
+    # what lies between two walls keeps its size
+    assert np.allclose(shown, [0.0, 0.0, 0.5, 1.0, 0.0, 0.0])
 
 
 def test_a_step_may_be_in_every_pause():
@@ -103,7 +108,7 @@ def test_a_slip_at_the_end_of_a_passage_is_seen_by_another_run():
     other = 1e-3 * np.sin(place)
     value = other + 0.02  # another zero
     value[1] += 0.04
-    times, size = slips.at_ends(place, value, other, np.full(10, 1e-3))
+    times, size = outliers.at_ends(place, value, other, np.full(10, 1e-3))
     assert times[1] > 20 and np.isclose(size[1], 0.04, atol=2e-3)
     assert (np.delete(times, 1) < 2).all()
-    assert not slips.at_ends(place, value, np.full(10, np.nan), np.full(10, 1e-3))[0].any()
+    assert not outliers.at_ends(place, value, np.full(10, np.nan), np.full(10, 1e-3))[0].any()

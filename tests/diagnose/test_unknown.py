@@ -1,4 +1,5 @@
-"""What no name explains: its map, what it goes with, what the map is worth where it took no part; and never where only noise is left."""
+"""What no name explains: its map, what it goes with, what the map is worth where it took no part;
+and never where only noise is left."""
 
 from __future__ import annotations
 
@@ -43,7 +44,8 @@ def plain(tmp_path_factory) -> str:
 
 
 def strange(text: str) -> str:
-    """Dents that no screw has: up and down from target to target, the same in every run, in one direction other than in the other."""
+    """Dents that no screw has: up and down from target to target, the same in every run, in one
+    direction other than in the other."""
     _, names, rows = split(text)
     place, side = ([float(row[names.index(n)]) for row in rows] for n in ("Z_mm", "approach_Z"))
     numbers = {z: k for k, z in enumerate(sorted({round(z, 1) for z in place}))}

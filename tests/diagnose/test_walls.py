@@ -1,4 +1,5 @@
-"""What moves the tool moves machined walls too: lost motion makes pockets smaller and bosses larger."""
+"""What moves the tool moves machined walls too: lost motion makes pockets smaller and bosses
+larger."""
 
 from __future__ import annotations
 
@@ -48,7 +49,8 @@ OTHERS = [("centre_distance", "X", 60.0), ("pocket_size", "Y", 40.0)]
 
 @pytest.mark.parametrize("name", ["backlash", "windup", "backlash_position"])
 def test_a_pocket_is_smaller_by_the_lost_motion_and_a_boss_larger(name):
-    """Either wall is short of its place by half of it; what is reached from nobody knows where, and another axis, show nothing."""
+    """Either wall is short of its place by half of it; what is reached from nobody knows where, and
+    another axis, show nothing."""
     sizes = {
         "backlash": {"size_um": 8.0},
         "windup": {"size_um": 8.0, "length_mm": 0.5},
@@ -84,7 +86,8 @@ def test_a_distance_shows_what_its_two_ends_differ_by():
 
 
 def test_the_far_wall_is_read_at_its_own_place_beside_averaged_samples_too():
-    """Where other recordings have rows that are means of samples, a part's have one sample: at the wall itself."""
+    """Where other recordings have rows that are means of samples, a part's have one sample: at the
+    wall itself."""
     readings = parts(MILL, OTHERS)
     n = len(readings)
     inside = {x: np.stack([p, np.full(n, np.nan)]) for x, p in readings.state.position.items()}
@@ -97,6 +100,7 @@ def test_the_far_wall_is_read_at_its_own_place_beside_averaged_samples_too():
 
 
 def test_a_sensors_own_wave_is_in_its_own_signal_alone():
-    """A loop that follows a scale moves the table, the other way: that is `cyclic`, of the machine."""
+    """A loop that follows a scale moves the table, the other way: that is `cyclic`, of the
+    machine."""
     assert effects.load("encoder_cyclic").SEES == ("scale",)
     assert "scale" not in effects.load("cyclic").SEES

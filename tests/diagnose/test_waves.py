@@ -23,8 +23,8 @@ def sampled(step: np.ndarray, each: int = 4) -> np.ndarray:
 
 
 def test_a_row_shows_the_mean_of_its_samples():
-    """Samples a third of a mm apart of a wave of nearly that length stand in nearly one phase: their mean keeps most of it, where
-    an even average over 1.33 mm would keep 0.05 of it."""
+    """Samples a third of a mm apart of a wave of nearly that length stand in nearly one phase:
+    their mean keeps most of it, where an even average over 1.33 mm would keep 0.05 of it."""
     place = np.arange(4)[:, None] / 3 + np.zeros((1, 1))
     state = State(
         position={"X": place.mean(axis=0)},
@@ -34,9 +34,8 @@ def test_a_row_shows_the_mean_of_its_samples():
     )
     swing = np.hypot(*waves_of(state, "X", 1 / 0.313))
     phase = np.pi / 3 / 0.313
-    assert swing == pytest.approx(
-        abs(np.sin(4 * phase) / (4 * np.sin(phase)))
-    )  # the sum of a geometric series
+    # the sum of a geometric series
+    assert swing == pytest.approx(abs(np.sin(4 * phase) / (4 * np.sin(phase))))
     assert swing > 0.85 > 0.06 > abs(np.sinc(4 / 3 / 0.313))
 
 
@@ -90,7 +89,8 @@ def test_a_shape_that_is_unlikely_widens_little():
 
 
 def test_an_axis_that_stands_tells_no_rounding():
-    """Commanded 205.0000 all the time is no log that is rounded to 1 mm; positions that change in whole mm are."""
+    """Commanded 205.0000 all the time is no log that is rounded to 1 mm; positions that change in
+    whole mm are."""
     still, noisy = np.full(50, 205.0), 205.0 + RNG.integers(-9, 9, 50) * 1e-4
     assert rounding.noise(still, noisy) == pytest.approx(np.full(50, 1e-4 / np.sqrt(12)))
     whole = np.arange(150.0, 200.0)
@@ -98,7 +98,8 @@ def test_an_axis_that_stands_tells_no_rounding():
 
 
 def test_a_cosine_that_has_lost_its_sine_is_no_wave():
-    """At every half period of a wave only one of the two shows: the other, and with it the phase, is not there."""
+    """At every half period of a wave only one of the two shows: the other, and with it the phase,
+    is not there."""
     place = np.arange(10) * 5.0
     wave = np.stack([np.cos(2 * np.pi * place / 10), np.sin(2 * np.pi * place / 10)], axis=1)
     other = np.stack([np.cos(place), np.sin(place)], axis=1)

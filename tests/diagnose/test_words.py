@@ -1,4 +1,5 @@
-"""What a person reads: sizes with sensible digits, nothing that says nothing, what to do next, and a page that needs no network."""
+"""What a person reads: sizes with sensible digits, nothing that says nothing, what to do next, and
+a page that needs no network."""
 
 from __future__ import annotations
 

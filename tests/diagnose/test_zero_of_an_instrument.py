@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from postproc.cli import main
-from postproc.diagnose import likeness
+from postproc.diagnose import map_agreement
 
 STUDER = Path(__file__).resolve().parents[2] / "machines" / "studer-s36"
 
 
 def test_a_large_zero_where_some_places_were_read_more_often_leaves_no_reading_out(tmp_path):
-    """100 um of zero; of two runs the first half of the places was read a third time, and in a changed order."""
+    """100 um of zero; of two runs the first half of the places was read a third time, and in a
+    changed order."""
     path = tmp_path / "r.csv"
     words = [
         "simulate",
@@ -57,6 +58,6 @@ def test_a_doubt_stays_where_all_readings_of_a_recording_were_left_out():
     class NoRows:
         file = np.zeros(0, int)
 
-    assert likeness.remaining({1: ["it does not fit"], 2: []}, NoRows(), np.zeros(0)) == [
+    assert map_agreement.remaining({1: ["it does not fit"], 2: []}, NoRows(), np.zeros(0)) == [
         "it does not fit"
     ]

@@ -1,4 +1,5 @@
-"""RND, CHF, CHR and RNDM of Sinumerik: arcs that touch both lines, chamfers of the length that their words say."""
+"""RND, CHF, CHR and RNDM of Sinumerik: arcs that touch both lines, chamfers of the length that
+their words say."""
 
 from __future__ import annotations
 
@@ -14,6 +15,11 @@ from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.state import Setup
+
+
+def turn(a: np.ndarray, b: np.ndarray) -> float:
+    """The sine of the angle from one direction to another, times their lengths; + to the left."""
+    return a[0] * b[1] - a[1] * b[0]
 
 
 def plain(program: str, diameter: frozenset[str] = frozenset()) -> list[str]:
@@ -34,26 +40,39 @@ def plain(program: str, diameter: frozenset[str] = frozenset()) -> list[str]:
         # A right angle: 5 before the corner and behind it.
         ("G1 X50 RND=5 F100|Y40", ["G1 X45. F100", "G3 X50. Y5. I0. J5.", "G1 Y40."]),
         ("G1 X50 RND=5 F100|Y-40", ["G1 X45. F100", "G2 X50. Y-5. I0. J-5.", "G1 Y-40."]),
-        # CHR counts from the corner, CHF is the chamfer's own length: 4 sqrt(2) long, 4 from the corner.
+        # CHR counts from the corner, CHF is the chamfer's own length: 4 sqrt(2) long, 4 from the
+        # corner.
         ("G1 X50 CHR=4|Y40", ["G1 X46.", "G1 X50. Y4.", "Y40."]),
         (f"G1 X50 CHF={4 * math.sqrt(2)}|Y40", ["G1 X46.", "G1 X50. Y4.", "Y40."]),
         # What only switches stands behind the corner; a comment stays where it is.
-        ("N1 G1 X50 RND=5 ; round|N2 M8|N3 Y40", ["N1 G1 X45. ; round", "G3 X50. Y5. I0. J5.", "N2 M8", "N3 G1 Y40."]),
+        (
+            "N1 G1 X50 RND=5 ; round|N2 M8|N3 Y40",
+            ["N1 G1 X45. ; round", "G3 X50. Y5. I0. J5.", "N2 M8", "N3 G1 Y40."],
+        ),
         # Distances, places among them, and an axis word with "=".
         ("G91 G1 X50 RND=5|Y40", ["G91 G1 X45.", "G3 X5. Y5. I0. J5.", "G1 Y35."]),
         ("G1 X=50 CHR=4|Y=IC(40)", ["G1 X=46.", "G1 X50. Y4.", "Y=IC(36.)"]),
         # RNDM holds until 0, and none is made where a line goes straight on or the program ends.
         (
             "G1 X10 RNDM=1|X20|Y10|X30 RNDM=0|Y20",
-            ["G1 X10", "X19.", "G3 X20. Y1. I0. J1.", "G1 Y9.", "G2 X21. Y10. I1. J0.", "G1 X30.", "Y20"],
+            [
+                "G1 X10",
+                "X19.",
+                "G3 X20. Y1. I0. J1.",
+                "G1 Y9.",
+                "G2 X21. Y10. I1. J0.",
+                "G1 X30.",
+                "Y20",
+            ],
         ),
         ("G1 X50 RND=5", ["G1 X50"]),
         # G18 of a lathe: the plane is Z X, X a diameter, from Z to X is against the clock.
         (
-            "G18|G1 Z-20 RND=2|X30", ["G18", "G1 Z-18.", "G2 Z-20. X4. K0. I2.", "G1 X30."],
+            "G18|G1 Z-20 RND=2|X30",
+            ["G18", "G1 Z-18.", "G2 Z-20. X4. K0. I2.", "G1 X30."],
         ),
     ],
-)  # fmt: skip
+)
 def test_a_corner_is_what_its_words_say(program, lines):
     found = plain(program, frozenset("X") if "G18" in program else frozenset())
     assert found == lines
@@ -89,14 +108,14 @@ def test_arcs_touch_both_lines_and_chamfers_have_their_length(seed):
         assert np.linalg.norm(corner - start) == pytest.approx(
             np.linalg.norm(corner - stop), abs=1e-4
         )
-        assert np.cross(before, corner - start) == pytest.approx(0, abs=1e-3)
-        assert np.cross(behind, stop - corner) == pytest.approx(0, abs=1e-3)
+        assert turn(before, corner - start) == pytest.approx(0, abs=1e-3)
+        assert turn(behind, stop - corner) == pytest.approx(0, abs=1e-3)
         if kind == "RND":
             assert np.linalg.norm(start - centre) == pytest.approx(size, abs=1e-4)
             assert np.linalg.norm(stop - centre) == pytest.approx(size, abs=1e-4)
             assert (centre - start) @ before == pytest.approx(0, abs=1e-3)
             assert (centre - stop) @ behind == pytest.approx(0, abs=1e-3)
-            assert code == (3 if np.cross(before, behind) > 0 else 2)
+            assert code == (3 if turn(before, behind) > 0 else 2)
         elif kind == "CHF":
             assert np.linalg.norm(stop - start) == pytest.approx(size, abs=1e-4)
         else:
@@ -118,6 +137,7 @@ def test_arcs_touch_both_lines_and_chamfers_have_their_length(seed):
         ("G1 X50 RND=5|TRANS X5|Y9", "TRANS at a line with RND"),
         ("G1 X50 RND=5|G41 Y9", "G41 at a line with RND"),
         ("G1 X50 RND=5|G111 X0 Y0|AP=5 RP=9", "RND between this block|beside polar|G111"),
+        ("DIAM90|G91 G2 X10 Y9 AR=90", "AR= under DIAM90"),
         ("G1 X50 RNDM=5|RNDM=0|Y50", "RNDM changes behind a line that it rounds"),
         ("SCALE X2 Y2|G1 X50 Y9 RND=5|X0 Y40", "a corner does not keep its size|RND or CHF within"),
     ],

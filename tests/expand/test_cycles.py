@@ -1,7 +1,8 @@
-"""Canned cycles written out: LinuxCNC's against its own interpreter, Fanuc's and Haas' against the manuals' figures.
+"""Canned cycles written out: LinuxCNC's against its own interpreter, Fanuc's and Haas' against the
+manuals' figures.
 
-The oracle runs the original program; our interpreter runs the plain text. Numbers are written with ten decimals
-there, so that the comparison is as sharp as for plain programs.
+The oracle runs the original program; our interpreter runs the plain text. Numbers are written with
+ten decimals there, so that the comparison is as sharp as for plain programs.
 """
 
 from __future__ import annotations
@@ -71,8 +72,8 @@ def motions(lines: list[Line], dialect: str = "linuxcnc", setup: Setup = MILL) -
 
 
 def same_motions(text: str, theirs: list[oracle.Motion], source: str | None = None) -> None:
-    """Assert that the text written out moves as LinuxCNC does when it runs the original. `source`: what the language
-    stage hands on, where that is not the text itself."""
+    """Assert that the text written out moves as LinuxCNC does when it runs the original. `source`:
+    what the language stage hands on, where that is not the text itself."""
     program = Program("part", text.encode())
     resolver = Resolver(
         program, Exact(Interpreter(dialects.load("linuxcnc"), MILL)), synchronised=True
@@ -106,7 +107,7 @@ def needs_oracle():
     return pytest.mark.skipif(oracle.available() is not None, reason=str(oracle.available()))
 
 
-# -- LinuxCNC: holes ---------------------------------------------------------------------------------------------------
+# -- LinuxCNC: holes -------------------------------------------------------------------------------
 
 HOLES = [
     "G81 X1 Y1 Z-3 R1|X2|G98 X3|G0 Z7|G81 X4 Z-3 R1|X5|G99 X6|G98 X7",
@@ -132,8 +133,14 @@ HOLES = [
     "G98 G81 X1 Z-3 R1|G99 X2|G20|G98 X.1",
     "G98 G81 X1 Z-3 R1|G99 X2|G91|G98 X3",
     "G98 G81 X1 Z-3 R1|G99 X2|G53 G0 Z3|G98 G81 X3 Z-3 R1",
-    "G98 G81 X1 Z-3 R1|G99 X2|G53 G0 Z0|G98 G81 X3 Z-3 R1|G99 X2 R2|R3 X3|G98 R4 X4|R2 X5|G91 R1 X5|G99 R-2 X5|G98 X3",
-    "G98 G81 X1 Z-3 R1|G99 X2|R3 X3|G98 R4 X4|R2 X5|G91 R1 X5|G99 R-2 X5|R-1 Y3|G98 X3|G90 R7 X3|G99 R3 X4|R8 X4|R5 X2",
+    (
+        "G98 G81 X1 Z-3 R1|G99 X2|G53 G0 Z0|G98 G81 X3 Z-3 R1|G99 X2 R2|R3 X3|G98 R4 X4|R2 X5|G91"
+        " R1 X5|G99 R-2 X5|G98 X3"
+    ),
+    (
+        "G98 G81 X1 Z-3 R1|G99 X2|R3 X3|G98 R4 X4|R2 X5|G91 R1 X5|G99 R-2 X5|R-1 Y3|G98 X3|G90 R7"
+        " X3|G99 R3 X4|R8 X4|R5 X2"
+    ),
     "G7 G19 G81 X-2 R12 Z1",
     "G7 G98 G19 G91 G81 X-2 R-2 Z1",
     "G7 G19 G98 G83 X-2 R12 Z1 Q1.5",
@@ -160,7 +167,7 @@ HOLES = [
     "G10 L2 P2 X3 Z1|G55 G98 G81 X1 Z-1 R2|X4",
     "G20 G98 G81 X1 Z-1 R2|X4",
     "G91 G20 G98 G81 X1 Z-1 R-.02|X4",
-]  # fmt: skip
+]
 BEGIN = "F100|S100 M3|G0 X5 Z5|"
 
 
@@ -186,7 +193,8 @@ def test_holes_are_those_of_linuxcnc(program, holes):
 
 
 def _random_holes(draw: random.Random) -> str:
-    """A program of holes in all modes; LinuxCNC moves wrongly in G84 outside the XY plane, so that is left out."""
+    """A program of holes in all modes; LinuxCNC moves wrongly in G84 outside the XY plane, so that
+    is left out."""
     lines = [
         "F100",
         "M3 S100",
@@ -275,7 +283,7 @@ def test_what_is_no_hole_is_refused_with_the_reason(program):
     assert caught.value.advice and caught.value.place.line >= 4
 
 
-# -- LinuxCNC: threads and turning -------------------------------------------------------------------------------------
+# -- LinuxCNC: threads and turning -----------------------------------------------------------------
 
 THREADS = [
     "G18 G76 Z-10 P1 I-.5 J.3 K1",
@@ -314,15 +322,36 @@ def test_a_thread_in_diameters_stays():
 
 
 SHAPES = [
-    "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X7|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100 I2.5 R.3|M2|",
-    "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X12|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100|M2|",
-    "O100 SUB|G0 X20|G1 Z-4|X15 Z-6|G1 X8|O100 ENDSUB|F100|S100 M3|G18 G0 X5 Z1|G71 Q100 I4 R.3|M2|",
+    (
+        "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X7|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71"
+        " Q100 I2.5 R.3|M2|"
+    ),
+    (
+        "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X12|O100 ENDSUB|F100|S100 M3|G18 G0 X10"
+        " Z1|G71 Q100|M2|"
+    ),
+    (
+        "O100 SUB|G0 X20|G1 Z-4|X15 Z-6|G1 X8|O100 ENDSUB|F100|S100 M3|G18 G0 X5 Z1|G71 Q100 I4"
+        " R.3|M2|"
+    ),
     "O100 SUB|G0 X20|G1 Z6|X15 Z8|O100 ENDSUB|F100|S100 M3|G18 G0 X5 Z1|G71 Q100 I4 R.3|M2|",
-    "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|G3 X4 Z-3 R2|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G72 Q100 I2.5 R.3|M2|",
+    (
+        "O100 SUB|G0 Z-10|G1 X8|X6 Z-5|G3 X4 Z-3 R2|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G72 Q100"
+        " I2.5 R.3|M2|"
+    ),
     "O100 SUB|G0 X3|G1 Z-4|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100 I2.5 R5|M2|",
-    "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X7|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G70 Q100|M2|",
-    "O100 SUB|G0 X4|G1 Z-4|X8 Z-6|X12|O100 ENDSUB|F100|S100 M3|G18 G7 G0 X20 Z1|G71 Q100 I2.5 R.3|M2|",
-    "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|X6|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100 X20 Z3 I2.5 R.3|M2|",
+    (
+        "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|G2 X5 Z-7 I1|G1 X7|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G70"
+        " Q100|M2|"
+    ),
+    (
+        "O100 SUB|G0 X4|G1 Z-4|X8 Z-6|X12|O100 ENDSUB|F100|S100 M3|G18 G7 G0 X20 Z1|G71 Q100 I2.5"
+        " R.3|M2|"
+    ),
+    (
+        "O100 SUB|G0 X2|G1 Z-4|X4 Z-6|X6|O100 ENDSUB|F100|S100 M3|G18 G0 X10 Z1|G71 Q100 X20 Z3"
+        " I2.5 R.3|M2|"
+    ),
 ]
 
 
@@ -337,10 +366,14 @@ def test_turning_without_pockets_is_linuxcncs(program):
 @pytest.mark.parametrize(
     ("cycle", "why"),
     [
-        ("G71.1", "without the subroutine"), ("G71", "without the subroutine"), ("G72.2 Q100", "never ends"),
-        ("G71 Q101", "no subroutine"), ("G91 G71 Q100", "wants G90"), ("G17 G71 Q100", "ZX plane"),
+        ("G71.1", "without the subroutine"),
+        ("G71", "without the subroutine"),
+        ("G72.2 Q100", "never ends"),
+        ("G71 Q101", "no subroutine"),
+        ("G91 G71 Q100", "wants G90"),
+        ("G17 G71 Q100", "ZX plane"),
     ],
-)  # fmt: skip
+)
 def test_other_turning_of_linuxcnc_is_refused(cycle, why):
     program = Program("part", b"O100 SUB\nG0 X2\nG1 Z-4\nX4 Z-6\nO100 ENDSUB\n")
     resolver = Resolver(program, Tracker(Interpreter(dialects.load("linuxcnc"), MILL)))
@@ -349,17 +382,26 @@ def test_other_turning_of_linuxcnc_is_refused(cycle, why):
         resolver.take(Line(cycle.encode(), 7))
 
 
-# -- Fanuc and Haas mills ----------------------------------------------------------------------------------------------
+# -- Fanuc and Haas mills --------------------------------------------------------------------------
 
 
 def test_fanuc_g81_goes_to_the_initial_level_in_g98_and_to_r_in_g99():
-    """B-64304EN-2, G81: positioning, rapid to point R, feed to Z, rapid to R (G99) or the initial level (G98)."""
-    assert text_of("G0 X0 Y0 Z50|N10 G99 G81 X10. Y20. Z-5. R2. F100 (hole)|G98 X30. M8|G80|X5.", "fanuc-mill") == [
+    """B-64304EN-2, G81: positioning, rapid to point R, feed to Z, rapid to R (G99) or the initial
+    level (G98)."""
+    assert text_of(
+        "G0 X0 Y0 Z50|N10 G99 G81 X10. Y20. Z-5. R2. F100 (hole)|G98 X30. M8|G80|X5.", "fanuc-mill"
+    ) == [
         "G0 X0 Y0 Z50",
-        "N10 G99 G0 X10. Y20. F100 (hole)", "Z2.", "G1 Z-5.", "G0 Z2.",
-        "G98 G0 X30. M8", "G1 Z-5.", "G0 Z50.",
-        "G80", "G0 X5.",
-    ]  # fmt: skip
+        "N10 G99 G0 X10. Y20. F100 (hole)",
+        "Z2.",
+        "G1 Z-5.",
+        "G0 Z2.",
+        "G98 G0 X30. M8",
+        "G1 Z-5.",
+        "G0 Z50.",
+        "G80",
+        "G0 X5.",
+    ]
 
 
 def test_behind_g80_the_motion_code_from_before_the_cycle_holds():
@@ -394,7 +436,8 @@ def test_fanuc_data_hold_from_cycle_to_cycle_and_through_g90():
 
 
 def test_fanuc_pecks_reach_q_each_and_the_bottom_exactly():
-    """B-64304EN-2, G83: q each, out to R, back to d above the last depth; G73: back by d. d is 0.5 mm here."""
+    """B-64304EN-2, G83: q each, out to R, back to d above the last depth; G73: back by d. d is 0.5
+    mm here."""
     deep = text_of("G0 Z50|G99 G83 X1. Z-5. R1. Q2.5", "fanuc-mill")[1:]
     assert deep == [
         "G99 G0 X1.",
@@ -476,7 +519,7 @@ def test_an_unknown_place_is_asked_for_and_only_where_it_matters():
     assert expand("G0 G43 H1 Z50\nG81 X1. Y1. Z-1. R2.\n", "fanuc-mill", nowhere)
 
 
-# -- Fanuc lathes ------------------------------------------------------------------------------------------------------
+# -- Fanuc lathes ----------------------------------------------------------------------------------
 
 
 def lathe(program: str, dialect: str = "fanuc-lathe-a") -> list[str]:
@@ -484,7 +527,8 @@ def lathe(program: str, dialect: str = "fanuc-lathe-a") -> list[str]:
 
 
 def test_g90_of_system_a_is_g77_of_b_and_g20_of_c():
-    """B-64304EN-1, "Outer diameter/internal diameter cutting cycle": rapid in, cut, feed out, rapid back; X holds."""
+    """B-64304EN-1, "Outer diameter/internal diameter cutting cycle": rapid in, cut, feed out, rapid
+    back; X holds."""
     for code, dialect in (
         ("G90", "fanuc-lathe-a"),
         ("G77", "fanuc-lathe"),
@@ -498,7 +542,8 @@ def test_g90_of_system_a_is_g77_of_b_and_g20_of_c():
 
 
 def test_tapers_of_g90_and_g94():
-    """The same, "Taper cutting cycle": with U<0 W<0 R<0 the cut begins on a smaller radius, by R, than it ends on."""
+    """The same, "Taper cutting cycle": with U<0 W<0 R<0 the cut begins on a smaller radius, by R,
+    than it ends on."""
     assert lathe("G0 X60. Z2.|G90 U-10. W-32. R-5.")[1:] == [
         "G0 X40.",
         "G1 X50. Z-30.",
@@ -514,10 +559,12 @@ def test_tapers_of_g90_and_g94():
 
 
 def test_g71_cuts_by_d_down_to_the_shape_and_then_along_it():
-    """B-64304EN-1, "Stock removal in turning (G71)", type I: C is A moved by du/2 and dw, cuts dd apart, escape e at 45
-    degrees, the last cut along the shape, and back to A. Levels: radius 50.5 - 4 n above 20.5."""
+    """B-64304EN-1, "Stock removal in turning (G71)", type I: C is A moved by du/2 and dw, cuts dd
+    apart, escape e at 45 degrees, the last cut along the shape, and back to A. Levels: radius 50.5
+    - 4 n above 20.5."""
     lines = lathe(
-        "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5 F.3|N10 G0 X40.|G1 Z-20. F.1|N20 X100. Z-50.|G0 X200."
+        "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5 F.3|N10 G0 X40.|G1 Z-20. F.1|N20 X100."
+        " Z-50.|G0 X200."
     )
     assert lines[1] == "G0 X101. Z2.5 F.3"
     levels = [2 * (50.5 - 4 * n) for n in range(1, 8)]
@@ -533,7 +580,8 @@ def test_g71_cuts_by_d_down_to_the_shape_and_then_along_it():
 
 
 def test_g71_ends_its_cuts_on_arcs():
-    """The fillet is a circle about (Z-30, X80), radius 10; level radius 38.5: Z = -30 - sqrt(100 - 2^2) + 0.5."""
+    """The fillet is a circle about (Z-30, X80), radius 10; level radius 38.5: Z = -30 - sqrt(100 -
+    2^2) + 0.5."""
     lines = lathe(
         "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|"
         "N10 G0 X40.|G1 Z-20.|X60. Z-30.|G2 X80. Z-40. R10.|N20 G1 X100.|G0 Z9."
@@ -544,7 +592,8 @@ def test_g71_ends_its_cuts_on_arcs():
 
 def test_g72_is_g71_with_the_axes_changed_over_and_g70_follows():
     lines = lathe(
-        "G0 X100. Z2.|G72 W4. R1.|G72 P10 Q20|N10 G0 Z-9.|G1 X80.|N20 X60. Z1.|G70 P10 Q20 F.1|G0 Z9."
+        "G0 X100. Z2.|G72 W4. R1.|G72 P10 Q20|N10 G0 Z-9.|G1 X80.|N20 X60. Z1.|G70 P10 Q20"
+        " F.1|G0 Z9."
     )
     assert lines[1:5] == ["G0 Z-2.", "G1 X66.", "G0 X68. Z-1.", "X100."]
     assert lines[-10:] == [
@@ -561,18 +610,28 @@ def test_one_block_form_and_internal_shapes():
 
 
 def test_g73_repeats_the_shape_nearer_each_time():
-    """B-64304EN-1, "Pattern repeating (G73)": di, dk shared over d cuts, the last one du/2 and dw off."""
+    """B-64304EN-1, "Pattern repeating (G73)": di, dk shared over d cuts, the last one du/2 and dw
+    off."""
     lines = lathe(
         "G0 X100. Z2.|G73 U6. W3. R3|G73 P10 Q20 U1. W.5|N10 G0 X40. Z0.|N20 G1 Z-20.|G0 Z9."
     )
     assert lines[1:-1] == [
-        "G0 X113. Z5.5", "X53. Z3.5", "G1 Z-16.5", "G0 X107. Z4.", "X47. Z2.", "G1 Z-18.", "G0 X101. Z2.5", "X41. Z0.5",
-        "G1 Z-19.5", "G0 X100. Z2.",
-    ]  # fmt: skip
+        "G0 X113. Z5.5",
+        "X53. Z3.5",
+        "G1 Z-16.5",
+        "G0 X107. Z4.",
+        "X47. Z2.",
+        "G1 Z-18.",
+        "G0 X101. Z2.5",
+        "X41. Z0.5",
+        "G1 Z-19.5",
+        "G0 X100. Z2.",
+    ]
 
 
 def test_g74_and_g75_peck_by_least_increments():
-    """B-64304EN-1, "End face peck drilling (G74)", "Outer diameter drilling (G75)": P, Q count 0.001 mm, radius."""
+    """B-64304EN-1, "End face peck drilling (G74)", "Outer diameter drilling (G75)": P, Q count
+    0.001 mm, radius."""
     lines = lathe("G0 X100. Z2.|G74 R1.|G74 X88. Z-6. P6000 Q5000|X20.")
     one = ["G1 Z-3.", "G0 Z-2.", "G1 Z-6.", "G0 Z2."]
     assert lines[1:] == [*one, "X88.", *one, "X100.", "G0 X20."]
@@ -582,8 +641,9 @@ def test_g74_and_g75_peck_by_least_increments():
 
 
 def test_g12_and_g13_of_haas_are_circles_about_where_the_tool_stands():
-    """Manual: I is the finished radius, less the tool's, 5: 10. I 8 by Q 5 to K 15 is 8, 13, 15: 3, 8, 10. All arcs; the last circle
-    is gone round in two halves, and half a circle leads in and out."""
+    """Manual: I is the finished radius, less the tool's, 5: 10. I 8 by Q 5 to K 15 is 8, 13, 15: 3,
+    8, 10. All arcs; the last circle is gone round in two halves, and half a circle leads in and
+    out."""
     setup = replace(MILL, offsets={"D1": {"R": 5.0}}, start=dict.fromkeys("XYZABC", 0.0))
     lines = text_of("G90 G17 G0 X10. Y20. Z1.|G13 I15. D1 Z-2. F100.|G0 Z9.", "haas", setup)
     ring = [
@@ -605,7 +665,8 @@ def test_g12_and_g13_of_haas_are_circles_about_where_the_tool_stands():
 
 
 def test_lathe_drilling_counts_r_from_where_it_stands():
-    """B-64304EN-1, "Front drilling cycle (G83)", "Side drilling (G87)": R is a distance from the initial level."""
+    """B-64304EN-1, "Front drilling cycle (G83)", "Side drilling (G87)": R is a distance from the
+    initial level."""
     assert lathe("G0 X0 Z5.|G83 Z-4. R-3. F.1", "fanuc-lathe")[1:] == [
         "G0 Z2. F.1",
         "G1 Z-4.",
@@ -625,8 +686,9 @@ def test_lathe_drilling_counts_r_from_where_it_stands():
 
 
 def test_holes_of_a_haas_lathe_go_to_r_as_a_place_and_back_to_where_they_began():
-    """Haas lathe operator's manual, G83, G85, G243; written as Autodesk's `haas lathe.cps` writes a hole: to the clearance, then
-    X Z R F, G80. R of a radial hole is a diameter, pecks are radii: X 46 less 2 x 2 is 42, and 40 is the bottom."""
+    """Haas lathe operator's manual, G83, G85, G243; written as Autodesk's `haas lathe.cps` writes a
+    hole: to the clearance, then X Z R F, G80. R of a radial hole is a diameter, pecks are radii: X
+    46 less 2 x 2 is 42, and 40 is the bottom."""
     lines = lathe("G18|G0 X0. Z5.|G0 Z5.|G83 X0. Z-4. R2. Q4. P500 F.1|G80|G0 Z5.", "haas-lathe")
     assert lines[3:] == [
         "G0 X0. F.1",
@@ -690,13 +752,18 @@ def test_where_a_haas_lathe_ends_behind_a_hole_is_said_and_nothing_counts_from_t
 
 
 def test_threads_of_a_lathe_stay_and_end_where_they_began():
-    program = "G0 X30. Z2.|G92 X29. Z-20. F1.5|X28.5|G0 X40.|G76 P011060 Q100 R.05|G76 X28. Z-20. P900 Q300 F1.5|G90 U-2. Z-5."
+    program = (
+        "G0 X30. Z2.|G92 X29. Z-20. F1.5|X28.5|G0 X40.|G76 P011060 Q100 R.05|G76 X28. Z-20. P900"
+        " Q300 F1.5|G90 U-2. Z-5."
+    )
     assert lathe(program)[:6] == program.split("|")[:6] and lathe(program)[6] == "G0 X38."
 
 
 def test_g74_and_g75_in_one_block_have_i_along_x_and_k_along_z():
-    """Haas lathe operator's manual, G74, G75; Fanuc's Series 10/11 format: I steps or pecks along X, a radius, K along Z.
-    X 100 to 88 by a radius of 3: 94 and 88; Z 2 to -6 by 5: -3 and -6, each 0.5 mm back in place of setting 22."""
+    """Haas lathe operator's manual, G74, G75; Fanuc's Series 10/11 format: I steps or pecks along
+    X, a radius, K along Z.
+    X 100 to 88 by a radius of 3: 94 and 88; Z 2 to -6 by 5: -3 and -6, each 0.5 mm back in place of
+    setting 22."""
     one = ["G1 Z-3.", "G0 Z-2.5", "G1 Z-6.", "G0 Z2."]
     over = ["G1 X94.", "G0 X95.", "G1 X88.", "G0 X100."]
     for dialect in ("haas-lathe", "fanuc-lathe-a"):
@@ -716,11 +783,15 @@ def test_the_taper_of_g90_and_g94_is_i_and_k_in_one_block_formats():
         assert lines[1:] == ["G0 Z-6.", "G1 X20. Z-5.", "Z2.", "G0 X60."]
 
 
-NOSE = "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|N10 G0 G42 X40.|G1 Z-20.|N20 G40 X100. Z-50.|G70 P10 Q20|G0 X200."
+NOSE = (
+    "G0 X100. Z2.|G71 U4. R1.|G71 P10 Q20 U1. W.5|N10 G0 G42 X40.|G1 Z-20.|N20 G40 X100. Z-50.|G70"
+    " P10 Q20|G0 X200."
+)
 
 
 def test_nose_radius_compensation_in_the_shape_holds_in_g70_and_a_notice_says_so():
-    """The roughing is the one without it; G70 runs the blocks as they stand, and goes back without it."""
+    """The roughing is the one without it; G70 runs the blocks as they stand, and goes back without
+    it."""
     resolver = Resolver(
         Program("part", b""), Tracker(Interpreter(dialects.load("fanuc-lathe-a"), LATHE))
     )
@@ -746,8 +817,12 @@ def test_nose_radius_compensation_in_the_shape_holds_in_g70_and_a_notice_says_so
 
 
 def test_the_nose_of_a_haas_is_led_along_the_shape_of_the_roughing_too():
-    """Haas lathe manual, "TNC with a G71 Roughing Canned Cycle": the last cut has G42; the rapid with G40 is no shape."""
-    program = "G0 X100. Z2.|G71 P10 Q20 U1. W.5 D4.|N10 G0 G42 X40. Z2.|G1 Z-20.|X100. Z-50.|N20 G0 G40 Z2.|G0 X200."
+    """Haas lathe manual, "TNC with a G71 Roughing Canned Cycle": the last cut has G42; the rapid
+    with G40 is no shape."""
+    program = (
+        "G0 X100. Z2.|G71 P10 Q20 U1. W.5 D4.|N10 G0 G42 X40. Z2.|G1 Z-20.|X100. Z-50.|N20 G0 G40"
+        " Z2.|G0 X200."
+    )
     lines = text_of(program, "haas-lathe", LATHE)
     assert lines[-5:] == [
         "G0 G42 X41.",
@@ -795,12 +870,18 @@ HAAS_REFUSED = {
     },
     "haas-lathe": {
         "G71 P10 Q20 D2. R1|N10 G0 X40.|G1 Z-5.|X30.|N20 Z-9.": "X turns back|goes deeper",
-        "G71 P10 Q20 D2. I.5|N10 G0 X40.|N20 G1 Z-5.": "I.5 in a turning cycle .G71.: the allowance of a rough",
+        "G71 P10 Q20 D2. I.5|N10 G0 X40.|N20 G1 Z-5.": (
+            "I.5 in a turning cycle .G71.: the allowance of a rough"
+        ),
         "G73 P10 Q20 D2 I1.|N10 G0 G42 X40.|N20 G1 G40 Z-5.": "G42 in the shape of G73",
         "G74 X50. Z-5. K1. D.2": "draws the tool aside",
         "G74 Z-5. Q1000": "Q in a grooving cycle .G74.: that is no word of it",
-        "G81 X50. W-5. R2.": "W-5. in a drilling cycle .G81.: from where it counts the bottom is not certain",
-        "G241 Z-5. U-5. R2.": "U-5. in a drilling cycle .G241.: from where it counts the bottom is not certain",
+        "G81 X50. W-5. R2.": (
+            "W-5. in a drilling cycle .G81.: from where it counts the bottom is not certain"
+        ),
+        "G241 Z-5. U-5. R2.": (
+            "U-5. in a drilling cycle .G241.: from where it counts the bottom is not certain"
+        ),
         "G83 Z-9. R2. Q2. K1.": "Q and K of G83 together",
         "G87 Z-9. R2.": "G87 can not be written out: the operator draws the tool out by hand",
     },
@@ -819,10 +900,14 @@ LATHE_REFUSED = {
     "G71 U2. R1.|G71 P10 Q20 R1.|N10 G0 X40.|N20 G1 Z-5.": "type II",
     "G71 U2. R1.|G71 P10 U1.|N10 G0 X40.|N20 G1 Z-5.": "number of a block in Q",
     "G71 U2. R1.|G71 P10 Q20.5|N10 G0 X40.|N20 G1 Z-5.": "number of a block in Q",
-    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|N20 G0 X100. Z2.": "last block of the shape takes Z back",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|N20 G0 X100. Z2.": (
+        "last block of the shape takes Z back"
+    ),
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|N20 X30. Z-9.": "goes deeper in X",
-    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. M8|N20 G1 Z-5.": "M8 in the shape of a cycle, in 'N10 G0 X40. M8'",
-    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. R2.": "R2. in the shape",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. M8|N20 G1 Z-5.": (
+        "M8 in the shape of a cycle, in 'N10 G0 X40. M8'"
+    ),
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. R2.": "behind its last line",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G4 X1.|N20 G1 Z-5.": "G4 in the shape",
     "G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5.": "G42 is still on at the end",
     "G42 G1 X90.|G90 X80. Z-5.": "compensation on",
@@ -838,7 +923,7 @@ LATHE_REFUSED = {
     "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5.": "no block N30",
     "G71 U2. R1.|G71 P11 Q20|N10 G0 X40.|N20 G1 Z-5.": "no block N11",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.": "turns back",
-    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. ,R2.": "more than words",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. ,R2.": "behind its last line",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5.|X1.": "no motion code is named",
     "G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5.": "how often",
     "G74 X50. Z-5. P1000 Q1000 R.2": "draws the tool aside",
@@ -854,7 +939,7 @@ def test_lathe_cycles_that_can_not_be_vouched_for_are_refused(program):
     assert caught.value.advice
 
 
-# -- laws --------------------------------------------------------------------------------------------------------------
+# -- laws ------------------------------------------------------------------------------------------
 
 CONTROLS = [
     "linuxcnc",
@@ -870,7 +955,10 @@ CONTROLS = [
 
 @pytest.mark.parametrize("dialect", CONTROLS)
 def test_a_program_without_cycles_and_frames_comes_out_unchanged(dialect):
-    text = "%\n(a)\nN10 G0 X1. Y2. Z5 ; b\n/G1X3.Y-.5F100\n\tG2 X4 Y1 I0.5 J.5\r\nM3 S100\nG4 P1\nM5\n\nM30\n%\n"
+    text = (
+        "%\n(a)\nN10 G0 X1. Y2. Z5 ; b\n/G1X3.Y-.5F100\n\tG2 X4 Y1 I0.5 J.5\r\nM3 S100\nG4"
+        " P1\nM5\n\nM30\n%\n"
+    )
     lines = expand(text, dialect)
     assert [line.text for line in lines] == [line.encode() for line in text.split("\n")]
     assert [line.source for line in lines] == list(range(1, len(lines) + 1))
@@ -911,16 +999,15 @@ def test_real_programs_are_written_out_hole_by_hole(name):
     interpreter = Interpreter(dialects.load("fanuc-mill"), replace(MILL, start={}, offsets={}))
     out = b"".join(Written(Program(name, text), interpreter, Limits()))
     assert not re.search(rb"G8[1-9]", out)
-    bottom = (
-        rb"G1\s*Z-(118|120)\." if name == "G81_G91" else rb"G1\s*Z-20\."
-    )  # G91: Z counts from R, 2 mm above zero
+    # G91: Z counts from R, 2 mm above zero
+    bottom = rb"G1\s*Z-(118|120)\." if name == "G81_G91" else rb"G1\s*Z-20\."
     assert len(re.findall(bottom, out)) == 12
 
 
 WORDS = """G81 G82 G83 G73 G84 G85 G86 G89 G76 G70 G71 G72 G74 G75 G77 G78 G79 G90 G91 G92 G94 G98 G99 G80 G0 G1 G2 G3
 G17 G18 G19 G20 G21 G24 G68 G69 G51 G50 G51.1 G50.1 G15 G16 G10 L2 P1 P10 Q20 N10 N20 G54 G55 G43 H1 G49 G4 G28 G53 M3
 M5 M30 T1 T0101 ROT AROT TRANS ATRANS MIRROR SCALE ASCALE AMIRROR G110 G111 AP=30 RP=5 RPL=30 CR=3 X=IC(3) I=AC(2) G7
-G90.1 G41 G40 G93 (c) ;x / % ( $1 #1 [ * " \x00 \xe9 1e5 X99999999999999999999""".split()
+G90.1 G41 G40 G93 (c) ;x / % ( $1 #1 [ * " \x00 \xe9 1e5 X99999999999999999999""".split()  # noqa: E501
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -932,10 +1019,12 @@ def test_no_bytes_make_it_stumble(seed):
         text = draw.choice(["", "G90 G0 X50 Y1 Z5\n", "G0 X50. Z5.\nM3 S100\nF10\n"])
         for _ in range(draw.randint(1, 12)):
             words = [
-                draw.choice(WORDS)
-                if draw.random() < 0.5
-                else draw.choice("XYZXYZUWIJKRQPFDEHLC")
-                + draw.choice([f"{draw.uniform(-20, 20):.3f}", ".5", "0", "", "-1"])
+                (
+                    draw.choice(WORDS)
+                    if draw.random() < 0.5
+                    else draw.choice("XYZXYZUWIJKRQPFDEHLC")
+                    + draw.choice([f"{draw.uniform(-20, 20):.3f}", ".5", "0", "", "-1"])
+                )
                 for _ in range(draw.choice([0, 1, 2, 3, 3, 4, 6]))
             ]
             text += draw.choice([" ", ""]).join(words) + "\n"

@@ -1,4 +1,5 @@
-"""G43.5 of Fanuc: rotary words that give the tool the direction of I J K, by the machine's exact transforms."""
+"""G43.5 of Fanuc: rotary words that give the tool the direction of I J K, by the machine's exact
+transforms."""
 
 from __future__ import annotations
 
@@ -33,9 +34,10 @@ def plain(program: str, offsets=OFFSETS, start=START) -> list[str]:
 
 
 def test_directions_by_hand():
-    """A turns about X, C about Z, of the tool as the part sees it (ISO 841): A-30 leans the tool by sin 30 towards +Y. The frame is that
-    of the table as it stands at the call (A-79348E): at C90 the same direction is the same tilt. Behind, 45 degrees aside, C goes the
-    shorter way; at the pole A goes to 0 and C stays."""
+    """A turns about X, C about Z, of the tool as the part sees it (ISO 841): A-30 leans the tool by
+    sin 30 towards +Y. The frame is that of the table as it stands at the call (A-79348E): at C90
+    the same direction is the same tilt. Behind, 45 degrees aside, C goes the shorter way; at the
+    pole A goes to 0 and C stays."""
     lines = plain(
         "G0 A0. C90.|G43.5 H1 P0|G1 X1. J.5 K.8660254 F100.|X2.|I.5 J.5 K.70710678|K1.|G49|I1."
     )

@@ -1,5 +1,5 @@
-"""Turned, scaled, mirrored and polar coordinates written out: against formulas worked out here, and LinuxCNC's turned
-work offsets against its own interpreter."""
+"""Turned, scaled, mirrored and polar coordinates written out: against formulas worked out here, and
+LinuxCNC's turned work offsets against its own interpreter."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ def turned(points, degrees: float, centre=(0.0, 0.0)):
 
 
 def moved(program: str, dialect: str = "fanuc-mill", setup=MILL) -> list[dict]:
-    """The motions of a program with | between its lines, written out to a tick; the first one is left out."""
+    """The motions of a program with | between its lines, written out to a tick; the first one is
+    left out."""
     return motions(expand(program.replace("|", "\n"), dialect, setup, Exact), dialect, setup)[1:]
 
 
@@ -48,7 +49,7 @@ def ends(made: list[dict]) -> np.ndarray:
     return np.array([m["end"][:3] for m in made], float)
 
 
-# -- Fanuc: G68 --------------------------------------------------------------------------------------------------------
+# -- Fanuc: G68 ------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 90, -137.5, 180, 400])
@@ -174,15 +175,17 @@ def test_the_place_of_the_tool_is_the_centre_where_none_is_named():
         expand("G68 R90.\n", "fanuc-mill", nowhere)
 
 
-# -- Fanuc: G51, G51.1, G16 --------------------------------------------------------------------------------------------
+# -- Fanuc: G51, G51.1, G16 ------------------------------------------------------------------------
 
 
 def test_g51_scales_about_its_centre():
-    """B-64304EN-2, "Scaling (G50, G51)": P for all axes, with a point a factor, without one counted in 0.001."""
+    """B-64304EN-2, "Scaling (G50, G51)": P for all axes, with a point a factor, without one counted
+    in 0.001."""
     for factor in ("P2.5", "P2500"):
         made = moved(
             START
-            + f"G51 X10. Y4. Z0 {factor}|G1 X12. Y-1. Z2. F1|G3 X16. Y3. I4. J0|X18. R3.|G50|X1. Y1. Z1."
+            + f"G51 X10. Y4. Z0 {factor}|G1 X12. Y-1. Z2. F1|G3 X16. Y3. I4. J0|X18. R3.|G50|X1."
+            " Y1. Z1."
         )
         scale = lambda p: (np.array(p) - (10, 4, 0)) * 2.5 + (10, 4, 0)  # noqa: E731
         assert ends(made) == pytest.approx(
@@ -201,7 +204,8 @@ def test_g51_scales_each_axis_and_a_negative_factor_mirrors():
 
 
 def test_scaling_first_and_then_the_rotation_about_the_scaled_centre():
-    """B-63944EN-2, "Scaling and coordinate system rotation": scaled first; the centre is scaled, the angle is not."""
+    """B-63944EN-2, "Scaling and coordinate system rotation": scaled first; the centre is scaled,
+    the angle is not."""
     points = [(5, 7), (-2, 3)]
     made = moved(
         START
@@ -213,8 +217,8 @@ def test_scaling_first_and_then_the_rotation_about_the_scaled_centre():
 
 
 def test_g51_1_mirrors_single_axes_and_swaps_arcs_and_sides():
-    """B-64304EN-2, "Programmable mirror image": arcs and cutter compensation change their sense in one mirrored
-    axis."""
+    """B-64304EN-2, "Programmable mirror image": arcs and cutter compensation change their sense in
+    one mirrored axis."""
     lines = text_of(
         START + "G51.1 X10.|G1 X12. F1|G2 X16. Y3. R9.|X20. Y7. R9.|G50.1 X0|X9. Y9. R9.|G1 X1.",
         "fanuc-mill",
@@ -227,8 +231,8 @@ def test_g51_1_mirrors_single_axes_and_swaps_arcs_and_sides():
 
 
 def test_polar_words_about_the_work_zero():
-    """B-64304EN-2, "Polar coordinate command", example: holes on 100 mm at 30, 150, 270 degrees, absolute and by
-    steps."""
+    """B-64304EN-2, "Polar coordinate command", example: holes on 100 mm at 30, 150, 270 degrees,
+    absolute and by steps."""
     for steps in ("Y150.|Y270.", "G91 Y120. K2", "G91 Y120.|Y120."):
         made = moved(START + f"G17 G90 G16|G99 G81 X100. Y30. Z-20. R-5. F200|{steps}|G15 G80")
         cut = [m["end"][:3] for m in made if m["kind"] == "feed"]
@@ -273,12 +277,21 @@ def test_a_lathes_double_turret_mirror_is_no_rotation():
     ]
 
 
-# -- LinuxCNC ----------------------------------------------------------------------------------------------------------
+# -- LinuxCNC --------------------------------------------------------------------------------------
 
 TURNED = [
-    "G10 L2 P1 R30|G0 X1 Y2|X5|Y3|G91 X2|Y1 Z3|G1 X1 Y1|G90 G2 I2 J1|G3 X8 Y3 R40|G91 G2 X2 R4|G90 G81 X3 Y4 R2 Z-3|X5",
-    "G10 L2 P1 X10 Y20 R-17.3|G1 X5|G2 I3|J2 P2|G91.1|G55 G1 X3|G10 L2 P2 R90|X4|Y2|G54 X1|G10 L2 P0 R5|X2|G53 G0 X3",
-    "G0 X3 Y4|G10 L2 P1 R45|Y5|X2|G28.1|X1|G10 L2 P1 X3 Y2|X5|Y1 Z2|G83 X1 R3 Z-1 Q.7|X5|G99 Y2|G91 L2 X1",
+    (
+        "G10 L2 P1 R30|G0 X1 Y2|X5|Y3|G91 X2|Y1 Z3|G1 X1 Y1|G90 G2 I2 J1|G3 X8 Y3 R40|G91 G2 X2"
+        " R4|G90 G81 X3 Y4 R2 Z-3|X5"
+    ),
+    (
+        "G10 L2 P1 X10 Y20 R-17.3|G1 X5|G2 I3|J2 P2|G91.1|G55 G1 X3|G10 L2 P2 R90|X4|Y2|G54 X1|G10"
+        " L2 P0 R5|X2|G53 G0 X3"
+    ),
+    (
+        "G0 X3 Y4|G10 L2 P1 R45|Y5|X2|G28.1|X1|G10 L2 P1 X3 Y2|X5|Y1 Z2|G83 X1 R3 Z-1 Q.7|X5|G99"
+        " Y2|G91 L2 X1"
+    ),
     "G10 L2 P1 R360|G0 X1|G10 L2 P1 R180|X2|Y1|G10 L2 P1|X5|G20 X.1|G21 Y9|G10 L2 P1 R0|X1",
     "G90.1|G10 L2 P1 R30|G0 X5 Y0|G3 X0 Y5 I0 J0|G91.1 G1 X9",
 ]
@@ -301,7 +314,8 @@ def _random_turned(draw: random.Random) -> str:
         if kind < 0.15:
             place = draw.choice(["", f"X{number()} Y{number()}", "Z3"])
             lines.append(
-                f"G10 L2 P{draw.choice([0, 1, 1, 2])} {place} R{draw.choice([0, 90, draw.uniform(-200, 200)]):.2f}"
+                f"G10 L2 P{draw.choice([0, 1, 1, 2])} {place}"
+                f" R{draw.choice([0, 90, draw.uniform(-200, 200)]):.2f}"
             )
         elif kind < 0.2:
             lines.append(
@@ -362,7 +376,7 @@ def test_what_can_not_be_followed_in_a_turned_work_offset_is_refused(program, wh
         expand(("G0 X1 Y1|F100|" + program).replace("|", "\n"))
 
 
-# -- Sinumerik ---------------------------------------------------------------------------------------------------------
+# -- Sinumerik -------------------------------------------------------------------------------------
 
 
 def test_rot_turns_about_the_shifted_zero_and_trans_ends_it():
@@ -387,7 +401,8 @@ def test_additive_frames_go_on_in_the_coordinates_that_hold():
 
 def test_mirror_turns_arcs_round_and_scale_counts_from_zero():
     lines = text_of(
-        "G0 X0 Y0 Z5|MIRROR X0|G2 X12 Y3 CR=30 F1|X1 Y1 CR=30|SCALE X2 Y2|G2 X14 Y5 CR=20|ROT|G2 X1 Y1 CR=60",
+        "G0 X0 Y0 Z5|MIRROR X0|G2 X12 Y3 CR=30 F1|X1 Y1 CR=30|SCALE X2 Y2|G2 X14 Y5 CR=20|ROT|G2 X1"
+        " Y1 CR=60",
         "siemens",
     )
     assert [line.split()[0] for line in lines[1:]] == [
@@ -415,20 +430,26 @@ def test_polar_words_about_a_pole():
 @pytest.mark.parametrize(
     ("program", "why"),
     [
-        ("ROT Z30|X5", "names X alone"), ("ROT Z30|G91 X5 Y3", "a distance"), ("ROT X30 Y30", "about 2 axes"),
-        ("ROT X30|G1 X1 Y1 Z1 F1|G2 X11 I4 J1", "ellipse"), ("AP=30", "without RP"), ("SCALE X0", "factors"),
-        ("ROT Z30|G70", "G70"), ("ROT Z30 F1", "a block of its own"),
-        ("SCALE X2 Y2|G1 X1 Y1 RND=3 F1", "RND"), ("G111 X1 RP=3", "polar words"),
+        ("ROT Z30|X5", "names X alone"),
+        ("ROT Z30|G91 X5 Y3", "a distance"),
+        ("ROT X30 Y30", "about 2 axes"),
+        ("ROT X30|G1 X1 Y1 Z1 F1|G2 X11 I4 J1", "ellipse"),
+        ("AP=30", "without RP"),
+        ("SCALE X0", "factors"),
+        ("ROT Z30|G70", "G70"),
+        ("ROT Z30 F1", "a block of its own"),
+        ("SCALE X2 Y2|G1 X1 Y1 RND=3 F1", "RND"),
+        ("G111 X1 RP=3", "polar words"),
         ("G1 X3 RP=3 AP=4 F1", "beside polar words"),
     ],
-)  # fmt: skip
+)
 def test_sinumerik_frames_that_can_not_be_vouched_for_are_refused(program, why):
     with pytest.raises(ProgramError, match=why) as caught:
         expand(("G0 X0 Y0 Z5|" + program).replace("|", "\n"), "siemens")
     assert caught.value.advice
 
 
-# -- the maps ----------------------------------------------------------------------------------------------------------
+# -- the maps --------------------------------------------------------------------------------------
 
 
 def test_a_map_and_its_inverse_are_nothing():

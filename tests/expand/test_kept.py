@@ -1,5 +1,6 @@
-"""--expand leaves a drilling cycle as it stands where its hole bends by less than the tolerance of holes, and writes it
-out where it bends more. What is left, in part or as a whole, moves LinuxCNC as the program itself does."""
+"""--expand leaves a drilling cycle as it stands where its hole bends by less than the tolerance of
+holes, and writes it out where it bends more. What is left, in part or as a whole, moves LinuxCNC as
+the program itself does."""
 
 from __future__ import annotations
 
@@ -32,7 +33,8 @@ BEGIN = "G21 G90 G17\nM3 S500\nG0 X0. Y0. Z50.\n"
 
 
 def corrected(text: str, machine: Machine, dialect: str = "fanuc-mill", **options):
-    """What --expand makes of a program, and what --verify says; every line of it comes as a portion of its own too."""
+    """What --expand makes of a program, and what --verify says; every line of it comes as a portion
+    of its own too."""
     filter_ = Filter(machine, dialects.load(dialect), setup_of(machine), Options(**options))
     verifier = Verifier(filter_)
     said = SimpleNamespace(file=None, library=[], max_steps=10_000, max_depth=10)
@@ -42,7 +44,7 @@ def corrected(text: str, machine: Machine, dialect: str = "fanuc-mill", **option
     return [line for line in out.splitlines() if "GCOMP" not in line]
 
 
-# -- the hole decides --------------------------------------------------------------------------------------------------
+# -- the hole decides ------------------------------------------------------------------------------
 
 PECKS = BEGIN + "G98 G83 X10. Y10. Z-40. R2. Q30. F100\nX20.\nG80\nG0 Z50.\nM30\n"
 
@@ -59,7 +61,8 @@ PECKS = BEGIN + "G98 G83 X10. Y10. Z-40. R2. Q30. F100\nX20.\nG80\nG0 Z50.\nM30\
 def test_a_cycle_is_written_out_where_its_hole_bends_by_more_than_its_tolerance(
     bend, options, stays
 ):
-    """The axis lies `bend` um off its middle (tests/test_hole_tolerance.py): X10 less that, to the least increment."""
+    """The axis lies `bend` um off its middle (tests/test_hole_tolerance.py): X10 less that, to the
+    least increment."""
     lines = corrected(PECKS, mill(bend), **{"tolerance": 0.0005, **options})
     assert any("G83" in line for line in lines) == stays
     if stays:
@@ -74,7 +77,10 @@ def test_on_a_machine_without_errors_cycles_stay_to_the_byte():
 
 
 def test_a_cycle_whose_numbers_are_worked_out_stays_a_cycle():
-    text = "G21 G90 G17\nG0 X0 Y0 Z9\no1 sub\nG98 G81 X#1 Y2 Z-5 R1 F100\nG80\no1 endsub\no1 call [5]\no1 call [7]\nM2\n"
+    text = (
+        "G21 G90 G17\nG0 X0 Y0 Z9\no1 sub\nG98 G81 X#1 Y2 Z-5 R1 F100\nG80\no1 endsub\no1 call"
+        " [5]\no1 call [7]\nM2\n"
+    )
     lines = corrected(text, mill(0.0), "linuxcnc")
     assert [line for line in lines if "G81" in line] == [
         f"G98 G81 X{x}. Y2 Z-5 R1 F100" for x in (5, 7)
@@ -82,10 +88,11 @@ def test_a_cycle_whose_numbers_are_worked_out_stays_a_cycle():
 
 
 def test_behind_a_hole_that_bends_the_rest_of_its_series_is_written_out():
-    """z = -10 bends by 3.5 um, z = -40 by 7 um. R, Z and the initial level hold on in what is written out."""
+    """z = -10 bends by 3.5 um, z = -40 by 7 um. R, Z and the initial level hold on in what is
+    written out."""
     text = (
-        BEGIN
-        + "G98 G81 X10. Y10. Z-10. R2. F100\nX20. Z-40.\nX30. Z-10.\nG80\nG98 G81 X40. Z-10. R2.\nG80\nM30\n"
+        BEGIN + "G98 G81 X10. Y10. Z-10. R2. F100\nX20. Z-40.\nX30. Z-10.\nG80\nG98 G81 X40. Z-10."
+        " R2.\nG80\nM30\n"
     )
     lines = corrected(text, mill(7.0), tolerance=0.0005)
     kept = [n for n, line in enumerate(lines) if DRILLED.search(line)]
@@ -118,7 +125,8 @@ def test_what_the_filter_can_not_follow_in_place_is_written_out(why):
 
 
 def leaning(um_per_mm: float) -> Machine:
-    """X pitches by so much, but only where it came in the + direction: the bend depends on the side of contact."""
+    """X pitches by so much, but only where it came in the + direction: the bend depends on the side
+    of contact."""
     nodes = np.array([-300.0, 300.0])
     forward, reverse = np.zeros((6, 2)), np.zeros((6, 2))
     forward[4] = um_per_mm * 1e-3
@@ -128,7 +136,8 @@ def leaning(um_per_mm: float) -> Machine:
 
 
 def test_the_worst_side_of_contact_decides():
-    """20 mm deep, 0.6 um/mm from one side: 6 um off the middle; nothing from the other, from which this X comes."""
+    """20 mm deep, 0.6 um/mm from one side: 6 um off the middle; nothing from the other, from which
+    this X comes."""
     text = BEGIN + "G98 G81 X-10. Y10. Z-18. R2. F100\nG80\nG0 Z50.\nM30\n"
     straight, bent = corrected(text, leaning(0.45)), corrected(text, leaning(0.6))
     assert any("G81" in line for line in straight) and not any("G81" in line for line in bent)
@@ -139,7 +148,8 @@ def _random_series(draw: random.Random) -> str:
     for _ in range(draw.randint(2, 6)):
         cycle = draw.choice(["G81", "G83 Q7.", "G73 Q5.", "G85", "G89 P100", "G84"])
         lines.append(
-            f"{draw.choice(['G98', 'G99'])} {cycle} X{draw.randint(-90, 90)}. Z-{draw.randint(1, 50)}. R3. F100"
+            f"{draw.choice(['G98', 'G99'])} {cycle} X{draw.randint(-90, 90)}."
+            f" Z-{draw.randint(1, 50)}. R3. F100"
         )
         for _ in range(draw.randint(0, 4)):
             depth = f" Z-{draw.randint(1, 50)}." * (draw.random() < 0.4)
@@ -150,7 +160,8 @@ def _random_series(draw: random.Random) -> str:
 
 @pytest.mark.parametrize("tolerance", [0.001, 0.005])
 def test_what_is_left_a_cycle_is_never_refused_behind(tolerance, monkeypatch):
-    """Bends from 0 to 25 um, both ways: the filter takes every cycle that is left, verified, however the text comes."""
+    """Bends from 0 to 25 um, both ways: the filter takes every cycle that is left, verified,
+    however the text comes."""
     draw = random.Random(3)
     left = 0
     for _ in range(12):
@@ -164,7 +175,7 @@ def test_what_is_left_a_cycle_is_never_refused_behind(tolerance, monkeypatch):
     assert left >= 3
 
 
-# -- LinuxCNC's interpreter --------------------------------------------------------------------------------------------
+# -- LinuxCNC's interpreter ------------------------------------------------------------------------
 
 KEEPS = {
     "every": lambda motions: True,
@@ -175,7 +186,8 @@ KEEPS = {
 @needs_oracle()
 @pytest.mark.parametrize("which", KEEPS)
 def test_linuxcnc_moves_the_same_whatever_is_left(which):
-    """Taps are left out: behind holes that are written out LinuxCNC begins their series anew, with its rapids in another order."""
+    """Taps are left out: behind holes that are written out LinuxCNC begins their series anew, with
+    its rapids in another order."""
     draw = random.Random(7)
     texts = [_program(holes) for holes in HOLES] + [_random_holes(draw) for _ in range(250)]
     pairs = []

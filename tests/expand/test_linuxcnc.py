@@ -1,4 +1,5 @@
-"""LinuxCNC programs written out: values by hand, programs against LinuxCNC's own interpreter, refusals, limits, anything."""
+"""LinuxCNC programs written out: values by hand, programs against LinuxCNC's own interpreter,
+refusals, limits, anything."""
 
 from __future__ import annotations
 
@@ -69,19 +70,43 @@ def refused(text, **more):
     return caught.value
 
 
-# -- values and text, by hand ----------------------------------------------------------------------------------------------
+# -- values and text, by hand ----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("expression", "expected"),
     [
-        ("2+3*4", 14), ("2**3**2", 64), ("-2**2", 4), ("7-2-3", 2), ("24/4/2", 3), ("1+1 EQ 2", 1), ("1 OR 0 AND 0", 0),
-        ("-7 MOD 4", 1), ("7 MOD -4", 3), ("9+8*7/6+5-4*3**2+1", -35 / 3), ("SIN[30]", 0.5), ("COS[90] LT 0", 1),
-        ("ATAN[1]/[-1]", 135), ("FIX[-2.5]", -3), ("FUP[-2.5]", -2), ("ROUND[2.5]", 3), ("ROUND[-2.5]", -3),
-        ("FIX[SIN[30]*2]", 1), ("SQRT[2]", math.sqrt(2)), ("LN[EXP[1]]", 1), ("1 EQ 1.00009", 1), ("1 LE 0.99999", 0),
-        ("--5", 5), ("-+-[3]", 3), ("2 - -3", 5), ("EXISTS[#<no>]", 0), ("EXISTS[#5602]", 0), ("#5599", 1), ("ABS[-.5]", 0.5),
+        ("2+3*4", 14),
+        ("2**3**2", 64),
+        ("-2**2", 4),
+        ("7-2-3", 2),
+        ("24/4/2", 3),
+        ("1+1 EQ 2", 1),
+        ("1 OR 0 AND 0", 0),
+        ("-7 MOD 4", 1),
+        ("7 MOD -4", 3),
+        ("9+8*7/6+5-4*3**2+1", -35 / 3),
+        ("SIN[30]", 0.5),
+        ("COS[90] LT 0", 1),
+        ("ATAN[1]/[-1]", 135),
+        ("FIX[-2.5]", -3),
+        ("FUP[-2.5]", -2),
+        ("ROUND[2.5]", 3),
+        ("ROUND[-2.5]", -3),
+        ("FIX[SIN[30]*2]", 1),
+        ("SQRT[2]", math.sqrt(2)),
+        ("LN[EXP[1]]", 1),
+        ("1 EQ 1.00009", 1),
+        ("1 LE 0.99999", 0),
+        ("--5", 5),
+        ("-+-[3]", 3),
+        ("2 - -3", 5),
+        ("EXISTS[#<no>]", 0),
+        ("EXISTS[#5602]", 0),
+        ("#5599", 1),
+        ("ABS[-.5]", 0.5),
     ],
-)  # fmt: skip
+)
 def test_expressions(expression, expected):
     assert value(expression) == pytest.approx(expected, abs=1e-12)
 
@@ -91,15 +116,28 @@ def test_expressions(expression, expected):
     [
         ("G1 X[1+1] Y2 (a #1) ; [b", "G1 X2. Y2 (a #1) ; [b"),
         ("g 1 x [ 1 / 4 ] Y.50", "g 1 x 0.25 Y.50"),
-        ("N10 G[0] M[3] T[2] S[500] F[1.5] H[1] D[2] P[3] L[4] X-[0]", "N10 G0 M3 T2 S500. F1.5 H1 D2 P3 L4 X0."),
+        (
+            "N10 G[0] M[3] T[2] S[500] F[1.5] H[1] D[2] P[3] L[4] X-[0]",
+            "N10 G0 M3 T2 S500. F1.5 H1 D2 P3 L4 X0.",
+        ),
         ("G[59.1] P[0.5] D[1.5] X[1/3]", "G59.1 P0.5 D1.5 X0.33333333"),
-        ("#1=5 G0 X[1]", "G0 X1."), ("G0 X[1] #1=5", "G0 X1."), ("G0 #1=5 X[1] (c)", "G0 X1. (c)"),
-        ("G0 X[1] #1=5 (c)", "G0 X1. (c)"), ("/N5 #1=5 X[1]", "/N5 X1."), ("X1#1=5Y[1]", "X1Y1."),
-        ("G0 X--5 Y+-[2]", "G0 X5. Y-2."), ("#1=1 (msg, hello)", "(msg, hello)"), ("M#9 P[1]", "M0 P1"),
-        ("(debug, #1 [2]) ;#3", "(debug, #1 [2]) ;#3"), ("G4 P[2.25]", "G4 P2.25"), ("X[1]\r", "X1."),
-        ("G10 L2 P1 X5 ( kept  as is )", "G10 L2 P1 X5 ( kept  as is )"), ("", ""), ("\t", "\t"),
+        ("#1=5 G0 X[1]", "G0 X1."),
+        ("G0 X[1] #1=5", "G0 X1."),
+        ("G0 #1=5 X[1] (c)", "G0 X1. (c)"),
+        ("G0 X[1] #1=5 (c)", "G0 X1. (c)"),
+        ("/N5 #1=5 X[1]", "/N5 X1."),
+        ("X1#1=5Y[1]", "X1Y1."),
+        ("G0 X--5 Y+-[2]", "G0 X5. Y-2."),
+        ("#1=1 (msg, hello)", "(msg, hello)"),
+        ("M#9 P[1]", "M0 P1"),
+        ("(debug, #1 [2]) ;#3", "(debug, #1 [2]) ;#3"),
+        ("G4 P[2.25]", "G4 P2.25"),
+        ("X[1]\r", "X1."),
+        ("G10 L2 P1 X5 ( kept  as is )", "G10 L2 P1 X5 ( kept  as is )"),
+        ("", ""),
+        ("\t", "\t"),
     ],
-)  # fmt: skip
+)
 def test_text_that_is_no_expression_stays(line, expected):
     assert texts(line + "\nM2") == [expected, "M2"]
 
@@ -150,7 +188,8 @@ def test_position_behind_the_tape_mark():
 
 
 def test_task_is_the_machine():
-    """Programs ask #<_task> whether they run on the machine or are only shown; what is written out will run there."""
+    """Programs ask #<_task> whether they run on the machine or are only shown; what is written out
+    will run there."""
     assert value("#<_task>") == 1
 
 
@@ -171,7 +210,7 @@ def test_reach_of_a_written_number_is_the_least_increment_and_the_unit():
     ]  # fmt: skip
 
 
-# -- against LinuxCNC ------------------------------------------------------------------------------------------------------
+# -- against LinuxCNC ------------------------------------------------------------------------------
 
 
 def by_oracle(programs):
@@ -232,7 +271,10 @@ def test_subs_in_files(tmp_path):
     except OSError as e:
         pytest.skip(f"no folder in small letters: {e}")
     files = {
-        "one": "o<one> sub\nG0 X#1\no<helper> call [2]\no<one> endsub [4]\no<helper> sub\nG0 Y#1\no<helper> endsub\nM2\n",
+        "one": (
+            "o<one> sub\nG0 X#1\no<helper> call [2]\no<one> endsub [4]\no<helper> sub\nG0"
+            " Y#1\no<helper> endsub\nM2\n"
+        ),
         "four": "G0 X9\no<four> sub\nG0 X#1\no<four> endsub\nM2\n",
         "six": "%\no<six> sub\nG0 X#1\nM2\no<six> endsub\n",
     }
@@ -349,7 +391,8 @@ def test_refusals_say_what_and_where(text):
     assert (error.place.file, error.place.line) == ("main.ngc", line)
 
 
-# Programs drawn by chance: blocks within blocks, loops that count, calls, jumps; all of it is defined in LinuxCNC.
+# Programs drawn by chance: blocks within blocks, loops that count, calls, jumps; all of it is
+# defined in LinuxCNC.
 
 
 class Chance:
@@ -381,9 +424,17 @@ class Chance:
         "#<_value_returned>",
     )
     SETS = (
-        "#32=[#32+1]", "#33=[#32*2-#33 MOD 7]", "#<a>=[#<a>+1]", "#<_g>=[#<_g>-#<a>] #<a>=#<_g>", "#1=[#1+1]", "#2=[#1-#2]",
-        "#[30+2]=[#33 MOD 5]", "#<a>=[#<a> MOD 11] #33=[#33 MOD 13]", "#32=[#32 MOD 9]", "#<_g>=[#<_g> MOD 17]",
-    )  # fmt: skip
+        "#32=[#32+1]",
+        "#33=[#32*2-#33 MOD 7]",
+        "#<a>=[#<a>+1]",
+        "#<_g>=[#<_g>-#<a>] #<a>=#<_g>",
+        "#1=[#1+1]",
+        "#2=[#1-#2]",
+        "#[30+2]=[#33 MOD 5]",
+        "#<a>=[#<a> MOD 11] #33=[#33 MOD 13]",
+        "#32=[#32 MOD 9]",
+        "#<_g>=[#<_g> MOD 17]",
+    )
 
     def __init__(self, seed):
         self.draw, self.lines, self.subs, self.count = random.Random(seed), [], [], 0
@@ -505,7 +556,8 @@ def test_programs_drawn_by_chance():
 
 
 def ends(text):
-    """Whether a program comes to its end, and not beyond a kilometre; LinuxCNC would be waited for in vain."""
+    """Whether a program comes to its end, and not beyond a kilometre; LinuxCNC would be waited for
+    in vain."""
     try:
         run(text, limits=Limits(steps=2000, depth=20))
     except ProgramError as error:
@@ -542,40 +594,56 @@ def test_expressions_drawn_by_chance():
     assert found == pytest.approx([m.end[0] for m in expected][1:], abs=CLOSE)
 
 
-# -- what LinuxCNC has and gcomp refuses -----------------------------------------------------------------------------------
+# -- what LinuxCNC has and gcomp refuses -----------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("X#5061", "#5061 is known to the machine only"), ("X#5070", "known to the machine only"),
-        ("X#5399", "known to the machine only"), ("X#5410", "known to the machine only"),
-        ("X#5600", "known to the machine only"), ("X#<_hal[pin]>", "#<_hal[pin]> is known to the machine only"),
-        ("X#<_ini[axis_x]home>", "known to the machine only"), ("X[EXISTS[#<_hal[pin]>]]", "known to the machine only"),
-        ("X#<_rpm>", "known to the machine only"), ("X#<_vmajor>", "known to the machine only"),
+        ("X#5061", "#5061 is known to the machine only"),
+        ("X#5070", "known to the machine only"),
+        ("X#5399", "known to the machine only"),
+        ("X#5410", "known to the machine only"),
+        ("X#5600", "known to the machine only"),
+        ("X#<_hal[pin]>", "#<_hal[pin]> is known to the machine only"),
+        ("X#<_ini[axis_x]home>", "known to the machine only"),
+        ("X[EXISTS[#<_hal[pin]>]]", "known to the machine only"),
+        ("X#<_rpm>", "known to the machine only"),
+        ("X#<_vmajor>", "known to the machine only"),
         ("X#5210", "#5210 is not known"),
         ("F100\nG20 X#<_feed>\nX#<_feed>", "#<_feed> is not known"),
-        ("#5221=1", "#5221 belongs to the control"), ("#5211=1", "#5211 belongs to the control"),
-        ("#5161=1", "#5161 belongs to the control"), ("#5399=1", "#5399 belongs to the control"),
-        ("#<_hal[pin]>=1", "can be read only"), ("M61 Q2\nX#5400", "M61 has changed the tool"),
-        ("G28.1\nX#5161", "G28.1 has changed it"), ("G10 L2 P1 R30\nX#5420", "G10 R has turned coordinates"),
+        ("#5221=1", "#5221 belongs to the control"),
+        ("#5211=1", "#5211 belongs to the control"),
+        ("#5161=1", "#5161 belongs to the control"),
+        ("#5399=1", "#5399 belongs to the control"),
+        ("#<_hal[pin]>=1", "can be read only"),
+        ("M61 Q2\nX#5400", "M61 has changed the tool"),
+        ("G28.1\nX#5161", "G28.1 has changed it"),
+        ("G10 L2 P1 R30\nX#5420", "G10 R has turned coordinates"),
         ("G0 Z3\nG81 Z-1 R2 F100\nG0 Z5\nX#<_motion_mode>", "cycles are written out"),
         ("G0 X1\nG38.2 X5 F10\nX#5420", "#5420 is not known"),
-        ("(py, x=1)", "runs Python"), (";py,x=1", "runs Python"), ("(PYRUN,x=1)\nM2", "runs Python"),
-        ("M99", "M99 in the main program"), ("G0 X1\nM99\nM2", "M99 in the main program"),
+        ("(py, x=1)", "runs Python"),
+        (";py,x=1", "runs Python"),
+        ("(PYRUN,x=1)\nM2", "runs Python"),
+        ("M99", "M99 in the main program"),
+        ("G0 X1\nM99\nM2", "M99 in the main program"),
         ("M98 P5 X1\nM2\nO5\nM99", "followed by more than P and L"),
         ("o1 do\no1 while [0]\no1 do\no1 while [0]", "o1 is used already, in line 1"),
-        ("X[TAN[90]]", "X would be -3.98679763e+19"), ("X[ROUND[3000000000]]", "ROUND of 3000000000"),
-        ("X[1e30]", "']' is missing"), ("X[" + 400 * "9" + "]", "a number of 400 digits"),
+        ("X[TAN[90]]", "X would be -3.98679763e+19"),
+        ("X[ROUND[3000000000]]", "ROUND of 3000000000"),
+        ("X[1e30]", "']' is missing"),
+        ("X[" + 400 * "9" + "]", "a number of 400 digits"),
         ("o1 repeat [9999999999]\no1 endrepeat", "a repeat count of 9999999999"),
         ("o1 while [1]\no1 endwhile", "more than 100,000 lines were executed"),
         ("o1 sub\no1 call\no1 endsub\no1 call", "calls nest deeper than 20"),
-        ("X" + 50 * "[" + "1" + 50 * "]", "more than 40 brackets"), ("X" + 50 * "-" + "#1", "more than 40 brackets"),
+        ("X" + 50 * "[" + "1" + 50 * "]", "more than 40 brackets"),
+        ("X" + 50 * "-" + "#1", "more than 40 brackets"),
         ("%\no1 if [0]\n%\n", "o1 if has no o1 endif"),
         ("G0 X1 (c\nX[1] (c", "a comment is opened and not closed"),
-        ("o<a", "the name is not closed by '>'"), ("o1 sub\no1 endsub [1/0]\nX#<_value>", "#<_value> is not known"),
+        ("o<a", "the name is not closed by '>'"),
+        ("o1 sub\no1 endsub [1/0]\nX#<_value>", "#<_value> is not known"),
     ],
-)  # fmt: skip
+)
 def test_refused(text, message):
     error = refused(text)
     assert message in error.message
@@ -630,18 +698,55 @@ def test_length_alone_is_no_fault():
     assert len(run("X1\n" * 3000, limits=Limits(steps=10, depth=5))) == 3000
 
 
-# -- anything ----------------------------------------------------------------------------------------------------------------
+# -- anything --------------------------------------------------------------------------------------
 
 SEEDS = [path.read_bytes() for path in PROGRAMS]
-PIECES = [b"#", b"[", b"]", b"<", b">", b"=", b"o1", b"o1 if [", b"endif", b"\n", b"(", b")", b";", b"%", b"/", b"-", b"**",
-          b"M98 P", b"M99", b"M2", b"sub", b"endsub", b"call", b"\xff", b"\x00", b"9" * 30, b"1e9", b"EXISTS[", b"ATAN[", b"."]  # fmt: skip
+PIECES = [
+    b"#",
+    b"[",
+    b"]",
+    b"<",
+    b">",
+    b"=",
+    b"o1",
+    b"o1 if [",
+    b"endif",
+    b"\n",
+    b"(",
+    b")",
+    b";",
+    b"%",
+    b"/",
+    b"-",
+    b"**",
+    b"M98 P",
+    b"M99",
+    b"M2",
+    b"sub",
+    b"endsub",
+    b"call",
+    b"\xff",
+    b"\x00",
+    b"9" * 30,
+    b"1e9",
+    b"EXISTS[",
+    b"ATAN[",
+    b".",
+]
 
 
 @settings(max_examples=300, deadline=None)
 @given(
     st.sampled_from(SEEDS),
-    st.lists(st.tuples(st.integers(0, 2000), st.integers(0, 12), st.sampled_from(PIECES) | st.binary(max_size=3)), max_size=4),
-)  # fmt: skip
+    st.lists(
+        st.tuples(
+            st.integers(0, 2000),
+            st.integers(0, 12),
+            st.sampled_from(PIECES) | st.binary(max_size=3),
+        ),
+        max_size=4,
+    ),
+)
 def test_whatever_the_text_it_ends_in_lines_or_a_fault(text, changes):
     for at, gone, piece in changes:
         at %= len(text) + 1

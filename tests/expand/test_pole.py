@@ -1,4 +1,5 @@
-"""Heidenhain's arcs about a pole, and by R, as straight lines: every end lies on the circle, every chord within the tolerance."""
+"""Heidenhain's arcs about a pole, and by R, as straight lines: every end lies on the circle, every
+chord within the tolerance."""
 
 from __future__ import annotations
 
@@ -84,7 +85,8 @@ def test_an_arc_becomes_chords_of_its_circle(arc, start, centre, degrees):
 
 def test_arcs_hold_and_the_other_words_stay():
     lines = plain(
-        "G00 G90 X+50 Y+20|I+50 J+50|N7 G03 X+80 Y+50 F100 M8|N8 X+50 Y+80|N9 G01 X+0 I+1 J+2|G40 M2"
+        "G00 G90 X+50 Y+20|I+50 J+50|N7 G03 X+80 Y+50 F100 M8|N8 X+50 Y+80|N9 G01 X+0 I+1"
+        " J+2|G40 M2"
     )
     assert lines[2].startswith("N7 G01 X") and lines[2].endswith(" F100 M8*")
     [eight] = [line for line in lines if line.startswith("N8")]

@@ -1,4 +1,5 @@
-"""POLY of Sinumerik: the manual's own example, its polynomials evaluated by their formula, and how far the lines leave them."""
+"""POLY of Sinumerik: the manual's own example, its polynomials evaluated by their formula, and how
+far the lines leave them."""
 
 from __future__ import annotations
 
@@ -26,7 +27,8 @@ def ends(lines: list[str]) -> np.ndarray:
 
 
 def test_a_denominator_makes_the_quarter_circle_of_the_manual():
-    """Programming Guide Advanced 04.00, page 167: X = 10 (1 - p^2) / (1 + p^2), Y = 20 p / (1 + p^2), p from 0 to 1."""
+    """Programming Guide Advanced 04.00, page 167: X = 10 (1 - p^2) / (1 + p^2), Y = 20 p / (1 +
+    p^2), p from 0 to 1."""
     lines = plain(START + "N7 PO[X]=(0,-10) PO[Y]=(10) PO[]=(2,1) POLY F50 ; round")
     assert lines[2].startswith("N7 G1 X") and lines[2].endswith("F50 ; round")
     places = np.vstack([[10.0, 0.0, 0.0], ends(lines[2:])])
@@ -50,8 +52,10 @@ def test_the_lines_leave_the_curve_by_the_tolerance_at_most(seed):
     length = rng.choice([1.0, 0.5, 1.5, 3.0, 10.0])
     degree = rng.randint(1, 4)
     values = {
-        x: [rng.uniform(-20, 20)]
-        + [rng.uniform(-9, 9) / length**k for k in range(2, 2 + rng.randint(0, degree))]
+        x: (
+            [rng.uniform(-20, 20)]
+            + [rng.uniform(-9, 9) / length**k for k in range(2, 2 + rng.randint(0, degree))]
+        )
         for x in "XYZ"
     }
     words = " ".join(f"PO[{x}]=({','.join(f'{v:.6f}' for v in values[x])})" for x in "XYZ")

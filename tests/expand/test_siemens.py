@@ -1,4 +1,5 @@
-"""Sinumerik programs written out: values by hand, real programs by the tables beside them, refusals, limits, anything at all."""
+"""Sinumerik programs written out: values by hand, real programs by the tables beside them,
+refusals, limits, anything at all."""
 
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ AXES = ("X", "Y", "Z", "A", "B", "C", "E", "ELX")
 
 
 class Follower:
-    """Stands in for the tracker: follows plain absolute words, IC( ), TRANS and ATRANS, and nothing else."""
+    """Stands in for the tracker: follows plain absolute words, IC( ), TRANS and ATRANS, and nothing
+    else."""
 
     inch = False
     WORD = re.compile(r"([A-Z]+)\s*=?\s*(IC\()?\s*([+-]?(?:\d+\.?\d*|\.\d+))(?![A-Z])")
@@ -97,40 +99,105 @@ def refused(text, message, advice="", **more):
     return e.value
 
 
-# -- expressions ----------------------------------------------------------------------------------------------------------
+# -- expressions -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "expression, expected",
     [
-        ("2+3*4", 14), ("(2+3)*4", 20), ("10-6/2", 7), ("2+6 DIV 4", 3), ("1+7 MOD 4", 4), ("10-3-2", 5), ("2*-3", -6),
-        ("8/4/2", 1), ("3/4", 0.75), ("7 DIV 3", 2), ("7 MOD 3", 1), ("3 MOD 4", 3), ("7 MOD 4.1", 2.9), ("7 DIV 0.4", 17),
-        ("-7 DIV 2", -3), ("-7 MOD 2", -1), ("1+1-1+-1", 0), ("--2", 2), ("+3", 3), ("1.5EX2", 150), ("-0.5EX-1", -0.05),
-        ("'H0F'", 15), ("'hff'+1", 256), ("'B101'", 5), (".5+1.", 1.5), ("0.1+0.2", 0.3),
-        ("SIN(30)", 0.5), ("COS(60)", 0.5), ("TAN(45)", 1), ("TAN(225)", 1), ("ASIN(0.5)", 30), ("ACOS(0.5)", 60),
-        ("ATAN2(30.5, 80.1)", 20.84553), ("ATAN2(1,-1)", 135), ("ATAN2(-1,-1)", -135), ("SQRT(POT(3)+POT(4))", 5),
-        ("ABS(-2.5)", 2.5), ("TRUNC(2.9)", 2), ("TRUNC(-2.9)", -2), ("ROUND(2.5)", 3), ("ROUND(2.49)", 2), ("ROUND(-2.4)", -2),
-        ("ROUND(-2.6)", -3), ("LN(EXP(2))", 2), ("EXP(0)", 1), ("MINVAL(3,-1)", -1), ("MAXVAL(3,-1)", 3),
-        ("BOUND(0,10,12)", 10), ("BOUND(0,10,-2)", 0), ("BOUND(0,10,5)", 5), ("$PI", 3.14159), ("sin (90)", 1),
-        ("TRUE+TRUE", 2), ("FALSE", 0), ("NOT 0", 1), ("NOT 5", 0), ("6 B_AND 3", 2), ("6 B_OR 3", 7), ("6 B_XOR 3", 5),
-        ("B_NOT 5", -6), ("1 OR 0 AND 0", 1), ("1 XOR 1 OR 0", 0), ("0 AND 1 XOR 1", 1), ("3==3", 1), ("3<>3", 0),
-        ("2<3", 1), ("3<=3", 1), ("3>3", 0), ("4>=5", 0), ("3 B_OR 4+1", 7), ("(5>3)*2+(2>3)", 2), ("\"A\"==\"A\"", 1),
-        ("0.1+0.2==0.3", 1), ("0.1+0.2>0.3", 0), ("0.3<0.1+0.2", 0), ("1.00000000001==1", 0),
+        ("2+3*4", 14),
+        ("(2+3)*4", 20),
+        ("10-6/2", 7),
+        ("2+6 DIV 4", 3),
+        ("1+7 MOD 4", 4),
+        ("10-3-2", 5),
+        ("2*-3", -6),
+        ("8/4/2", 1),
+        ("3/4", 0.75),
+        ("7 DIV 3", 2),
+        ("7 MOD 3", 1),
+        ("3 MOD 4", 3),
+        ("7 MOD 4.1", 2.9),
+        ("7 DIV 0.4", 17),
+        ("-7 DIV 2", -3),
+        ("-7 MOD 2", -1),
+        ("1+1-1+-1", 0),
+        ("--2", 2),
+        ("+3", 3),
+        ("1.5EX2", 150),
+        ("-0.5EX-1", -0.05),
+        ("'H0F'", 15),
+        ("'hff'+1", 256),
+        ("'B101'", 5),
+        (".5+1.", 1.5),
+        ("0.1+0.2", 0.3),
+        ("SIN(30)", 0.5),
+        ("COS(60)", 0.5),
+        ("TAN(45)", 1),
+        ("TAN(225)", 1),
+        ("ASIN(0.5)", 30),
+        ("ACOS(0.5)", 60),
+        ("ATAN2(30.5, 80.1)", 20.84553),
+        ("ATAN2(1,-1)", 135),
+        ("ATAN2(-1,-1)", -135),
+        ("SQRT(POT(3)+POT(4))", 5),
+        ("ABS(-2.5)", 2.5),
+        ("TRUNC(2.9)", 2),
+        ("TRUNC(-2.9)", -2),
+        ("ROUND(2.5)", 3),
+        ("ROUND(2.49)", 2),
+        ("ROUND(-2.4)", -2),
+        ("ROUND(-2.6)", -3),
+        ("LN(EXP(2))", 2),
+        ("EXP(0)", 1),
+        ("MINVAL(3,-1)", -1),
+        ("MAXVAL(3,-1)", 3),
+        ("BOUND(0,10,12)", 10),
+        ("BOUND(0,10,-2)", 0),
+        ("BOUND(0,10,5)", 5),
+        ("$PI", 3.14159),
+        ("sin (90)", 1),
+        ("TRUE+TRUE", 2),
+        ("FALSE", 0),
+        ("NOT 0", 1),
+        ("NOT 5", 0),
+        ("6 B_AND 3", 2),
+        ("6 B_OR 3", 7),
+        ("6 B_XOR 3", 5),
+        ("B_NOT 5", -6),
+        ("1 OR 0 AND 0", 1),
+        ("1 XOR 1 OR 0", 0),
+        ("0 AND 1 XOR 1", 1),
+        ("3==3", 1),
+        ("3<>3", 0),
+        ("2<3", 1),
+        ("3<=3", 1),
+        ("3>3", 0),
+        ("4>=5", 0),
+        ("3 B_OR 4+1", 7),
+        ("(5>3)*2+(2>3)", 2),
+        ('"A"=="A"', 1),
+        ("0.1+0.2==0.3", 1),
+        ("0.1+0.2>0.3", 0),
+        ("0.3<0.1+0.2", 0),
+        ("1.00000000001==1", 0),
     ],
-)  # fmt: skip
+)
 def test_expressions_by_hand(expression, expected):
     assert value(expression) == pytest.approx(expected, abs=6e-6)
 
 
 def test_comparisons_bind_least():
-    """The manual's priority 11: A==1 AND B==1 is (A==(1 AND B))==1, with A=1 B=2 (1==1)==1, with A=2 B=0 (2==0)==1."""
+    """The manual's priority 11: A==1 AND B==1 is (A==(1 AND B))==1, with A=1 B=2 (1==1)==1, with
+    A=2 B=0 (2==0)==1."""
     assert value("A_A==1 AND B_B==1", "DEF INT A_A=1, B_B=2") == 1
     assert value("(A_A==1) AND (B_B==1)", "DEF INT A_A=1, B_B=2") == 0
     assert value("A_A==1 AND B_B==0", "DEF INT A_A=0, B_B=0") == 0  # (0==(1 AND 0))==0 is TRUE==0
 
 
 def test_comparison_example_of_the_manual():
-    """61.02-61.01 is more than 0.01 by 5e-13 of it: equal to the control, and with TRUNC to everybody."""
+    """61.02-61.01 is more than 0.01 by 5e-13 of it: equal to the control, and with TRUNC to
+    everybody."""
     jump = "{}\nIF {} GOTOF ERROR\nX1\nM30\nERROR: X2\nM30"
     assert texts(jump.format("R1=61.01 R2=61.02 R3=0.01", "ABS(R2-R1) > R3"))[0] == "X1"
     by_thousand = (
@@ -144,7 +211,8 @@ PRIORITY = {"+": 1, "-": 1, "*": 2}
 
 @st.composite
 def trees(draw, depth=4):
-    """Text, value and priority of an expression of whole numbers that has parentheses only where it needs them."""
+    """Text, value and priority of an expression of whole numbers that has parentheses only where it
+    needs them."""
     if depth == 0 or draw(st.integers(0, 3)) == 0:
         n = draw(st.integers(0, 9))
         return str(n), n, 3
@@ -163,17 +231,36 @@ def test_expressions_are_what_their_trees_are(tree):
 @pytest.mark.parametrize(
     "expression, message",
     [
-        ("1/0", "division of 1 by zero"), ("1 MOD 0", "division of 1 by zero"), ("5 DIV (2-2)", "division of 5 by zero"),
-        ("SQRT(-1)", "SQRT of -1 does not exist"), ("LN(0)", "LN of 0"), ("ASIN(1.01)", "ASIN of 1.01"), ("TAN(90)", "TAN of 90"),
-        ("EXP(1000)", "EXP of 1000"), ("1EX400", "beyond what REAL holds"), ("1EX300*1EX300", "beyond what REAL holds"),
-        ("ROUND(-2.5)", "half way between"), ("R7", "R7 has no value"), ("QQ", "QQ is not defined"), ("Y+1", "Y is an axis"),
-        ("(1+2", r"'\)' is missing"), ("1+", "a value is missing"), ("SIN(1,2)", "SIN takes 1 values, here are 2"),
-        ("FOO(1)", "can not calculate the function FOO"), ("$P_UIFR[1,X,TR]", r"system variable \$P_UIFR"),
-        ("$AA_IW[X]", "where X stands is not known"), ("$AA_IM[Q]", "Q is none of the machine's axes"), ('"A"+1', "a string stands"),
-        ("ACC[X]", "ACC is an instruction"), ("((" * 40 + "1" + "))" * 40, "more than 30 parentheses"), ("R[-1]", "0 to 99999"),
-        ("TRUE AND", "a value is missing"), ("AND", "a value is missing before AND"), ('"A"<<"B"', "string"),
+        ("1/0", "division of 1 by zero"),
+        ("1 MOD 0", "division of 1 by zero"),
+        ("5 DIV (2-2)", "division of 5 by zero"),
+        ("SQRT(-1)", "SQRT of -1 does not exist"),
+        ("LN(0)", "LN of 0"),
+        ("ASIN(1.01)", "ASIN of 1.01"),
+        ("TAN(90)", "TAN of 90"),
+        ("EXP(1000)", "EXP of 1000"),
+        ("1EX400", "beyond what REAL holds"),
+        ("1EX300*1EX300", "beyond what REAL holds"),
+        ("ROUND(-2.5)", "half way between"),
+        ("R7", "R7 has no value"),
+        ("QQ", "QQ is not defined"),
+        ("Y+1", "Y is an axis"),
+        ("(1+2", r"'\)' is missing"),
+        ("1+", "a value is missing"),
+        ("SIN(1,2)", "SIN takes 1 values, here are 2"),
+        ("FOO(1)", "can not calculate the function FOO"),
+        ("$P_UIFR[1,X,TR]", r"system variable \$P_UIFR"),
+        ("$AA_IW[X]", "where X stands is not known"),
+        ("$AA_IM[Q]", "Q is none of the machine's axes"),
+        ('"A"+1', "a string stands"),
+        ("ACC[X]", "ACC is an instruction"),
+        ("((" * 40 + "1" + "))" * 40, "more than 30 parentheses"),
+        ("R[-1]", "0 to 99999"),
+        ("TRUE AND", "a value is missing"),
+        ("AND", "a value is missing before AND"),
+        ('"A"<<"B"', "string"),
     ],
-)  # fmt: skip
+)
 def test_expressions_that_have_no_value(expression, message):
     e = refused(f"X={expression}", message)
     if e.place.stop or "system" in message:
@@ -188,7 +275,7 @@ def test_deep_expressions_are_no_recursion():
     assert value("+".join(["1"] * 20_000)) == 20_000
 
 
-# -- variables ------------------------------------------------------------------------------------------------------------
+# -- variables -------------------------------------------------------------------------------------
 
 
 def test_variables_of_every_type():
@@ -230,33 +317,72 @@ X=g_[0] Y=g_[1] Z=g_[2] A=g_[3] B=h_[0,1,0] C=h_[0,1,1]"""
 @pytest.mark.parametrize(
     "text, message",
     [
-        ("DEF FRAME f1", "frames as variables"), ("DEF REAL X", "X is an address"), ("DEF INT a1a=1", "A1 is an address"),
-        ("DEF INT big=3000000000", "outside -2147483648 to 2147483647"), ("DEF STRING[5] ss=5", "type STRING"),
-        ("DEF AXIS ax1\nAX[ax1]=5", "AX1 has no value"), ("aa=5", "AA is not defined"), ("$P_UIFR[1]=5", r"\$P_UIFR changes"),
-        ("$AC_MARKER[0]=1", r"\$AC_MARKER changes"), ("DEF INT ii\nii=IC(5)", "takes one value"), ("T=\"A\" X=\"A\"<<1", "string"),
-        ("M=1.5", "M takes a whole number"), ("DEF CHAR cc=300", "outside 0 to 255"), ("R1=SET(1,2)", "no array"),
-        ("DEF LENGTH aa", "a type is missing"), ("M=R1/2", "R1 has no value"),
+        ("DEF FRAME f1", "frames as variables"),
+        ("DEF REAL X", "X is an address"),
+        ("DEF INT a1a=1", "A1 is an address"),
+        ("DEF INT big=3000000000", "outside -2147483648 to 2147483647"),
+        ("DEF STRING[5] ss=5", "type STRING"),
+        ("DEF AXIS ax1\nAX[ax1]=5", "AX1 has no value"),
+        ("aa=5", "AA is not defined"),
+        ("$P_UIFR[1]=5", r"\$P_UIFR changes"),
+        ("$AC_MARKER[0]=1", r"\$AC_MARKER changes"),
+        ("DEF INT ii\nii=IC(5)", "takes one value"),
+        ('T="A" X="A"<<1', "string"),
+        ("M=1.5", "M takes a whole number"),
+        ("DEF CHAR cc=300", "outside 0 to 255"),
+        ("R1=SET(1,2)", "no array"),
+        ("DEF LENGTH aa", "a type is missing"),
+        ("M=R1/2", "R1 has no value"),
     ],
-)  # fmt: skip
+)
 def test_variables_that_are_refused(text, message):
     if text == "M=1.5":
         text = "R1=1.5\nM=R1"
     refused(text, message)
 
 
-# -- text -----------------------------------------------------------------------------------------------------------------
+# -- text ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     "line",
     [
-        "N10 G1 X10 Y-2.5 F1000 ; (R1) \xe4", "  g1x1y2", "", "   ", "; only a comment IF X", "X=1 Y = -2. A3=0.5 CR=20", "X=IC(5) Y=AC(-.5)",
-        "I=AC(3) J=IC( 4 )", 'T="BALL_MILL" M6', "TRANS X10 Y=5", "TRANS", "G2 X0 Y0 I5 J0 TURN=3", 'MSG("a;b=R1")', "MSG()",
-        "SETAL(12345)", "G64 SOFT FFWON", "FGROUP(X,Y)", "SPOS=90 SPOS[2]=DC(45)", "BSPLINE X1 PW=2", "POS[U]=10 FA[U]=100",
-        "TRAORI(1)", "S1=500 M1=3 H5", "G4 F1", "ACC[X]=50", "X1\t Y2 ;\tz", "LIMS=3000", "N5 SUPA G0 Z0 D0", ":5 X1",
-        "%_N_MAIN_MPF", 'WORKPIECE(,,,"BOX",112,0,-20)', "CYCLE832(0.01,_ROUGH,1)", "PO[X]=(1,2.5)", "M30", "G1 X5 M17",
+        "N10 G1 X10 Y-2.5 F1000 ; (R1) \xe4",
+        "  g1x1y2",
+        "",
+        "   ",
+        "; only a comment IF X",
+        "X=1 Y = -2. A3=0.5 CR=20",
+        "X=IC(5) Y=AC(-.5)",
+        "I=AC(3) J=IC( 4 )",
+        'T="BALL_MILL" M6',
+        "TRANS X10 Y=5",
+        "TRANS",
+        "G2 X0 Y0 I5 J0 TURN=3",
+        'MSG("a;b=R1")',
+        "MSG()",
+        "SETAL(12345)",
+        "G64 SOFT FFWON",
+        "FGROUP(X,Y)",
+        "SPOS=90 SPOS[2]=DC(45)",
+        "BSPLINE X1 PW=2",
+        "POS[U]=10 FA[U]=100",
+        "TRAORI(1)",
+        "S1=500 M1=3 H5",
+        "G4 F1",
+        "ACC[X]=50",
+        "X1\t Y2 ;\tz",
+        "LIMS=3000",
+        "N5 SUPA G0 Z0 D0",
+        ":5 X1",
+        "%_N_MAIN_MPF",
+        'WORKPIECE(,,,"BOX",112,0,-20)',
+        "CYCLE832(0.01,_ROUGH,1)",
+        "PO[X]=(1,2.5)",
+        "M30",
+        "G1 X5 M17",
     ],
-)  # fmt: skip
+)
 def test_plain_lines_stay_as_they_are(line):
     assert [part.text for part in run(line + "\r\n" if line else "\n")] == (
         [line.encode("latin-1")]
@@ -281,14 +407,28 @@ def test_plain_programs_stay_as_they_are(words):
 @pytest.mark.parametrize(
     "line, written",
     [
-        ("N1 X = R1*2 ;c", "N1 X = 3. ;c"), ("X=IC(R1) Y=AC( R1 + 1 )", "X=IC(1.5) Y=AC( 2.5 )"), ("CR=R1 TURN=R2", "CR=1.5 TURN=2"),
-        ("G=R2 M=R2 T=R2 D=R2", "G=2 M=2 T=2 D=2"), ("F=R1*1000 S1=R2", "F=1500. S1=2."), ("TRANS X=R1 Y10", "TRANS X=1.5 Y10"),
-        ("G2 X=R1Y=R2 I=AC(R1)", "G2 X=1.5Y=2. I=AC(1.5)"), ("X1.5EX1 Y1", "X15. Y1"), ("X=1.5EX1", "X=15."), ("M=QU(R2)", "M=QU(2)"),
-        ('MSG("R1 is "<<R1)', 'MSG("R1 is 1.5")'), ("SETAL(65000+R2)", "SETAL(65002)"), ("POS[X]=R1 ACC[X]=R2", "POS[X]=1.5 ACC[X]=2."),
-        ("SPOS[R2]=DC(R1)", "SPOS[2]=DC(1.5)"), ("N5 LA1: X1", "N5 X1"), ("LA1:X=R1", "X=1.5"), ("X=-R1", "X=-1.5"),
-        ("X=0*-R1", "X=0."), ("X=1/3", "X=0.33333"), ("F=1/3", "F=0.333333"),
+        ("N1 X = R1*2 ;c", "N1 X = 3. ;c"),
+        ("X=IC(R1) Y=AC( R1 + 1 )", "X=IC(1.5) Y=AC( 2.5 )"),
+        ("CR=R1 TURN=R2", "CR=1.5 TURN=2"),
+        ("G=R2 M=R2 T=R2 D=R2", "G=2 M=2 T=2 D=2"),
+        ("F=R1*1000 S1=R2", "F=1500. S1=2."),
+        ("TRANS X=R1 Y10", "TRANS X=1.5 Y10"),
+        ("G2 X=R1Y=R2 I=AC(R1)", "G2 X=1.5Y=2. I=AC(1.5)"),
+        ("X1.5EX1 Y1", "X15. Y1"),
+        ("X=1.5EX1", "X=15."),
+        ("M=QU(R2)", "M=QU(2)"),
+        ('MSG("R1 is "<<R1)', 'MSG("R1 is 1.5")'),
+        ("SETAL(65000+R2)", "SETAL(65002)"),
+        ("POS[X]=R1 ACC[X]=R2", "POS[X]=1.5 ACC[X]=2."),
+        ("SPOS[R2]=DC(R1)", "SPOS[2]=DC(1.5)"),
+        ("N5 LA1: X1", "N5 X1"),
+        ("LA1:X=R1", "X=1.5"),
+        ("X=-R1", "X=-1.5"),
+        ("X=0*-R1", "X=0."),
+        ("X=1/3", "X=0.33333"),
+        ("F=1/3", "F=0.333333"),
     ],
-)  # fmt: skip
+)
 def test_numbers_stand_where_expressions_stood(line, written):
     assert texts(f"R1=1.5 R2=2\n{line}") == [written]
 
@@ -298,7 +438,7 @@ def test_a_program_of_nothing():
     assert [part.text for part in run("X1\r\nX2")] == [b"X1", b"X2"]
 
 
-# -- control --------------------------------------------------------------------------------------------------------------
+# -- control ---------------------------------------------------------------------------------------
 
 STRUCTURES = [
     ("IF R1==1\nX1\nELSE\nX2\nENDIF\nX3", ["X1", "X3"]),
@@ -312,21 +452,27 @@ STRUCTURES = [
     ("LOOP\nX=R1\nR1=R1+1\nIF R1>2 GOTOF OUT\nENDLOOP\nOUT: X9", ["X=1.", "X=2.", "X9"]),
     ("FOR R2=R1 TO 3\nX=R2\nENDFOR\nX=R2", ["X=1.", "X=2.", "X=3.", "X=4."]),
     ("FOR R2=3 TO 1\nX=R2\nENDFOR\nX9", ["X9"]),
-    ("N5 FOR R2=1 TO 2\nFOR R3=1 TO 2\nX=10*R2+R3\nENDFOR\nENDFOR", ["X=11.", "X=12.", "X=21.", "X=22."]),
+    (
+        "N5 FOR R2=1 TO 2\nFOR R3=1 TO 2\nX=10*R2+R3\nENDFOR\nENDFOR",
+        ["X=11.", "X=12.", "X=21.", "X=22."],
+    ),
     ("FOR R2=0.5 TO 2\nX=R2\nENDFOR", ["X=0.5", "X=1.5"]),
     ("GOTOF LL\nX1\nLL: X2", ["X2"]),
     ("GOTO N20\nX1\nN20 X2", ["N20 X2"]),
     ("GOTO 20\nX1\nN0020 X2", ["N0020 X2"]),
-    ("GOTOF \"L\"<<\"L\"\nX1\nLL: X2", ["X2"]),
-    ("DEF STRING[9] WHERE=\"LL\"\nGOTOF WHERE\nX1\nLL: X2", ["X2"]),
-    ("GOTOF \"N\"<<R1*20\nX1\nN20 X2", ["N20 X2"]),
+    ('GOTOF "L"<<"L"\nX1\nLL: X2', ["X2"]),
+    ('DEF STRING[9] WHERE="LL"\nGOTOF WHERE\nX1\nLL: X2', ["X2"]),
+    ('GOTOF "N"<<R1*20\nX1\nN20 X2', ["N20 X2"]),
     ("GOTOC NOWHERE\nX1", ["X1"]),
     ("LL: X=R1 R1=R1+1\nIF R1<3 GOTOB LL\nX9", ["X=1.", "X=2.", "X9"]),
     ("X5 IF R1==1 GOTOF LL\nX1\nLL: X2", ["X5", "X2"]),
     ("IF R1==2 GOTOF L2 IF R1==1 GOTOF L3\nX1\nL2: X2\nL3: X3", ["X3"]),
     ("LL: X1\nGOTOF LL\nX2\nLL: X3", ["X1", "X3"]),
     ("LL: X1\nLL: X2\nIF R1>2 GOTOF LE\nR1=R1+1\nGOTOB LL\nLE: X3", ["X1", "X2", "X2", "X2", "X3"]),
-    ("CASE R1 OF 1 GOTOF L1 2 GOTOF L2 DEFAULT GOTOF L3\nL1: X1\nL2: X2\nL3: X3", ["X1", "X2", "X3"]),
+    (
+        "CASE R1 OF 1 GOTOF L1 2 GOTOF L2 DEFAULT GOTOF L3\nL1: X1\nL2: X2\nL3: X3",
+        ["X1", "X2", "X3"],
+    ),
     ("CASE(R1+1)OF 1 GOTOF L1 2 GOTOF L2 DEFAULT GOTOF L3\nL1: X1\nL2: X2\nL3: X3", ["X2", "X3"]),
     ("CASE R1 OF 5 GOTOF L1 DEFAULT GOTOF L3\nL1: X1\nL3: X3", ["X3"]),
     ("CASE R1 OF 5 GOTOF L1\nX0\nL1: X1", ["X0", "X1"]),
@@ -339,14 +485,17 @@ STRUCTURES = [
     ("LL: X1\nREPEAT LL P=0\nX9", ["X1", "X9"]),
     ("L1: X1\nL2: X2\nREPEAT L2 P=1\nREPEAT L1 L2 P1", ["X1", "X2", "X2", "X1", "X2"]),
     ("L1: X1\nREPEATB L1\nREPEAT L1 P1\nX9", ["X1", "X1", "X1", "X1", "X9"]),
-    ("LL: X=R1 R1=R1+1\nIF R1>3 GOTOF LE\nREPEAT LL P=9\nX8\nLE: X9", ["X=1.", "X=2.", "X=3.", "X9"]),
+    (
+        "LL: X=R1 R1=R1+1\nIF R1>3 GOTOF LE\nREPEAT LL P=9\nX8\nLE: X9",
+        ["X=1.", "X=2.", "X=3.", "X9"],
+    ),
     ("X1\nM2\nX2", ["X1", "M2"]),
     ("X1\nX3 M30\nX2", ["X1", "X3 M30"]),
     ("X1\nM17\nX2", ["X1", "M17"]),
     ("X1\nRET\nX2", ["X1"]),
     ("EXTERN SUB1(REAL,INT)\nX1", ["X1"]),
     ("PROC MAIN\nX1", ["X1"]),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("text, expected", STRUCTURES)
@@ -364,21 +513,37 @@ def test_gotos_leads_to_the_first_line():
 @pytest.mark.parametrize(
     "text, message, line",
     [
-        ("X1\nENDIF", "ENDIF without IF", 2), ("IF TRUE\nX1", "IF without ENDIF", 1), ("ELSE\nENDIF", "ELSE without IF", 1),
-        ("WHILE TRUE\nX1\nENDFOR", "WHILE without ENDWHILE", 1), ("UNTIL TRUE", "UNTIL without REPEAT", 1),
-        ("LOOP\nX1", "LOOP without ENDLOOP", 1), ("REPEAT\nX1", "REPEAT without UNTIL", 1), ("FOR R1=1 TO 2", "FOR without ENDFOR", 1),
+        ("X1\nENDIF", "ENDIF without IF", 2),
+        ("IF TRUE\nX1", "IF without ENDIF", 1),
+        ("ELSE\nENDIF", "ELSE without IF", 1),
+        ("WHILE TRUE\nX1\nENDFOR", "WHILE without ENDWHILE", 1),
+        ("UNTIL TRUE", "UNTIL without REPEAT", 1),
+        ("LOOP\nX1", "LOOP without ENDLOOP", 1),
+        ("REPEAT\nX1", "REPEAT without UNTIL", 1),
+        ("FOR R1=1 TO 2", "FOR without ENDFOR", 1),
         ("IF FALSE\nELSE\nELSE\nENDIF", "ELSE without IF", 3),
-        ("X1\nGOTOF NEXT", "there is no NEXT behind this line", 2), ("NEXT: X1\nGOTOF NEXT", "no NEXT behind", 2),
-        ("GOTOB NEXT\nNEXT: X1", "no NEXT before this line", 1), ("GOTO 5", "there is no 5 in this program", 1),
-        ("IF TRUE X5", "behind a condition", 1), ("REPEAT AA P=2", "there is no AA", 1), ("AA: X1\nREPEAT AA BB", "no BB behind AA", 2),
-        ("ENDIF X1", "does not belong behind ENDIF", 1), ("FOR R1=1 TO 3\nGOTOF LL\nENDFOR\nLL: GOTOB LB", "no LB before", 4),
+        ("X1\nGOTOF NEXT", "there is no NEXT behind this line", 2),
+        ("NEXT: X1\nGOTOF NEXT", "no NEXT behind", 2),
+        ("GOTOB NEXT\nNEXT: X1", "no NEXT before this line", 1),
+        ("GOTO 5", "there is no 5 in this program", 1),
+        ("IF TRUE X5", "behind a condition", 1),
+        ("REPEAT AA P=2", "there is no AA", 1),
+        ("AA: X1\nREPEAT AA BB", "no BB behind AA", 2),
+        ("ENDIF X1", "does not belong behind ENDIF", 1),
+        ("FOR R1=1 TO 3\nGOTOF LL\nENDFOR\nLL: GOTOB LB", "no LB before", 4),
         ("R9=2\nFOR R1=1 TO R9\nR9=R9+1\nENDFOR", "the end value of FOR changes", 4),
         ("R1=0\nGOTOF LL\nFOR R1=1 TO 3\nLL: X1\nENDFOR", "a jump leads into the loop", 5),
-        ("MCALL CYCLE86(1)", "MCALL can not be written out", 1), ("WHEN TRUE DO X=1", "WHEN can not", 1), ("ID=1 DO M8", "ID can not", 1),
-        ("DEFINE A AS G1", "DEFINE can not", 1), ("X10 # 5", "'#' does not belong", 1), ("X1 Y", "Y stands here without a value", 1),
-        ("RET(1)", "RET with a destination", 1), ("X10 NAME1(5)", "NAME1 is no word", 1), ("X=", "a value is missing", 1),
+        ("MCALL CYCLE86(1)", "MCALL can not be written out", 1),
+        ("WHEN TRUE DO X=1", "WHEN can not", 1),
+        ("ID=1 DO M8", "ID can not", 1),
+        ("DEFINE A AS G1", "DEFINE can not", 1),
+        ("X10 # 5", "'#' does not belong", 1),
+        ("X1 Y", "Y stands here without a value", 1),
+        ("RET(1)", "RET with a destination", 1),
+        ("X10 NAME1(5)", "NAME1 is no word", 1),
+        ("X=", "a value is missing", 1),
     ],
-)  # fmt: skip
+)
 def test_control_that_is_refused(text, message, line):
     assert refused(text, message).place.line == line
 
@@ -407,12 +572,15 @@ def test_limits():
     refused("NIL P=9999", "not at its end after 50", library={"NIL": b"X1"}, limits=Limits(50, 5))
 
 
-# -- subprograms ----------------------------------------------------------------------------------------------------------
+# -- subprograms -----------------------------------------------------------------------------------
 
 
 def test_subprograms():
     library = {
-        "SUB1": b"PROC SUB1(REAL DEPTH, INT TIMES=2, VAR REAL BACK) DISPLOF SBLOF\nDEF INT II\nFOR II=1 TO TIMES\nZ=DEPTH*II\nENDFOR\nBACK=II\nRET\nX999",
+        "SUB1": (
+            b"PROC SUB1(REAL DEPTH, INT TIMES=2, VAR REAL BACK) DISPLOF SBLOF\nDEF INT II\nFOR II=1"
+            b" TO TIMES\nZ=DEPTH*II\nENDFOR\nBACK=II\nRET\nX999"
+        ),
         "L100": b"X=IC(R1)\nM17",
         "PLAIN": b"G0 X5\nY6 M17\n",
         "OUTER": b"DEF REAL AA=3\nSUB1(AA)\nX=AA",
@@ -422,14 +590,22 @@ def test_subprograms():
         "DEF REAL AA=7\nR1=4\nSUB1(-2.5,,AA)\nX=AA\nN50 L100 P2 ;twice\nPLAIN", library=library
     )
     assert [(line.text.decode(), line.source, line.file) for line in found] == [
-        ("Z=-2.5", 4, "SUB1"), ("Z=-5.", 4, "SUB1"), ("X=3.", 4, ""), ("X=IC(4.)", 1, "L100"), ("X=IC(4.)", 1, "L100"),
-        ("G0 X5", 1, "PLAIN"), ("Y6", 2, "PLAIN"),
-    ]  # fmt: skip
+        ("Z=-2.5", 4, "SUB1"),
+        ("Z=-5.", 4, "SUB1"),
+        ("X=3.", 4, ""),
+        ("X=IC(4.)", 1, "L100"),
+        ("X=IC(4.)", 1, "L100"),
+        ("G0 X5", 1, "PLAIN"),
+        ("Y6", 2, "PLAIN"),
+    ]
+    numbered = {"L140": b"PROC L140(REAL AA, INT BB=3)\nX=AA Y=BB\nM17", "L6": b"PROC L6\nX1"}
+    assert texts("L140(2)\nL6\nl140 (4+1)", library=numbered) == ["X=2. Y=3.", "X1", "X=5. Y=3."]
     assert texts("OUTER\nX9", library=library) == ["Z=3.", "Z=6.", "X=3.", "X9"]
     assert texts("DEF REAL FF[3]=SET(1,2,3), SS\nSUMS(FF,SS)\nX=SS", library=library) == ["X=6."]
     assert (
         texts(
-            'CALL "PLAIN"\nCALL "/_N_SPF_DIR/_N_PLAIN_SPF"\nEXTCALL("PLAIN.SPF")\nPCALL /_N_X/PLAIN',
+            'CALL "PLAIN"\nCALL "/_N_SPF_DIR/_N_PLAIN_SPF"\nEXTCALL("PLAIN.SPF")\nPCALL'
+            " /_N_X/PLAIN",
             library=library,
         )
         == ["G0 X5", "Y6"] * 4
@@ -448,19 +624,29 @@ def test_variables_of_a_program_are_its_own_and_r_parameters_are_not():
 @pytest.mark.parametrize(
     "call, message",
     [
-        ("MATERIAL_UPDATE", "MATERIAL_UPDATE is neither"), ("CYCLE86(10,0,2,-5)", "CYCLE86 is neither"), ("L7", "L7 is neither"),
-        ('CALL "NOWHERE"', "NOWHERE is neither"), ("CALL 5", "as a string"), ("NONE1(5)", "takes 0 values, here are 1"),
-        ("TAKES(5)", "takes a variable of type REAL"), ("SAVES", "SAVE"), ("ENDS", "M30 stands in a subprogram"), ("NONE1 P=-1", "P -1"),
+        ("MATERIAL_UPDATE", "MATERIAL_UPDATE is neither"),
+        ("CYCLE86(10,0,2,-5)", "CYCLE86 is a cycle of the control"),
+        ("L7", "L7 is neither"),
+        ('CALL "NOWHERE"', "NOWHERE is neither"),
+        ("CALL 5", "as a string"),
+        ("NONE1(5)", "takes 0 values, here are 1"),
+        ("TAKES(5)", "takes a variable of type REAL"),
+        ("SAVES", "SAVE"),
+        ("ENDS", "M30 stands in a subprogram"),
+        ("NONE1 P=-1", "P -1"),
     ],
-)  # fmt: skip
+)
 def test_calls_that_are_refused(call, message):
     library = {
-        "NONE1": b"X1", "TAKES": b"PROC TAKES(VAR REAL AA)\nM17", "SAVES": b"PROC SAVES SAVE\nM17", "ENDS": b"X1\nM30",
-    }  # fmt: skip
+        "NONE1": b"X1",
+        "TAKES": b"PROC TAKES(VAR REAL AA)\nM17",
+        "SAVES": b"PROC SAVES SAVE\nM17",
+        "ENDS": b"X1\nM30",
+    }
     refused(call, message, library=library)
 
 
-# -- positions ------------------------------------------------------------------------------------------------------------
+# -- positions -------------------------------------------------------------------------------------
 
 
 def test_positions_come_from_the_tracker():
@@ -490,7 +676,7 @@ def test_decimals_are_asked_for_again_when_the_unit_may_have_changed():
     assert texts("X=1/3\nG70\nX=1/3", tracker=tracker) == ["X=0.33", "G70", "X=0.3333"]
 
 
-# -- real programs ----------------------------------------------------------------------------------------------------------
+# -- real programs ---------------------------------------------------------------------------------
 
 STARTS = {"increment": {"Y": 900.0}}  # where the tables' producer stands before the first line
 TABLES = {"flatten_demo": "flatten_demo_raw"}
@@ -500,7 +686,8 @@ REFUSED = {
     "axis_index_assignment": "ACC is an instruction: the value that it has can not be read",
     "edge_cases": "E_MULTIPLIER is not defined in this program",
 }
-# The same programs with what a control would need to run them: definitions, and a subprogram that the table passes over.
+# The same programs with what a control would need to run them: definitions, and a subprogram that
+# the table passes over.
 COMPLETED = {
     "custom_vars": lambda text: b"DEF INT aa=15, bb=9\n" + text,
     "arrays": lambda text: re.sub(
@@ -561,12 +748,12 @@ def test_an_unknown_subprogram_is_refused_and_not_passed_over():
     )
 
 
-# -- anything at all --------------------------------------------------------------------------------------------------------
+# -- anything at all -------------------------------------------------------------------------------
 
 SOUP = """IF ELSE ENDIF LOOP ENDLOOP WHILE ENDWHILE FOR ENDFOR REPEAT UNTIL REPEATB GOTOF GOTOB GOTO GOTOC GOTOS CASE OF DEFAULT DEF REAL INT BOOL
 CHAR STRING AXIS PROC EXTERN RET CALL PCALL MCALL M17 M30 R1 R2 R[ ] ( ) , = == <> < > <= >= << + - * / DIV MOD AND OR XOR NOT B_AND B_OR B_NOT
 SIN( ATAN2( ROUND( BOUND( SET( REP( TRUE $PI $AA_IW[X] $P_UIFR 1 2.5 -3 1EX5 1EX999 'H0F' "A" " ; X= Y=IC( CR= X1 N10 LA: LB: LA LB P=2 L10 SUB
-SUB( AA BB[2] AA= AX[ TO VAR TRANS MSG( SAVE / % : . # \xff \x00 \xb2 \t . 99999999999999999999 T= G71 FOR""".split(
+SUB( AA BB[2] AA= AX[ TO VAR TRANS MSG( SAVE / % : . # \xff \x00 \xb2 \t . 99999999999999999999 T= G71 FOR""".split(  # noqa: E501
     " "
 )
 SOUP = [word for part in SOUP for word in part.split("\n")]

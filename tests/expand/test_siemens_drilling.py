@@ -1,4 +1,5 @@
-"""CYCLE81, CYCLE82, CYCLE83, CYCLE85 and MCALL of Sinumerik, by the sequences of the Programming Guide Cycles."""
+"""CYCLE81, CYCLE82, CYCLE83, CYCLE85 and MCALL of Sinumerik, by the sequences of the Programming
+Guide Cycles."""
 
 from __future__ import annotations
 
@@ -28,8 +29,8 @@ def holes(text: str) -> list[str]:
 
 
 def test_a_call_alone_drills_where_it_stands():
-    """Rapid to the reference plane and the safety clearance, feed to the depth, dwell, rapid to the retraction plane; G0 G1 are
-    what they were."""
+    """Rapid to the reference plane and the safety clearance, feed to the depth, dwell, rapid to the
+    retraction plane; G0 G1 are what they were."""
     assert holes("CYCLE81(10,0,2,-20)\nX5\n") == ["G0 Z2.", "G1 Z-20.", "G0 Z10.", "X5"]
     assert holes("G1 X1\nCYCLE82(10,0,2,,20,0.5)\nX5\n") == [
         "G1 X1", "G0 Z2.", "G1 Z-20.", "G4 F0.5", "G0 Z10.", "G1", "X5",
@@ -48,8 +49,9 @@ def test_a_modal_call_drills_behind_every_motion():
 
 
 def test_deep_holes_go_in_strokes():
-    """FDPR 5, then less by DAM 2 while that leaves more than DAM, then DAM; by VARI 1 out of the hole, and back to 0.6 mm above
-    the bottom that was reached; by VARI 0 back by 1 mm to break the chip."""
+    """FDPR 5, then less by DAM 2 while that leaves more than DAM, then DAM; by VARI 1 out of the
+    hole, and back to 0.6 mm above the bottom that was reached; by VARI 0 back by 1 mm to break the
+    chip."""
     depths = [
         line for line in holes("CYCLE83(10,0,2,-12,,,5,2,0,0,1,1)\n") if line.startswith("G1")
     ]
@@ -92,9 +94,68 @@ def test_what_can_not_be_written_out_is_said(call, message):
 
 
 def test_a_hole_within_a_frame_is_drilled_in_its_coordinates():
-    """SCALE doubles the clearance 2 and the depth -20; ROT X30 leans the way down by Y sin 30 and Z cos 30 of the 22 mm."""
+    """SCALE doubles the clearance 2 and the depth -20; ROT X30 leans the way down by Y sin 30 and Z
+    cos 30 of the 22 mm."""
     made = holes("SCALE X2 Y2 Z2\nG1 X1 Y1 Z20\nCYCLE81(10,0,2,-20)\n")
     assert made[-4:] == ["G0 Z4.", "G1 Z-40.", "G0 Z20.", "G1"]
     down = holes("ROT X30\nG1 X1 Y1 Z20\nCYCLE81(10,0,2,-20)\n")[-4:-2]
     (y, z), (deep_y, deep_z) = ([float(w[1:]) for w in line.split()[1:]] for line in down)
     assert (deep_y - y, deep_z - z) == pytest.approx((11.0, -22 * 3**0.5 / 2), abs=1e-5)
+
+
+def patterns(call, before="MCALL CYCLE81(10,0,2,-5)\n"):
+    """The places at which the holes of a pattern are drilled."""
+    return [line for line in holes(f"{before}{call}\n") if line.startswith("G0 X")]
+
+
+@pytest.mark.parametrize(
+    ("call", "places"),
+    [
+        # 5, 15 and 25 mm from (10, 20) along 30 degrees, sin 30 = 0.5: the tool stands nearer to
+        # the first hole
+        ("HOLES1(10,20,30,5,10,3)", [(14.3301, 22.5), (22.9904, 27.5), (31.6506, 32.5)]),
+        ("HOLES1(90,0,180,10,20,3)", [(40, 0), (60, 0), (80, 0)]),  # from its nearer end
+        ("HOLES2(50,60,20,0,0,4)", [(70, 60), (50, 80), (30, 60), (50, 40)]),
+        ("HOLES2(50,60,20,90,-45,2)", [(50, 80), (64.1421, 74.1421)]),
+        ("CYCLE801(1,2,90,10,20,2,2)", [(1, 2), (1, 12), (-19, 12), (-19, 2)]),
+        ("CYCLE802(111111111,111111111,1,2,3,4)", [(1, 2), (3, 4)]),
+    ],
+)  # fmt: skip
+def test_patterns_drill_at_their_places(call, places):
+    found = [tuple(float(w[1:]) for w in line.split()[1:]) for line in patterns(call)]
+    assert found == [pytest.approx(place, abs=1e-3) for place in places]
+
+
+def test_a_pattern_gives_back_the_motion_code():
+    made = holes(
+        "G1 X1\nMCALL CYCLE81(10,0,2,-5)\nHOLES2(0,0,10,0,0,2)\nG91\nHOLES2(5,0,9,0,0,1)\n"
+    )
+    hole = ["G0 Z2.", "G1 Z-5.", "G0 Z10."]
+    assert [line for line in made if line != "G0"] == [
+        "G1 X1", "G0 X10. Y0.", *hole, "G0 X-10. Y0.", *hole, "G1", "G91", "G0 X=AC(14.) Y=AC(0.)",
+        *("G0 Z=AC(2.)", "G1 Z=AC(-5.)", "G0 Z=AC(10.)", "G1"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ("HOLES1(0,0,0,5,10)", "HOLES1 without NUM"),
+        ("HOLES1(0,0,0,5,10,2.5)", "NUM of HOLES1 is 2.5"),
+        ("HOLES1(0,0,0,5,10,99999)", "NUM of HOLES1 is 99999"),
+        ("HOLES1(1,2,3,4,5,6,7,8,9,10,11,12)", "takes 11 values"),
+        ('HOLES2(0,0,"A",0,0,2)', "is no number"),
+        ("HOLES2(0,0,-5,0,0,2)", "RAD of HOLES2 is -5"),
+        ("HOLES2(0,0,5,0,0,2,10)", "in a way that is not written out"),
+        ("CYCLE801(0,0,0,1,1,500,500)", "250000 holes in CYCLE801"),
+        ("CYCLE801(0,0,0,1,1,2,2,1)", "in a way that is not written out"),
+        ("CYCLE802(111111112,111111111,1,2)", "in a way that is not written out"),
+        ("CYCLE802(111111111,111111111,1)", "has one coordinate"),
+        ("CYCLE802(111111111,111111111)", "without a place"),
+        ("DIAM90\nHOLES1(0,0,0,5,10,2)", "in diameters"),
+        ("MCALL\nHOLES1(0,0,0,5,10,2)", "no MCALL is in force here"),
+    ],
+)
+def test_patterns_that_are_not_written_out(call, message):
+    with pytest.raises(ProgramError, match=message):
+        patterns(call)

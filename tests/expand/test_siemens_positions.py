@@ -1,4 +1,5 @@
-"""Real Sinumerik programs, written out and followed by the one interpreter: the positions of the tables beside them."""
+"""Real Sinumerik programs, written out and followed by the one interpreter: the positions of the
+tables beside them."""
 
 from __future__ import annotations
 
@@ -20,14 +21,19 @@ FOLDER = Path(__file__).resolve().parents[3] / "shared" / "corpus" / "sinumerik"
 PROGRAMS = sorted(FOLDER.glob("*.mpf")) if FOLDER.is_dir() else []
 AXES = "XYZABCE"
 CLOSE = 0.00051  # mm: the tables have three decimals
-# What is refused, by the sentence; the tables of these hold what an unset variable or an unknown call would do.
+# What is refused, by the sentence; the tables of these hold what an unset variable or an unknown
+# call would do.
 REFUSED = {
-    "arrays": "nn", "axis_index_assignment": "ACC", "custom_vars": "AA", "edge_cases": "ELX", "simple": "two X words", "flatten_demo": "spline",
+    "arrays": "nn",
+    "axis_index_assignment": "ACC",
+    "custom_vars": "AA",
+    "edge_cases": "ELX",
+    "simple": "two X words",
+    "flatten_demo": "spline",
     "spline": "spline",
-}  # fmt: skip
-START = {
-    "increment": {"Y": 900.0}
-}  # from the file of defaults that the tables' producer reads first
+}
+# from the file of defaults that the tables' producer reads first
+START = {"increment": {"Y": 900.0}}
 
 
 def table(path: Path) -> tuple[list[str], list[tuple[float, ...]]]:

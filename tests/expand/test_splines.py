@@ -1,5 +1,5 @@
-"""Splines and NURBS written out as straight lines: LinuxCNC's on its own interpreter, which samples the curve itself; the
-curves themselves against scipy's B-splines."""
+"""Splines and NURBS written out as straight lines: LinuxCNC's on its own interpreter, which samples
+the curve itself; the curves themselves against scipy's B-splines."""
 
 from __future__ import annotations
 
@@ -22,17 +22,26 @@ TOLERANCE = 0.001  # mm, of the resolver when nobody says it
 NURBS = "G0 X1 Y2|G5.2 P1 L3|X0 Y1 P1|X2 Y2 P1|X3 Y0 P2|X5 Y5 P1|G5.3|G1 X6 Y6"
 PROGRAMS = {
     "cubic": "G5 X10 Y10 I3 J0 P0 Q-3|G5 X20 Y5 I0 J3 P-3 Q0|G1 X0",
-    "cubic goes on": "G5 X10 Y10 I3 J0 P0 Q-3|G5 X20 Y5 P-3 Q0|G0 X0 Y0|G5 X9 Y9 P1 Q1|G5 Y12 P1 Q1|G1 X3",
+    "cubic goes on": (
+        "G5 X10 Y10 I3 J0 P0 Q-3|G5 X20 Y5 P-3 Q0|G0 X0 Y0|G5 X9 Y9 P1 Q1|G5 Y12 P1 Q1|G1 X3"
+    ),
     "quadratic": "G5.1 X10 Y0 I5 J5|G5.1 X20 Y5 I5 J-5|G1 X0 Y0",
     "inch": "G20 G0 X1|G5.1 X2 Y1 I.5 J.5|G5 X3 Y3 I0 J1 P0 Q-1",
     "incremental": "G91 G0 X1 Y1|G5.1 X2 Y1 I.5 J.5|G5 X3 Y3 I0 J1 P0 Q-1",
-    "diameter": "G7 G0 X4 Y1|G5.1 X12 Y1 I1.5 J4|G5 X3 Y3 I0 J1 P0 Q-1|G90|G5.2 X8 Y2 P1 L3|X6 Y9 P2|X-4 Y2 P1|G5.3",
+    "diameter": (
+        "G7 G0 X4 Y1|G5.1 X12 Y1 I1.5 J4|G5 X3 Y3 I0 J1 P0 Q-1|G90|G5.2 X8 Y2 P1 L3|X6 Y9 P2|X-4 Y2"
+        " P1|G5.3"
+    ),
     "incremental nurbs": "G91 G0 X1 Y1|G5.2 X0 Y1 P1 L3|X2 Y0 P1|X1 Y1 P1|G5.3|G1 X1 Y1",
     "nurbs": NURBS,
-    "nurbs, code in each line": "G5.2 X0 Y1 P1 L3|G5.2 X2 Y2 P1 L4|F90|G5.2 X3 Y0 P1|G5.2 X4 Y0 P2|G5.3",
+    "nurbs, code in each line": (
+        "G5.2 X0 Y1 P1 L3|G5.2 X2 Y2 P1 L4|F90|G5.2 X3 Y0 P1|G5.2 X4 Y0 P2|G5.3"
+    ),
     "order below 3": "G5.2 P2 L2|X0 Y1 P1|X2 Y2 P1|X3 Y0 P2|G5.3",
     "order 5": "G5.2 P2 L5|X0 Y1 P1|X2 Y2 P1|X3 Y0 P2|X4 Y4 P1|X7 Y2 P.5|X9 Y9 P3|G5.3",
-    "turned": "G10 L2 P1 R30|G0 X2 Y1|G5.1 X10 Y0 I5 J5|G5.2 X12 Y1 P1 L3|X16 Y2 P1|X19 Y-4 P1|G5.3",
+    "turned": (
+        "G10 L2 P1 R30|G0 X2 Y1|G5.1 X10 Y0 I5 J5|G5.2 X12 Y1 P1 L3|X16 Y2 P1|X19 Y-4 P1|G5.3"
+    ),
     "shifted": "G10 L2 P2 X5 Y7 Z1|G55|G0 X2 Y1 Z3|G92 X1|G5.1 X10 Y0 I5 J5|G1 X0",
 }
 
@@ -72,9 +81,8 @@ def test_lines_lie_on_linuxcncs_own_curve(name, theirs):
     points = np.array([m.end[:3] for m in made])
     assert away(points, path) <= TOLERANCE  # its points lie on the curve
     sampled = np.vstack([np.zeros(3), points])
-    assert (
-        away(path, sampled) <= 0.2
-    )  # and ours near its chords, which are long: of 60 samples a curve
+    # and ours near its chords, which are long: of 60 samples a curve
+    assert away(path, sampled) <= 0.2
     assert path[-1] == pytest.approx(points[-1], abs=1e-8)
 
 
@@ -123,7 +131,7 @@ def test_lines_stay_within_the_tolerance_of_the_curve(order, more):
         assert lines[-1] == pytest.approx(poles[-1])
 
 
-# -- other controls: the curve's own formula ---------------------------------------------------------------------------
+# -- other controls: the curve's own formula -------------------------------------------------------
 
 
 def plain(name: str, program: str, axes: str = "XYZ") -> list[str]:
@@ -165,9 +173,8 @@ def test_marlins_curve_with_filament():
     path = ends(lines[2:-1], "XYZE", (1.0, 1.0, 1.0, 0.0))
     t = np.linspace(0.0, 1.0, 500)
     wanted = cubic(t, (1, 1, 1), (4, 2, 1 + 2 / 3), (10, 6, 1 + 4 / 3), (10, 9, 3))
-    assert (
-        away(wanted, path[:, :3]) <= TOLERANCE + 0.001
-    )  # the tolerance, and the numbers' last digit
+    # the tolerance, and the numbers' last digit
+    assert away(wanted, path[:, :3]) <= TOLERANCE + 0.001
     assert path[-1] == pytest.approx((10, 9, 3, 1.5), abs=1e-9)
     share = (path[:, 2] - 1) / 2  # Z goes evenly with the parameter, and so does E
     assert path[:, 3] == pytest.approx(1.5 * share, abs=0.0005)
@@ -184,7 +191,8 @@ CONIC = "G6.2 P3 K0. X0. Y0. R1. F500.|K0. X5. Y0. R.70710678|K0. X5. Y5. R1.|K1
 
 
 def test_fanucs_nurbs_makes_an_exact_quarter_of_a_circle():
-    """Weights 1, sqrt(1/2), 1 over a right angle make a circle (L. Piegl, W. Tiller: The NURBS Book, 7.3)."""
+    """Weights 1, sqrt(1/2), 1 over a right angle make a circle (L. Piegl, W. Tiller: The NURBS
+    Book, 7.3)."""
     lines = plain("fanuc-mill", "G90 G0 X0. Y0.|" + CONIC)
     path = ends([x for x in lines if x and x != "F500."][1:-1], "XY", (0.0, 0.0))
     assert np.hypot(*(path - [0.0, 5.0]).T) == pytest.approx(5.0, abs=0.001)
@@ -209,9 +217,8 @@ def test_fanucs_knots_and_weights_against_the_formula():
     spline = BSpline(knots, np.column_stack([poles * weights[:, None], weights]), 3)
     wanted = spline(np.linspace(0.0, 4.0 - 1e-12, 1000))
     assert away(wanted[:, :3] / wanted[:, 3:], path) <= TOLERANCE + 0.001
-    shorter = program.replace(
-        "G6.2 K0.0 X0.0 Y0.0 Z0.0 R1.0", "G6.2 R1.0"
-    )  # the start and its knot left out
+    # the start and its knot left out
+    shorter = program.replace("G6.2 K0.0 X0.0 Y0.0 Z0.0 R1.0", "G6.2 R1.0")
     assert plain("fanuc-mill", shorter) == lines
 
 

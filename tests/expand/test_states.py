@@ -12,8 +12,13 @@ from tests.linuxcnc.test_expanded import written_out
 PROGRAMS = {
     "inches and back": "F100|G1 X1|M70|G20 F5|G1 X1|M72|G1 X2|#1=#<_feed>|G1 Y[#1/100]",
     "plane and arc centres": "F100|M70|G18 G90.1|G2 X2 Z0 I1 K0|M72|G2 X4 Y0 I1",
-    "two levels": "O1 sub|M70|G91 X1|O2 call|X1|M72|X9|O1 endsub|O2 sub|M73|G90 G20|X1|O2 endsub|F100 G1 X5|O1 call|X2",
-    "M73 and return": "O1 sub|M73|G91|X1|O2 if [1]|O1 return|O2 endif|X5|O1 endsub|F100|G1 X5|O1 call|X1",
+    "two levels": (
+        "O1 sub|M70|G91 X1|O2 call|X1|M72|X9|O1 endsub|O2 sub|M73|G90 G20|X1|O2 endsub|F100 G1"
+        " X5|O1 call|X2"
+    ),
+    "M73 and return": (
+        "O1 sub|M73|G91|X1|O2 if [1]|O1 return|O2 endif|X5|O1 endsub|F100|G1 X5|O1 call|X1"
+    ),
     "a sub leaves no M70": "O1 sub|M70|G91|O1 endsub|F100|G1 X5|O1 call|X1|G90 X1",
     "M71 forgets": "F100|M70|G91|G1 X1|M71|X1",
     "diameters": "F100|M70|G7|G1 X4|M72|G1 X4",
@@ -66,7 +71,8 @@ def test_what_is_not_known_to_come_back_is_refused(program, says):
     ],
 )
 def test_speed_spindle_and_coolant_come_back_where_they_were_named(program, back):
-    """LinuxCNC documentation, "M70 Save Modal State": F and S, M3 M4 M5, M7, M8 are among what is kept."""
+    """LinuxCNC documentation, "M70 Save Modal State": F and S, M3 M4 M5, M7, M8 are among what is
+    kept."""
     text = written_out(text_of(program), {})
     lines = [line for line in text.splitlines() if line.strip()]
     assert lines[-1 - len(back) : -1] == back

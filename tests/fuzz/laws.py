@@ -47,10 +47,23 @@ WIDE = {
 }
 OFFSETS = {
     **{f"G{n}": {"X": 5.0 * n - 270, "Z": 1.0} for n in range(54, 60)},
-    "G59.1": {"X": 3.0}, "G59.3": {}, "G54.1 P1": {"X": 1.5, "Z": 2.0}, "G54.1 P2": {}, "G505": {"X": 2.0}, "G110": {"X": 1.0},
-    "H1": {"Z": 12.5}, "H2": {"Z": -3.0}, "T1": {"Z": 7.25}, "T2": {"X": 1.0, "Z": 3.0}, "D1": {"Z": 20.0}, "D2": {},
-    "T0101": {"X": 1.0, "Z": -2.0}, "T0202": {}, "G15 H1": {"X": 1.5, "Z": 2.0}, "G15 H2": {},
-}  # fmt: skip
+    "G59.1": {"X": 3.0},
+    "G59.3": {},
+    "G54.1 P1": {"X": 1.5, "Z": 2.0},
+    "G54.1 P2": {},
+    "G505": {"X": 2.0},
+    "G110": {"X": 1.0},
+    "H1": {"Z": 12.5},
+    "H2": {"Z": -3.0},
+    "T1": {"Z": 7.25},
+    "T2": {"X": 1.0, "Z": 3.0},
+    "D1": {"Z": 20.0},
+    "D2": {},
+    "T0101": {"X": 1.0, "Z": -2.0},
+    "T0202": {},
+    "G15 H1": {"X": 1.5, "Z": 2.0},
+    "G15 H2": {},
+}
 
 
 class TookTooLong(BaseException):
@@ -59,8 +72,8 @@ class TookTooLong(BaseException):
 
 @dataclass(frozen=True)
 class Case:
-    """A program with all that decides what becomes of it. cuts: where the batches end; stated: whether the offsets and
-    the place before the program are known."""
+    """A program with all that decides what becomes of it. cuts: where the batches end; stated:
+    whether the offsets and the place before the program are known."""
 
     text: bytes
     dialect: str = "linuxcnc"
@@ -75,8 +88,9 @@ class Case:
     def options(self) -> str:
         """All but the text, in one line that `case_of` reads."""
         return (
-            f"dialect={self.dialect} map={self.map} mode={self.mode} expand={self.expand:d} delete={self.delete:d} "
-            f"stated={self.stated:d} clamp={self.clamp:d} cuts={','.join(map(str, self.cuts)) or '-'}"
+            f"dialect={self.dialect} map={self.map} mode={self.mode} expand={self.expand:d}"
+            f" delete={self.delete:d} stated={self.stated:d} clamp={self.clamp:d}"
+            f" cuts={','.join(map(str, self.cuts)) or '-'}"
         )
 
 
@@ -93,12 +107,19 @@ def random_case(rng: random.Random, text: bytes, dialect: str) -> Case:
     """A text under options of chance."""
     cuts = sorted(rng.randrange(len(text) + 1) for _ in range(rng.choice((1, 2, 5))))
     return Case(
-        text, dialect, rng.choice(("zero", "one-way", "one-way", "two-way", "two-way", "two-way")), rng.choice((*MODES, "mean", "step")),
-        rng.random() < 0.4, rng.random() < 0.2, rng.random() < 0.85, rng.random() < 0.8, tuple(cuts),
-    )  # fmt: skip
+        text,
+        dialect,
+        rng.choice(("zero", "one-way", "one-way", "two-way", "two-way", "two-way")),
+        rng.choice((*MODES, "mean", "step")),
+        rng.random() < 0.4,
+        rng.random() < 0.2,
+        rng.random() < 0.85,
+        rng.random() < 0.8,
+        tuple(cuts),
+    )
 
 
-# -- machines ------------------------------------------------------------------------------------------------------------
+# -- machines --------------------------------------------------------------------------------------
 
 HEAD = """\
 format  = "gcomp-machine/1"
@@ -125,7 +146,8 @@ measured_at = {{ {others} }}
 
 
 def _write(folder: Path, shape: str, kind: str) -> Path:
-    """A machine with all errors of its slides, 10-20 um and urad, or with none; two-way: its place depends on direction."""
+    """A machine with all errors of its slides, 10-20 um and urad, or with none; two-way: its place
+    depends on direction."""
     folder.mkdir()
     ranges = WIDE[shape]
     chain, diameter = ("w-X-Y-b-Z-t", "") if shape == "mill" else ("w-b-Z-X-t", 'diameter = ["X"]')
@@ -195,12 +217,12 @@ def filter_of(case: Case) -> Filter:
     )
 
 
-# -- what comes out --------------------------------------------------------------------------------------------------------
+# -- what comes out --------------------------------------------------------------------------------
 
 
 class Watch(Verifier):
-    """The Verifier, and which lines are motions that are never cut: what leads into or out of cutter
-    radius compensation; and whether anything lies inside."""
+    """The Verifier, and which lines are motions that are never cut: what leads into or out of
+    cutter radius compensation; and whether anything lies inside."""
 
     def __init__(self, filter_: Filter):
         super().__init__(filter_)
@@ -271,9 +293,8 @@ def broken(case: Case, seconds: int = SECONDS) -> str:
     """The law that the case breaks, "" if none."""
     try:
         with in_time(seconds), warnings.catch_warnings():
-            warnings.simplefilter(
-                "error", RuntimeWarning
-            )  # of numpy: a number that is none goes on unseen
+            # of numpy: a number that is none goes on unseen
+            warnings.simplefilter("error", RuntimeWarning)
             return _broken(case)
     except TookTooLong:
         return f"hang: more than {seconds} s at {_where(sys.exc_info()[2])}"
@@ -364,8 +385,9 @@ def _cuts(text: bytes, cuts) -> Iterator[list[int]]:
 
 
 def _verified(case: Case, verifier: Watch) -> str:
-    """Inside cutter radius compensation reversals are spread: there, only of maps that have none; blocks that lead into
-    and out of it and threads are one piece, and bend as the map does; a thread that nothing led to is said."""
+    """Inside cutter radius compensation reversals are spread: there, only of maps that have none;
+    blocks that lead into and out of it and threads are one piece, and bend as the map does; a
+    thread that nothing led to is said."""
     if any(notice.code == "unled" for notice in verifier.filter.notices):
         return ""
     if verifier.corrected.line in verifier.whole or (verifier.beside and case.map == "two-way"):
@@ -395,13 +417,12 @@ def kind(message: str) -> str:
         return message[:40] + message.rpartition(" at ")[2]
     if head == "own error":
         first, _, reason = rest.partition(": ")
-        rest = (
-            reason if first == "the output can not be followed" else first
-        )  # each reason is a kind of its own
+        # each reason is a kind of its own
+        rest = reason if first == "the output can not be followed" else first
     return head + ": " + "".join(c for c in rest[:60] if not c.isdigit())
 
 
-# -- making a case small -----------------------------------------------------------------------------------------------------
+# -- making a case small ---------------------------------------------------------------------------
 
 
 def smallest(case: Case, tries: int = 600) -> Case:

@@ -1,5 +1,6 @@
-"""A fuzzer of bytes: programs from everywhere, changed a little, kept where they reach lines of the source that none
-before reached. `run` does so many cases, or so many seconds; as a program: python -m fuzz.mutate SECONDS [SEED].
+"""A fuzzer of bytes: programs from everywhere, changed a little, kept where they reach lines of the
+source that none before reached. `run` does so many cases, or so many seconds; as a program: python
+-m fuzz.mutate SECONDS [SEED].
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from types import FrameType
 
 from fuzz import grammar, laws
+from fuzz.words import EXTREMES
 
 ROOT = Path(__file__).resolve().parents[2]
 CORPUS = ROOT.parent / "shared" / "corpus"
@@ -29,12 +31,13 @@ FOLDERS = {  # folder: dialects that its programs are tried in first
 }
 LONGEST = 1500  # bytes of a seed: more is cut off, so that many are tried
 WORDS = (
-    "G0 G1 G2 G3 G4 G9 G10 G17 G18 G19 G20 G21 G28 G33 G40 G41 G42 G43 G43.1 G49 G52 G53 G54 G54.1 G55 G61 G64 G68 G69 G80 "
-    "G81 G83 G84 G90 G91 G92 G92.1 G93 G94 G95 G98 G99 M0 M2 M3 M6 M30 M98 M99 M117 M82 M83 M110 T1 D1 H1 P1 L2 K0 R5 Q1 E1 I0 J5 "
-    'X=IC( AC( CR= TURN= TRANS ATRANS ROT RPL= DIAMON DIAMOF SUPA MCALL CYCLE81( MSG(" FOR WHILE ENDFOR ENDWHILE IF ENDIF ELSE '
-    "GOTOF GOTOB GOTO LOOP ENDLOOP REPEAT UNTIL DEF PROC $AA_IW[X] "
-    "O100 o100 sub endsub call while endwhile repeat #1 #1= #<a> #5421 [ ] [#1+1] SIN[ DO1 END1 GOTO10 THEN G65 ( ) ; % / * *71 , = \n \r\n "
-    '\t N10 : :1 U1 W-1 V2 A5 F100 S1 E-1 " { } < > \x80 \0'
+    "G0 G1 G2 G3 G4 G9 G10 G17 G18 G19 G20 G21 G28 G33 G40 G41 G42 G43 G43.1 G49 G52 G53 G54 G54.1"
+    " G55 G61 G64 G68 G69 G80 G81 G83 G84 G90 G91 G92 G92.1 G93 G94 G95 G98 G99 M0 M2 M3 M6 M30 M98"
+    " M99 M117 M82 M83 M110 T1 D1 H1 P1 L2 K0 R5 Q1 E1 I0 J5 X=IC( AC( CR= TURN= TRANS ATRANS ROT"
+    ' RPL= DIAMON DIAMOF SUPA MCALL CYCLE81( MSG(" FOR WHILE ENDFOR ENDWHILE IF ENDIF ELSE GOTOF'
+    " GOTOB GOTO LOOP ENDLOOP REPEAT UNTIL DEF PROC $AA_IW[X] O100 o100 sub endsub call while"
+    " endwhile repeat #1 #1= #<a> #5421 [ ] [#1+1] SIN[ DO1 END1 GOTO10 THEN G65 ( ) ; % / * *71 ,"
+    ' = \n \r\n \t N10 : :1 U1 W-1 V2 A5 F100 S1 E-1 " { } < > \x80 \0'
 ).split(" ")
 NUMBER = re.compile(rb"[-+]?[0-9]+\.?[0-9]*|[-+]?\.[0-9]+")
 TOKEN = re.compile(rb"[A-Za-z#$<_]*[=( ]*[-+]?[0-9.]*[ \t]*|.", re.DOTALL)
@@ -51,7 +54,8 @@ class Found:
 
 @dataclass
 class Fuzzer:
-    """One run: what it was started with, and what it has seen. `guided`: keep cases that reach new lines of the source."""
+    """One run: what it was started with, and what it has seen. `guided`: keep cases that reach new
+    lines of the source."""
 
     rng: random.Random
     guided: bool = True
@@ -144,9 +148,8 @@ ENDINGS = (".nc", ".ngc", ".mpf", ".spf", ".gcode", ".tap", ".cnc", ".h", ".arc"
 
 def changed(rng: random.Random, text: bytes, other: bytes) -> bytes:
     """The text after one change, or a few."""
-    if (
-        len(text) > 200 and rng.random() < 0.5
-    ):  # a window of lines: short programs come further in a second
+    # a window of lines: short programs come further in a second
+    if len(text) > 200 and rng.random() < 0.5:
         lines = text.split(b"\n")
         first = rng.randrange(len(lines))
         text = b"\n".join(lines[first : first + rng.randint(2, 15)])
@@ -217,7 +220,7 @@ def _number(rng, text, other):
         return text + b"X5"
     match = rng.choice(found)
     if rng.random() < 0.6:
-        new = rng.choice(grammar.EXTREMES).encode()
+        new = rng.choice(EXTREMES).encode()
     elif rng.random() < 0.5:
         new = b"%.*f" % (rng.randint(0, 6), rng.uniform(-60, 200))
     else:
@@ -250,17 +253,20 @@ OPERATORS = (
 
 
 def main() -> None:
-    """Fuzz for some seconds and print what was found, made small, with what the sidecar files of found/ hold."""
+    """Fuzz for some seconds and print what was found, made small, with what the sidecar files of
+    found/ hold."""
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else time.time_ns() % 10**9
     fuzzer = run(seed, seconds=seconds)
     print(
-        f"seed {seed}: {fuzzer.cases} cases, {len(fuzzer.lines)} lines of source, {len(fuzzer.pool)} programs kept"
+        f"seed {seed}: {fuzzer.cases} cases, {len(fuzzer.lines)} lines of source,"
+        f" {len(fuzzer.pool)} programs kept"
     )
     for found in fuzzer.found.values():
         case = laws.smallest(found.case, 30 if found.told.startswith("hang") else 600)
         print(
-            f"{found.times} x {laws.broken(case) or found.told}\n    {case.options()}\n    {case.text!r}",
+            f"{found.times} x {laws.broken(case) or found.told}\n    {case.options()}\n   "
+            f" {case.text!r}",
             flush=True,
         )
 

@@ -1,6 +1,8 @@
-"""Programs that nobody would write, and some that people do: every one is corrected or refused by the laws (laws.py).
+"""Programs that nobody would write, and some that people do: every one is corrected or refused by
+the laws (laws.py).
 
-A fixed number of cases with fixed seeds; GCOMP_FUZZ=1 draws new ones, GCOMP_FUZZ_SECONDS=600 goes on for so long.
+A fixed number of cases with fixed seeds; GCOMP_FUZZ=1 draws new ones, GCOMP_FUZZ_SECONDS=600 goes
+on for so long.
 """
 
 from __future__ import annotations
@@ -28,11 +30,12 @@ PHASES = [
 ]
 
 
-# -- what was found once ---------------------------------------------------------------------------------------------------
+# -- what was found once ---------------------------------------------------------------------------
 
 
 def found() -> list:
-    """Each case of found/: its text, and beside it one line of options and, while it waits to be mended, why."""
+    """Each case of found/: its text, and beside it one line of options and, while it waits to be
+    mended, why."""
     result = []
     for path in sorted(FOUND.glob("*.txt")):
         options, _, reason = path.read_text().strip().partition(" | open: ")
@@ -51,9 +54,8 @@ def test_what_was_found_keeps_the_laws(case, still_open):
 def waiting() -> frozenset[str]:
     """Kinds of broken laws that wait to be mended: the other tests pass them by."""
     told = [laws.kind(laws.broken(p.values[0], 2)) for p in found() if p.values[1]]
-    told = [
-        kind for kind in told if kind and not kind.startswith("verifier")
-    ]  # these have nothing of their own in it
+    # these have nothing of their own in it
+    told = [kind for kind in told if kind and not kind.startswith("verifier")]
     return frozenset(kind.split(":")[0] if kind.startswith("hang") else kind for kind in told)
 
 
@@ -76,7 +78,7 @@ def test_a_plain_work_offset_takes_the_additional_one_back(name, code):
     assert before != other and before == after
 
 
-# -- programs of the generator ---------------------------------------------------------------------------------------------
+# -- programs of the generator ---------------------------------------------------------------------
 
 
 @st.composite
@@ -97,7 +99,7 @@ def test_programs_keep_the_laws(name, data):
     assert not wrong(told), f"{told}\n{case.options()}\n{case.text!r}"
 
 
-# -- bytes -----------------------------------------------------------------------------------------------------------------
+# -- bytes -----------------------------------------------------------------------------------------
 
 
 def test_any_bytes_keep_the_laws():
@@ -114,11 +116,15 @@ def test_any_bytes_keep_the_laws():
     assert not told, f"seed {seed}:\n" + "\n".join(told)
 
 
-# -- long and deep ---------------------------------------------------------------------------------------------------------
+# -- long and deep ---------------------------------------------------------------------------------
 
 HERE = b"G90 G0 X10. Y5. Z0.\n"
 LONG = {
-    "a loop of a million steps": (b"#1=0\no1 repeat [1000000]\nG1 X[#1 MOD 5] F100\n#1=[#1+1]\no1 endrepeat\n", "linuxcnc", True),
+    "a loop of a million steps": (
+        b"#1=0\no1 repeat [1000000]\nG1 X[#1 MOD 5] F100\n#1=[#1+1]\no1 endrepeat\n",
+        "linuxcnc",
+        True,
+    ),
     "a loop without end": (b"WHILE[1EQ1]DO1\nG1X1.F1\nEND1\n", "fanuc-mill", True),
     "a loop without end, of Siemens": (b"LOOP\nG1 X1 F1\nENDLOOP\n", "siemens", True),
     "a million calls": (b"M98 P100 L999999\nM30\nO100\nG1 X1. F1.\nM99\n", "fanuc-mill", True),
@@ -127,8 +133,16 @@ LONG = {
     "a million holes": (HERE + b"G91 G81 X.001 Z-1. R-.1 L999999 F100\n", "linuxcnc", True),
     "a million pecks": (HERE + b"G83 X1. Z-10. R0. Q0.00001 F100\n", "fanuc-mill", True),
     "brackets": (b"G1 X" + b"[" * 100_000 + b"1" + b"]" * 100_000 + b" F1\n", "linuxcnc", True),
-    "brackets of Fanuc": (b"#1=" + b"[" * 100_000 + b"1" + b"]" * 100_000 + b"\n", "fanuc-mill", True),
-    "brackets of Siemens": (b"R1=" + b"(" * 100_000 + b"1" + b")" * 100_000 + b"\n", "siemens", True),
+    "brackets of Fanuc": (
+        b"#1=" + b"[" * 100_000 + b"1" + b"]" * 100_000 + b"\n",
+        "fanuc-mill",
+        True,
+    ),
+    "brackets of Siemens": (
+        b"R1=" + b"(" * 100_000 + b"1" + b")" * 100_000 + b"\n",
+        "siemens",
+        True,
+    ),
     "signs": (b"#1=" + b"-" * 100_000 + b"1\n", "fanuc-mill", True),
     "powers": (b"#1=[10**10**10**10]\nG1 X#1 F1\n", "linuxcnc", True),
     "references": (b"G1 X" + b"#" * 50_000 + b"1 F1\n", "linuxcnc", True),
@@ -143,10 +157,14 @@ LONG = {
     "tapes": (b"%\n" * 50_000, "linuxcnc", False),
     "presets": (HERE + b"G92 X1. Y2.\n" * 1500, "linuxcnc", False),
     "tools": (b"T0101\n" * 10_000, "fanuc-lathe", False),
-    "G10 of no offset": (b"G10 L2 P1000000000000000000 X5.\nG10 L2 P100000000000000000 X5.\n", "linuxcnc", False),
+    "G10 of no offset": (
+        b"G10 L2 P1000000000000000000 X5.\nG10 L2 P100000000000000000 X5.\n",
+        "linuxcnc",
+        False,
+    ),
     "eighteen digits": (b"G1 X999999999999999999 F1\nG1 X.999999999999999999\n", "linuxcnc", False),
     "faults behind the end": (b"M2\n" + b"G1 X#\n" * 20_000, "linuxcnc", False),
-}  # fmt: skip
+}
 MOST_MEMORY = 300  # MB beyond what the test run takes itself
 MOST_TIME = 30  # s, for a machine that does other things too; one that does not needs 2
 

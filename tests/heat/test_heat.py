@@ -1,4 +1,5 @@
-"""`--temperatures`: the clock by hand, growth by hand and by another road, the batch law, and what is refused."""
+"""`--temperatures`: the clock by hand, growth by hand and by another road, the batch law, and what
+is refused."""
 
 from __future__ import annotations
 
@@ -10,11 +11,11 @@ import numpy as np
 import pytest
 
 from postproc import cli, effects, recordings
-from postproc.commands import reading, warming
+from postproc.commands import reading, reading_options, warming
 from postproc.effects import State
 from postproc.errors import GcompError, Notice
 from postproc.heat import clock, log
-from postproc.heat.follow import _spun
+from postproc.heat.course import spun
 from postproc.machine import growth
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -71,7 +72,7 @@ def gcomp(*words) -> int:
 
 def options(folder, *words: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
-    reading.arguments(parser)
+    reading_options.arguments(parser)
     return parser.parse_args(["--machine", str(folder), *map(str, words)])
 
 
@@ -87,13 +88,14 @@ def times(filter_, text: str) -> tuple[clock.Times, clock.Ticking]:
 
 
 def test_the_clock_by_hand(tmp_path):
-    """X 12000, Z 6000 mm/min at rapid: 100 mm of X are 0.5 s, with 100 mm of Z beside it 1 s; 100 mm at F600 10 s; a quarter of
-    R 60 at F600 pi * 30 / 10 s; G93 F2 half a minute; an inch at F60 inch/min 1 s; 50 mm at G95 F0.5 with 600 rpm 10 s."""
+    """X 12000, Z 6000 mm/min at rapid: 100 mm of X are 0.5 s, with 100 mm of Z beside it 1 s; 100
+    mm at F600 10 s; a quarter of R 60 at F600 pi * 30 / 10 s; G93 F2 half a minute; an inch at F60
+    inch/min 1 s; 50 mm at G95 F0.5 with 600 rpm 10 s."""
     folder = machine(tmp_path)
     f = filter_of(folder, "--temperatures", written(tmp_path, "t_s,T_scale_X_C", "0,20", "9999,20"))
     text = (
-        "G21 G90 G54\nG0 X0 Y0 Z0\nG0 X100\nG0 X200 Z100\nG4 P7\nG1 X300 F600\nG17 G2 X360 Y-60 I0 J-60\n"
-        "G93 G1 X400 F2\nG94 G20 F60\nG1 X16.7480314961\nG21 M3 S600\nG95 G1 Z50 F0.5\n"
+        "G21 G90 G54\nG0 X0 Y0 Z0\nG0 X100\nG0 X200 Z100\nG4 P7\nG1 X300 F600\nG17 G2 X360 Y-60 I0"
+        " J-60\nG93 G1 X400 F2\nG94 G20 F60\nG1 X16.7480314961\nG21 M3 S600\nG95 G1 Z50 F0.5\n"
     )
     found, ticking = times(f, text)
     took = (found.end - found.begin) / clock.MICRO
@@ -104,9 +106,11 @@ def test_the_clock_by_hand(tmp_path):
 
 
 def test_growth_by_hand(tmp_path, capsys):
-    """The scale of X goes from 20 to 30 degrees in 1000 s, the work stays at 22: e = 10e-6 * (T - 20) * (x - 100) - 20e-6 * 2 * (x - 100).
-    At F60 from 0 to 500 the block takes 500 s, so that its middle is at 250 s, 22.5 degrees: 25 - 40 = -15 um/m of 400 mm are
-    -6.0 um, which the command makes up for. The next one, 60 mm at F60, ends at 560 s; its middle is at 530 s: (53 - 40) um/m * 460."""
+    """The scale of X goes from 20 to 30 degrees in 1000 s, the work stays at 22: e = 10e-6 * (T -
+    20) * (x - 100) - 20e-6 * 2 * (x - 100). At F60 from 0 to 500 the block takes 500 s; at its end
+    there are 25 degrees: (50 - 40) um/m of 400 mm are 4.0 um, which the command makes up for. In
+    its middle, at 250 s and X 250, there are 22.5: (25 - 40) um/m of 150 mm are -2.25 um. The next
+    one, 60 mm at F60, ends at 560 s: (56 - 40) um/m * 460."""
     folder = machine(tmp_path)
     record = written(tmp_path, "t_s,T_scale_X_C,T_work_C", "0,20,22", "1000,30,22")
     program = tmp_path / "a.nc"
@@ -127,16 +131,16 @@ def test_growth_by_hand(tmp_path, capsys):
         == 0
     )
     lines = (tmp_path / "b.nc").read_text().splitlines()
-    ends = [float(line[1:]) for line in lines if line.startswith("X")]
-    first = next(end for end in ends if end > 400)
-    assert first == pytest.approx(
-        500 + 0.0060, abs=1.3e-4 + 5e-5
-    )  # an eighth of the tolerance, half an increment
-    assert ends[-1] == pytest.approx(560 - 0.00598, abs=1.3e-4 + 5e-5)
+    ends = np.array([float(line[1:]) for line in lines if line.startswith("X")])
+    course = np.array([(0.01 * k * 10 - 40) * (k - 100) * 1e-6 for k in range(561)])
+    off = np.array([end + np.interp(end, np.arange(561), course) for end in ends])
+    # every end lies where the nominal path is crossed at its own moment: F60 is 1 mm a second
+    last = off[-1], off[np.argmin(np.abs(ends - 500))]
+    assert last == pytest.approx((560.0, 500.0), abs=0.25e-3 + 5e-5)
     said = capsys.readouterr().err
     assert "by its own clock the program takes 560 s" in said
-    # 5 um/m/s half of 500 s long: 250 s * 0.1 um/m/s * 510 mm, the farthest from the fixed point
-    assert "heat moves it by 12.75 um at most within one block" in said
+    deviation = float(said.split("nominal path ")[1].split(" um")[0])
+    assert deviation <= 1.05, said
 
 
 def test_a_log_that_never_changes_is_a_stated_temperature(tmp_path, capsys):
@@ -176,13 +180,14 @@ def test_a_log_that_never_changes_is_a_stated_temperature(tmp_path, capsys):
 
 
 PROGRAM = "".join(
-    f"G1 X{300 + 200 * np.cos(k / 3):.3f} Y{200 + 150 * np.sin(k / 2):.3f} Z{100 + 90 * np.sin(k / 5):.3f} F{500 + 37 * k}\n"
+    f"G1 X{300 + 200 * np.cos(k / 3):.3f} Y{200 + 150 * np.sin(k / 2):.3f}"
+    f" Z{100 + 90 * np.sin(k / 5):.3f} F{500 + 37 * k}\n"
     + ("G4 P30\n" if k % 11 == 5 else "")
     + ("G0 Z300\n" if k % 17 == 3 else "")
     for k in range(36)
 )
 LOG = ["t_s,T_front_C,T_rear_C,T_work_C"] + [
-    f"{60 * k},{20 + 6 * (1 - np.exp(-k / 8)):.3f},{20 + 3 * (1 - np.exp(-k / 15)):.3f},{20 + 0.05 * k:.3f}"
+    f"{60 * k},{20 + 6 * (1 - np.exp(-k / 8)):.3f},{20 + 3 * (1 - np.exp(-k / 15)):.3f},{20 + 0.05 * k:.3f}"  # noqa: E501
     for k in range(36)
 ]
 TWO = ", sensors = { T_front_C = 0.0, T_rear_C = 600.0 }"
@@ -220,8 +225,8 @@ def test_any_cut_of_the_input_gives_the_same_bytes_and_the_output_keeps_the_tole
 
 
 def test_two_thermometers_are_the_integral_of_a_line(tmp_path):
-    """T = 24 at 0 and 21 at 600: from the fixed point 100 on, 10e-6 * integral of (T(s) - 20), by hand 3.5 s - s^2 / 400 ... here
-    (4 - s / 200) integrated: 4 (x - 100) - (x^2 - 100^2) / 400."""
+    """T = 24 at 0 and 21 at 600: from the fixed point 100 on, 10e-6 * integral of (T(s) - 20), by
+    hand 3.5 s - s^2 / 400 ... here (4 - s / 200) integrated: 4 (x - 100) - (x^2 - 100^2) / 400."""
     m = read_machine(machine(tmp_path, TWO))
     found, lacking, _ = growth.drivers(m, ["T_front_C", "T_rear_C"], spindles=False)
     assert not lacking and len(found) == 2
@@ -243,11 +248,22 @@ def test_a_spindle_warms_as_the_effect_says():
     t = np.cumsum(rng.uniform(1, 200, 300))
     rpm = np.repeat(rng.choice([0.0, 3000.0, 12000.0], 30), 10)
     p = {name: 0.0 for name in module.PARAMETERS} | {
-        "tau_s": 700.0, "um_per_1000_rpm": 4.0, "housing_um": 2.5, "housing_s": 2800.0, "power": 5 / 3, "fastest_rpm": 12000.0,
-        "shift_um": 3.0, "shift": 1.0,
-    }  # fmt: skip
-    found, _ = _spun(p, t, rpm, (0.0, 0.0, float(t[0])))
-    # The effect lets the turns of a row hold until the next one, the clock those of a motion since the one before.
+        "tau_s": 700.0,
+        "um_per_1000_rpm": 4.0,
+        "housing_um": 2.5,
+        "housing_s": 2800.0,
+        "power": 5 / 3,
+        "fastest_rpm": 12000.0,
+        "shift_um": 3.0,
+        "shift": 1.0,
+    }
+    end = np.rint((t - t[0]) * clock.MICRO).astype(np.int64)[1:]
+    none = np.zeros(0, np.int64)
+    begin = np.append(0, end[:-1])
+    times = clock.Times(begin, end, rpm[1:], clock.Rests(none, none, none.astype(float)))
+    lags = spun(p, times, 1.0, (0.0, 0.0))
+    found = lags.at(np.arange(299), (end - begin) / clock.MICRO)
+    # The effect lets the turns of a row hold until the next one.
     turns = np.append(rpm[1:], rpm[-1])
     state = State(
         {"Z": t * 0},
@@ -258,13 +274,14 @@ def test_a_spindle_warms_as_the_effect_says():
         channels={"spindle_rpm": turns},
     )
     wanted = effects.deviation(module, state, "Z", **p)[2] / 1e-3
-    shift = 3.0 * ((rpm / 12000) ** 2 - (turns / 12000) ** 2)
-    assert found == pytest.approx(wanted + shift, abs=1e-9)
+    shift = 3.0 * ((rpm[1:] / 12000) ** 2 - (turns[1:] / 12000) ** 2)
+    assert found == pytest.approx(wanted[1:] + shift, abs=1e-6)
 
 
 def test_the_simulators_own_physics_sees_the_growth_gone(tmp_path, capsys):
-    """A spindle that warms the head for 25 min: the simulator, with its planner's times and the effect's own equation, reads 21 um
-    along Z before, and after it what grows within one rest of 20 s (0.9 um at first)."""
+    """A spindle that warms the head for 25 min: the simulator, with its planner's times and the
+    effect's own equation, reads 21 um along Z before, and after it what grows within one rest of 20
+    s (0.9 um at first)."""
     folder = machine(
         tmp_path, "", SPINDLE.replace("5.0", "-3.0").replace("housing_um = 2.0", "housing_um = 1.0")
     )
@@ -301,15 +318,27 @@ def test_the_simulators_own_physics_sees_the_growth_gone(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("rows", "words", "says"),
     [
-        (["t_s,T_scale_X_C", "0,20", "100,21"], (), "log.csv ends 100 s after the program begins, and this block ends after 500 s"),
+        (
+            ["t_s,T_scale_X_C", "0,20", "100,21"],
+            (),
+            "log.csv ends 100 s after the program begins, and this block ends after 500 s",
+        ),
         (["t_s,T_scale_X_C", "0,68", "900,171"], (), "T_scale_X_C goes from 68 to 171"),
-        (["t_s,T_oil_C", "0,20", "900,21"], (), "nothing in warm grows by one of its columns (T_oil_C)"),
+        (
+            ["t_s,T_oil_C", "0,20", "900,21"],
+            (),
+            "nothing in warm grows by one of its columns (T_oil_C)",
+        ),
         (["t_s,T_scale_X_C", "0,20", "0,21"], (), "not later than the one before"),
         (["t_s,T_scale_X_C", "noon,20", "later,21"], (), "'noon' is no time"),
         (["t_s,T_scale_X_C", "0,20", "900,21"], ("--log-begin", "1000"), "the log"),
-        (["t_s,T_scale_X_C", "0,20", "900,21"], ("--temperature", "X=21"), "both say how warm it is"),
+        (
+            ["t_s,T_scale_X_C", "0,20", "900,21"],
+            ("--temperature", "X=21"),
+            "both say how warm it is",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_refused(tmp_path, capsys, rows, words, says):
     program = tmp_path / "a.nc"
     program.write_text("G21 G90 G54\nG1 X0 Y0 Z0 F60\nX500\nM2\n")
@@ -343,7 +372,7 @@ def test_a_column_that_the_machine_names_is_needed_and_the_last_row_may_be_held(
 
 
 def test_dates_gaps_and_decimal_commas(tmp_path):
-    text = "time;T_scale_X_C\n2026-11-23T08:00:00;20,5\n2026-11-23T08:01:00;\n2026-11-23T08:02:00;21,5\n"
+    text = "time;T_scale_X_C\n2026-11-23T08:00:00;20,5\n2026-11-23T08:01:00;\n2026-11-23T08:02:00;21,5\n"  # noqa: E501
     found = log.read("l.csv", text.encode())
     assert found.time.tolist() == [0.0, 60.0, 120.0]
     assert found.columns["T_scale_X_C"].tolist() == [20.5, 21.0, 21.5]
@@ -360,7 +389,7 @@ def test_a_log_that_goes_on_is_read_anew(tmp_path):
     asked.live_temperatures = True
     f = reading.filter_of(asked, reading.machine_of(asked))
     ends = []
-    for row in ("", "20,25\n", "30,3"):
+    for row in ("", "60,25\n", "90,3"):
         with open(record, "a") as file:
             file.write(row)
         out = f.feed(b"G21 G90 G54\nG1 X0 Y0 Z0 F60\nX600\nX500\n").decode()
@@ -369,13 +398,15 @@ def test_a_log_that_goes_on_is_read_anew(tmp_path):
 
 
 def test_pace_and_begin(tmp_path):
-    """Twice as slow and begun 100 s into the log: a block in the middle of 20 s of words meets 100 + 2 * 10 s."""
+    """Twice as slow and begun 100 s into the log: a block in the middle of 20 s of words meets 100
+    + 2 * 10 s."""
     folder = machine(tmp_path)
     record = written(tmp_path, "t_s,T_scale_X_C", "0,20", "1000,30")
     f = filter_of(folder, "--temperatures", record, "--log-begin", "100", "--pace", "2")
     words = lex(b"G21 G90 G54\nG1 X0 Y0 Z0 F600\nX200\n", f.dialect.grammar, False)
     motions, _, _ = f.interpreter.run(words, f.modal)
-    values, _ = f.heat.values(words, motions, f.heat.initial())
+    course, _ = f.heat.course(words, motions, f.heat.initial())
+    values = course.at(np.array([0, 1]), np.array([0.5, 0.5]))
     assert values[0, 1] == pytest.approx((100 + 2 * 10) * 0.01, abs=1e-6)
 
 
@@ -391,6 +422,6 @@ def test_notices_say_what_was_taken(tmp_path):
     assert "scale of X by T_scale_X_C" in told and "spindle_growth of Z by the turns" in told
     assert (
         "no column for the work: along X it stays at 20 C" in told
-        and "up to 9000 s lie between two rows" in told
+        and "up to 9000 s lie between two readings" in told
     )
     assert grown.growth and not grown.is_zero

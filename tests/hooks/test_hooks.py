@@ -1,8 +1,10 @@
-"""Hooks run as the programs run them: from another folder, without PATH, with a foreign Python's variables set."""
+"""Hooks run as the programs run them: from another folder, without PATH, with a foreign Python's
+variables set."""
 
 from __future__ import annotations
 
 import ast
+import json
 import os
 import re
 import shutil
@@ -21,7 +23,8 @@ from tests.cam.make import washer
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = b"G90 G21 G18\nG0 X20. Z0.\nG1 X40. Z80. F100\nM30\n"
 BAD = b"G90 G21 G18\nG0 X20. Z0.\nG1 X900. F100\n"
-# What a program with windows hands on: no PATH of a shell, and, of an AppImage, variables of its own Python.
+# What a program with windows hands on: no PATH of a shell, and, of an AppImage, variables of its
+# own Python.
 FOREIGN = {
     "PATH": "/usr/bin:/bin",
     "HOME": "/nonexistent",
@@ -63,9 +66,8 @@ def test_a_script_corrects_the_file_named_last_from_anywhere(tmp_path, expected,
     job.write_bytes(PROGRAM)
     done = called(script, job, "--some-option-of-the-slicer" if name == "folder" else "x")
     assert (done.returncode, job.read_bytes()) == (0, expected), done.stderr
-    assert {p.name for p in tmp_path.iterdir() if p.name.startswith("a job")} == {
-        job.name
-    }  # nothing is left beside it
+    # nothing is left beside it
+    assert {p.name for p in tmp_path.iterdir() if p.name.startswith("a job")} == {job.name}
     assert done.stdout == b"" and done.stderr == b""
 
 
@@ -144,14 +146,27 @@ def test_every_hook_says_where_it_goes_and_names_everything_by_its_whole_path(
     )
 
 
-@pytest.mark.parametrize("words, says", [
-    (["install"], "for which program?"), (["install", "catia", "--machine", "perfect"], "there is no hook for 'catia'"),
-    (["install", "prusaslicer"], "--machine is missing"),
-    (["install", "prusaslicer", "--machine", "perfect", "-o", "a b"], "has a space in it"),
-    (["install", "prusaslicer", "--machine", "perfect", "--", "--tolernace", "1um"], "no option --tolernace"),
-    (["install", "prusaslicer", "--machine", "perfect", "--", "--tolerance", "fine"], "not a length"),
-    (["install", "prusaslicer", "--machine", "perfect", "--", "--in-place"], "says where the program goes"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        (["install"], "for which program?"),
+        (["install", "catia", "--machine", "perfect"], "there is no hook for 'catia'"),
+        (["install", "prusaslicer"], "--machine is missing"),
+        (["install", "prusaslicer", "--machine", "perfect", "-o", "a b"], "has a space in it"),
+        (
+            ["install", "prusaslicer", "--machine", "perfect", "--", "--tolernace", "1um"],
+            "no option --tolernace",
+        ),
+        (
+            ["install", "prusaslicer", "--machine", "perfect", "--", "--tolerance", "fine"],
+            "not a length",
+        ),
+        (
+            ["install", "prusaslicer", "--machine", "perfect", "--", "--in-place"],
+            "says where the program goes",
+        ),
+    ],
+)
 def test_what_can_not_be_is_refused_when_it_is_installed(tmp_path, monkeypatch, capfd, words, says):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
@@ -200,8 +215,22 @@ def test_prusaslicer_itself_exports_the_corrected_program(tmp_path):
     )
     script = next(folder.iterdir())
     (tmp_path / "washer.stl").write_text(washer())
-    common = [slicer, "--export-gcode", "--gcode-flavor", "marlin2", "--layer-height", "0.2", "--first-layer-height", "0.2",
-              "--start-gcode", "G28", "--skirts", "0", "washer.stl", "--output"]  # fmt: skip
+    common = [
+        slicer,
+        "--export-gcode",
+        "--gcode-flavor",
+        "marlin2",
+        "--layer-height",
+        "0.2",
+        "--first-layer-height",
+        "0.2",
+        "--start-gcode",
+        "G28",
+        "--skirts",
+        "0",
+        "washer.stl",
+        "--output",
+    ]
     env = {**os.environ, "HOME": str(tmp_path)}
     plain = subprocess.run(
         [*common, "plain.gcode"], cwd=tmp_path, env=env, capture_output=True, text=True
@@ -227,8 +256,22 @@ def test_freecad_itself_posts_the_corrected_program(tmp_path):
     if shutil.which("freecadcmd") is None:
         pytest.skip("freecadcmd is not installed (apt-get install freecad-python3)")
     macros = tmp_path / "macros"
-    assert main(["hook", "install", "freecad", "--machine", str(ROOT / "machines" / "example-mill"), "-o", str(macros),
-                 "--", *OFFSETS]) == 0  # fmt: skip
+    assert (
+        main(
+            [
+                "hook",
+                "install",
+                "freecad",
+                "--machine",
+                str(ROOT / "machines" / "example-mill"),
+                "-o",
+                str(macros),
+                "--",
+                *OFFSETS,
+            ]
+        )
+        == 0
+    )
     script = (ROOT / "tests" / "cam" / "freecad_plate.py").read_text()
     script = (
         script[: script.index('for line in os.environ["CAM_POSTS"]')]
@@ -273,3 +316,25 @@ print("POSTED")
     same = (tmp_path / "same.nc").read_text()
     blocks = [[x for x in text.splitlines() if not x.startswith("(")] for text in (out, same)]
     assert blocks[0] == blocks[1] and len(blocks[0]) > 20  # comments name the post and the time
+
+
+@pytest.mark.parametrize("name", ["fusion", "mastercam"])
+@pytest.mark.skipif(os.name == "nt", reason="a shell's script")
+def test_where_nothing_is_shown_a_refused_file_goes_out_of_the_way(tmp_path, expected, name):
+    """So that nobody runs a nominal program that he takes for a corrected one."""
+    script = install(tmp_path / "hooks", name)
+    good, bad = tmp_path / "good job.nc", tmp_path / "bad job.nc"
+    good.write_bytes(PROGRAM)
+    bad.write_bytes(BAD)
+    assert called(script, good).returncode == 0 and good.read_bytes() == expected
+    done = called(script, bad)
+    assert done.returncode == 2 and b"X = 450.0000 mm" in done.stderr
+    assert not bad.exists() and Path(f"{bad}.not-corrected").read_bytes() == BAD
+    assert "X = 450.0000 mm" in Path(f"{bad}.refused.txt").read_text()
+
+
+def test_fusion_is_told_what_its_post_calls(tmp_path, capfd):
+    script = install(tmp_path / "a folder", "fusion")
+    said = capfd.readouterr().out
+    assert "function onTerminate() {" in said
+    assert f'execute({json.dumps(str(script))}, "\\"" + getOutputPath() + "\\"", true, "");' in said

@@ -9,7 +9,7 @@ import numpy as np
 
 from postproc.recordings import Recording
 
-SEED = Path(__file__).parent / "seed"
+SEED = Path(__file__).resolve().parents[2] / "proof" / "seed" / "tables"
 TABLES = {
     "dzz": "6_1_studer_s36_z",
     "dxz": "6_1_studer_s36_z",
@@ -30,7 +30,8 @@ def seed(column):
 
 
 def runs_of(position, means, noise=None):
-    """position, approach, reading, run (N,) of runs alternating +, -: noise (2, n, m) is added to the means (2, m)."""
+    """position, approach, reading, run (N,) of runs alternating +, -: noise (2, n, m) is added to
+    the means (2, m)."""
     n = 1 if noise is None else noise.shape[1]
     reading = np.repeat(means[:, None, :], n, axis=1) + (0 if noise is None else noise)
     m = len(position)

@@ -1,4 +1,5 @@
-"""What makes a circle out of round: causes put in by their own formulas, and by the simulator's physics, come back with their size."""
+"""What makes a circle out of round: causes put in by their own formulas, and by the simulator's
+physics, come back with their size."""
 
 from __future__ import annotations
 
@@ -31,13 +32,14 @@ def told(found) -> dict[str, float]:
 
 
 def test_what_is_put_in_comes_back_and_the_largest_is_first():
-    """5 um of lost motion of X (it stops short), 20 urad of squareness (1 um over 100 mm: 2 um round), 3 ms at 3000 mm/min of unlike following."""
+    """5 um of lost motion of X (it stops short), 20 urad of squareness (1 um over 100 mm: 2 um
+    round), 3 ms at 3000 mm/min of unlike following."""
 
     def off(t, w, a, b):
         lag = 3e-3 * (3000 / 60) / 2
         return (
             -a * np.cos(t) * 0.005 / 2
-            + 20e-6 * RADIUS * np.sin(2 * t) / 2
+            - 20e-6 * RADIUS * np.sin(2 * t) / 2
             + lag * w * np.sin(2 * t)
             + 0.04 * np.cos(t)
             + 0.01
@@ -51,11 +53,78 @@ def test_what_is_put_in_comes_back_and_the_largest_is_first():
     assert found.ranked[0].name.startswith("X and Y follow unlike") and found.ranked[
         0
     ].range == pytest.approx(0.15, rel=1e-3)
-    assert found.ranked[1].range == pytest.approx(
-        0.005, rel=1e-3
-    )  # from half of it below to half above
+    # from half of it below to half above
+    assert found.ranked[1].range == pytest.approx(0.005, rel=1e-3)
     assert sum(c.share for c in found.ranked) == pytest.approx(1.0)
     assert found.left < 1e-9 < found.whole
+
+
+GEOMETRY = {  # where a and b stand instead, mm, on a circle of 100 mm at 3000 mm/min
+    ("scales of X and Y differ", 30.0): lambda x, y, a, b, w: (15e-6 * x, -15e-6 * y),
+    # more than a right angle: +Y leans towards -X
+    ("squareness of X and Y", 20.0): lambda x, y, a, b, w: (-20e-6 * y, 0 * y),
+    ("lost motion of X", 5.0): lambda x, y, a, b, w: (-0.0025 * a, 0 * y),
+    ("lost motion of Y", 5.0): lambda x, y, a, b, w: (0 * x, -0.0025 * b),
+    # 50 mm/s: X stands 2 ms farther back on its way than Y
+    ("X and Y follow unlike (servo mismatch)", 2.0): lambda x, y, a, b, w: (
+        w * y * 50 / RADIUS * 2e-3,
+        0 * y,
+    ),
+    # sticking: it stays where it turned, outside, and lets go over 3 degrees
+    ("spike where X turns", 3.0): lambda x, y, a, b, w: (
+        0.003 * np.sign(x) * np.exp(-since(w * np.arctan2(y, x))),
+        0 * y,
+    ),
+    ("spike where Y turns", 3.0): lambda x, y, a, b, w: (
+        0 * x,
+        0.003 * np.sign(y) * np.exp(-since(w * np.arctan2(y, x) - w * np.pi / 2)),
+    ),
+    ("side play of X", 3.0): lambda x, y, a, b, w: (0 * x, -0.003 * a),
+    ("side play of Y", 3.0): lambda x, y, a, b, w: (-0.003 * b, 0 * y),
+}
+
+
+def since(angle):
+    """Threes of degrees from the last half turn."""
+    return np.degrees(np.mod(angle, np.pi)) / 3
+
+
+@pytest.mark.parametrize(
+    ("cause", "off"), list(GEOMETRY.items()), ids=[name for name, _ in GEOMETRY]
+)
+def test_a_machine_that_stands_elsewhere_is_told_with_size_and_sign(cause, off):
+    """The bar's length is computed of places, by Pythagoras: nothing of the forms is used."""
+    name, size = cause
+
+    def radial(t, w, a, b):
+        x, y = RADIUS * np.cos(t), RADIUS * np.sin(t)
+        dx, dy = off(x, y, a, b, w)
+        return np.hypot(x + dx, y + dy) - RADIUS
+
+    found = causes("XY", circles(radial), 3000.0)
+    told_sizes = told(found)
+    assert told_sizes[name] == pytest.approx(size, rel=0.02)
+    assert found.ranked[0].name == name and found.ranked[0].share > 0.98
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "size"),
+    [
+        ("squareness:XY:urad=20", "squareness of X and Y", 20.0),
+        ("servo_mismatch:XY:delta_tau_ms=2", "X and Y follow unlike (servo mismatch)", 2.0),
+    ],
+)
+def test_signs_are_those_of_the_simulator_and_of_diagnose(effect, name, size, tmp_path, capfd):
+    """Its effects say: positive where the angle is more than a right one; lag of the first axis
+    less that of the second."""
+    recording, out = tmp_path / "r.csv", tmp_path / "i.json"
+    words = ["simulate", "--test", "ballbar:XY,runs=1", "--machine", "example-mill", "--only"]
+    words += ["EBZ", "--with", effect, "--set", "rate=20", "--quiet", "-o", str(recording)]
+    assert main(words) == 0
+    assert main(["iso", str(recording), "--json", str(out)]) == 0
+    first = json.loads(out.read_text())["results"][0]["causes"]["ranked"][0]
+    assert first["name"] == name and first["size"] == pytest.approx(size, rel=0.03)
+    assert f"+: {first['positive']}" in capfd.readouterr().out
 
 
 def test_most_of_what_noise_makes_lies_within_its_u():

@@ -1,4 +1,5 @@
-"""Which test a recording is for is told from its data; what fits none is refused with file and line."""
+"""Which test a recording is for is told from its data; what fits none is refused with file and
+line."""
 
 from __future__ import annotations
 
@@ -45,7 +46,9 @@ def diagonal(signs, axes="XYZ", sense=1.0, scale=0.0, lost=0.0):
     ends = dict(zip(axes, (300.0, 200.0, 100.0), strict=False))
     length = np.sqrt(sum(v * v for v in ends.values()))
     share = np.linspace(0, 1, 7)
-    t, approach, reading, run = runs_of(share, np.stack([scale * share * length / 1000, scale * share * length / 1000 - lost]))  # fmt: skip
+    t, approach, reading, run = runs_of(
+        share, np.stack([scale * share * length / 1000, scale * share * length / 1000 - lost])
+    )
     moves, ways = {}, {}
     for x, sign in zip(axes, signs, strict=True):
         moves[x] = ends[x] * (t if sign == "P" else 1 - t)
@@ -58,9 +61,20 @@ def diagonal(signs, axes="XYZ", sense=1.0, scale=0.0, lost=0.0):
 
 
 def test_diagonals_by_their_signs_and_the_largest_of_each():
-    found, results, _ = kinds(*(diagonal(s, scale=k, lost=b) for s, k, b in (("PPP", 10, 1), ("NPP", -30, 2), ("PNP", 20, 5), ("NNP", 0, 1))))  # fmt: skip
-    assert found[:4] == [("diagonal", "PPP of XYZ"), ("diagonal", "NPP of XYZ"), ("diagonal", "PNP of XYZ"), ("diagonal", "NNP of XYZ")]  # fmt: skip
-    # length sqrt(300^2 + 200^2 + 100^2) = 374.17 mm; E of NPP = 30e-6 * 374.17 + 2 um = 13.22; of PNP 7.48 + 5 = 12.48.
+    found, results, _ = kinds(
+        *(
+            diagonal(s, scale=k, lost=b)
+            for s, k, b in (("PPP", 10, 1), ("NPP", -30, 2), ("PNP", 20, 5), ("NNP", 0, 1))
+        )
+    )
+    assert found[:4] == [
+        ("diagonal", "PPP of XYZ"),
+        ("diagonal", "NPP of XYZ"),
+        ("diagonal", "PNP of XYZ"),
+        ("diagonal", "NNP of XYZ"),
+    ]
+    # length sqrt(300^2 + 200^2 + 100^2) = 374.17 mm; E of NPP = 30e-6 * 374.17 + 2 um = 13.22; of
+    # PNP 7.48 + 5 = 12.48.
     assert found[4] == ("diagonals", "XYZ diagonals")
     assert (
         results[4]["Ed"].value / UM == pytest.approx(13.225, abs=1e-3)
@@ -78,7 +92,8 @@ def test_diagonals_by_their_signs_and_the_largest_of_each():
 def test_a_diagonal_is_the_same_from_both_ends_and_with_either_sign(signs, name, sense):
     found, results, _ = kinds(diagonal(signs, "XZ", sense, scale=100, lost=3))
     assert found[0] == ("diagonal", f"{name} of XZ")
-    # 361 mm (300, 200) * 100 um/m = 36.06 um, + 3 = 39.06; measured from the other end, the zero is there: B alone turns.
+    # 361 mm (300, 200) * 100 um/m = 36.06 um, + 3 = 39.06; measured from the other end, the zero is
+    # there: B alone turns.
     assert results[0]["E"].value / UM == pytest.approx(39.056, abs=1e-3)
     assert results[0]["M"].value / UM == pytest.approx(36.056, abs=1e-3)
     assert any("1 of 2 diagonals measured" in n for n in results[1].notices)

@@ -27,9 +27,23 @@ def is_near(found, expected, within=1e-3):
 
 
 def test_squareness_and_scale_mismatch():
-    # dr = (g r / 2) sin 2t: g = 50 urad, r = 100 mm: +-2.5 um. dr = (ds r / 2) cos 2t: ds = 80 um/m: +-4 um.
+    # dr = (g r / 2) sin 2t: g = 50 urad, r = 100 mm: +-2.5 um. dr = (ds r / 2) cos 2t: ds = 80
+    # um/m: +-4 um.
     found, _ = values(both_ways(lambda t, way: 2.5 * np.sin(2 * t)))
-    is_near(found, {"Gxy": 5, "Gyx": 5, "Gxy mz": 5, "G(b)": 5, "G(b) mz": 5, "H": 0, "D": 0, "Fxy max": 2.5, "Fyx min": -2.5})  # fmt: skip
+    is_near(
+        found,
+        {
+            "Gxy": 5,
+            "Gyx": 5,
+            "Gxy mz": 5,
+            "G(b)": 5,
+            "G(b) mz": 5,
+            "H": 0,
+            "D": 0,
+            "Fxy max": 2.5,
+            "Fyx min": -2.5,
+        },
+    )
     found, _ = values(both_ways(lambda t, way: 4 * np.cos(2 * t)))
     is_near(found, {"Gxy": 8, "Gyx": 8, "G(b)": 8, "H": 0, "D": 0, "Fxy max": 4, "Fxy min": -4})
 
@@ -43,13 +57,13 @@ def test_mean_scale_is_d_alone():
 
 
 def test_backlash_steps_at_the_quadrants():
-    """X lags by b / 2 behind its motion: xy turns X towards - in the upper half, where it stands b / 2 too far in +."""
+    """X lags by b / 2 behind its motion: xy turns X towards - in the upper half, where it stands b
+    / 2 too far in +."""
     b = 6.0
 
     def radial(t, way):
-        return (
-            way * b / 2 * np.sign(np.sin(t + way * 1e-6)) * np.cos(t)
-        )  # just after 0 and 180 degrees it has turned
+        # just after 0 and 180 degrees it has turned
+        return way * b / 2 * np.sign(np.sin(t + way * 1e-6)) * np.cos(t)
 
     found, result = values(both_ways(radial, per_turn=3600))
     # each sense: +b/2 and -b/2 on either side of the step; between the senses b at the steps.
@@ -78,7 +92,8 @@ def test_a_centre_beside_the_machine_s_is_in_f_alone():
 
 
 def test_the_senses_apart_are_hysteresis_and_in_the_two_way_deviation():
-    # one sense 2 um larger everywhere: each is a circle; about one centre their zone is 2; D is the mean of 0 and 2.
+    # one sense 2 um larger everywhere: each is a circle; about one centre their zone is 2; D is the
+    # mean of 0 and 2.
     found, _ = values(both_ways(lambda t, way: 1.0 + way))
     is_near(
         found,
@@ -96,7 +111,8 @@ def test_senses_are_named_by_the_way_they_turn():
 
 
 def test_overshoot_is_taken_off_by_angle():
-    """Arcs of 180 degrees before and after the circle hold a run-in of 50 um; the middle turn is 4 cos 2t."""
+    """Arcs of 180 degrees before and after the circle hold a run-in of 50 um; the middle turn is 4
+    cos 2t."""
 
     def radial(t, way):
         turned = np.abs(t - t[0])
@@ -113,7 +129,19 @@ def test_an_arc_is_no_circle():
     found, result = values(
         ballbar([(1, 0, 220, lambda t, w: 1.0), (-1, 220, 220, lambda t, w: -1.0)])
     )
-    is_near(found, {"Gxy": None, "Gxy mz": None, "G(b)": None, "D": None, "Fxy max c": None, "H": 2, "Fxy max": 1, "Fyx min": -1})  # fmt: skip
+    is_near(
+        found,
+        {
+            "Gxy": None,
+            "Gxy mz": None,
+            "G(b)": None,
+            "D": None,
+            "Fxy max c": None,
+            "H": 2,
+            "Fxy max": 1,
+            "Fyx min": -1,
+        },
+    )
     assert any("220 degrees is no full circle" in n for n in result.notices)
 
 
@@ -124,7 +152,8 @@ def test_one_sense_has_no_hysteresis():
 
 
 def test_runs_are_pairs_in_their_order_and_scatter_is_in_u():
-    # H of the pairs: 1 and 3 um: mean 2, s = sqrt(2), n = 2: t(1 dof, 95.45 %) = 13.97, 13.97 * sqrt(2) / sqrt(2) = 13.97.
+    # H of the pairs: 1 and 3 um: mean 2, s = sqrt(2), n = 2: t(1 dof, 95.45 %) = 13.97, 13.97 *
+    # sqrt(2) / sqrt(2) = 13.97.
     shift = iter([0.0, 1.0, 0.0, 3.0])
     circles = [(w, 0, 360, lambda t, way, d=next(shift): d) for w in (1, -1, 1, -1)]
     _, result = values(ballbar(circles))
@@ -133,8 +162,8 @@ def test_runs_are_pairs_in_their_order_and_scatter_is_in_u():
 
 
 def brute_annulus(points):
-    """Least ring width: its centre is as far from two outer points as from each other, and from two inner ones, or
-    from three of one kind."""
+    """Least ring width: its centre is as far from two outer points as from each other, and from two
+    inner ones, or from three of one kind."""
     best = np.inf
     for i, j, k, m in itertools.permutations(range(len(points)), 4):
         if i > j or k > m:
@@ -159,9 +188,8 @@ def test_minimum_zone_circle_against_every_ring(seed):
     generator = np.random.default_rng(seed)
     count = int(generator.integers(5, 9))
     angle = np.arange(count) * 2 * np.pi / count + generator.uniform(-0.3, 0.3, count)
-    radius = 5.0 + 0.02 * generator.normal(
-        size=count
-    )  # large deviations, so that a linear fit alone would be off
+    # large deviations, so that a linear fit alone would be off
+    radius = 5.0 + 0.02 * generator.normal(size=count)
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1) + generator.uniform(
         -0.05, 0.05, 2
     )
@@ -173,7 +201,9 @@ def test_minimum_zone_circle_against_every_ring(seed):
 def test_least_squares_circle_is_stationary():
     generator = np.random.default_rng(4)
     angle = np.linspace(0, 2 * np.pi, 50, endpoint=False)
-    points = (10 + 0.1 * generator.normal(size=50))[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1) + [0.5, -0.3]  # fmt: skip
+    points = (10 + 0.1 * generator.normal(size=50))[:, None] * np.stack(
+        [np.cos(angle), np.sin(angle)], axis=1
+    ) + [0.5, -0.3]
     found = least_squares(points, 10.0)
 
     def squares(centre, radius):
@@ -222,10 +252,12 @@ def test_samples_beside_the_circle_and_gaps_are_said():
 
 
 def test_terms_of_a_circle_by_hand():
-    """G, H: differences of two readings; F, D: one reading, and the expansion over the radius (the bar is the standard)."""
+    """G, H: differences of two readings; F, D: one reading, and the expansion over the radius (the
+    bar is the standard)."""
     budget = Stated(device=0.2 * UM, alpha=11.5e-6, u_temperature=0.5, drift=1.2 * UM)
     (result,), _ = choose.results([both_ways(lambda t, way: np.cos(2 * t))], Options(budget=budget))
-    # G: 2 sqrt((1.414 * 0.2)^2 + (1.2 / 3.464)^2) = 0.894; D, F: 2 sqrt(0.2^2 + 0.3464^2 + (11.5e-6 * 100 mm * 0.5 K = 0.575 um)^2) = 1.401.
+    # G: 2 sqrt((1.414 * 0.2)^2 + (1.2 / 3.464)^2) = 0.894; D, F: 2 sqrt(0.2^2 + 0.3464^2 + (11.5e-6
+    # * 100 mm * 0.5 K = 0.575 um)^2) = 1.401.
     for name, u in (
         ("Gxy", 0.894),
         ("G(b)", 0.894),

@@ -47,8 +47,8 @@ def test_table_of_an_axis(written, z_axis, capsys):
     assert row["E"][1:4] == ["11.60", "0.58", "-"]
     assert row["M"][1] == "9.55" and row["A"][1:4] == ["-", "-", "-"]
     assert (
-        "note: error with the period 10 mm (the lead of 10 mm): invisible: all targets lie at the same phase"
-        in out
+        "note: error with the period 10 mm (the lead of 10 mm): invisible: all targets lie at the"
+        " same phase" in out
     )
     assert "note: one run: s, R and A are not defined" in out
     assert "device, misalignment, temperature, expansion" in out
@@ -104,10 +104,32 @@ def test_squareness_and_circles_are_printed(written, capsys):
 def test_figures(written, z_axis, tmp_path, capsys, ending):
     pytest.importorskip("matplotlib")
     path = tmp_path / f"out.{ending}"
-    assert main(["iso", written(z_axis), written(both_ways(lambda t, w: w + np.cos(2 * t)), "b.csv"), "--figure", str(path)]) == 0  # fmt: skip
+    assert (
+        main(
+            [
+                "iso",
+                written(z_axis),
+                written(both_ways(lambda t, w: w + np.cos(2 * t)), "b.csv"),
+                "--figure",
+                str(path),
+            ]
+        )
+        == 0
+    )
     data = path.read_bytes()
     assert data.startswith({"svg": b"<?xml", "png": b"\x89PNG", "pdf": b"%PDF"}[ending])
-    assert main(["iso", written(z_axis), written(both_ways(lambda t, w: w + np.cos(2 * t)), "b.csv"), "--figure", str(path)]) == 0  # fmt: skip
+    assert (
+        main(
+            [
+                "iso",
+                written(z_axis),
+                written(both_ways(lambda t, w: w + np.cos(2 * t)), "b.csv"),
+                "--figure",
+                str(path),
+            ]
+        )
+        == 0
+    )
     assert path.read_bytes() == data
 
 
@@ -204,7 +226,16 @@ def test_a_set_without_a_figure_is_refused(written, capsys):
     [(3.0, 1), (1.0, 1), (0.99, 2), (0.3, 2), (0.05, 3), (30.0, 0), (0.0, 4)],
 )
 def test_one_more_digit_than_the_noise(noise_um, digits):
-    result = Result("positioning", "ISO 230-2", "EXX", "", "um", (), (Parameter("E", 1.23456e-3, ""),), noise=noise_um * 1e-3)  # fmt: skip
+    result = Result(
+        "positioning",
+        "ISO 230-2",
+        "EXX",
+        "",
+        "um",
+        (),
+        (Parameter("E", 1.23456e-3, ""),),
+        noise=noise_um * 1e-3,
+    )
     assert report.decimals(result) == digits
     (row,) = [
         line.split() for line in report.text([result]).splitlines() if line.startswith("  E ")

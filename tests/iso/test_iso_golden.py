@@ -1,4 +1,5 @@
-"""The seed's tables 6.1 and 6.2, evaluated: the values that design notes computed from the same tables by hand-written sums."""
+"""The seed's tables 6.1 and 6.2, evaluated: the values that design notes computed from the same
+tables by hand-written sums."""
 
 from __future__ import annotations
 

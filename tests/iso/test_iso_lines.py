@@ -26,13 +26,14 @@ def test_lines_by_hand():
     assert line.slope == pytest.approx(0.01) and straightness_error(
         "end-point", X, y
     ) == pytest.approx(3)
-    # least squares: mean 2.2, sum (x-200) y = (0*-200 + 3*-100 + 3*100 + 4*200) = 800, / 100000 = 0.008;
-    # line 0.6 1.4 2.2 3.0 3.8; deviations -0.6 1.6 -1.2 0 0.2: error 2.8.
+    # least squares: mean 2.2, sum (x-200) y = (0*-200 + 3*-100 + 3*100 + 4*200) = 800, / 100000 =
+    # 0.008; line 0.6 1.4 2.2 3.0 3.8; deviations -0.6 1.6 -1.2 0 0.2: error 2.8.
     line = reference("least-squares", X, y)
     assert (line.slope, float(line.value(200.0))) == pytest.approx((0.008, 2.2))
     assert straightness_error("least-squares", X, y) == pytest.approx(2.8)
-    # minimum zone: parallel to the chord 0 (0,0) - 200 (200,1), slope 0.005: y - 0.005 x = 0 2.5 0 1.5 2: width 2.5;
-    # parallel to 100 (100,3) - 400 (400,4), slope 1/300: 0 2.667 0.333 2 2.667: 2.667. The first is the narrower.
+    # minimum zone: parallel to the chord 0 (0,0) - 200 (200,1), slope 0.005: y - 0.005 x = 0 2.5 0
+    # 1.5 2: width 2.5; parallel to 100 (100,3) - 400 (400,4), slope 1/300: 0 2.667 0.333 2 2.667:
+    # 2.667. The first is the narrower.
     line = reference("minimum-zone", X, y)
     assert line.slope == pytest.approx(0.005) and straightness_error(
         "minimum-zone", X, y
@@ -55,9 +56,8 @@ def test_minimum_zone_line_against_every_pair(seed):
     generator = np.random.default_rng(seed)
     m = int(generator.integers(2, 12))
     x = np.sort(generator.choice(500, m, replace=False)).astype(float)
-    y = np.round(
-        generator.normal(size=m), int(generator.integers(0, 4))
-    )  # few digits: points that coincide and tie
+    # few digits: points that coincide and tie
+    y = np.round(generator.normal(size=m), int(generator.integers(0, 4)))
     assert straightness_error("minimum-zone", x, y) == pytest.approx(brute_line(x, y), abs=1e-11)
 
 
@@ -77,8 +77,8 @@ def test_no_line_has_a_narrower_zone_and_tilt_plays_no_part(seed):
 
 
 def test_least_squares_need_not_be_narrower_than_the_end_points():
-    # y = 0 0 0 1 0: end-point line level, zone 1. Least squares: slope 0.1 a step, level 0.2 in the middle:
-    # deviations 0 -0.1 -0.2 0.7 -0.4, zone 1.1.
+    # y = 0 0 0 1 0: end-point line level, zone 1. Least squares: slope 0.1 a step, level 0.2 in the
+    # middle: deviations 0 -0.1 -0.2 0.7 -0.4, zone 1.1.
     y = np.array([0, 0, 0, 1, 0.0])
     assert straightness_error("end-point", X, y) == pytest.approx(1)
     assert straightness_error("least-squares", X, y) == pytest.approx(1.1)
@@ -87,7 +87,8 @@ def test_least_squares_need_not_be_narrower_than_the_end_points():
 @settings(max_examples=60, deadline=None)
 @given(points)
 def test_minimax_leaves_the_largest_residual_at_both_signs(seed):
-    """Chebyshev's mark of the best fit with 3 coefficients: 4 points where the residual is largest, or a tie of fewer."""
+    """Chebyshev's mark of the best fit with 3 coefficients: 4 points where the residual is largest,
+    or a tie of fewer."""
     generator = np.random.default_rng(seed)
     angle, y = generator.uniform(0, 2 * np.pi, 40), generator.normal(size=40)
     basis = np.column_stack([np.ones(40), np.cos(angle), np.sin(angle)])
@@ -114,12 +115,15 @@ def test_minimax_with_points_that_coincide():
 
 
 def test_straightness_of_each_direction_about_its_own_line():
-    # + bows by 2, - lies 3 lower, bows by -2 and is tilted by 10 urad: the mean of both is straight (end points).
+    # + bows by 2, - lies 3 lower, bows by -2 and is tilted by 10 urad: the mean of both is straight
+    # (end points).
     up = np.array([0, 2.0, 0])
     down = np.array([-3, -5.0, -3]) + np.array([0, 1.0, 2.0])
     test = evaluate(*runs_of(np.array([0.0, 100, 200]), np.stack([up, down]) * UM))
     found = straightness.evaluate("end-point", test)
-    assert {n: v / UM for n, v in found.errors.items()} == pytest.approx({"straightness": 0, "straightness +": 2, "straightness -": 2})  # fmt: skip
+    assert {n: v / UM for n, v in found.errors.items()} == pytest.approx(
+        {"straightness": 0, "straightness +": 2, "straightness -": 2}
+    )
     assert found.lines["straightness -"].slope == pytest.approx(10 * URAD)
     one_way = straightness.evaluate(
         "end-point", evaluate(*(c[:3] for c in runs_of(X[:3], np.stack([up, down]))))
@@ -128,7 +132,8 @@ def test_straightness_of_each_direction_about_its_own_line():
 
 
 def two_runs(first, second, lean_first, lean_second, sign=1.0):
-    """Straightness of both axes of a pair, in um, on one square; leans in urad: deviation per motion."""
+    """Straightness of both axes of a pair, in um, on one square; leans in urad: deviation per
+    motion."""
     x = np.arange(0, 401, 50.0)
     one = along(first, x, np.tile(lean_first * x * 1e-3, (2, 1)), {second: 1.0}, "straightness")
     two = along(
@@ -145,8 +150,14 @@ def two_runs(first, second, lean_first, lean_second, sign=1.0):
     ],
 )  # fmt: skip
 def test_signs_of_squareness(kind, pair, name, expected):
-    """C0Y = +S (Y leans to -X), A0Z = +S (Z leans to -Y), B0Z = -S; S > 0: the angle is larger than 90 degrees."""
-    for first, second, lean_first, lean_second in ((*pair, 0, -30), (*pair, -30, 0), (*pair, 10, -40), (*pair[::-1], -40, 10)):  # fmt: skip
+    """C0Y = +S (Y leans to -X), A0Z = +S (Z leans to -Y), B0Z = -S; S > 0: the angle is larger than
+    90 degrees."""
+    for first, second, lean_first, lean_second in (
+        (*pair, 0, -30),
+        (*pair, -30, 0),
+        (*pair, 10, -40),
+        (*pair[::-1], -40, 10),
+    ):
         found, _ = choose.results(
             two_runs(first, second, lean_first, lean_second), Options(line=kind)
         )
@@ -156,7 +167,8 @@ def test_signs_of_squareness(kind, pair, name, expected):
 
 
 def test_squareness_is_the_turn_of_the_second_axis():
-    """A0Z, B0Z and C0Y are rotations: turning the second axis' direction by them about X, Y, Z makes it lean so."""
+    """A0Z, B0Z and C0Y are rotations: turning the second axis' direction by them about X, Y, Z
+    makes it lean so."""
     axis = {"X": 0, "Y": 1, "Z": 2}
     for pair, name in (("XY", "C0Y"), ("YZ", "A0Z"), ("XZ", "B0Z")):
         turn = np.zeros(3)

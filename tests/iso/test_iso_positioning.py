@@ -73,7 +73,8 @@ def test_one_direction_defines_no_two_way_parameter():
 
 
 def test_pure_reversal_is_all_that_is_found():
-    # An axis 4 um behind when it comes from above: B = E = 4, R = |B| = 4, M = 0, R+ = R- = 0 (ISO 230-2).
+    # An axis 4 um behind when it comes from above: B = E = 4, R = |B| = 4, M = 0, R+ = R- = 0 (ISO
+    # 230-2).
     values = evaluate(
         np.tile([0.0, 50, 100], 4), np.repeat([1, -1, 1, -1], 3), np.repeat([0, -4, 0, -4], 3) * 1.0
     ).values
@@ -90,9 +91,8 @@ def test_an_axis_longer_than_two_metres_has_no_scatter():
 
 
 def test_a_lone_reading_at_one_target_leaves_scatter_undefined():
-    values = evaluate(
-        POSITION[1:], APPROACH[1:], READING[1:]
-    ).values  # two runs + at 0: still defined
+    # two runs + at 0: still defined
+    values = evaluate(POSITION[1:], APPROACH[1:], READING[1:]).values
     assert values["A+"] is not None
     values = evaluate(
         np.delete(POSITION, [0, 2]), np.delete(APPROACH, [0, 2]), np.delete(READING, [0, 2])
@@ -141,7 +141,16 @@ def test_turning_the_direction_of_travel_negates_the_reversal(seed):
     test, turned = evaluate(position, approach, reading), evaluate(position, -approach, reading)
     assert turned.reversal == pytest.approx(-test.reversal)
     assert turned.values["Bm"] == pytest.approx(-test.values["Bm"])
-    for name, other in (("E", "E"), ("R", "R"), ("A", "A"), ("M", "M"), ("B", "B"), ("E+", "E-"), ("R-", "R+"), ("A+", "A-")):  # fmt: skip
+    for name, other in (
+        ("E", "E"),
+        ("R", "R"),
+        ("A", "A"),
+        ("M", "M"),
+        ("B", "B"),
+        ("E+", "E-"),
+        ("R-", "R+"),
+        ("A+", "A-"),
+    ):
         assert turned.values[name] == pytest.approx(test.values[other])
 
 
@@ -169,7 +178,10 @@ def test_more_noise_does_not_lower_accuracy_in_expectation():
         np.stack([np.linspace(0, 5, 10), np.linspace(-1, 3, 10)]),
     )
     noises = generator.normal(size=(300, 2, 5, 10))
-    expected = [np.mean([evaluate(*runs_of(position, means, s * one)).values["A"] for one in noises]) for s in (0, 0.3, 1, 3)]  # fmt: skip
+    expected = [
+        np.mean([evaluate(*runs_of(position, means, s * one)).values["A"] for one in noises])
+        for s in (0, 0.3, 1, 3)
+    ]
     assert np.all(np.diff(expected) > 0.3)
 
 
@@ -177,11 +189,17 @@ def test_lead_that_the_targets_hide():
     equal = np.arange(0, 301, 30.0)
     assert spacing(equal) == 30
     assert spacing(equal + np.array([0, 3, 1, 0, 7, 2, 4, 1, 9, 0, 0])) is None
-    # 30 mm are 3 turns of a 10 mm lead, and 6, 9, 12 of its parts; of a 20 mm lead 1.5, 3, 4.5, 6 turns.
+    # 30 mm are 3 turns of a 10 mm lead, and 6, 9, 12 of its parts; of a 20 mm lead 1.5, 3, 4.5, 6
+    # turns.
     assert [(k, words.split(":")[0]) for k, words in aliases(equal, 10)] == [
         (k, "invisible") for k in (1, 2, 3, 4)
     ]
-    assert [(k, words.split()[0].strip(":")) for k, words in aliases(equal, 20)] == [(1, "a"), (2, "invisible"), (3, "a"), (4, "invisible")]  # fmt: skip
+    assert [(k, words.split()[0].strip(":")) for k, words in aliases(equal, 20)] == [
+        (1, "a"),
+        (2, "invisible"),
+        (3, "a"),
+        (4, "invisible"),
+    ]
     # 30 mm in a 25 mm lead are 1.2 turns: it looks like a wave of 30 / 0.2 = 150 mm.
     assert aliases(equal, 25)[0] == (1, "looks like a wave of 150 mm")
     assert aliases(equal + np.random.default_rng(1).uniform(0, 10, 11), 10) == []
@@ -203,7 +221,9 @@ def test_departures_from_the_standard_are_said():
     position, approach, reading, run = runs_of(
         np.array([0.0, 31, 62, 90, 120]), np.zeros((2, 5)), np.ones((2, 3, 5))
     )
-    assert "n = 3 runs each way, the standard asks for 5" in said(targets({"X": position}, reading, approach, {"X": 1.0}, run=run))  # fmt: skip
+    assert "n = 3 runs each way, the standard asks for 5" in said(
+        targets({"X": position}, reading, approach, {"X": 1.0}, run=run)
+    )
     up = approach > 0
     assert "approached in + only" in said(
         targets({"X": position[up]}, reading[up], approach[up], {"X": 1.0})

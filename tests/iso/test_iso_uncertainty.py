@@ -1,4 +1,5 @@
-"""The uncertainty of the parameters: each term by hand, and whether U covers the truth as often as it says."""
+"""The uncertainty of the parameters: each term by hand, and whether U covers the truth as often as
+it says."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ from postproc.iso.uncertainty import of_positioning, rectangular
 
 
 def test_distributions_against_printed_tables():
-    """JCGM 100:2008 table G.2; F(0.05; 3, 10) = 3.708, chi-squared(0.05; 5) = 11.070 of any statistics table."""
+    """JCGM 100:2008 table G.2; F(0.05; 3, 10) = 3.708, chi-squared(0.05; 5) = 11.070 of any
+    statistics table."""
     for dof, t in ((1, 13.97), (2, 4.53), (4, 2.87), (10, 2.28), (50, 2.05)):
         assert student(dof) == pytest.approx(t, abs=0.006)
     assert student(4, 0.95) == pytest.approx(2.776, abs=5e-4) and student(1e9) == pytest.approx(
@@ -26,7 +28,16 @@ def test_distributions_against_printed_tables():
     assert chi_squared_tail(11.070, 5) == pytest.approx(0.05, abs=2e-5)
 
 
-BUDGET = Stated(device=0.2 * UM, misalignment=1e-3, alpha=11.5e-6, u_alpha=1e-6, temperature=23.0, u_temperature=0.5, drift=1.2 * UM, square=5e-6)  # fmt: skip
+BUDGET = Stated(
+    device=0.2 * UM,
+    misalignment=1e-3,
+    alpha=11.5e-6,
+    u_alpha=1e-6,
+    temperature=23.0,
+    u_temperature=0.5,
+    drift=1.2 * UM,
+    square=5e-6,
+)
 BY_HAND = {  # um, k = 1, over 500 mm
     "device": 0.2828,  # sqrt 2 * 0.2
     "misalignment": 0.07217,  # 500 (1 - cos 0.001) = 0.00025 mm = 0.25 um, / (2 sqrt 3)
@@ -63,7 +74,10 @@ def test_rectangular_by_hand():
 def test_what_is_not_stated_is_named_and_nothing_stated_is_no_zero():
     result = one_run()
     assert result["E"].U is None and not result.terms
-    assert any("not in U, since not stated: the device, drift, misalignment, temperature, expansion" in n for n in result.notices)  # fmt: skip
+    assert any(
+        "not in U, since not stated: the device, drift, misalignment, temperature, expansion" in n
+        for n in result.notices
+    )
     recording = along("X", [0, 100, 200], np.zeros((2, 3)), u_um=0.5)
     (result,), _ = choose.results([recording], Options())
     assert result["E"].U == pytest.approx(2 * math.sqrt(2) * 0.5 * UM)
@@ -75,7 +89,8 @@ def test_lengths_play_no_part_in_straightness_and_angles():
     two = along("Y", [0, 100, 200, 300], np.zeros((2, 4)), {"X": 1.0}, "straightness")
     found, _ = choose.results([one, two], Options(budget=BUDGET))
     assert {t.name for t in found[0].terms} == {"device", "drift"}
-    # squareness: the square 5 urad, and sqrt 2 * 0.2 um over 300 mm = 0.943 urad from each run; 2 sqrt(25 + 2 * 0.889) = 10.35.
+    # squareness: the square 5 urad, and sqrt 2 * 0.2 um over 300 mm = 0.943 urad from each run; 2
+    # sqrt(25 + 2 * 0.889) = 10.35.
     assert found[2]["C0Y"].U == pytest.approx(10.35e-6, abs=1e-8)
     angle = along("X", [0, 100, 200], np.zeros((2, 3)), {"Z": 1.0}, "angle", u_um=0.4)
     (result,), _ = choose.results([angle], Options(budget=BUDGET))
@@ -86,7 +101,8 @@ def test_lengths_play_no_part_in_straightness_and_angles():
 
 
 def test_scatter_with_clear_extremes_is_student_s_t_of_two_means():
-    """Two targets far apart, s = 1 at each, n = 5, 16 degrees of freedom: U = t(95 %, 16) sqrt(2/5) = 2.120 * 0.6325 = 1.341."""
+    """Two targets far apart, s = 1 at each, n = 5, 16 degrees of freedom: U = t(95 %, 16) sqrt(2/5)
+    = 2.120 * 0.6325 = 1.341."""
     noise = np.array([-1.2649, -0.63246, 0, 0.63246, 1.2649])  # mean 0, s 1
     noise = np.tile(noise[None, :, None], (2, 1, 2))
     test = evaluate(*runs_of(np.array([0.0, 100]), np.array([[0, 90.0], [5, 100.0]]), noise))
@@ -112,7 +128,8 @@ def test_a_cell_that_scatters_more_keeps_a_scatter_of_its_own():
     even = noise_of(np.array([[1, 1.3, 0.9, 1.1], [0.8, 1, 1.2, 1]]), n)
     assert even.pooled and np.ptp(even.u) == 0 and even.dof[0, 0] == 32
     odd = noise_of(np.array([[1, 1, 1, 9.0], [1, 1, 1, 1]]), n)
-    # common variance (7 + 81) / 8 = 11; of the odd cell (4 * 81 + 4 * 11) / 8 = 46, of the others (4 + 44) / 8 = 6.
+    # common variance (7 + 81) / 8 = 11; of the odd cell (4 * 81 + 4 * 11) / 8 = 46, of the others
+    # (4 + 44) / 8 = 6.
     assert (
         not odd.pooled
         and odd.u[0] == pytest.approx(np.sqrt(np.array([6, 6, 6, 46]) / 5))
@@ -136,22 +153,28 @@ def coverage(position, means, s, n=5, tests=2000):
 
 @pytest.mark.parametrize("column", ["dzz", "dxx", "dzx"])
 def test_coverage_on_the_seed_s_axes(column):
-    """2000 tests of n = 5 runs, s = 1 um, the seed's means as the truth: U is to cover it in 93 to 97 %."""
+    """2000 tests of n = 5 runs, s = 1 um, the seed's means as the truth: U is to cover it in 93 to
+    97 %."""
     position, means = seed(column)
     found = coverage(position, means, 1.0 * UM)
     assert all(0.93 <= found[name] <= 0.97 for name in ("E", "B", "Bm")), found
 
 
 def test_coverage_where_every_target_competes():
-    """A plain step of 2 um at 20 targets: the largest of 20 noisy reversals is far above the true one in every test."""
+    """A plain step of 2 um at 20 targets: the largest of 20 noisy reversals is far above the true
+    one in every test."""
     means = np.stack([np.ones(20), -np.ones(20)]) * UM
     found = coverage(np.arange(20) * 25.0, means, 1.0 * UM)
     assert all(0.93 <= share <= 0.97 for share in found.values()), found
 
 
-@pytest.mark.parametrize(("kind", "tests", "least"), [("least-squares", 1000, 0.93), ("end-point", 1000, 0.93), ("minimum-zone", 60, 0.88)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("kind", "tests", "least"),
+    [("least-squares", 1000, 0.93), ("end-point", 1000, 0.93), ("minimum-zone", 60, 0.88)],
+)
 def test_coverage_of_straightness_and_slope(kind, tests, least):
-    """On the seed's dxz with s = 0.5 um. The narrowest zone is slow to draw again: 60 tests, chance alone is +-5.5 %."""
+    """On the seed's dxz with s = 0.5 um. The narrowest zone is slow to draw again: 60 tests, chance
+    alone is +-5.5 %."""
     position, means = seed("dxz")
     truth = straightness.evaluate(kind, evaluate(*runs_of(position, means)))
     generator, hits = np.random.default_rng(1), np.zeros(2)
@@ -173,8 +196,12 @@ def test_coverage_of_straightness_and_slope(kind, tests, least):
 
 
 def test_terms_are_said_with_what_they_act_on():
-    position, approach, reading, run = runs_of(np.arange(0, 501, 100.0), np.zeros((2, 6)), np.random.default_rng(1).normal(size=(2, 5, 6)))  # fmt: skip
-    (result,), _ = choose.results([targets({"X": position}, reading, approach, {"X": 1.0}, run=run)], Options(budget=BUDGET))  # fmt: skip
+    position, approach, reading, run = runs_of(
+        np.arange(0, 501, 100.0), np.zeros((2, 6)), np.random.default_rng(1).normal(size=(2, 5, 6))
+    )
+    (result,), _ = choose.results(
+        [targets({"X": position}, reading, approach, {"X": 1.0}, run=run)], Options(budget=BUDGET)
+    )
     acts = {t.name: t.of for t in result.terms}
     assert (
         "B" not in acts["device"] and "B" not in acts["temperature"] and {"B", "R"} <= acts["drift"]

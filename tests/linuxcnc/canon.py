@@ -1,8 +1,9 @@
 """The side of the oracle that loads LinuxCNC: programs in, canonical motions out.
 
-Run by oracle.py, never imported by a test: `python3.11 canon.py RESULTS < jobs.json`. Each program runs in a
-child of its own (fork), so one that makes the interpreter crash, or leave a mode behind, harms no other.
-One JSON line per program is written to RESULTS; standard output belongs to the interpreter, which chatters.
+Run by oracle.py, never imported by a test: `python3.11 canon.py RESULTS < jobs.json`. Each program
+runs in a child of its own (fork), so one that makes the interpreter crash, or leave a mode behind,
+harms no other. One JSON line per program is written to RESULTS; standard output belongs to the
+interpreter, which chatters.
 """
 
 import ctypes
@@ -22,20 +23,19 @@ LENGTH = (0, 1, 2, 6, 7, 8)  # which of them are lengths
 LINE_LENGTH = 252
 SECONDS = 3  # of processor time, for one program
 MEMORY = 2 << 30
-PLANES = {
-    1: ("XY", 0, 1, 2),
-    2: ("YZ", 1, 2, 0),
-    3: ("ZX", 2, 0, 1),
-}  # name; first, second, normal axis
-# A fresh interpreter takes its position as zero of the *program*, and a feed of 1 as given. Put the machine at
-# machine zero, as after homing, and take back what that needs: G0 as motion mode, and the feed.
+# name; first, second, normal axis
+PLANES = {1: ("XY", 0, 1, 2), 2: ("YZ", 1, 2, 0), 3: ("ZX", 2, 0, 1)}
+# A fresh interpreter takes its position as zero of the *program*, and a feed of 1 as given. Put the
+# machine at machine zero, as after homing, and take back what that needs: G0 as motion mode, and
+# the feed.
 START = ("G21 G53 G0 X0 Y0 Z0 A0 B0 C0", "G80 F0")
 NO_TOOL = (-1, *[0.0] * 12, 0)
 TOOL_WORDS = "XYZABCUVWDIJQ"  # of a tool table, in the order get_tool answers
 
 
 class Canon:
-    """What the interpreter calls. It speaks inches and program coordinates; `motions` are mm and machine."""
+    """What the interpreter calls. It speaks inches and program coordinates; `motions` are mm and
+    machine."""
 
     def __init__(self, parameter_file, block_delete, tools):
         self.parameter_file = parameter_file
@@ -144,7 +144,8 @@ class Canon:
     # -- bookkeeping
 
     def to_machine(self, point):
-        """G92, then the rotation, then G5x, then the tool: the order of LinuxCNC's own controller."""
+        """G92, then the rotation, then G5x, then the tool: the order of LinuxCNC's own
+        controller."""
         x, y, *others = (p + offset for p, offset in zip(point, self.g92))
         if self.rotation:
             cosine, sine = (
@@ -184,7 +185,8 @@ def tool_entry(number, words):
 def attach_tool_table(home, tools, rs274):
     """Give the interpreter a tool table. Without one it crashes on the first T, M6 or G43.
 
-    It reads tools from a map in $HOME that LinuxCNC's controller would have made; `rs274 -t` makes one too.
+    It reads tools from a map in $HOME that LinuxCNC's controller would have made; `rs274 -t` makes
+    one too.
     """
     table = os.path.join(home, "tool.tbl")
     with open(table, "w") as out:
@@ -208,7 +210,8 @@ def uses_tools(text):
 
 
 def first_line_too_long(text):
-    """The interpreter skips a first line of more than 252 characters in silence (any other is an error)."""
+    """The interpreter skips a first line of more than 252 characters in silence (any other is an
+    error)."""
     return len(text.split("\n", 1)[0].rstrip("\r").encode()) > LINE_LENGTH
 
 
@@ -232,9 +235,8 @@ def run(job, home, rs274):
     if canon.missing is not None:
         line, reason, before = canon.missing
         return {"error": f"not covered by the oracle: {reason}", "line": line, "motions": before}
-    if (
-        result > gcode.MIN_ERROR
-    ):  # canon.line: the line number gcode.parse returns is one too high at times
+    # canon.line: the line number gcode.parse returns is one too high at times
+    if result > gcode.MIN_ERROR:
         return {"error": gcode.strerror(result), "line": canon.line, "motions": canon.motions}
     return {"motions": canon.motions}
 

@@ -1,7 +1,9 @@
-"""The tool centre's path as LinuxCNC's interpreter makes it, carried through a machine's deviation: how far it misses.
+"""The tool centre's path as LinuxCNC's interpreter makes it, carried through a machine's deviation:
+how far it misses.
 
-Nothing of gcomp but the machine's own deviation is used: both programs go through LinuxCNC with its tool table, the
-corrected one's centre path is sampled and moved by the deviation where each slide stands, approached as it moves.
+Nothing of gcomp but the machine's own deviation is used: both programs go through LinuxCNC with its
+tool table, the corrected one's centre path is sampled and moved by the deviation where each slide
+stands, approached as it moves.
 """
 
 from __future__ import annotations
@@ -83,11 +85,13 @@ def approach(point: np.ndarray) -> np.ndarray:
             extreme = (
                 value
                 if side == 0 and k == 0
-                else max(extreme, value)
-                if side > 0
-                else min(extreme, value)
-                if side < 0
-                else extreme
+                else (
+                    max(extreme, value)
+                    if side > 0
+                    else min(extreme, value)
+                    if side < 0
+                    else extreme
+                )
             )
             result[row, k] = side
     return result
@@ -124,7 +128,8 @@ def distances(point: np.ndarray, path: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def missed(nominal: list[Motion], run: list[Motion], machine) -> dict[int, float]:
-    """Line of the nominal program to mm: the largest distance there between its path and the actual one, either way."""
+    """Line of the nominal program to mm: the largest distance there between its path and the actual
+    one, either way."""
     wanted, made = sampled(nominal), sampled(run)
     found: dict[int, float] = {}
     if not wanted.point.shape[1] or not made.point.shape[1]:
@@ -142,7 +147,8 @@ def missed(nominal: list[Motion], run: list[Motion], machine) -> dict[int, float
 
 
 def kinds(text: str) -> dict[int, str]:
-    """Line (from 1) to "free", "entry", "inside", "rest" (no word of the plane, inside) or "exit", from the text alone."""
+    """Line (from 1) to "free", "entry", "inside", "rest" (no word of the plane, inside) or "exit",
+    from the text alone."""
     found, state, plane = {}, "free", "XY"
     for number, line in enumerate(text.split("\n"), 1):
         line = re.sub(r"\([^)]*\)|;.*", "", line).upper()

@@ -1,7 +1,8 @@
 """Random programs that LinuxCNC accepts, nearly always: `random_program(rng, kind)`.
 
-Material for a differential fuzz. Numbers have few decimals, so that what is exact in millimetres stays exact; functions
-that jump (FIX, MOD, comparisons) are given exact numbers only. Rotations are left to the hand-written programs.
+Material for a differential fuzz. Numbers have few decimals, so that what is exact in millimetres
+stays exact; functions that jump (FIX, MOD, comparisons) are given exact numbers only. Rotations are
+left to the hand-written programs.
 """
 
 from __future__ import annotations
@@ -97,9 +98,8 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
     def mode():
         choice = rng.randrange(4)
         if choice == 0:
-            modes["inch"] = not modes[
-                "inch"
-            ]  # G49 first: LinuxCNC forgets to convert a tool length in force
+            # G49 first: LinuxCNC forgets to convert a tool length in force
+            modes["inch"] = not modes["inch"]
             return "G49\n" + line(rng, "G20" if modes["inch"] else "G21")
         if choice == 1:
             return line(rng, rng.choice(("G7", "G8")))
@@ -143,7 +143,8 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
         )
 
     def change():
-        """A motion first: the oracle overlooks at M6 what was changed since the last one, and forgets G10 L1."""
+        """A motion first: the oracle overlooks at M6 what was changed since the last one, and
+        forgets G10 L1."""
         tool = f"T{rng.choice((0, 1, 2, 3))}"
         if modes["table written"] or rng.random() < 0.3:
             return tool
@@ -159,9 +160,19 @@ def frames(rng: random.Random, blocks: int) -> list[str]:
         return line(rng, rng.choice(("G28", "G30")), *(words() if rng.random() < 0.7 else ()))
 
     menu = (
-        *(motion,) * 8, circle, *(mode,) * 3, *(system,) * 2, *(local,) * 3, *(suspend,) * 2, *(set_system,) * 3,
-        set_tool, *(length,) * 3, change, machine, reference,
-    )  # fmt: skip
+        *(motion,) * 8,
+        circle,
+        *(mode,) * 3,
+        *(system,) * 2,
+        *(local,) * 3,
+        *(suspend,) * 2,
+        *(set_system,) * 3,
+        set_tool,
+        *(length,) * 3,
+        change,
+        machine,
+        reference,
+    )
     lines = ["G0 F500"]
     last = None
     while len(lines) < blocks:
@@ -321,9 +332,8 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
         ]
         incremental = rng.random() < 0.35
         codes = ("G73", "G81", "G81", "G82", "G83", "G85", "G86", "G89")
-        code = rng.choice(
-            (*codes, "G84", "G74") if depth == "Z" else codes
-        )  # LinuxCNC taps wrongly along X and Y
+        # LinuxCNC taps wrongly along X and Y
+        code = rng.choice((*codes, "G84", "G74") if depth == "Z" else codes)
         if code == "G74":
             lines.append("M4")
         lines.append(first(across, depth, factor, code, incremental, level))
@@ -339,11 +349,8 @@ def cycles(rng: random.Random, blocks: int) -> list[str]:
         bottom = clear - size(1, 9)
         values = (clear - level, bottom - clear) if incremental else (clear, bottom)
         r, z = (round(value, 2) for value in values)
-        words = [
-            code,
-            "G91" if incremental else "G90",
-            "R" + number(rng, r),
-        ]  # R is a radius in G7, too
+        # R is a radius in G7, too
+        words = [code, "G91" if incremental else "G90", "R" + number(rng, r)]
         words += [depth + number(rng, z * factor[depth])]
         words += [letter + number(rng, size(-9, 9)) for letter in some(rng, across, 1)]
         words += [rng.choice(("G98", "G99"))] if rng.random() < 0.6 else []

@@ -1,8 +1,10 @@
-"""LinuxCNC, whole and without a display, as a receiver of programs: what its joints did, in mm and machine coordinates.
+"""LinuxCNC, whole and without a display, as a receiver of programs: what its joints did, in mm and
+machine coordinates.
 
-Fetched by fetch_headless.sh. It runs in namespaces of its own (users, mounts, processes, network, shared memory): the fetched tree is
-laid over /usr there, because LinuxCNC looks for its modules at fixed places, and nothing of it is seen or left behind outside. It is
-no real-time machine: the servo period is kept as well as the system allows, and what is asserted must not depend on it.
+Fetched by fetch_headless.sh. It runs in namespaces of its own (users, mounts, processes, network,
+shared memory): the fetched tree is laid over /usr there, because LinuxCNC looks for its modules at
+fixed places, and nothing of it is seen or left behind outside. It is no real-time machine: the
+servo period is kept as well as the system allows, and what is asserted must not depend on it.
 """
 
 import functools
@@ -18,7 +20,8 @@ HERE = Path(__file__).parent
 CACHE = (
     Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "gcomp" / "linuxcnc-headless"
 )
-# The first unshare is root in its own world, to mount; the second is a common user there, since LinuxCNC refuses root.
+# The first unshare is root in its own world, to mount; the second is a common user there, since
+# LinuxCNC refuses root.
 OUTER = [
     "unshare",
     "--user",
@@ -31,7 +34,10 @@ OUTER = [
     "--kill-child",
     "--mount-proc",
 ]
-OVERLAY = 'mount -t overlay overlay -o lowerdir=usr:/usr /usr && cd / && exec unshare --user --map-user=1000 --map-group=1000 "$@"'
+OVERLAY = (
+    "mount -t overlay overlay -o lowerdir=usr:/usr /usr && cd / && exec unshare --user"
+    ' --map-user=1000 --map-group=1000 "$@"'
+)
 ANSWER = 120.0  # s
 
 
@@ -74,14 +80,27 @@ class Controller:
         self.settings = {"parameters": parameters or {}, "tools": tools or {}}
 
     def __enter__(self):
-        self.folder = tempfile.TemporaryDirectory(
-            prefix="gcomp-"
-        )  # short: a socket's path has 107 characters
+        # short: a socket's path has 107 characters
+        self.folder = tempfile.TemporaryDirectory(prefix="gcomp-")
         self.process = subprocess.Popen(
-            within("/usr/bin/python3.11", HERE / "headless_host.py", self.folder.name, json.dumps(self.settings)), cwd=CACHE,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-            env={"HOME": self.folder.name, "PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "LC_ALL": "C.UTF-8", "PYTHONDONTWRITEBYTECODE": "1"},
-        )  # fmt: skip
+            within(
+                "/usr/bin/python3.11",
+                HERE / "headless_host.py",
+                self.folder.name,
+                json.dumps(self.settings),
+            ),
+            cwd=CACHE,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            env={
+                "HOME": self.folder.name,
+                "PATH": "/usr/bin:/bin:/usr/sbin:/sbin",
+                "LC_ALL": "C.UTF-8",
+                "PYTHONDONTWRITEBYTECODE": "1",
+            },
+        )
         self.answers = queue.Queue()
         threading.Thread(target=self._listen, daemon=True).start()
         try:
@@ -120,7 +139,8 @@ class Controller:
         return self._answer()
 
     def run(self, text):
-        """Auto mode, with M0 behind motions: ([(line of the motion, (3,) mm)] at each M0, (3,) mm at the end)."""
+        """Auto mode, with M0 behind motions: ([(line of the motion, (3,) mm)] at each M0, (3,) mm
+        at the end)."""
         answer = self._ask(program=text)
         return [(line, tuple(joints)) for line, joints in answer["stops"]], tuple(answer["end"])
 

@@ -1,7 +1,9 @@
-"""LinuxCNC without a display, driven over standard input: `/usr/bin/python3.11 headless_host.py FOLDER '{"parameters": ..., "tools": ...}'`.
+"""LinuxCNC without a display, driven over standard input: `/usr/bin/python3.11 headless_host.py
+FOLDER '{"parameters": ..., "tools": ...}'`.
 
-Run by headless.py in namespaces of its own, never imported by a test; nothing of gcomp is imported here. Starts the server of
-messages, io, motion and task as LinuxCNC's own launcher does, then answers one JSON line for each that comes in:
+Run by headless.py in namespaces of its own, never imported by a test; nothing of gcomp is imported
+here. Starts the server of messages, io, motion and task as LinuxCNC's own launcher does, then
+answers one JSON line for each that comes in:
 
 - {"program": text}: run in auto mode; at every M0 the joints are read and the program resumed
 - {"mdi": [line, ...]}: one line after the other in MDI mode, the joints read behind each
@@ -50,9 +52,8 @@ def start(folder, parameters, tools):
     def stay(*command):
         return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
 
-    run(
-        "linuxcncsvr", "-ini", INI
-    )  # leaves a process of its own behind once the channels are there
+    # leaves a process of its own behind once the channels are there
+    run("linuxcncsvr", "-ini", INI)
     run("halcmd", "loadusr", "-Wn", "iocontrol", "io", "-ini", INI)
     run("halcmd", "-i", INI, "-f", HAL)
     task = stay("milltask", "-ini", INI)
@@ -127,8 +128,17 @@ class Machine:
             if (seen := (self.stat.motion_line, self.stat.read_line, self.joints())) != last:
                 last, until = seen, time.monotonic() + STALL
             if time.monotonic() > until:
-                raise Trouble(f"{what}: nothing changes, at line {self.stat.motion_line}")
+                raise Trouble(f"{what}: nothing changes, {self.state()}")
             time.sleep(0.001)
+
+    def state(self):
+        """What decides whether it stands, for a message."""
+        s = self.stat
+        return (
+            f"at line {s.motion_line}: interpreter {s.interp_state}, command {s.echo_serial_number}"
+            f" of {self.command.serial}, state {s.state}, in position {s.inpos}, queue {s.queue},"
+            f" to go {s.distance_to_go}, joints {self.joints()}, position {s.position[:3]}"
+        )
 
     def joints(self):
         """(3,) mm: the feedback, not the command."""
@@ -146,7 +156,8 @@ class Machine:
         )
 
     def still(self):
-        """It stands: nothing to go, and the joints, which follow the planner a few periods behind, are there."""
+        """It stands: nothing to go, and the joints, which follow the planner a few periods behind,
+        are there."""
         behind = max(abs(a - b) for a, b in zip(self.joints(), self.stat.position))
         return (
             self.stat.inpos
@@ -159,7 +170,8 @@ class Machine:
         return self.stat.interp_state == self.lib.INTERP_IDLE and self.still()
 
     def program(self, text):
-        """Auto mode; [(line of the motion before, joints)] at every M0, and the joints at the end."""
+        """Auto mode; [(line of the motion before, joints)] at every M0, and the joints at the
+        end."""
         self.begin(text)
         stops, given = [], self.command.serial
 

@@ -1,7 +1,8 @@
-"""LinuxCNC's interpreter as a witness: what a program makes the machine do, in mm and machine coordinates.
+"""LinuxCNC's interpreter as a witness: what a program makes the machine do, in mm and machine
+coordinates.
 
-Nothing of gcomp is imported here, and nothing of LinuxCNC: the interpreter runs in a subprocess (canon.py).
-tests/linuxcnc/README.md says how, and what was found about it.
+Nothing of gcomp is imported here, and nothing of LinuxCNC: the interpreter runs in a subprocess
+(canon.py). tests/linuxcnc/README.md says how, and what was found about it.
 """
 
 import functools
@@ -24,7 +25,8 @@ SECONDS_PER_BATCH = 300.0
 
 @dataclass(frozen=True)
 class Motion:
-    """One canonical motion. `start` and `end` are X Y Z (mm) A B C (degrees) in machine coordinates."""
+    """One canonical motion. `start` and `end` are X Y Z (mm) A B C (degrees) in machine
+    coordinates."""
 
     line: int  # in the source, from 1
     kind: str  # "rapid", "feed", "arc", "dwell" or "probe"
@@ -56,8 +58,9 @@ def available():
 def motions(text, *, block_delete=False, parameters=None, tools=None):
     """What `text` makes the machine do: a list of Motion, or ProgramError.
 
-    parameters: {5221: 1.0, ...} as LinuxCNC keeps them, lengths in mm; tools: {1: {"Z": 10.0, "D": 6.0}} in mm.
-    The machine is metric, starts at zero in G21 G90 G17 G54 and has the axes X Y Z A B C.
+    parameters: {5221: 1.0, ...} as LinuxCNC keeps them, lengths in mm; tools: {1: {"Z": 10.0, "D":
+    6.0}} in mm. The machine is metric, starts at zero in G21 G90 G17 G54 and has the axes X Y Z A B
+    C.
     """
     [result] = motions_of_many(
         [(text, dict(block_delete=block_delete, parameters=parameters, tools=tools))]
@@ -68,7 +71,8 @@ def motions(text, *, block_delete=False, parameters=None, tools=None):
 
 
 def motions_of_many(programs):
-    """`motions` for a list of (text, keywords), in one subprocess. A refused program's result is its ProgramError."""
+    """`motions` for a list of (text, keywords), in one subprocess. A refused program's result is
+    its ProgramError."""
     if (reason := available()) is not None:
         raise RuntimeError(reason)
     with tempfile.TemporaryDirectory(prefix="gcomp-linuxcnc-") as home:
@@ -88,7 +92,8 @@ def motions_of_many(programs):
 
 
 def load(path):
-    """A program file and its sidecar NAME.toml, as `motions` and `motions_of_many` take them: (text, keywords)."""
+    """A program file and its sidecar NAME.toml, as `motions` and `motions_of_many` take them:
+    (text, keywords)."""
     sidecar = path.with_suffix(".toml")
     keywords = tomllib.loads(sidecar.read_text()) if sidecar.exists() else {}
     if "parameters" in keywords:
@@ -127,7 +132,8 @@ def _environment(home):
         "LD_LIBRARY_PATH": ":".join(map(str, libraries)),
         "PYTHONDONTWRITEBYTECODE": "1",
         "LC_ALL": "C.UTF-8",
-        "MALLOC_PERTURB_": "255",  # new memory is zero: LinuxCNC leaves a field or two unset, and crashes at random
+        # new memory is zero: LinuxCNC leaves a field or two unset, and crashes at random
+        "MALLOC_PERTURB_": "255",
     }
 
 

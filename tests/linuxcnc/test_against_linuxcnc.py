@@ -1,7 +1,7 @@
 """Our interpreter against LinuxCNC's own: the same motions, to a nanometre's thousandth.
 
-LinuxCNC also reports motions of no length (a bare G1, both halves of G28); ours has none for them, so motions without
-length are left out on both sides.
+LinuxCNC also reports motions of no length (a bare G1, both halves of G28); ours has none for them,
+so motions without length are left out on both sides.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from tests.linuxcnc import oracle
 
 AXES = ("X", "Y", "Z", "A", "B", "C")
 CLOSE = 1e-9  # mm
-# Programs by the beginning of their names: written out first (test_expanded.py), or not followed at all.
+# Programs by the beginning of their names: written out first (test_expanded.py), or not followed at
+# all.
 EXPANDED = ("oword_", "turn_", "sync_", "cycle_", "rotate_")
 NOT_FOLLOWED = ("cutter_", "spline_", "probe_", "unknown_")
 PROGRAMS = [
@@ -50,9 +51,12 @@ def setup_for(kwargs) -> Setup:
     for number, tool in (kwargs.get("tools") or {}).items():
         offsets[f"T{number}"] = {axis: float(tool.get(axis, 0.0)) for axis in AXES}
     return Setup(
-        axes=AXES, least_increment=dict.fromkeys(AXES, 1e-4), offsets=offsets, start=dict.fromkeys(AXES, 0.0),
+        axes=AXES,
+        least_increment=dict.fromkeys(AXES, 1e-4),
+        offsets=offsets,
+        start=dict.fromkeys(AXES, 0.0),
         block_delete=kwargs.get("block_delete", False),
-    )  # fmt: skip
+    )
 
 
 def ours(text: str, kwargs) -> list[dict]:
@@ -179,7 +183,8 @@ def full_turns(sweep: float) -> int:
 
 
 def reference_lines(text: str) -> set[int]:
-    """Lines with G28 or G30: to a place that our machine files do not know, so it is not followed."""
+    """Lines with G28 or G30: to a place that our machine files do not know, so it is not
+    followed."""
     import re
 
     return {
@@ -189,31 +194,38 @@ def reference_lines(text: str) -> set[int]:
     }
 
 
-# Refused by LinuxCNC for their feed, spindle, dwell, layout or end: gcomp follows them, and they move as written.
+# Refused by LinuxCNC for their feed, spindle, dwell, layout or end: gcomp follows them, and they
+# move as written.
 MANNERS = set(
-    """dwell_negative dwell_without_time feed_missing feed_per_revolution_no_speed home_with_motion_code
-    line_too_long line_with_p_word machine_coordinates_no_words n_not_first negative_feed no_end no_second_percent
-    o_number_with_words percent_in_middle percent_with_text two_m_codes unknown_m_code""".split()
+    """
+    dwell_negative dwell_without_time feed_missing feed_per_revolution_no_speed
+    home_with_motion_code line_too_long line_with_p_word machine_coordinates_no_words n_not_first
+    negative_feed no_end no_second_percent o_number_with_words percent_in_middle percent_with_text
+    two_m_codes unknown_m_code
+    """.split()
 )
 
 
 # Refused by LinuxCNC for what a cycle, a tool table or a dwell lacks: it stops there by itself, and
 # what gcomp writes stops it at the same block.
 MANNERS |= set(
-    """cycle_code_alone cycle_code_changed_without_r cycle_dwell_missing cycle_inverse_time cycle_no_repeats
-    cycle_peck_missing cycle_peck_zero cycle_r_alone cycle_rotary_word cycle_spindle_stopped
-    cycle_without_feed feed_zero g10_l1_bad_orientation
-    g10_l1_missing_tool g10_l1_without_words g10_l2_with_i g10_with_motion_code g52_without_words
+    """
+    cycle_code_alone cycle_code_changed_without_r cycle_dwell_missing cycle_inverse_time
+    cycle_no_repeats cycle_peck_missing cycle_peck_zero cycle_r_alone cycle_rotary_word
+    cycle_spindle_stopped cycle_without_feed feed_zero g10_l1_bad_orientation g10_l1_missing_tool
+    g10_l1_without_words g10_l2_with_i g10_with_motion_code g52_without_words
     g92_under_cutter_compensation g92_with_motion_code g92_without_words orientation_out_of_range
-    output_number_missing reference_two_codes speed_missing speed_negative sync_tap_spindle_stopped
-    sync_tap_wrong_way sync_thread_without_lead tool_change_needs_q tool_length_added_without_h
-    tool_length_h_fraction tool_length_h_without_g43 tool_missing""".split()
+    output_number_missing reference_two_codes speed_missing speed_negative
+    sync_tap_spindle_stopped sync_tap_wrong_way sync_thread_without_lead tool_change_needs_q
+    tool_length_added_without_h tool_length_h_fraction tool_length_h_without_g43 tool_missing
+    """.split()
 )
 
 
 @pytest.mark.parametrize("path", REFUSED, ids=lambda p: p.stem)
 def test_what_linuxcnc_refuses_is_not_taken_for_a_motion(path):
-    """Refused outright, or handed on with a reason (so refused wherever a correction would depend on it)."""
+    """Refused outright, or handed on with a reason (so refused wherever a correction would depend
+    on it)."""
     text, kwargs = oracle.load(path)
     text = text.replace("\nM2", "\nG0 X1.5 Y2.5\nM2")  # a motion that a reason can stand beside
     try:
@@ -225,7 +237,8 @@ def test_what_linuxcnc_refuses_is_not_taken_for_a_motion(path):
 
 @pytest.mark.parametrize("units", ["G20", "G21"])
 def test_how_far_an_arc_may_miss_its_end_by_units(units):
-    """Radii 1 to 4000 (unit of the program), the miss on either side of each of LinuxCNC's limits: refused by both or by none."""
+    """Radii 1 to 4000 (unit of the program), the miss on either side of each of LinuxCNC's limits:
+    refused by both or by none."""
     if oracle.available():
         pytest.skip(oracle.available())
     limit = 0.002 * 2**0.5 * (1 if units == "G20" else 10)
@@ -236,7 +249,10 @@ def test_how_far_an_arc_may_miss_its_end_by_units(units):
                 cases.append(
                     (
                         miss,
-                        f"{units} G90\nG0 X0 Y0\nG2 X{2 * radius + miss:.6f} Y0 I{radius:g} J0 F10\nM2\n",
+                        (
+                            f"{units} G90\nG0 X0 Y0\nG2 X{2 * radius + miss:.6f} Y0 I{radius:g} J0"
+                            " F10\nM2\n"
+                        ),
                     )
                 )
     judged = oracle.motions_of_many([(text, {}) for _, text in cases])

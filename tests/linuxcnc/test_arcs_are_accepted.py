@@ -1,4 +1,5 @@
-"""Corrected arcs: few more blocks than before, and each passes LinuxCNC's own check of its radii."""
+"""Corrected arcs: few more blocks than before, and each passes LinuxCNC's own check of its
+radii."""
 
 from __future__ import annotations
 
@@ -70,7 +71,8 @@ def arcs(count: int) -> str:
 
 
 def by_radius(count: int) -> str:
-    """The same with R, a seventh of them near half a turn, and full circles by I J; up to 359 degrees."""
+    """The same with R, a seventh of them near half a turn, and full circles by I J; up to 359
+    degrees."""
     rng, x, y = random.Random(8), 200.0, 150.0
     lines = ["G21 G90 G17 G54", f"G0 X{x:.4f} Y{y:.4f} Z0", "G1 F1000 Z-1"]
     while len(lines) < count + 3:
@@ -96,10 +98,11 @@ def by_radius(count: int) -> str:
 
 @pytest.mark.parametrize(("tolerance", "most", "whole"), [(0.001, 1.9, 0.15), (0.003, 1.35, 0.5)])
 def test_arcs_by_radius_and_full_circles_are_drawn_as_proven(tmp_path, tolerance, most, whole):
-    """LinuxCNC accepts every arc, and turns as far as the nominal one does; most keep R, some circles one block.
+    """LinuxCNC accepts every arc, and turns as far as the nominal one does; most keep R, some
+    circles one block.
 
-    Seen at 1 and 3 um: 1.82 and 1.28 arcs for each, R in 819 of 866 and in 609 of 636 that R arcs became, 15 and 44 of
-    74 circles in one block.
+    Seen at 1 and 3 um: 1.82 and 1.28 arcs for each, R in 819 of 866 and in 609 of 636 that R arcs
+    became, 15 and 44 of 74 circles in one block.
     """
     reason = oracle.available()
     if reason:
@@ -121,9 +124,8 @@ def test_arcs_by_radius_and_full_circles_are_drawn_as_proven(tmp_path, tolerance
     assert swept(made) == pytest.approx(swept(nominal), abs=0.2)
     lines = output.splitlines()
     assert sum(" R" in line for line in lines) > text.count(" R")
-    centres = sum(
-        " I" in line and "X" in line for line in lines
-    )  # what the circles became is among them
+    # what the circles became is among them
+    centres = sum(" I" in line and "X" in line for line in lines)
     assert centres < 0.35 * len(made)
     assert sum(" I" in line and "X" not in line for line in lines) > whole * text.count(" I")
 
@@ -163,7 +165,8 @@ def test_growth_is_below_two_and_every_arc_is_accepted(tmp_path):
 
 @pytest.mark.parametrize("units, unit", [("G21", 1.0), ("G20", 25.4)])
 def test_arcs_that_miss_their_end_by_nearly_the_limit_are_still_accepted(tmp_path, units, unit):
-    """To the last digit what LinuxCNC allows (0.0028284 in, 0.028284 mm), which the correction must not raise over the limit: 60 arcs a unit."""
+    """To the last digit what LinuxCNC allows (0.0028284 in, 0.028284 mm), which the correction must
+    not raise over the limit: 60 arcs a unit."""
     reason = oracle.available()
     if reason:
         pytest.skip(reason)

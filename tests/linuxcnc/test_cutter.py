@@ -1,7 +1,9 @@
-"""G41 and G42 with tool diameters in LinuxCNC's table: what it accepts it accepts corrected, and the centre goes right.
+"""G41 and G42 with tool diameters in LinuxCNC's table: what it accepts it accepts corrected, and
+the centre goes right.
 
-The judge is LinuxCNC's interpreter (oracle.py): it shifts the contours by the tools of its own table. What the corrected
-program makes of the centre is carried through the machine's deviation and compared with the nominal centre's path.
+The judge is LinuxCNC's interpreter (oracle.py): it shifts the contours by the tools of its own
+table. What the corrected program makes of the centre is carried through the machine's deviation and
+compared with the nominal centre's path.
 """
 
 from __future__ import annotations
@@ -26,15 +28,20 @@ from tests.linuxcnc import cutter_programs, oracle
 
 AXES = "XYZABC"
 TOLERANCE, ROUNDING = 1.0, 0.5  # um, of example-mill's default and of half its least increment
-REVERSAL = (
-    6.0  # um: the largest of example-mill's tables; it is spread over a block, in two axes at worst
-)
-# Where the map is steep at a corner (0.3 um per mm at a node), the centre swings around it by 6 or 10 mm; and Z steps
-# of 120 mm inside, along which X and Y are held. Both are told, with their bounds.
+# um: the largest of example-mill's tables; it is spread over a block, in two axes at worst
+REVERSAL = 6.0
+# Where the map is steep at a corner (0.3 um per mm at a node), the centre swings around it by 6 or
+# 10 mm; and Z steps of 120 mm inside, along which X and Y are held. Both are told, with their
+# bounds.
 CORNERS = {
-    "rectangle_outside": 1.0, "rectangle_outside_large_tool": 1.5, "pocket_large": 0.5, "star_outside": 1.0, "z_steps": 1.0,
-    "dynamic_mm": 1.5, "z_steps_far_down": 13.0,
-}  # fmt: skip
+    "rectangle_outside": 1.0,
+    "rectangle_outside_large_tool": 1.5,
+    "pocket_large": 0.5,
+    "star_outside": 1.0,
+    "z_steps": 1.0,
+    "dynamic_mm": 1.5,
+    "z_steps_far_down": 13.0,
+}
 ACCEPTED = {**cutter_programs.stored(), **cutter_programs.made()}
 REFUSED = cutter_programs.refused()
 CASES = [(way, stated) for way in ("one way", "two ways") for stated in (True, False)]
@@ -101,7 +108,8 @@ def nominal():
 
 @pytest.fixture(scope="module")
 def runs(nominal):
-    """Machine, whether radii are stated -> name -> (text, verifier, filter, LinuxCNC's motions of it)."""
+    """Machine, whether radii are stated -> name -> (text, verifier, filter, LinuxCNC's motions of
+    it)."""
     found = {}
     for way, stated in CASES:
         machine = machines()[way]
@@ -160,7 +168,8 @@ def test_two_way_tables_cost_their_reversal_and_no_more(missed, name):
 
 @pytest.mark.parametrize("name", ACCEPTED)
 def test_verify_says_what_linuxcnc_says(missed, runs, name):
-    """Its own follower of the centre against LinuxCNC's motions: the same distance, within its coarser samples."""
+    """Its own follower of the centre against LinuxCNC's motions: the same distance, within its
+    coarser samples."""
     _, verifier, _, _ = runs["one way", True][name]
     inside = [um for kind, um in missed["one way", name].items() if kind != "free"]
     if verifier.centre.uncorrected.deviation:
@@ -171,7 +180,8 @@ def test_verify_says_what_linuxcnc_says(missed, runs, name):
 @pytest.mark.parametrize("name", ACCEPTED)
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_blocks_that_rest_in_the_plane_stay_at_rest(runs, name, case):
-    """One block, without a move in the plane: no word of it is put in. The ways in and out stay one block too."""
+    """One block, without a move in the plane: no word of it is put in. The ways in and out stay one
+    block too."""
     for motions, pieces in runs[case][name][2].seen:
         for i in np.flatnonzero(motions.cutter != FREE):
             mine = pieces.motion == i
@@ -199,7 +209,8 @@ def test_any_cut_of_the_input_gives_the_same_bytes(name):
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_linuxcnc_refuses_is_refused_or_left(name):
-    """A motion behind the faulty block, that a correction would depend on, is refused; without one nothing is changed."""
+    """A motion behind the faulty block, that a correction would depend on, is refused; without one
+    nothing is changed."""
     text, tools = REFUSED[name]
     body = text.replace("\nM2", "\nG0 X1.5 Y2.5\nM2")
     with pytest.raises(ProgramError):
@@ -209,7 +220,8 @@ def test_what_linuxcnc_refuses_is_refused_or_left(name):
 
 @pytest.mark.parametrize("name", {**ACCEPTED, **REFUSED})
 def test_the_follower_makes_linuxcncs_ways(name):
-    """Every end of a way of the centre is one of LinuxCNC's ends, and it gouges where LinuxCNC says so."""
+    """Every end of a way of the centre is one of LinuxCNC's ends, and it gouges where LinuxCNC says
+    so."""
     if reason := oracle.available():
         pytest.skip(reason)
     text, tools = {**ACCEPTED, **REFUSED}[name]
@@ -250,7 +262,8 @@ def followed(motions):
 
 
 def test_a_step_down_inside_moves_nothing_sideways():
-    """The example of the fault: Z alone inside G41 got X and Y words of 1 um, and the control swung by the radius."""
+    """The example of the fault: Z alone inside G41 got X and Y words of 1 um, and the control swung
+    by the radius."""
     text = "G0 Z5 X-20 Y-10\nG1 Z-1 F300\nG41 D4 G1 X0 Y-10 F500\nY50\nZ-60\nY80\nG40 X-40\nM2\n"
     machine = machines()["one way"]
     out, _, filter_ = corrected(text, cutter_programs.TOOLS, machine)
@@ -265,7 +278,8 @@ def test_a_step_down_inside_moves_nothing_sideways():
 
 
 def test_a_radius_that_is_stated_is_read_at_the_centre():
-    """A map of EXX alone, 1 um per mm: 5 mm beside the contour the correction along X differs by 5 um."""
+    """A map of EXX alone, 1 um per mm: 5 mm beside the contour the correction along X differs by 5
+    um."""
     machine = machines()["one way"]
     bare = {x: replace(axis, table=None) for x, axis in machine.axes.items()}
     table = machine.axes["X"].table
@@ -274,12 +288,10 @@ def test_a_radius_that_is_stated_is_read_at_the_centre():
     bare["X"] = replace(machine.axes["X"], table=replace(table, forward=rise, reverse=rise))
     machine = replace(machine, axes=bare, square={})
     text = "G0 X-50 Y-20 Z0\nG42 D4 G1 X50 Y-20 F500\nY60\nG40 X90\nM2\n"
-    assert (
-        "X49.945" in corrected(text, cutter_programs.TOOLS, machine)[0]
-    )  # 55 mm: the centre's place
-    assert (
-        "X49.950" in corrected(text, cutter_programs.TOOLS, machine, stated=False)[0]
-    )  # 50 mm: the contour's
+    # 55 mm: the centre's place
+    assert "X49.945" in corrected(text, cutter_programs.TOOLS, machine)[0]
+    # 50 mm: the contour's
+    assert "X49.950" in corrected(text, cutter_programs.TOOLS, machine, stated=False)[0]
 
 
 @pytest.mark.parametrize(
@@ -319,7 +331,8 @@ def test_a_contour_that_the_control_would_refuse_is_no_error_of_gcomp():
 
 
 def test_a_sharp_corner_is_cut_so_that_it_can_be_followed_or_refused():
-    """A corner of 20 degrees between two lines: the cut six millimetres before it lies behind where the centre turns."""
+    """A corner of 20 degrees between two lines: the cut six millimetres before it lies behind where
+    the centre turns."""
     text = """G0 X100 Y-70
 G1 Z-2 F300
 G41 D2 G1 X114.9279 Y-52.9630 F500
@@ -341,7 +354,8 @@ M2
 
 
 def test_a_line_that_turns_right_back_behind_an_arc_is_not_cut_where_it_would_run_backwards():
-    """The centre turns ten millimetres from such a corner; a piece of two would have led it 10 mm astray."""
+    """The centre turns ten millimetres from such a corner; a piece of two would have led it 10 mm
+    astray."""
     text = """G0 X31 Y58
 G1 Z-2 F300
 G41 D2 G1 X53.651 Y105.572 F500
@@ -356,9 +370,8 @@ M2
     [nominal] = asked([(text, cutter_programs.TOOLS)])
     out, verifier, _ = corrected(text, cutter_programs.TOOLS, machine)
     [made] = asked([(out, cutter_programs.TOOLS)])
-    assert (
-        max(judge.missed(nominal, made, machine).values()) < 0.15
-    )  # um of the corner, 80 times as far at its end
+    # um of the corner, 80 times as far at its end
+    assert max(judge.missed(nominal, made, machine).values()) < 0.15
     assert verifier.passed
 
 

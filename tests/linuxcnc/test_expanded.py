@@ -1,7 +1,9 @@
-"""Programs written out by --expand against LinuxCNC's own interpreter, which runs them as they stand: the same motions.
+"""Programs written out by --expand against LinuxCNC's own interpreter, which runs them as they
+stand: the same motions.
 
-O-words, variables and canned cycles are run on both sides; numbers are written out with ten decimals here, so that the
-comparison is as sharp as for plain programs. Line numbers differ, positions may not.
+O-words, variables and canned cycles are run on both sides; numbers are written out with ten
+decimals here, so that the comparison is as sharp as for plain programs. Line numbers differ,
+positions may not.
 """
 
 from __future__ import annotations
@@ -27,13 +29,13 @@ from tests.linuxcnc.test_against_linuxcnc import (
     setup_for,
 )
 
-ROTATIONS = range(
-    5230, 5391, 20
-)  # parameters: work offsets that are turned already; gcomp takes none such
+# parameters: work offsets that are turned already; gcomp takes none such
+ROTATIONS = range(5230, 5391, 20)
 
 
 def is_stored(path) -> bool:
-    """Whether the program depends on what was stored before it: turned work offsets, values of plain variables."""
+    """Whether the program depends on what was stored before it: turned work offsets, values of
+    plain variables."""
     parameters = oracle.load(path)[1].get("parameters") or {}
     return any(parameters.get(n) for n in ROTATIONS) or any(n < 5000 for n in parameters)
 
@@ -128,7 +130,9 @@ REFUSED: dict[str, str] = {
     "oword_system_g92": "#5210 is not known: nothing in the program before this line says it",
     "oword_system_modes": "#<_rpm> is known to the machine only",
     "oword_system_offsets": "#5230 is not known, because G10 R has turned coordinates",
-    "oword_system_position_tool_rotation": "#5420 is not known, because G10 R has turned coordinates",
+    "oword_system_position_tool_rotation": (
+        "#5420 is not known, because G10 R has turned coordinates"
+    ),
     "oword_system_reference": "#5161 is not known, because G28.1 has changed it",
     "oword_system_reference_set": "#5161 belongs to the control",
     "oword_system_tool": "#5410 is known to the machine only",

@@ -1,8 +1,10 @@
 """LinuxCNC itself, headless, as the receiver of corrected programs (A21 of the streaming page).
 
-gcomp corrects a program for `example-mill` (all 21 components); LinuxCNC runs the result in auto mode, planner, joints and all. At every
-M0 its joints are read and laid against what tests/reference, which shares nothing with gcomp, asks for: the slide positions at which
-the machine's tool point lies on the nominal one. Coordinates have 0.001 mm, so rounding alone may take 0.5 um an axis.
+gcomp corrects a program for `example-mill` (all 21 components); LinuxCNC runs the result in auto
+mode, planner, joints and all. At every M0 its joints are read and laid against what
+tests/reference, which shares nothing with gcomp, asks for: the slide positions at which the
+machine's tool point lies on the nominal one. Coordinates have 0.001 mm, so rounding alone may take
+0.5 um an axis.
 """
 
 import math
@@ -92,7 +94,8 @@ def sample_program(name):
     return (ROOT / "sample_programs" / name).read_text().replace(" G54\n", " G54 G61\n", 1)
 
 
-# name: text, limit in um; an inch program has 0.0001 in, so half of 2.54 um is lost by rounding alone
+# name: text, limit in um; an inch program has 0.0001 in, so half of 2.54 um is lost by rounding
+# alone
 PROGRAMS = {
     "three axes, ramps, arcs": (lambda: sample_program("pocket_mill.ngc"), 1.0),
     "inches, increments, arcs by R": (lambda: sample_program("inch_plate.ngc"), 1.4),
@@ -122,7 +125,8 @@ def corrected(folder, text):
 def samples(text, written, machine):
     """[(nominal tool point, approach, nominal slides)] at every M0 of a program; mm.
 
-    written: what was run for it; the approach is the direction in which that last commanded each slide.
+    written: what was run for it; the approach is the direction in which that last commanded each
+    slide.
     """
     judge = Judge(machine, samples_per_mm=1.0, clamp=False, take_up=0.1, near=0.1)
     run_blocks = interpreted(written)
@@ -182,7 +186,8 @@ def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(
     stops, _ = linuxcnc.run(written)
     axis, tool = judged(mill, expected, [joints for _, joints in stops])
     print(
-        f"{name}: {len(stops)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point"
+        f"{name}: {len(stops)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool"
+        " point"
     )
     # A slide may be held within the hysteresis (1 um) of its wanted place.
     assert len(stops) > 35 and axis < (limit + 1.0) * UM
@@ -190,7 +195,8 @@ def test_A21_joints_at_the_sample_points_of_a_corrected_program_in_auto_mode(
 
 
 def test_A21_without_correction_the_same_points_are_missed(linuxcnc, mill):
-    """The control: LinuxCNC goes where the reference says that the nominal program goes, and there the tool is wrong."""
+    """The control: LinuxCNC goes where the reference says that the nominal program goes, and there
+    the tool is wrong."""
     text = with_stops(any_motions(5, n=25))
     expected = samples(text, text, mill)
     reached = [joints for _, joints in linuxcnc.run(text)[0]]
@@ -204,7 +210,8 @@ def test_A21_without_correction_the_same_points_are_missed(linuxcnc, mill):
 
 
 def test_A21_line_by_line_through_mdi(linuxcnc, mill):
-    """Each nominal line goes into the filter alone; what comes out is given to MDI before the next one goes in."""
+    """Each nominal line goes into the filter alone; what comes out is given to MDI before the next
+    one goes in."""
     text = with_stops(any_motions(6, n=25))
     machine = places.load(MACHINE)
     filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine))
@@ -218,13 +225,15 @@ def test_A21_line_by_line_through_mdi(linuxcnc, mill):
             joints = linuxcnc.mdi(commands)[-1]
     axis, tool = judged(mill, samples(text, written, mill), reached)
     print(
-        f"MDI: {len(reached)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool point"
+        f"MDI: {len(reached)} points, {axis / UM:.2f} um an axis, {tool / UM:.2f} um of the tool"
+        " point"
     )
     assert len(reached) > 15 and axis < 1.0 * UM and tool < 1.0 * UM
 
 
 def test_A21_four_hundred_lines_without_a_stop(linuxcnc, mill, tmp_path):
-    """Read ahead and blended as in a shop; where it ends is judged, and that the whole of it was run."""
+    """Read ahead and blended as in a shop; where it ends is judged, and that the whole of it was
+    run."""
     r = random.Random(7)
     rows = ["G21 G17 G90 G94 G40 G54 G64 P0.01", "G0 X0 Y0 Z5"]
     rows += [
@@ -242,15 +251,24 @@ def test_A21_four_hundred_lines_without_a_stop(linuxcnc, mill, tmp_path):
 
 @pytest.mark.parametrize("path, beside", [("G61", 0.0), ("G64", 3.0), ("G64 P0.01", 0.0)])
 def test_A21_why_exact_path(linuxcnc, path, beside):
-    """LinuxCNC's own habit: blending a line of 6 um, as a take-up is, into a corner ends half of it beside the programmed point.
+    """LinuxCNC's own habit: blending a line of 6 um, as a take-up is, into a corner ends half of it
+    beside the programmed point.
 
-    Seen: half of a short line, at most a quarter of acceleration times servo period squared: 5 um at the 20 m/s² of this machine, 1 um
-    at 4 m/s². So these programs are run in exact path mode; a slow machine would hide it.
+    Seen: half of a short line, at most a quarter of acceleration times servo period squared: 5 um
+    at the 20 m/s² of this machine, 1 um at 4 m/s². So these programs are run in exact path mode; a
+    slow machine would hide it. It blends with what it has read by then: on a busy system the short
+    line can be done before the next is there, and is not blended. So it is run until it was.
     """
     text = f"G21 G90 G94 G54 {path}\nG1 X0 Y0 Z0 F6000\nM0\nG1 X0.006 F600\nX5 Y1\nM0\nM2\n"
-    [(_, before), (_, joints)], _ = linuxcnc.run(text)
-    assert math.dist(before, (0, 0, -250)) < NANOMETRE
-    assert math.dist(joints, (5 + beside * UM, 1, -250)) < 0.1 * UM
+    seen = []
+    while beside not in seen and len(seen) < 8:
+        [(_, before), (_, joints)], _ = linuxcnc.run(text)
+        assert math.dist(before, (0, 0, -250)) < NANOMETRE
+        off = joints[0] - 5
+        assert math.dist(joints, (5 + off, 1, -250)) < 0.1 * UM
+        assert min(abs(off), abs(off - beside * UM)) < 0.1 * UM
+        seen.append(beside if abs(off - beside * UM) < 0.1 * UM else 0.0)
+    assert beside in seen
 
 
 def test_A21_a_refusal_is_heard_and_the_next_program_runs(linuxcnc):

@@ -1,6 +1,8 @@
-"""The oracle itself, against values worked out by hand: does it translate LinuxCNC's calls correctly?
+"""The oracle itself, against values worked out by hand: does it translate LinuxCNC's calls
+correctly?
 
-What LinuxCNC says is not judged here; that its 4-decimal printout (`rs274 -g`) agrees was checked once, README.md.
+What LinuxCNC says is not judged here; that its 4-decimal printout (`rs274 -g`) agrees was checked
+once, README.md.
 """
 
 import re
@@ -34,7 +36,8 @@ def test_lines_are_counted_in_the_source_whatever_n_says():
 
 
 def test_an_arc_in_zx_names_z_first():
-    """From X10 Z0 a quarter turn clockwise about X10 Z-10, seen from +Y: to X0 Z-10 is the ccw three quarters."""
+    """From X10 Z0 a quarter turn clockwise about X10 Z-10, seen from +Y: to X0 Z-10 is the ccw
+    three quarters."""
     [_, arc] = motions("G18 G0 X10 Z0\nG3 X0 Z-10 K-10 Y3 P2 F100\nM2\n")
     assert (arc.kind, arc.plane, arc.turns) == ("arc", "ZX", 2)
     assert arc.centre == near((-10, 10)) and arc.end[:3] == near((0, 3, -10))

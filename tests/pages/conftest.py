@@ -34,8 +34,8 @@ def chromium() -> Iterator[Any]:
 
 @pytest.fixture
 def opened(chromium) -> Callable[..., Any]:
-    """opened(path, width, scheme): a page that is drawn, without network; leaving it asserts that the console is silent and
-    that nothing stands out at the side."""
+    """opened(path, width, scheme): a page that is drawn, without network; leaving it asserts that
+    the console is silent and that nothing stands out at the side."""
 
     @contextmanager
     def open_page(path: Path, width: int = 1400, scheme: str = "light") -> Iterator[Any]:

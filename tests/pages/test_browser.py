@@ -1,4 +1,5 @@
-"""Pages in headless Chromium: drawn on wide and narrow screens, in light and dark, and what a click, a key, a slider does."""
+"""Pages in headless Chromium: drawn on wide and narrow screens, in light and dark, and what a
+click, a key, a slider does."""
 
 from __future__ import annotations
 
@@ -48,10 +49,14 @@ def test_a_wide_page_in_light_and_what_can_be_done_on_it(pages, opened):
         page.focus("#path")
         page.keyboard.press("ArrowRight")
         assert page.evaluate("document.getElementById('path').data.at(-1).x[0]") >= at
-        # The slider magnifies: the actual path moves away from the nominal one, ten times as far in three steps.
+        # The slider magnifies: the actual path moves away from the nominal one, ten times as far in
+        # three steps.
         far = "Math.max(...document.getElementById('path').data[1].y) - 50"
         before = page.evaluate(far)
-        page.evaluate("document.getElementById('magnify').value = 12; document.getElementById('magnify').dispatchEvent(new Event('input'))")  # fmt: skip
+        page.evaluate(
+            "document.getElementById('magnify').value = 12;"
+            " document.getElementById('magnify').dispatchEvent(new Event('input'))"
+        )
         assert page.inner_text("#times") == "10,000" and page.evaluate(far) > before
         # Even steps in place of logarithmic ones.
         kind = "document.getElementById('along').layout.yaxis.type"
@@ -64,11 +69,18 @@ def test_a_wide_page_in_light_and_what_can_be_done_on_it(pages, opened):
         page.click("#theme")
         page.click("#theme")
         page.wait_for_function(f"{ink} !== {light!r}")
-        # On paper it is light, whatever the screen is, and dark again after it.
+        # On paper it is light, whatever the screen is, as wide as a sheet, and as before after it.
+        wide = "document.querySelector('#along svg.main-svg').getBoundingClientRect().width"
+        on_screen = page.evaluate(wide)
         page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
         page.wait_for_function(f"{ink} === {light!r}")
+        assert page.evaluate(wide) <= 717 < on_screen  # px: A4 between margins of 1 cm
+        page.emulate_media(media="print")
+        assert page.locator("button.pick").first.is_visible()  # a line's number is a button
+        page.emulate_media(media="screen")
         page.evaluate("window.dispatchEvent(new Event('afterprint'))")
         page.wait_for_function(f"{ink} !== {light!r}")
+        assert page.evaluate(wide) == on_screen
         assert page.pdf().startswith(b"%PDF")
 
 

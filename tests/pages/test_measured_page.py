@@ -1,4 +1,5 @@
-"""Pages of ISO 230 tests and of calibrations hold the numbers of their commands, drawn where they belong."""
+"""Pages of ISO 230 tests and of calibrations hold the numbers of their commands, drawn where they
+belong."""
 
 from __future__ import annotations
 
@@ -80,3 +81,39 @@ def test_two_things_do_not_go_to_one_place(tmp_path, capfd):
     one = str(tmp_path / "one")
     assert main(["iso", str(RECORDINGS / "z_positioning.csv"), "--report", one, "--json", one]) == 2
     assert "two things are to be written to" in capfd.readouterr().err
+
+
+def test_slides_at_rest_are_drawn_over_the_time_with_their_range(tmp_path, capfd):
+    """The page of a warming spindle had no figure at all."""
+    out, figure = tmp_path / "s.html", tmp_path / "s.svg"
+    recording = str(RECORDINGS / "spindle_z.csv")
+    assert main(["iso", recording, "--report", str(out), "--figure", str(figure)]) == 0
+    html = out.read_text("utf-8")
+    curves = drawn.curves(html, "test-0")
+    reading = np.array(curves["reading along Z"]["y"])
+    assert np.ptp(reading) == pytest.approx(24.84, abs=0.01)
+    assert curves["reading along Z"]["x"][-1] == pytest.approx(3.0, abs=0.1)
+    assert "dZ: 24.84 um" in curves and "range over 3.0 h (dZ) 24.84 +- 0.57 um" in html
+    assert figure.stat().st_size > 5000
+    capfd.readouterr()
+
+
+def test_rings_have_names_only_where_no_curve_runs(page):
+    figure = next(f for f in drawn.data(page)["figures"] if f["id"] == "test-2")
+    axis = figure["layout"]["polar"]["radialaxis"]
+    named = [(r, text) for r, text in zip(axis["tickvals"], axis["ticktext"], strict=True) if text]
+    assert [text for _, text in named] == ["-40 um", "+40 um"]
+    radii = [r for c in figure["data"] if c["name"].startswith("from") for r in c["r"]]
+    assert named[0][0] < min(radii) and max(radii) < named[1][0]
+
+
+def test_on_a_phone_widths_beside_the_travel_have_letters_alone(opened, tmp_path, page):
+    out = tmp_path / "iso.html"
+    out.write_text(page, "utf-8")
+    said = "document.getElementById('test-0').layout.annotations.map(a => a.text)"
+    with opened(out, 400, "dark") as narrow:
+        assert narrow.evaluate(said) == ["M", "E", "A"]
+    with opened(out) as wide:
+        assert [text.split("<br>")[::2] for text in wide.evaluate(said)] == [
+            [letter, "um"] for letter in "MEA"
+        ]

@@ -1,4 +1,5 @@
-"""The page of a program as a file: whole, small, asking nobody, with the numbers of --verify in it."""
+"""The page of a program as a file: whole, small, asking nobody, with the numbers of --verify in
+it."""
 
 from __future__ import annotations
 
@@ -11,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from postproc import style
 from postproc.cli import main
-from postproc.pages import style
 from postproc.pages.frame import LARGEST
 from postproc.pages.program import magnified, views
 from tests.pages import drawn
@@ -50,7 +51,8 @@ def test_the_same_program_gives_the_same_page(tmp_path):
 def test_text_of_a_program_is_never_code_of_the_page(tmp_path):
     evil = tmp_path / "<b>&'\".nc"
     evil.write_text(
-        "G21 G90 (</script><script>alert 1</script>)\nG0 X1 Y1 Z1\nG1 X2 F100 (<img src=x onerror=alert>)\n"
+        "G21 G90 (</script><script>alert 1</script>)\nG0 X1 Y1 Z1\nG1 X2 F100 (<img src=x"
+        " onerror=alert>)\n"
     )
     html = page(tmp_path, evil, "example-mill", "--offset", "G54=X100,Y100,Z-100")
     plain = re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL)
@@ -58,19 +60,39 @@ def test_text_of_a_program_is_never_code_of_the_page(tmp_path):
     assert "&lt;img src=x onerror=alert&gt;" in html
 
 
-@pytest.mark.parametrize("text, says", [
-    ("", "nothing to draw"), ("(only a comment)\n", "nothing to draw"), ("M30\n", "nothing to draw"),
-    ("G21 G90 G0 X1\n", "nothing is changed"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("", "nothing to draw"),
+        ("(only a comment)\n", "nothing to draw"),
+        ("M30\n", "nothing to draw"),
+        ("G21 G90 G0 X1\n", "nothing is changed"),
+    ],
+)
 def test_a_program_with_next_to_nothing_in_it_has_a_page(tmp_path, text, says):
     program = tmp_path / "p.nc"
     program.write_text(text)
     assert says in page(tmp_path, program, "perfect", "--quiet")
 
 
+def test_a_machine_without_errors_and_one_of_each_are_said_as_they_are(tmp_path, capfd):
+    """It said that no place was known to the map, and "line 0"; and "1 take-ups"."""
+    program = tmp_path / "p.nc"
+    program.write_text("G21 G90\nG0 X10 Z10\nG1 X20 Z40 F100\nM2\n")
+    zero = page(tmp_path, program, "perfect", "--quiet")
+    zero = zero[: zero.index("<script")]
+    assert "zero everywhere" in zero and "line 0" not in zero and "is known to the map" not in zero
+    shaft = page(tmp_path, program, "studer-s36", "--quiet")
+    assert "1 take-up of lost motion, 1 cut<" in shaft
+    assert "um are allowed where lost motion is taken up" in shaft
+
+
 def test_a_written_out_program_is_told_by_the_lines_of_its_author(tmp_path):
     program = tmp_path / "loop.nc"
-    program.write_text("%\nO1\nG90 G21 G18\nG0 X20. Z10.\n#1=1\nWHILE[#1 LE 3]DO1\nG1 X[20+#1*5.] Z[10+#1*10.] F100\n#1=#1+1\nEND1\nM30\n%\n")  # fmt: skip
+    program.write_text(
+        "%\nO1\nG90 G21 G18\nG0 X20. Z10.\n#1=1\nWHILE[#1 LE 3]DO1\nG1 X[20+#1*5.] Z[10+#1*10.]"
+        " F100\n#1=#1+1\nEND1\nM30\n%\n"
+    )
     html = page(tmp_path, program, "studer-s36")
     assert "written out as plain blocks" in html
     path = drawn.data(html)["path"]
@@ -93,7 +115,7 @@ def test_a_page_and_a_program_do_not_go_to_one_place(tmp_path, capfd):
     line = [str(program), "--machine", "studer-s36"]
     assert main([*line, "--report", str(program)]) == 2
     assert main([*line, "--report", "a.html", "--unbuffered"]) == 2
-    assert "two things are to be written to" in capfd.readouterr().err
+    assert "nothing in it says that gcomp made it" in capfd.readouterr().err
     assert program.read_bytes() == SHAFT.read_bytes()
 
 
@@ -135,6 +157,16 @@ def test_both_themes_have_every_role_and_scripts_name_no_other():
 
 
 def test_nothing_that_draws_is_imported_where_no_page_is_asked_for():
-    code = "import sys, gcomp; from postproc.cli import main; main(['machines']); print(sorted({m.split('.')[0] for m in sys.modules} & {'jinja2', 'plotly', 'matplotlib', 'dask'}), file=sys.stderr)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True)  # fmt: skip
+    code = (
+        "import sys, gcomp; from postproc.cli import main; main(['machines']);"
+        " print(sorted({m.split('.')[0] for m in sys.modules} & {'jinja2', 'plotly', 'matplotlib',"
+        " 'dask'}), file=sys.stderr)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=True,
+    )
     assert done.stderr.strip() == "[]"

@@ -1,4 +1,5 @@
-"""What a page is drawn from: largest values, lengths and lines are those of all places, however few are kept."""
+"""What a page is drawn from: largest values, lengths and lines are those of all places, however few
+are kept."""
 
 from __future__ import annotations
 
@@ -66,7 +67,8 @@ def test_any_cut_of_the_program_gives_the_same_trace(name, machine):
 
 
 def test_by_hand_a_straight_line_with_a_squareness_error():
-    """X is 400 urad out of square in Y: Y is off by 0.0004 * X, so 40 um at X100 and half of the path over 20 um."""
+    """X is 400 urad out of square in Y: Y is off by 0.0004 * X, so 40 um at X100 and half of the
+    path over 20 um."""
     text = b"G21 G90\nG0 X0 Y0 Z0\nG1 X100 F100\n"
     machine = gcomp.load_machine("perfect")
     leaning = replace(machine, square={"X": np.array([0.0, 0.0, 400e-6])})
@@ -112,7 +114,8 @@ def test_what_became_of_a_line_stands_with_it():
 
 
 def test_of_a_long_program_all_parts_are_drawn_alike():
-    """Back and forth 2,000 times: each tenth of the path has its tenth of the places, however the program was cut."""
+    """Back and forth 2,000 times: each tenth of the path has its tenth of the places, however the
+    program was cut."""
     text = b"G90 G21 G18\nG0 X20. Z10.\nG1 F500\n" + b"".join(
         b"X%d. Z%d.\n" % (20 + i % 2 * 40, 20 + i % 2) for i in range(2000)
     )

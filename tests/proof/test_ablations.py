@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from postproc.diagnose import (
-    likeness,
+    map_agreement,
     noise,
     nuisances,
     search,
@@ -17,7 +17,7 @@ from postproc.diagnose import (
 from proof import ablations
 
 PLACES = (
-    likeness,
+    map_agreement,
     noise,
     nuisances,
     search,

@@ -1,4 +1,5 @@
-"""Names by the true covariance: a log that is late, seen at an energy of 176,000, is told from a lag by it."""
+"""Names by the true covariance: a log that is late, seen at an energy of 176,000, is told from a
+lag by it."""
 
 from __future__ import annotations
 

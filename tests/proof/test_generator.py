@@ -1,4 +1,5 @@
-"""Cases are as the contracts say, always the same, of the stated size, and know nothing of the tool."""
+"""Cases are as the contracts say, always the same, of the stated size, and know nothing of the
+tool."""
 
 from __future__ import annotations
 
@@ -22,11 +23,41 @@ from proof.generator.streams import stream
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = sorted((ROOT / "proof" / "generator").rglob("*.py"))
 NAMES = {  # contracts: the names of effects
-    "scale", "pitch_shape", "backlash", "backlash_position", "windup", "reversal_spike", "stick_slip", "friction_asymmetry",
-    "viscous_friction", "coulomb_friction", "servo_lag", "servo_mismatch", "inertia", "vibration", "cyclic", "encoder_cyclic",
-    "screw_heat", "structure_drift", "spindle_growth", "squareness", "bow", "abbe", "sag", "force_compliance", "tool_wear",
-    "tool_size", "step_loss", "laser_air", "dead_path", "cosine", "delay", "clock_skew", "sensor_drift", "outlier",
-}  # fmt: skip
+    "scale",
+    "pitch_shape",
+    "backlash",
+    "backlash_position",
+    "windup",
+    "reversal_spike",
+    "stick_slip",
+    "friction_asymmetry",
+    "viscous_friction",
+    "coulomb_friction",
+    "servo_lag",
+    "servo_mismatch",
+    "inertia",
+    "vibration",
+    "cyclic",
+    "encoder_cyclic",
+    "screw_heat",
+    "structure_drift",
+    "spindle_growth",
+    "squareness",
+    "bow",
+    "abbe",
+    "sag",
+    "force_compliance",
+    "tool_wear",
+    "tool_size",
+    "step_loss",
+    "laser_air",
+    "dead_path",
+    "cosine",
+    "delay",
+    "clock_skew",
+    "sensor_drift",
+    "outlier",
+}
 
 
 def columns(text: str) -> dict[str, np.ndarray]:
@@ -69,8 +100,9 @@ def test_a_case_is_what_the_contracts_want(kind, tmp_path):
 
 
 def test_the_map_means_to_the_tool_what_it_means_here(tmp_path):
-    """The written machine, read by the tool, deviates as the generator's: within the rounding of its tables (none: they are
-    rounded before). All forms and chains that occur in thirty machines."""
+    """The written machine, read by the tool, deviates as the generator's: within the rounding of
+    its tables (none: they are rounded before). All forms and chains that occur in thirty
+    machines."""
     chains = set()
     for number in range(30):
         machine = machines.draw(stream("map", number))
@@ -110,8 +142,8 @@ READING = {"targets": ("reading_um", "reading_urad"), "ballbar": ("radial_um",)}
 
 @pytest.mark.parametrize("kind", ["single", "masked", "alien"])
 def test_the_largest_reading_is_what_the_truth_says(kind, monkeypatch):
-    """The files with and without the effect differ by its signal; without the set-up its peak is peak_um, within the 0.1 um
-    of the readings on either side."""
+    """The files with and without the effect differ by its signal; without the set-up its peak is
+    peak_um, within the 0.1 um of the readings on either side."""
     for number in range(5):
         case, bare = make("peak", kind, number), without_effects(monkeypatch, "peak", kind, number)
         (answer,) = case.truth
@@ -199,7 +231,8 @@ def test_what_a_blind_test_hides_is_invisible_or_ambiguous_and_stands_out_in_the
 
 
 def test_energy_of_a_scale_error_by_hand():
-    """A line known without error, one laser file: energy = sum of (signal - mean)^2 / variance, here 10 ppm on 11 targets."""
+    """A line known without error, one laser file: energy = sum of (signal - mean)^2 / variance,
+    here 10 ppm on 11 targets."""
     from proof.generator.tracks import Track
 
     machine = machines.draw(stream("energy", 0))

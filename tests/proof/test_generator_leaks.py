@@ -19,7 +19,8 @@ def parts(text: str) -> tuple[list[str], list[str], int]:
 
 @pytest.mark.parametrize("kind", ["single", "pair", "triple", "alien", "adversarial", "withheld"])
 def test_only_readings_change_when_the_effect_is_taken_out(kind, monkeypatch):
-    """The same case with nothing hidden: the same names, machine, heads, columns, rows, times, positions and channels."""
+    """The same case with nothing hidden: the same names, machine, heads, columns, rows, times,
+    positions and channels."""
     for number in range(3):
         case = make(SEED, kind, number)
         with monkeypatch.context() as patch:
@@ -61,15 +62,27 @@ def metadata(case) -> list[float]:
         for p in ("T_", "force_", "spindle", "feed_")
     ]
     return [
-        len(recordings), rows.sum(), rows.max(), rows.min(), *kinds, sum(columns), max(columns), *present,
-        *np.log([size.sum(), size.max(), size.min()]), (size / rows).max(), (size / rows).min(), size.sum() / rows.sum(),
-        float(np.mean([len(head) for head, _, _ in described])), len(case.files["machine/machine.toml"]),
+        len(recordings),
+        rows.sum(),
+        rows.max(),
+        rows.min(),
+        *kinds,
+        sum(columns),
+        max(columns),
+        *present,
+        *np.log([size.sum(), size.max(), size.min()]),
+        (size / rows).max(),
+        (size / rows).min(),
+        size.sum() / rows.sum(),
+        float(np.mean([len(head) for head, _, _ in described])),
+        len(case.files["machine/machine.toml"]),
         *(int(c, 16) for c in case.name[1:]),
-    ]  # fmt: skip
+    ]
 
 
 def guessed(first: list[list[float]], second: list[list[float]]) -> float:
-    """Share of cases that a ridge classifier tells right, each judged by one that was trained on the other folds."""
+    """Share of cases that a ridge classifier tells right, each judged by one that was trained on
+    the other folds."""
     values = np.array(first + second)
     sign = np.r_[-np.ones(len(first)), np.ones(len(second))]
     values = np.c_[
@@ -87,7 +100,8 @@ def guessed(first: list[list[float]], second: list[list[float]]) -> float:
 
 
 def test_a_classifier_on_metadata_is_at_chance():
-    """Within three standard deviations of one half; a classifier that is given the effect's presence outright is not."""
+    """Within three standard deviations of one half; a classifier that is given the effect's
+    presence outright is not."""
     count = 50
     null = [metadata(make(SEED, "null", k)) for k in range(count)]
     single = [metadata(make(SEED, "single", k)) for k in range(count)]

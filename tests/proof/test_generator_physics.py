@@ -64,8 +64,8 @@ def test_scale_is_parts_per_million(lathe):
 
 
 def test_lag_on_a_circle_is_half_of_lag_times_feed(lathe):
-    """Radial part of -tau v along one axis: tau v / 2 sin 2 theta; 4000 mm/min and 0.1 ms: 3.33 um. The loop's own order
-    takes off less than a tenth at this feed."""
+    """Radial part of -tau v along one axis: tau v / 2 sin 2 theta; 4000 mm/min and 0.1 ms: 3.33 um.
+    The loop's own order takes off less than a tenth at this feed."""
     (track,) = designs.ballbars(stream("physics", "bar"), lathe, "XZ", [1, -1], [4000.0], 0.0)
     scene = scene_of(lathe, [track])
     rows = project(lathe, track, effect("servo_lag", scene, "X").on(track).times(0.1))
@@ -77,9 +77,8 @@ def test_lag_on_a_circle_is_half_of_lag_times_feed(lathe):
     even = [
         (rows[track.sense == d, 0] * np.sin(2 * theta[track.sense == d])).mean() for d in (1, -1)
     ]
-    assert even[0] == pytest.approx(
-        -even[1], rel=0.2
-    )  # changes sides with the sense, as squareness does not
+    # changes sides with the sense, as squareness does not
+    assert even[0] == pytest.approx(-even[1], rel=0.2)
 
 
 def test_squareness_is_the_contracts_sign(lathe):
@@ -91,7 +90,8 @@ def test_squareness_is_the_contracts_sign(lathe):
 
 
 def test_an_arm_that_is_longer_turns_yaw_into_positioning(lathe):
-    """e_Z = -b (x + tool.X - measured_at.X): 100 mm more of tool and 10 urad take 1 um off (contract of a machine)."""
+    """e_Z = -b (x + tool.X - measured_at.X): 100 mm more of tool and 10 urad take 1 um off
+    (contract of a machine)."""
     flat = np.full(len(lathe.axes["Z"].nodes), 10.0)
     z = replace(lathe.axes["Z"], tables={"EBZ": (flat, flat)})
     turning = replace(lathe, axes=lathe.axes | {"Z": z}, errors=lathe.errors | {"EBZ": np.zeros(6)})
@@ -101,7 +101,8 @@ def test_an_arm_that_is_longer_turns_yaw_into_positioning(lathe):
 
 
 def test_iwan_closes_its_loop_and_follows_masing():
-    """After the first turn the branches of a loop are the same curve turned round, and the loop is closed."""
+    """After the first turn the branches of a loop are the same curve turned round, and the loop is
+    closed."""
     yields, shares = np.geomspace(0.1, 2.0, 8), np.full(8, 1 / 8)
     up, down = np.linspace(0, 1.5, 301), np.linspace(1.5, 0, 301)
     way = np.r_[up, down, up, down]
@@ -118,9 +119,8 @@ def test_lugre_settles_at_the_coulomb_level_and_turns_over_the_bristle():
     back = mechanics.lugre(0.001, np.full(2000, -20.0), 1.0, 0.5, 1.3, 1.0, 0.005)
     assert back[-1] == pytest.approx(-0.5)
     slow = mechanics.lugre(0.001, np.full(6, 0.5), 1.0, 1.0, 1.0, 1.0, 0.005)
-    assert slow[-1] == pytest.approx(
-        1 - np.exp(-6 * 0.001 * 0.5 / 0.005)
-    )  # way over bristle, by hand
+    # way over bristle, by hand
+    assert slow[-1] == pytest.approx(1 - np.exp(-6 * 0.001 * 0.5 / 0.005))
 
 
 def test_a_loop_with_an_integral_forgets_a_constant_force():
@@ -140,7 +140,8 @@ def test_stick_slip_jumps_by_twice_what_holds_above_what_slides():
 
 
 def test_air_is_that_of_the_textbook():
-    """Dry air of 20 degrees and 1013.25 hPa: n - 1 = 271.8 ppm at 633 nm; -0.93 ppm/K and +0.27 ppm/hPa (design notes)."""
+    """Dry air of 20 degrees and 1013.25 hPa: n - 1 = 271.8 ppm at 633 nm; -0.93 ppm/K and +0.27
+    ppm/hPa (design notes)."""
     one = np.array([20.0]), np.array([1013.25])
     assert refractive(*one) == pytest.approx(271.8, abs=0.2)
     assert refractive(one[0] + 1, one[1]) - refractive(*one) == pytest.approx(-0.93, abs=0.01)
@@ -168,13 +169,13 @@ def test_a_screw_warms_where_its_nut_runs_and_grows_by_its_own_heat(lathe):
     first = rows[: len(np.unique(track.position[:, 2]))]
     steps = np.abs(np.diff(first)) / np.diff(track.position[: len(first), 2])
     assert steps[0] > 3 * steps[-1]  # grows near the warm end, hardly at the other
-    assert (
-        steps.max() <= 11.5e-3 * rise.max() * 1.01
-    )  # never more than alpha times the warmest node
+    # never more than alpha times the warmest node
+    assert steps.max() <= 11.5e-3 * rise.max() * 1.01
 
 
 def test_squareness_is_told_as_the_angle_between_the_two_axes():
-    """The ways of both slides over a metre: minus their product is by how much the angle between them is more than a right one."""
+    """The ways of both slides over a metre: minus their product is by how much the angle between
+    them is more than a right one."""
     seen = set()
     for number in range(60):
         machine = machines.draw(stream("square", number))

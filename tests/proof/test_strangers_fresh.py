@@ -24,6 +24,7 @@ from proof.strangers.world import draw_world
 
 MILL = draw_machine(stream("mill"), kind="mill")
 NUMBERED = re.compile(r"fresh-\d+")
+FAST, SLOW = (sorted(k for k in kinds if "fresh" in k) for kinds in (MORE_FAST, MORE_SLOW))
 LAID_DOWN = "878f946efe3e0d15b2a9"  # of the draws of two families, before the third was there
 
 
@@ -81,10 +82,7 @@ def test_every_effect_has_a_fresh_form_and_all_bear_numbers():
     for forms in FORMS.values():
         assert all(NUMBERED.fullmatch(n) for n, family, _ in forms if family == "fresh")
     assert sum(n.startswith("alien:fresh-") for n in FORMS) >= 4
-    assert (
-        set(LATER["fresh"]["all"]) == set(MORE_FAST) | set(MORE_SLOW)
-        and len(LATER["fresh"]["all"]) >= 5
-    )
+    assert set(LATER["fresh"]["all"]) == set(FAST + SLOW) and len(LATER["fresh"]["all"]) >= 5
 
 
 @pytest.mark.parametrize("tier", TIERS)
@@ -95,7 +93,7 @@ def test_cases(tier):
     assert make("test", tier, 5, "fresh") == c
 
 
-@pytest.mark.parametrize("kind", sorted(MORE_FAST))
+@pytest.mark.parametrize("kind", FAST)
 def test_fast_kinds_have_their_variance(kind):
     for rec in files():
         n = MORE_FAST[kind](stream("n0", kind), 0.4, rec)
@@ -117,7 +115,7 @@ def test_fast_kinds_have_their_variance(kind):
             assert abs(np.mean(x)) < 0.03
 
 
-@pytest.mark.parametrize("kind", sorted(MORE_SLOW))
+@pytest.mark.parametrize("kind", SLOW)
 def test_slow_kinds_have_their_covariance(kind):
     """Differences of two readings, each over what the oracle is told of it, have unit variance."""
     for rec in files()[:3]:
@@ -188,7 +186,8 @@ def test_lags_and_delays_fall_behind():
 
 
 def test_squareness_with_a_number_closes_the_angle_by_it():
-    """Radial reading of a circle: half of urad times the product of both coordinates, whatever leans (ISO 230-4)."""
+    """Radial reading of a circle: half of urad times the product of both coordinates, whatever
+    leans (ISO 230-4)."""
     q = ballbar(stream("b"), MILL, 0.0, "r1", force={"plane": [0, 1], "senses": [1]})
     w, x = world([q]), q.pos - q.meta["centre"]
     plain = next(f for n, _, f in FORMS["squareness"] if n == "lean")

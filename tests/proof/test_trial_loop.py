@@ -1,4 +1,5 @@
-"""The loop and the baselines: laws by hand, and the tool's correction on the generator's own lost motion."""
+"""The loop and the baselines: laws by hand, and the tool's correction on the generator's own lost
+motion."""
 
 from __future__ import annotations
 
@@ -34,7 +35,8 @@ def folder(drawn, tmp_path_factory):
 
 
 def test_dead_travel_turns_with_the_program_and_by_hand(drawn):
-    """A gap of 10 um: behind by 5 going up, by 5 the other way going down; beside the true geometry."""
+    """A gap of 10 um: behind by 5 going up, by 5 the other way going down; beside the true
+    geometry."""
     effect = physics.names()["backlash"](drawn.scene, "X", stream("loop"))
     wrong = replace(drawn, hidden=[Hidden(effect, 10.0, [])])
     axis = drawn.scene.machine.axes["X"]
@@ -67,7 +69,8 @@ def test_a_line_that_leans_is_seen_across_it(drawn, monkeypatch):
 
 
 def test_the_true_machine_told_to_the_tool_closes_the_loop(drawn, folder, tmp_path):
-    """Backlash of 9 um: the map alone leaves it, the machine that knows it does not, with nothing left but the map's error."""
+    """Backlash of 9 um: the map alone leaves it, the machine that knows it does not, with nothing
+    left but the map's error."""
     effect = physics.names()["backlash"](drawn.scene, "X", stream("loop"))
     wrong = replace(drawn, hidden=[Hidden(effect, 9.0, [])])
     text, nominal = loop.program(drawn.scene.machine)
@@ -97,12 +100,13 @@ def test_the_loop_is_closed_where_places_decide_and_something_shows():
     )
 
 
-# -- baselines ---------------------------------------------------------------------------------------------------------
+# -- baselines -------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def backlash(tmp_path_factory):
-    """A case whose one effect is a large backlash that nothing else explains: the 65th of its seed."""
+    """A case whose one effect is a large backlash that nothing else explains: the 65th of its
+    seed."""
     place = tmp_path_factory.mktemp("case")
     case = cases.make("baseline", "single", 64)
     (hidden,) = case.truth

@@ -37,9 +37,14 @@ def effect(
     name, axis="X", rms=1.0, status="accepted", equivalent=(), parameters=None, next_test=None
 ):
     return {
-        "effect": name, "axis": axis, "status": status, "rms_explained_um": rms, "equivalent": list(equivalent),
-        "parameters": parameters or {}, "next_test": next_test,
-    }  # fmt: skip
+        "effect": name,
+        "axis": axis,
+        "status": status,
+        "rms_explained_um": rms,
+        "equivalent": list(equivalent),
+        "parameters": parameters or {},
+        "next_test": next_test,
+    }
 
 
 def test_names_are_the_same_by_effect_and_axis():
@@ -129,15 +134,23 @@ def row(rows, start):
 
 def test_the_table_counts_what_it_says():
     outcomes = [
-        judge("n1", "null", [], said()), judge("n2", "null", [], said(effect("scale"))),
+        judge("n1", "null", [], said()),
+        judge("n2", "null", [], said(effect("scale"))),
         judge("a1", "adversarial", [], said(unknown={})),
         judge("s1", "single", [truth("scale", peak=9.0)], said(effect("scale"), unknown={})),
         judge("s2", "single", [truth("scale", peak=9.0)], said(effect("bow"))),
         judge("s3", "single", [truth("scale", peak=3.0)], said()),
-        judge("p1", "pair", [truth("scale"), truth("screw_heat")], said(effect("scale"), effect("sag"))),
-        judge("w1", "withheld", [truth("abbe")], said(effect("pitch_shape", equivalent=["abbe:X"]))),
+        judge(
+            "p1",
+            "pair",
+            [truth("scale"), truth("screw_heat")],
+            said(effect("scale"), effect("sag")),
+        ),
+        judge(
+            "w1", "withheld", [truth("abbe")], said(effect("pitch_shape", equivalent=["abbe:X"]))
+        ),
         judge("x1", "alien", [truth("alien:x")], said(effect("scale"), unknown={})),
-    ]  # fmt: skip
+    ]
     rows = lines(outcomes, [])
     assert (row(rows, "nulls with any").hits, row(rows, "nulls with any").count) == (1, 2)
     assert row(rows, "nulls with any").met is False and row(rows, "adversarial").met is True

@@ -157,7 +157,7 @@ def test_a_tool_that_moved_since_the_freeze_is_refused(tmp_path, monkeypatch):
         trial_seal.frozen("nowhere")
 
 
-# -- leaks -------------------------------------------------------------------------------------------------------------
+# -- leaks -----------------------------------------------------------------------------------------
 
 
 def noise(count, tell):

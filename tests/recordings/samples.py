@@ -1,6 +1,8 @@
-"""Files as the descriptions of their formats have them, made here: no original file is in the project.
+"""Files as the descriptions of their formats have them, made here: no original file is in the
+project.
 
-Every maker takes readings as a table (runs, targets) and writes them; what a test expects is that table.
+Every maker takes readings as a table (runs, targets) and writes them; what a test expects is that
+table.
 """
 
 from __future__ import annotations
@@ -9,15 +11,15 @@ import numpy as np
 
 from postproc.recordings import ReadingOptions, Recording, Source, read
 
-TARGETS = np.array(
-    [0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0]
-)  # 10: five divide it
+# 10: five divide it
+TARGETS = np.array([0.0, 50.0, 100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0, 450.0])
 
 
 def readings(
     runs: int = 4, targets: np.ndarray = TARGETS, reversal: float = 4.0, seed: int = 1
 ) -> np.ndarray:
-    """(runs, targets) um to 0.01: a screw that is long by 10 um/m, odd runs towards +, even runs back, less the reversal."""
+    """(runs, targets) um to 0.01: a screw that is long by 10 um/m, odd runs towards +, even runs
+    back, less the reversal."""
     rng = np.random.default_rng(seed)
     shape = targets * 0.01 + 0.7
     back = (np.arange(runs) % 2)[:, None] * reversal
@@ -198,7 +200,7 @@ def canonical(tables: dict[str, tuple[np.ndarray, str]], targets: np.ndarray = T
             for k in order:
                 at = f"10,20,{targets[k]:g}" if name[2] == "Z" else "10,20,30"
                 lines.append(
-                    f"{name},{name[2]},{targets[k]:g},{r + 1},{'+' if r % 2 == 0 else '-'},{row[k]:.2f},{unit},{at},20.5,20.1,{clock}"
+                    f"{name},{name[2]},{targets[k]:g},{r + 1},{'+' if r % 2 == 0 else '-'},{row[k]:.2f},{unit},{at},20.5,20.1,{clock}"  # noqa: E501
                 )
                 clock += 7
     return "\n".join(lines) + "\n"

@@ -1,4 +1,5 @@
-"""Every broken file is refused with its name, the line and the reason, and never with a traceback; so is every mutation."""
+"""Every broken file is refused with its name, the line and the reason, and never with a traceback;
+so is every mutation."""
 
 from __future__ import annotations
 
@@ -121,9 +122,10 @@ def test_a_broken_file_is_refused_with_its_line_and_reason(case):
     error = caught.value
     assert sentence in error.message
     if line:
-        assert error.place is not None and (error.place.file, error.place.line) == (name, line), (
-            str(error)
-        )
+        assert error.place is not None and (error.place.file, error.place.line) == (
+            name,
+            line,
+        ), str(error)
 
 
 def test_there_is_a_broken_file_for_every_reader_and_its_words_are_plain():
@@ -145,7 +147,8 @@ def test_what_is_mutated_below_reads(name, data, how):
 
 
 def sound(recording: Recording) -> None:
-    """What a reader lets through can be used: finite numbers, signs, equal lengths, and the writer takes it."""
+    """What a reader lets through can be used: finite numbers, signs, equal lengths, and the writer
+    takes it."""
     assert len(recording) and all(len(c) == len(recording) for c in recording.columns.values())
     assert len(recording.lines) == len(recording)
     if recording.kind == "targets":

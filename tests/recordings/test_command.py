@@ -26,9 +26,17 @@ def test_it_shows_what_the_file_is(rtl, capsys):
     assert main(["recordings", str(rtl)]) == 0
     shown = capsys.readouterr().out
     for piece in (
-        "z.rtl: renishaw", "targets: EZZ, displacement along Z", "mill-7", "10 targets, 0 to 450 mm",
-        "6 (+ 1, 3, 5; - 2, 4, 6)", "59, ", " um, plausible", "20.5 C", "run 2 target 3: the reading is missing", "notice: the unit is not in the file",
-    ):  # fmt: skip
+        "z.rtl: renishaw",
+        "targets: EZZ, displacement along Z",
+        "mill-7",
+        "10 targets, 0 to 450 mm",
+        "6 (+ 1, 3, 5; - 2, 4, 6)",
+        "59, ",
+        " um, plausible",
+        "20.5 C",
+        "run 2 target 3: the reading is missing",
+        "notice: the unit is not in the file",
+    ):
         assert piece in shown, piece
 
 
@@ -58,10 +66,11 @@ def test_it_writes_a_gcomp_recording(rtl, tmp_path, capsys):
     assert back.u == pytest.approx(0.0002) and len(back) == 59
     assert_allclose(back.columns["X_mm"], 12.5)
     assert np.all(back.approach("Z")[back.columns["run"] == 1] == -1)
-    # what stood there before is kept
     before = out.read_bytes()
-    assert main([*command[:2], "--as", str(out)]) == 0
-    assert (tmp_path / "z.csv.bak").read_bytes() == before
+    assert main([*command[:2], "--as", str(out)]) == 2
+    assert "--force to write over it" in capsys.readouterr().err and out.read_bytes() == before
+    assert main([*command[:2], "--as", str(out), "--force"]) == 0
+    assert out.read_bytes() != before
     assert main(["recordings", str(out)]) == 0
 
 

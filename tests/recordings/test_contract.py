@@ -1,4 +1,5 @@
-"""The contract's own reader and writer: every shared recording reads, and what is written reads back the same."""
+"""The contract's own reader and writer: every shared recording reads, and what is written reads
+back the same."""
 
 from __future__ import annotations
 
@@ -37,22 +38,45 @@ def test_every_shared_recording_reads(path):
 @pytest.mark.parametrize(
     "recording",
     [
-        samples.taken("z.rtl", samples.renishaw(samples.readings(), environment=("Air temp : 20.5",)), others={"X": 12.5}),
-        samples.taken("b.rta", samples.renishaw(samples.readings() / 1000), component="EBZ", head={"u_um": 0.2}),
+        samples.taken(
+            "z.rtl",
+            samples.renishaw(samples.readings(), environment=("Air temp : 20.5",)),
+            others={"X": 12.5},
+        ),
+        samples.taken(
+            "b.rta",
+            samples.renishaw(samples.readings() / 1000),
+            component="EBZ",
+            head={"u_um": 0.2},
+        ),
         samples.taken("z.csv", samples.interleaved(samples.readings()), machine='5" "mill"\\7'),
         samples.taken("z.csv", samples.canonical({"EXZ": (samples.readings(), "um")})),
-        samples.taken("x.rtx", samples.dynamic(np.linspace(0, 3, 500), 2500.0), unit="mm", extra={"command": "still"}),
         samples.taken(
-            "c.csv", "a;d;s\n0;1;ccw\n90;2;ccw\n", columns={"angle_deg": "a", "radial_um": "d", "sense": "s"},
+            "x.rtx",
+            samples.dynamic(np.linspace(0, 3, 500), 2500.0),
+            unit="mm",
+            extra={"command": "still"},
+        ),
+        samples.taken(
+            "c.csv",
+            "a;d;s\n0;1;ccw\n90;2;ccw\n",
+            columns={"angle_deg": "a", "radial_um": "d", "sense": "s"},
             head={"radius_mm": 100.0, "centre": {"X": 0.0, "Y": 5.0}},
         ),
         samples.taken(
-            "f.csv", 'n,k,a,m,i\n"a, b",step,X,1.5,1.4\n',
-            columns={"feature": "n", "kind": "k", "axis": "a", "nominal_mm": "i", "measured_mm": "m"},
+            "f.csv",
+            'n,k,a,m,i\n"a, b",step,X,1.5,1.4\n',
+            columns={
+                "feature": "n",
+                "kind": "k",
+                "axis": "a",
+                "nominal_mm": "i",
+                "measured_mm": "m",
+            },
         ),
     ],
     ids=["linear", "angular", "sheet", "long", "dynamic", "circle", "features"],
-)  # fmt: skip
+)
 def test_written_and_read_again_it_is_the_same(recording):
     back = again(recording)
     assert back.kind == recording.kind and back.quantity == recording.quantity

@@ -1,4 +1,5 @@
-"""What looks like a slip is said: the unit by its range, the directions of the runs by the splits that they might be."""
+"""What looks like a slip is said: the unit by its range, the directions of the runs by the splits
+that they might be."""
 
 from __future__ import annotations
 
@@ -22,10 +23,21 @@ K = 12
 @pytest.mark.parametrize(
     ("name", "factor"),
     [
-        ("um", 1.0), ("µm", 1.0), ("μm", 1.0), ("MM", 1e3), ("in", 25400.0), ("nm", 1e-3), ("mm/m", 1e3), ("mrad", 1e3),
-        ("µrad", 1.0), ("arcsec", math.pi / 0.648), ("arc-sec", math.pi / 0.648), ("deg", math.pi / 180 * 1e6), ("°", math.pi / 180 * 1e6),
+        ("um", 1.0),
+        ("µm", 1.0),
+        ("μm", 1.0),
+        ("MM", 1e3),
+        ("in", 25400.0),
+        ("nm", 1e-3),
+        ("mm/m", 1e3),
+        ("mrad", 1e3),
+        ("µrad", 1.0),
+        ("arcsec", math.pi / 0.648),
+        ("arc-sec", math.pi / 0.648),
+        ("deg", math.pi / 180 * 1e6),
+        ("°", math.pi / 180 * 1e6),
     ],
-)  # fmt: skip
+)
 def test_units_in_all_spellings(name, factor):
     """One arcsecond is pi / 648000 rad."""
     assert units.named(name).factor == approx(factor, rel=1e-12)
@@ -37,9 +49,18 @@ def test_the_micro_sign_of_another_code_page_is_known():
 
 @pytest.mark.parametrize(
     ("heading", "name"),
-    [("Up 1 (µm)", "um"), ("dzz_mm", "mm"), ("Deviation in arcsec", "arcsec"), ("Error [mm/m]", "mm/m"), ("Up 1 µm", "um"),
-     ("Mean", None), ("Run in", None), ("comes in", None), ("x (first)", None)],
-)  # fmt: skip
+    [
+        ("Up 1 (µm)", "um"),
+        ("dzz_mm", "mm"),
+        ("Deviation in arcsec", "arcsec"),
+        ("Error [mm/m]", "mm/m"),
+        ("Up 1 µm", "um"),
+        ("Mean", None),
+        ("Run in", None),
+        ("comes in", None),
+        ("x (first)", None),
+    ],
+)
 def test_units_in_headings(heading, name):
     found = units.in_heading(heading)
     assert (found.name if found else None) == name
@@ -57,9 +78,14 @@ def test_the_band_has_two_ends(quantity):
 
 @pytest.mark.parametrize(
     ("spread", "read_in", "slip"),
-    [(0.012, "um", "mm read as um"), (12_000.0, "mm", "um read as mm"), (0.03, "urad", "mm/m read as urad|mrad read as urad"),
-     (50_000.0, "deg", "arcsec read as deg"), (0.05, "urad", "deg read as urad")],
-)  # fmt: skip
+    [
+        (0.012, "um", "mm read as um"),
+        (12_000.0, "mm", "um read as mm"),
+        (0.03, "urad", "mm/m read as urad|mrad read as urad"),
+        (50_000.0, "deg", "arcsec read as deg"),
+        (0.05, "urad", "deg read as urad"),
+    ],
+)
 def test_the_likely_slip_is_named(spread, read_in, slip):
     unit = units.named(read_in)
     told = units.outside(spread, unit.quantity, unit)
@@ -67,7 +93,8 @@ def test_the_likely_slip_is_named(spread, read_in, slip):
 
 
 def drawn(runs: int, sign, reversal: float = 5.0, drift: float = 0.0, seed: int = 0):
-    """run, target, value of a screw with a reversal, a drift from run to run, and 0.2 of scatter."""
+    """run, target, value of a screw with a reversal, a drift from run to run, and 0.2 of
+    scatter."""
     rng = np.random.default_rng(seed)
     run, k = np.meshgrid(np.arange(1, runs + 1), np.arange(K), indexing="ij")
     truth = np.array([sign(r) for r in range(1, runs + 1)])
@@ -137,9 +164,16 @@ def test_the_doubt_reaches_the_reader():
 
 @pytest.mark.parametrize(
     ("name", "axis", "quantity", "sensitive"),
-    [("EZZ", "Z", "displacement", {"Z": 1}), ("exz", "Z", "straightness", {"X": 1}), ("EAX", "X", "angle", {"X": 1}),
-     ("EBZ", "Z", "angle", {"Y": 1}), ("ECY", "Y", "angle", {"Z": 1}), ("ECC", "C", "angle", {"Z": 1}), ("EXC", "C", "straightness", {"X": 1})],
-)  # fmt: skip
+    [
+        ("EZZ", "Z", "displacement", {"Z": 1}),
+        ("exz", "Z", "straightness", {"X": 1}),
+        ("EAX", "X", "angle", {"X": 1}),
+        ("EBZ", "Z", "angle", {"Y": 1}),
+        ("ECY", "Y", "angle", {"Z": 1}),
+        ("ECC", "C", "angle", {"Z": 1}),
+        ("EXC", "C", "straightness", {"X": 1}),
+    ],
+)
 def test_components_by_their_names(name, axis, quantity, sensitive):
     found = targets.parsed(name)
     assert (found.axis, found.quantity, found.sensitive) == (axis, quantity, sensitive)

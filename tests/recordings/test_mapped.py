@@ -1,4 +1,5 @@
-"""Any table by a mapping: one reading a row, several, positions instead of deviations, and the other kinds."""
+"""Any table by a mapping: one reading a row, several, positions instead of deviations, and the
+other kinds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Renishaw's text and dynamic files: whatever order, encoding or decimal sign, the same readings at the same targets."""
+"""Renishaw's text and dynamic files: whatever order, encoding or decimal sign, the same readings at
+the same targets."""
 
 from __future__ import annotations
 

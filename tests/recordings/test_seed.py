@@ -1,6 +1,8 @@
-"""The seed's Tables 6.1 and 6.2 by a column mapping: the numbers that are printed, and the golden E, M and B from them.
+"""The seed's Tables 6.1 and 6.2 by a column mapping: the numbers that are printed, and the golden
+E, M and B from them.
 
-Golden values: compensation notes 3.1, computed there from the same tables; formulas of ISO 230-2 for means.
+Golden values: compensation notes 3.1, computed there from the same tables; formulas of ISO 230-2
+for means.
 """
 
 from __future__ import annotations
@@ -15,8 +17,7 @@ from pytest import approx
 
 from postproc.recordings import ReadingOptions, RecordingError, Source, contract, read
 
-SEED = Path(__file__).resolve().parents[3] / "shared" / "seed"
-pytestmark = pytest.mark.skipif(not SEED.is_dir(), reason="the seed's tables are not here")
+SEED = Path(__file__).resolve().parents[2] / "proof" / "seed" / "tables"
 Z, X = "table_6_1_studer_s36_z_axis.csv", "table_6_2_studer_s36_x_axis.csv"
 CASES = {
     "EZZ": (Z, "z_mm", "dzz", {"E": 11.6, "M": 9.55, "B": 5.1}),
@@ -81,8 +82,18 @@ def test_the_yaw_has_no_unit_and_is_not_given_one():
 
 
 def test_mm_taken_for_um_are_named():
-    recording = read(Source(Z, (SEED / Z).read_bytes()), "", ReadingOptions(
-        component="EZZ", columns={"Z_mm": "z_mm", "forward_um": "dzz_forward_mm", "reverse_um": "dzz_reverse_mm"}))  # fmt: skip
+    recording = read(
+        Source(Z, (SEED / Z).read_bytes()),
+        "",
+        ReadingOptions(
+            component="EZZ",
+            columns={
+                "Z_mm": "z_mm",
+                "forward_um": "dzz_forward_mm",
+                "reverse_um": "dzz_reverse_mm",
+            },
+        ),
+    )
     told = next(t for t in recording.notices if "range over" in t)
     assert "0.0116 um" in told and "mm read as um? Then they range over 11.6 um" in told
 

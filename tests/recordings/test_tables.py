@@ -1,4 +1,5 @@
-"""Sheets, laser tables, the long table and LinuxCNC's file: the same readings come out of every layout."""
+"""Sheets, laser tables, the long table and LinuxCNC's file: the same readings come out of every
+layout."""
 
 from __future__ import annotations
 
@@ -109,7 +110,8 @@ def test_an_empty_cell_is_a_missing_reading():
 
 
 def test_thousands_are_told_from_decimal_commas():
-    """1,234 alone may be either: it is read with a decimal comma, and said; with a point beside it the file is refused."""
+    """1,234 alone may be either: it is read with a decimal comma, and said; with a point beside it
+    the file is refused."""
     recording = taken(
         "s.csv", "Target (mm);Up 1 (um);Down 1 (um)\n0;1,234;2,345\n10;3,456;4,567\n", axis="X"
     )

@@ -1,4 +1,5 @@
-"""Workbooks (.xlsx) as a spreadsheet saves them, written here part by part from ECMA-376; halscope's logs; long tables."""
+"""Workbooks (.xlsx) as a spreadsheet saves them, written here part by part from ECMA-376;
+halscope's logs; long tables."""
 
 from __future__ import annotations
 
@@ -38,14 +39,22 @@ def cell(at: str, what, strings: list[str], time: bool = False) -> str:
 
 
 def workbook(sheets: dict[str, list[list]], time: int = -1, **other: str) -> bytes:
-    """An .xlsx; an empty row is not written, as spreadsheets do. time: the column that is shown as a time."""
+    """An .xlsx; an empty row is not written, as spreadsheets do. time: the column that is shown as
+    a time."""
     strings: list[str] = []
     parts = {}
     for k, rows in enumerate(sheets.values(), 1):
         lines = [
-            f'<row r="{r}">' + "".join(cell(f"{chr(65 + j)}{r}", v, strings, j == time) for j, v in enumerate(row) if v is not None) + "</row>"
-            for r, row in enumerate(rows, 1) if row
-        ]  # fmt: skip
+            f'<row r="{r}">'
+            + "".join(
+                cell(f"{chr(65 + j)}{r}", v, strings, j == time)
+                for j, v in enumerate(row)
+                if v is not None
+            )
+            + "</row>"
+            for r, row in enumerate(rows, 1)
+            if row
+        ]
         parts[f"xl/worksheets/sheet{k}.xml"] = (
             f"<worksheet {MAIN}><sheetData>{''.join(lines)}</sheetData></worksheet>"
         )
@@ -64,7 +73,8 @@ def workbook(sheets: dict[str, list[list]], time: int = -1, **other: str) -> byt
     parts["xl/sharedStrings.xml"] = f"<sst {MAIN}>{items}</sst>"
     formats = '<numFmts><numFmt numFmtId="170" formatCode="yyyy\\-mm\\-dd\\ hh:mm:ss"/></numFmts>'
     parts["xl/styles.xml"] = (
-        f'<styleSheet {MAIN}>{formats}<cellXfs><xf numFmtId="0"/><xf numFmtId="170"/></cellXfs></styleSheet>'
+        f'<styleSheet {MAIN}>{formats}<cellXfs><xf numFmtId="0"/><xf'
+        ' numFmtId="170"/></cellXfs></styleSheet>'
     )
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as book:
@@ -82,7 +92,8 @@ def long_sheet() -> list[list]:
 
 
 def test_a_long_sheet_with_dates():
-    """Order and times as in the sheet; binary fractions come back as the decimals that were typed."""
+    """Order and times as in the sheet; binary fractions come back as the decimals that were
+    typed."""
     got = read(
         Source("z.xlsx", workbook({"Z": long_sheet()}, time=4)), options=ReadingOptions(axis="Z")
     )
@@ -124,7 +135,13 @@ def test_any_damage_ends_in_one_sentence():
     bombs = '<!DOCTYPE a [<!ENTITY b "c">]><worksheet/>'
     sheet = "xl/worksheets/sheet1.xml"
     damaged += [workbook({"Z": long_sheet()}, **{sheet: bombs})]
-    damaged += [workbook({"Z": long_sheet()}, **{sheet: f'<worksheet {MAIN}><row r="{r}"><c r="{c}"><v>1</v></c></row></worksheet>'}) for r, c in (("9999999", "A1"), ("1", "ZZZ1"), ("1", "1A"), ("x", "A1"))]  # fmt: skip
+    damaged += [
+        workbook(
+            {"Z": long_sheet()},
+            **{sheet: f'<worksheet {MAIN}><row r="{r}"><c r="{c}"><v>1</v></c></row></worksheet>'},
+        )
+        for r, c in (("9999999", "A1"), ("1", "ZZZ1"), ("1", "1A"), ("x", "A1"))
+    ]
     refused = 0
     for data in damaged:
         try:
@@ -134,10 +151,12 @@ def test_any_damage_ends_in_one_sentence():
     assert refused > 20
 
 
-# -- halscope ------------------------------------------------------------------------------------------------------------
+# -- halscope --------------------------------------------------------------------------------------
 
 LOG = "Sampling period is 1000000 ns \n" + "".join(
-    f"\njoint.0.pos-cmd {1 + 0.1 * k:+.14f} joint.0.pos-fb {0.999 + 0.1 * k:+.14f} joint.1.motor-pos-cmd +2.00000000000000 joint.1.motor-pos-fb +2.00100000000000 spindle.0.on +1.00000000000000 "
+    f"\njoint.0.pos-cmd {1 + 0.1 * k:+.14f} joint.0.pos-fb {0.999 + 0.1 * k:+.14f}"
+    " joint.1.motor-pos-cmd +2.00000000000000 joint.1.motor-pos-fb +2.00100000000000 spindle.0.on"
+    " +1.00000000000000 "
     for k in range(5)
 )
 COMMA = LOG.replace("+1.", "+1,").replace("+0.", "+0,").replace("+2.", "+2,")
@@ -145,7 +164,8 @@ COMMA = LOG.replace("+1.", "+1,").replace("+0.", "+0,").replace("+2.", "+2,")
 
 @pytest.mark.parametrize("text", [LOG, COMMA, LOG + "\njoint.0.pos-cmd +9.90000000000000 "])
 def test_a_halscope_log_is_a_trace(text):
-    """src/hal/utils/scope_files.c: period in ns, then a line a sample; the last one may stop short; a decimal comma."""
+    """src/hal/utils/scope_files.c: period in ns, then a line a sample; the last one may stop short;
+    a decimal comma."""
     source = Source("scope.log", text.encode())
     assert format_of(source) == "halscope"
     got = read(source, options=ReadingOptions(extra={"joints": "XZ"}))
@@ -185,16 +205,19 @@ def test_what_a_halscope_log_leaves_open_is_asked(options, says):
         read(Source("scope.log", LOG.encode()), options=ReadingOptions(**options))
 
 
-# -- long tables ---------------------------------------------------------------------------------------------------------
+# -- long tables -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("clock", [False, True])
 def test_a_long_table_keeps_the_order_of_the_axis(clock):
-    """Both directions in one run: without times its rows were interleaved, with an ISO time they were refused."""
+    """Both directions in one run: without times its rows were interleaved, with an ISO time they
+    were refused."""
     lines = [
-        'Target (mm);Run;Direction;Pitch (");Time'
-        if clock
-        else 'Target (mm);Run;Direction;Pitch (")'
+        (
+            'Target (mm);Run;Direction;Pitch (");Time'
+            if clock
+            else 'Target (mm);Run;Direction;Pitch (")'
+        )
     ]
     for k, (run, way, q) in enumerate(FLAT):
         lines.append(

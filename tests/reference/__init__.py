@@ -1,1 +1,2 @@
-"""The independent reference: written from the specification alone, slow and plain; shares no code with the product."""
+"""The independent reference: written from the specification alone, slow and plain; shares no code
+with the product."""

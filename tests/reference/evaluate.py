@@ -1,13 +1,16 @@
-"""What is left: a program and its compensated form, run on the reference machine and laid against the nominal path.
+"""What is left: a program and its compensated form, run on the reference machine and laid against
+the nominal path.
 
-Both texts are run by the reference interpreter. Every motion of the compensated program is assigned to the nominal
-motion that it belongs to (dynamic programming on the actual end points), then sampled, carried through the machine,
-and its distance from the nominal path is the residual. Of a component that was measured in two directions holds the one
-in which its slide was last commanded, in the program that is laid against the path, its take-ups included; a slide that
-turns back by no more than the machine's hysteresis (and an increment, to which its words were rounded) keeps its side,
-and before it has moved, or when it comes from an unknown place, the mean holds. Counted are
+Both texts are run by the reference interpreter. Every motion of the compensated program is assigned
+to the nominal motion that it belongs to (dynamic programming on the actual end points), then
+sampled, carried through the machine, and its distance from the nominal path is the residual. Of a
+component that was measured in two directions holds the one in which its slide was last commanded,
+in the program that is laid against the path, its take-ups included; a slide that turns back by no
+more than the machine's hysteresis (and an increment, to which its words were rounded) keeps its
+side, and before it has moved, or when it comes from an unknown place, the mean holds. Counted are
 
-- feeds and arcs: samples between the ends, the ends of all pieces, and the distance of the last end from the end point;
+- feeds and arcs: samples between the ends, the ends of all pieces, and the distance of the last end
+  from the end point;
 - take-ups (a short piece at which the nominal motion does not advance): their end alone;
 - rapids, and motions whose start is unknown: their end point alone;
 - G53, G28, G30: nothing, they are only matched; and nothing where a machine axis is unknown.
@@ -59,14 +62,14 @@ class Report:
     output_motions: int = 0
     take_ups: int = 0
     unmeasured: list = field(default_factory=list)  # nominal lines with unknown coordinates
-    feed_changes: list = field(
-        default_factory=list
-    )  # (nominal line, output line, nominal feed, output feed)
+    # (nominal line, output line, nominal feed, output feed)
+    feed_changes: list = field(default_factory=list)
     outside_travel: list = field(default_factory=list)  # (output line, axis, mm)
 
 
 class Slide:
-    """On which side of its play one slide stands: the sign of its last commanded motion, and how far it has come there.
+    """On which side of its play one slide stands: the sign of its last commanded motion, and how
+    far it has come there.
 
     keeps: mm that it may turn back without another side, or move from its first place without any.
     """
@@ -164,7 +167,8 @@ class Motion:
         return slope
 
     def nearest(self, point, hint=None):
-        """(t, distance in mm) of the point of the path that is nearest; among the turns of an arc, nearest to hint."""
+        """(t, distance in mm) of the point of the path that is nearest; among the turns of an arc,
+        nearest to hint."""
         if self.empty:
             return 0.0, float(np.linalg.norm(self.at(0) - point))
         guesses = [0.0]
@@ -177,7 +181,8 @@ class Motion:
             turn = 2 * math.pi / abs(self.block.sweep)
             first = (math.atan2(v, u) - angle) / self.block.sweep % turn - turn
             guesses = [first + k * turn for k in range(math.floor(1.0 / turn) + 3)]
-            # Beyond an end the end itself is nearest, so a guess is worth what it is when held there.
+            # Beyond an end the end itself is nearest, so a guess is worth what it is when held
+            # there.
             guesses = (
                 sorted(guesses, key=lambda t: abs(t - hint))[:2] if hint is not None else guesses
             )
@@ -208,7 +213,8 @@ class Judge:
         self.sides = {}  # of the blocks of `execute`
 
     def motions(self, blocks):
-        """The blocks that move, each with the number of other events before it; and those events."""
+        """The blocks that move, each with the number of other events before it; and those
+        events."""
         marks, moving = [], []
         for block in blocks:
             if block.kind in KINDS:
@@ -240,7 +246,8 @@ class Judge:
         }
 
     def actual(self, block, t=1.0, margin=0.0, clamp=None):
-        """(n,) mm: the actual point at t of a block, in the machine's axes, tool taken off, to be laid against slides."""
+        """(n,) mm: the actual point at t of a block, in the machine's axes, tool taken off, to be
+        laid against slides."""
         clamp = self.clamp if clamp is None else clamp
         command = block.end if t == 1.0 else block.point(t)
         point = (
@@ -249,14 +256,15 @@ class Judge:
         )
         return point[self.columns]
 
-    # Alignment -------------------------------------------------------------------------------------------------
+    # Alignment ------------------------------------------------------------------------------------
 
     def align(self, motions, outputs):
         """For each nominal motion the output blocks that belong to it.
 
-        Least sum of squares of what the pieces (end and middle) are off the nominal path and their last end off the
-        end point, among the assignments in order in which every last end lies within `near` of the end point, no
-        motion is left out (but one that goes nowhere), and the events between the motions stay in their place.
+        Least sum of squares of what the pieces (end and middle) are off the nominal path and their
+        last end off the end point, among the assignments in order in which every last end lies
+        within `near` of the end point, no motion is left out (but one that goes nowhere), and the
+        events between the motions stay in their place.
         """
         states, trail = {-1: 0.0}, []
         for j, (block, marks) in enumerate(outputs):
@@ -339,7 +347,7 @@ class Judge:
         behind = short and not motion.empty and all(t == 1.0 for t, _ in places)
         return sum(distance**2 for _, distance in places) + (BEHIND**2 if behind else 0.0)
 
-    # Measurement -----------------------------------------------------------------------------------------------
+    # Measurement ----------------------------------------------------------------------------------
 
     def measure(self, motion, pieces, margin, result, end_points):
         """Fill `result` for one nominal motion; append to end_points what it reached."""
@@ -384,8 +392,8 @@ class Judge:
             reached, distance = motion.nearest(self.actual(block, margin=margin), hint)
             if (t - reached) * motion.length > self.near:
                 raise Misaligned(
-                    f"output line {block.line} goes back by {(t - reached) * motion.length:.3f} mm on "
-                    f"nominal line {motion.block.line}"
+                    f"output line {block.line} goes back by {(t - reached) * motion.length:.3f} mm"
+                    f" on nominal line {motion.block.line}"
                 )
             if length <= self.take_up and (reached - t) * motion.length <= length / 2:
                 result.take_ups += 1
@@ -421,7 +429,8 @@ def worst(results):
 
 
 def check_lengths(motion, pieces, judge):
-    """The pieces together are as long as the motion: a whole turn that became a sliver is found here."""
+    """The pieces together are as long as the motion: a whole turn that became a sliver is found
+    here."""
     if not motion.known or not pieces or any(not block.known for block in pieces):
         return
     total = sum(block.length for block in pieces)
@@ -435,7 +444,8 @@ def check_lengths(motion, pieces, judge):
 
 
 def feed_changes(motion, pieces, judge):
-    """(nominal line, output line, nominal feed, output feed) where a cutting piece has another feed."""
+    """(nominal line, output line, nominal feed, output feed) where a cutting piece has another
+    feed."""
     if motion.block.kind not in ("feed", "arc"):
         return []
     cutting = [
@@ -477,12 +487,14 @@ def residual(
     take_up_mm=0.5,
     near_mm=None,
 ):
-    """Report on a compensated program; Misaligned when it does not do what the nominal program does.
+    """Report on a compensated program; Misaligned when it does not do what the nominal program
+    does.
 
-    clamp, or the machine's outside = "clamp": hold the tables' end values at nominal points outside them, else
-    ValueError. Corrected points may always
+    clamp, or the machine's outside = "clamp": hold the tables' end values at nominal points outside
+    them, else ValueError. Corrected points may always
     pass the ends by the machine's max_correction. diameter, offsets: the machine's, unless given.
-    near_mm: how far an end may lie from the nominal end in any axis (default: the machine's max_correction).
+    near_mm: how far an end may lie from the nominal end in any axis (default: the machine's
+    max_correction).
     """
     near = machine.max_correction if near_mm is None else near_mm
     judge = Judge(machine, samples_per_mm, clamp or machine.outside == "clamp", take_up_mm, near)

@@ -1,10 +1,13 @@
-"""NC text in, motions out: two dialects read one character and one block at a time, positions in exact fractions.
+"""NC text in, motions out: two dialects read one character and one block at a time, positions in
+exact fractions.
 
-Written from the languages, to judge the product: it imports nothing of it. What it does not know it refuses.
+Written from the languages, to judge the product: it imports nothing of it. What it does not know it
+refuses.
 
 linuxcnc      `;` begins a comment, G7/G8, G90.1/G91.1, P turns, G17 at the start.
-fanuc-lathe   G-code system B: G90/G91, U V W are increments of X Y Z, `;` ends a block, comments in ( ) only,
-              G4 takes X, U (s) or P (ms), G18 at the start. A number without a point counts whole units (mm, inch).
+fanuc-lathe   G-code system B: G90/G91, U V W are increments of X Y Z, `;` ends a block, comments in
+              ( ) only, G4 takes X, U (s) or P (ms), G18 at the start. A number without a point
+              counts whole units (mm, inch).
 
 Positions are slide positions in machine coordinates, mm, radius. I J K R are radius values always.
 """
@@ -41,7 +44,8 @@ ONLY_LINUXCNC = {"G7", "G8", "G90.1", "G91.1", "G49", "G61.1"}
 ONLY_FANUC = {"G92"}  # spindle speed limit; with axis words it is refused
 REFUSED_M = {96, 97, 98, 99, 198}
 
-# An arc is refused whose radii differ by 0.5 mm, or by both 0.0283 mm and 0.1 % (seen of LinuxCNC 2.9).
+# An arc is refused whose radii differ by 0.5 mm, or by both 0.0283 mm and 0.1 % (seen of LinuxCNC
+# 2.9).
 SPIRAL_LIMIT, SPIRAL_FINE, SPIRAL_PART = 0.5, 0.0283, 0.001
 SHORT_RADIUS = 0.005  # mm that R may be too short to reach across, from rounding
 
@@ -52,7 +56,8 @@ class NotUnderstood(ValueError):
 
 @dataclass
 class Block:
-    """One block and what it makes the machine do; start and end: {axis: mm, or None when unknown}."""
+    """One block and what it makes the machine do; start and end: {axis: mm, or None when
+    unknown}."""
 
     line: int
     number: int
@@ -85,7 +90,8 @@ class Block:
         return math.atan2(v0, u0) + self.sweep * t, r0 + (r1 - r0) * t
 
     def point(self, t):
-        """{axis: mm} at t in [0, 1]; linear in t, on arcs the angle, the radius and the other axes are."""
+        """{axis: mm} at t in [0, 1]; linear in t, on arcs the angle, the radius and the other axes
+        are."""
         if not self.known:
             raise NotUnderstood(f"line {self.line}: the path is not known")
         if t in (0, 1):
@@ -115,7 +121,8 @@ class Block:
 
 
 def split(text, dialect):
-    """Yield (line number, block without comments and blanks, in capitals), one character at a time."""
+    """Yield (line number, block without comments and blanks, in capitals), one character at a
+    time."""
     line, code, comment, rest = 1, [], False, False
     for c in text.rstrip("\n") + "\n":
         if c == "\n":
@@ -170,7 +177,8 @@ def code_name(value, place):
 def run(text, dialect, *, axes, diameter=(), offsets={}, block_delete=False, start={}):
     """Run a program; list[Block], one for each block that has a word.
 
-    axes: names of the machine's axes; diameter: those whose words are diameters (G7 and G8 overrule);
+    axes: names of the machine's axes; diameter: those whose words are diameters (G7 and G8
+    overrule);
     offsets: {"G54": {axis: mm, radius}}; start: {axis: mm} known before the first block.
     """
     if dialect not in DIALECTS:
@@ -279,9 +287,8 @@ class Control:
 
     def _modes(self, codes, values, extra, place):
         self.feed_mode_changed = False
-        for code in sorted(
-            codes, key=lambda code: code != "G80"
-        ):  # another motion code on its line outlives it
+        # another motion code on its line outlives it
+        for code in sorted(codes, key=lambda code: code != "G80"):
             if code in ("G20", "G21"):
                 self.unit = INCH if code == "G20" else Fraction(1)
             elif code in ("G7", "G8"):

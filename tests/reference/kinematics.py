@@ -1,9 +1,11 @@
-"""Where the tool tip is on a machine with errors, by exact homogeneous transforms: any chain, rotary axes too.
+"""Where the tool tip is on a machine with errors, by exact homogeneous transforms: any chain,
+rotary axes too.
 
-Imports nothing of the product. One pose at a time, errors as plain numbers for that pose; nothing that is small is
-dropped. Read from the workpiece to the tool every axis is a 4 x 4 motion of what follows; its errors are another beside
-it: towards the tool of a slide that carries the tool, towards the workpiece of a slide that carries the workpiece, and of
-a rotary axis always on the side that does not turn with it.
+Imports nothing of the product. One pose at a time, errors as plain numbers for that pose; nothing
+that is small is dropped. Read from the workpiece to the tool every axis is a 4 x 4 motion of what
+follows; its errors are another beside it: towards the tool of a slide that carries the tool,
+towards the workpiece of a slide that carries the workpiece, and of a rotary axis always on the side
+that does not turn with it.
 """
 
 from __future__ import annotations
@@ -20,8 +22,9 @@ ZERO = np.zeros(3)
 
 @dataclass
 class Link:
-    """One axis at one pose. q: mm or degrees; d mm, eps rad: its errors there; shift mm, lean rad: how its line lies beside
-    the nominal one; measured, centre mm; fixed_to: what the measured point was fixed to."""
+    """One axis at one pose. q: mm or degrees; d mm, eps rad: its errors there; shift mm, lean rad:
+    how its line lies beside the nominal one; measured, centre mm; fixed_to: what the measured point
+    was fixed to."""
 
     letter: str
     side: str
@@ -70,7 +73,8 @@ class Link:
 
 
 def tip(links: list[Link], tool: np.ndarray, scale: float) -> np.ndarray:
-    """(3,) mm: the tool tip in the workpiece's frame; links from the workpiece to the tool; scale 0 is nominal."""
+    """(3,) mm: the tool tip in the workpiece's frame; links from the workpiece to the tool; scale 0
+    is nominal."""
     chain = np.eye(4)
     for link in links:
         chain = chain @ link.motion(scale)

@@ -1,24 +1,29 @@
-"""A written program on a machine whose axes have real lost motion, laid against the path of the nominal program.
+"""A written program on a machine whose axes have real lost motion, laid against the path of the
+nominal program.
 
-Written from the contract (section Meaning), to judge the product: it imports nothing of it. Every axis has a play
-operator on its commanded slide position, over all motions of the written program in the order of execution:
+Written from the contract (section Meaning), to judge the product: it imports nothing of it. Every
+axis has a play operator on its commanded slide position, over all motions of the written program in
+the order of execution:
 
     y = clip(y, c - W/2, c + W/2),     s = (c - y) / (W/2)
 
-c is the command and y the nut; s runs from -1 (it came from above) over 0 (nobody knows) to +1 (it came from below).
-W is the lost motion B = reverse - forward of the axis' own positioning there, or the way of a pre-travel if that is
-longer. Every component of the axis, its positioning and what else was measured in two directions, is
+c is the command and y the nut; s runs from -1 (it came from above) over 0 (nobody knows) to +1 (it
+came from below). W is the lost motion B = reverse - forward of the axis' own positioning there, or
+the way of a pre-travel if that is longer. Every component of the axis, its positioning and what
+else was measured in two directions, is
 
     (forward + reverse) / 2 + s (forward - reverse) / 2,
 
-so that without pre-travel the slide stands at y + (forward + reverse) / 2. Where W is 0, s is the sign of the last
-commanded motion. Before the first known position nothing is known: there y = c.
+so that without pre-travel the slide stands at y + (forward + reverse) / 2. Where W is 0, s is the
+sign of the last commanded motion. Before the first known position nothing is known: there y = c.
 
-The program's motions are assigned to the nominal motions as in `evaluate`, by where the tool really is. Counted are
+The program's motions are assigned to the nominal motions as in `evaluate`, by where the tool really
+is. Counted are
 
-- feeds and arcs: the distance of every sample from the path of the nominal motion, by its length; and the distance of
-  the last end from the end point;
-- take-ups (a short piece at which the nominal motion does not advance): their end alone, without a length;
+- feeds and arcs: the distance of every sample from the path of the nominal motion, by its length;
+  and the distance of the last end from the end point;
+- take-ups (a short piece at which the nominal motion does not advance): their end alone, without a
+  length;
 - rapids, and motions whose start is unknown: their end point alone, without a length.
 """
 
@@ -31,9 +36,8 @@ from .evaluate import KINDS, Judge, Misaligned, check_lengths
 from .interpreter import run
 from .machine import ROTATIONS, TRANSLATIONS, UM, UNIT, rotation
 
-SHORTEST_TAKE_UP = (
-    0.02  # mm; a piece up to this, or 1.2 times the play in every axis, can be a take-up
-)
+# mm; a piece up to this, or 1.2 times the play in every axis, can be a take-up
+SHORTEST_TAKE_UP = 0.02
 NEWTON = 6  # steps; the foot of a point on an arc converges by (distance / radius) a step
 NEVER = 1e3  # mm: the distance of a point from a motion whose ends nobody knows
 
@@ -74,7 +78,7 @@ def weighted_quantile(values, weights, part):
     return float(values[order][min(np.searchsorted(reached, part * reached[-1]), len(values) - 1)])
 
 
-# The slide ------------------------------------------------------------------------------------------------------------
+# The slide ----------------------------------------------------------------------------------------
 
 
 def side_of_play(command, width):
@@ -100,8 +104,9 @@ def table(axis, name, positions):
 
 
 def play_of(axis, positions):
-    """(n,) mm: the commanded way in which the side changes. A map in which forward lies beyond reverse is no play: a
-    control that takes up too much does so at once when its command turns round."""
+    """(n,) mm: the commanded way in which the side changes. A map in which forward lies beyond
+    reverse is no play: a control that takes up too much does so at once when its command turns
+    round."""
     forward, reverse = table(axis, axis.name, positions)
     return np.maximum(np.maximum(reverse - forward, 0.0), axis.play_mm)
 
@@ -111,7 +116,7 @@ def widest_play(machine):
     return max(float(play_of(axis, np.array(axis.nodes)).max()) for axis in machine.axes.values())
 
 
-# The machine ----------------------------------------------------------------------------------------------------------
+# The machine --------------------------------------------------------------------------------------
 
 
 def turned(vectors, angles):
@@ -141,7 +146,7 @@ def tool_points(machine, command, side):
     return point
 
 
-# The paths ------------------------------------------------------------------------------------------------------------
+# The paths ----------------------------------------------------------------------------------------
 
 
 def places(block, axes, t):
@@ -215,13 +220,14 @@ def foot(block, axes, points):
     return best, least
 
 
-# The written program --------------------------------------------------------------------------------------------------
+# The written program ------------------------------------------------------------------------------
 
 
 class Execution:
     """The written program as it is lived: samples of all its motions in the order of execution.
 
-    part[j] is the slice of the samples of motion j, whose last is its end; unknown positions are nan.
+    part[j] is the slice of the samples of motion j, whose last is its end; unknown positions are
+    nan.
     """
 
     def __init__(self, blocks, machine, density):
@@ -293,7 +299,8 @@ class Follower(Judge):
         return float(np.linalg.norm(self.ends[self.number[id(block)]] - [b for _, b in ends]))
 
     def price(self, motion, block):
-        """As in `evaluate`: what it costs to call a block a piece of a motion, mm²; None when it cannot be one."""
+        """As in `evaluate`: what it costs to call a block a piece of a motion, mm²; None when it
+        cannot be one."""
         short = block.kind in ("rapid", "feed") and block.known and block.length <= self.take_up
         if block.kind not in KINDS[motion.block.kind] and not (
             short and motion.block.kind != "machine"
@@ -308,7 +315,7 @@ class Follower(Judge):
             middle = 0.0
         return None if max(end, middle) > 2 * self.near else float(end**2 + middle**2)
 
-    # What counts --------------------------------------------------------------------------------------------------
+    # What counts ----------------------------------------------------------------------------------
 
     def judge(self, motion, pieces, report):
         """Count one nominal motion: [(distances, weights)]."""
@@ -364,11 +371,13 @@ def follow(
     take_up_mm=None,
     near_mm=None,
 ):
-    """Followed: a written program on a machine with lost motion; Misaligned when it does not do what the nominal one does.
+    """Followed: a written program on a machine with lost motion; Misaligned when it does not do
+    what the nominal one does.
 
-    density: samples per mm of path. The tables are held past their ends. near_mm: how far an end may lie from the
-    nominal end in any axis (default: the machine's max_correction). take_up_mm: the longest piece that can be a take-up
-    (default: 1.2 times the widest play in every axis at once, at least SHORTEST_TAKE_UP).
+    density: samples per mm of path. The tables are held past their ends. near_mm: how far an end
+    may lie from the nominal end in any axis (default: the machine's max_correction). take_up_mm:
+    the longest piece that can be a take-up (default: 1.2 times the widest play in every axis at
+    once, at least SHORTEST_TAKE_UP).
     """
     longest = 1.2 * math.sqrt(len(machine.axes)) * widest_play(machine) + 2 * UM
     take_up = max(longest, SHORTEST_TAKE_UP) if take_up_mm is None else take_up_mm

@@ -1,11 +1,13 @@
-"""gcomp on random machines with play on every axis, as a user runs it, judged by a play operator on each slide.
+"""gcomp on random machines with play on every axis, as a user runs it, judged by a play operator on
+each slide.
 
     python -m tests.reference.lost_motion_trial [--programs N] [--mode step|ramp] [--workers N]
 
-Thirty machines, N programs each (10). Printed are, for each size of the play and altogether, what is left of the path
-(um; rms and quantiles by its length), the share of it within tolerance + hysteresis, the programs whose largest exceeds
-twice that, and by how much `--verify` says more (+) or less (-) than what the judge finds, at its least. Then the example
-of a leaning axis that rests on the nominal path: there the slide is crept back inside its play.
+Thirty machines, N programs each (10). Printed are, for each size of the play and altogether, what
+is left of the path (um; rms and quantiles by its length), the share of it within tolerance +
+hysteresis, the programs whose largest exceeds twice that, and by how much `--verify` says more (+)
+or less (-) than what the judge finds, at its least. Then the example of a leaning axis that rests
+on the nominal path: there the slide is crept back inside its play.
 """
 
 import argparse
@@ -42,9 +44,8 @@ class Outcome:
     play_um: float
     bound: float  # tolerance + hysteresis
     failure: str = ""  # why there is no output, or why it can not be judged
-    refused: str = (
-        ""  # what --verify said against its own output; it was then judged without --verify
-    )
+    # what --verify said against its own output; it was then judged without --verify
+    refused: str = ""
     said: float | None = None  # by --verify
     largest: float = 0.0
     where: tuple | None = None
@@ -126,7 +127,8 @@ def trials(programs, mode, workers=2):
     ):
         jobs = [(folder, number, range(programs), mode) for number in range(len(CHAINS))]
         found = [each for some in pool.imap(trial, jobs) for each in some]
-        pool.close()  # workers that are stopped instead complain: gcomp has its own answer to that signal
+        # workers that are stopped instead complain: gcomp has its own answer to that signal
+        pool.close()
         pool.join()
     return found
 
@@ -157,9 +159,8 @@ class Figures:
     largest: float
     within: float  # share of the path's length within the bound
     beyond: int  # programs whose largest exceeds twice the bound
-    least_said: (
-        float  # the least of what --verify says - what the judge finds; nan: it says nothing
-    )
+    # the least of what --verify says - what the judge finds; nan: it says nothing
+    least_said: float
     most_said: float
     growth: float  # blocks written for each block
 
@@ -192,7 +193,10 @@ def row(name, outcomes):
     f = figures(outcomes)
     left = " ".join(f"{value / UM:7.2f}" for value in (f.rms, f.p95, f.p99, f.largest))
     said = " ".join(f"{value / UM:+7.2f}" for value in (f.least_said, f.most_said))
-    return f"{name:>10} {f.programs:8} {left} {100 * f.within:8.2f} {f.beyond:7} {said} {f.growth:7.2f}"
+    return (
+        f"{name:>10} {f.programs:8} {left} {100 * f.within:8.2f} {f.beyond:7} {said}"
+        f" {f.growth:7.2f}"
+    )
 
 
 HEAD = (
@@ -216,8 +220,8 @@ def say(outcomes, single):
     )
     line, output, what = worst.where
     print(
-        f"worst: {worst}, {worst.largest / UM:.2f} um, nominal line {line}, output line {output}, {what}; "
-        f"bound {worst.bound / UM:g} um"
+        f"worst: {worst}, {worst.largest / UM:.2f} um, nominal line {line}, output line {output},"
+        f" {what}; bound {worst.bound / UM:g} um"
     )
 
 

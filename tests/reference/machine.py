@@ -1,15 +1,19 @@
-"""A machine with errors, by exact homogeneous transforms: a commanded slide position in, the actual tool point out.
+"""A machine with errors, by exact homogeneous transforms: a commanded slide position in, the actual
+tool point out.
 
-Written from the machine format and the rigid-body conventions, to judge the product: it imports nothing of it, takes
-one point at a time and drops nothing that is small. Of the effects beyond the geometric tables `backlash` is known
-(lost motion: behind by half of size_um on the side that the axis came from), every other is refused.
+Written from the machine format and the rigid-body conventions, to judge the product: it imports
+nothing of it, takes one point at a time and drops nothing that is small. Of the effects beyond the
+geometric tables `backlash` is known (lost motion: behind by half of size_um on the side that the
+axis came from), every other is refused.
 
-Every error is stored as motion of the tool relative to the workpiece, so the chain is read from the workpiece to the
-tool. With E = the error motion of an axis about the point where its translations were measured,
+Every error is stored as motion of the tool relative to the workpiece, so the chain is read from the
+workpiece to the tool. With E = the error motion of an axis about the point where its translations
+were measured,
 
     E(r) = m + d + R (r - m),
 
-an axis on the tool's side gives "move by q, then E" and an axis on the workpiece's side "E, then move by q".
+an axis on the tool's side gives "move by q, then E" and an axis on the workpiece's side "E, then
+move by q".
 """
 
 import csv
@@ -39,7 +43,8 @@ def translation(vector):
 
 
 def rotation(vector):
-    """The 4 x 4 transform that turns about `vector` by its length in rad (Rodrigues; exact, no order of axes)."""
+    """The 4 x 4 transform that turns about `vector` by its length in rad (Rodrigues; exact, no
+    order of axes)."""
     matrix = np.eye(4)
     angle = math.sqrt(sum(float(v) ** 2 for v in vector))
     if angle == 0.0:
@@ -112,7 +117,8 @@ def with_lost_motion(components, axis, nodes, size):
 
 
 class Axis:
-    """One moving axis: its table, where it was measured, its lean, and on which side of the bed it is."""
+    """One moving axis: its table, where it was measured, its lean, and on which side of the bed it
+    is."""
 
     def __init__(
         self, name, side, nodes, components, measured_at, lean, travel, least_increment, play_mm=0.0
@@ -124,7 +130,8 @@ class Axis:
         self.play_mm = play_mm  # of the effects: the way after a turn over which they are taken up
 
     def value(self, direction, position, approach, clamp, margin):
-        """Component E<direction><axis> at a slide position, in mm or rad; linear between nodes, held past the ends."""
+        """Component E<direction><axis> at a slide position, in mm or rad; linear between nodes,
+        held past the ends."""
         first, last = self.nodes[0], self.nodes[-1]
         if not clamp and not first - margin <= position <= last + margin:
             raise ValueError(
@@ -156,7 +163,8 @@ class Axis:
 
 
 class Machine:
-    """The machine of a folder: `axes` (name -> Axis, in chain order), `tool` (3,), `diameter`, `offsets`, limits."""
+    """The machine of a folder: `axes` (name -> Axis, in chain order), `tool` (3,), `diameter`,
+    `offsets`, limits."""
 
     def __init__(
         self,
@@ -178,9 +186,10 @@ class Machine:
     def load(cls, folder, *, measured_at="stood"):
         """Read `machine.toml` and its tables.
 
-        measured_at = "point": the stated numbers are the point m in the carriage's frame, literally.
-        measured_at = "stood" (the contract): they are positions of the other axes, so an axis that does not stand between the
-        carriage and the tool (tool's side), or does not carry towards it (workpiece's side), gives no arm.
+        measured_at = "point": the stated numbers are the point m in the carriage's frame,
+        literally. measured_at = "stood" (the contract): they are positions of the other axes, so an
+        axis that does not stand between the carriage and the tool (tool's side), or does not carry
+        towards it (workpiece's side), gives no arm.
         """
         if measured_at not in ("point", "stood"):
             raise ValueError('measured_at is "point" or "stood"')
@@ -261,9 +270,10 @@ class Machine:
     def actual(self, command, approach, *, clamp=False, margin=0.0):
         """(3,) mm: the actual tool point relative to the workpiece.
 
-        command: {axis: slide position, mm}; approach: {axis: +1, -1, or 0 = mean of both columns, or what lies
-        between: on which side of its play the nut is}, absent = 0.
-        Past the ends of a table by more than `margin` mm is a ValueError, unless `clamp`; the end value is held.
+        command: {axis: slide position, mm}; approach: {axis: +1, -1, or 0 = mean of both columns,
+        or what lies between: on which side of its play the nut is}, absent = 0.
+        Past the ends of a table by more than `margin` mm is a ValueError, unless `clamp`; the end
+        value is held.
         """
         chain = np.eye(4)
         for name, axis in self.axes.items():

@@ -1,8 +1,10 @@
-"""Random machines with play on every axis, and random programs for them; the same for the same number.
+"""Random machines with play on every axis, and random programs for them; the same for the same
+number.
 
-Thirty machines: the 24 chains of three slides and six of two (lathes in both dialects). All components of every axis are
-smooth waves, the squareness is up to 400 µrad, the play is 3, 12 or 40 µm on every axis, stated in the tables (there it
-varies along the axis, and some straightness and angle with it) or as an effect.
+Thirty machines: the 24 chains of three slides and six of two (lathes in both dialects). All
+components of every axis are smooth waves, the squareness is up to 400 µrad, the play is 3, 12 or 40
+µm on every axis, stated in the tables (there it varies along the axis, and some straightness and
+angle with it) or as an effect.
 """
 
 import itertools
@@ -27,7 +29,8 @@ MILLS = [
     for bed in range(4)
 ]
 CHAINS = [chain for six in range(6) for chain in (LATHES[six], *MILLS[six::6])]
-TWO_WAY = 0.05  # part of the play by which a straightness (µm) and an angle (µrad) depend on the direction
+# part of the play by which a straightness (µm) and an angle (µrad) depend on the direction
+TWO_WAY = 0.05
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ class Drawn:
         return tuple(link for link in self.chain.split("-") if link in "XYZ")
 
 
-# Machines -------------------------------------------------------------------------------------------------------------
+# Machines -----------------------------------------------------------------------------------------
 
 
 def wave(rng, nodes, largest):
@@ -58,7 +61,8 @@ def wave(rng, nodes, largest):
 
 
 def axis_table(rng, axis, play_um):
-    """The six components of an axis; play_um > 0: its positioning has that lost motion, stated in the table."""
+    """The six components of an axis; play_um > 0: its positioning has that lost motion, stated in
+    the table."""
     nodes = np.arange(TRAVEL[0], TRAVEL[1] + 1, float(rng.choice([10.0, 15.0, 20.0])))
     nodes[-1] = TRAVEL[1]
     own = play_um * (1 + 0.15 * np.sin(2 * math.pi * nodes / rng.uniform(150.0, 400.0)))
@@ -128,7 +132,7 @@ def draw_machine(folder, number, play_um=None):
     )
 
 
-# Programs -------------------------------------------------------------------------------------------------------------
+# Programs -----------------------------------------------------------------------------------------
 
 
 def draw_program(drawn, number):
@@ -160,7 +164,7 @@ class Writer:
         self.lines.append("M2" if self.drawn.dialect == "linuxcnc" else "M30")
         return "\n".join(self.lines) + "\n"
 
-    # What a block is made of ------------------------------------------------------------------------------------------
+    # What a block is made of ----------------------------------------------------------------------
 
     def ticks(self, low, high):
         return round(self.rng.uniform(low, high) / TICK)
@@ -204,7 +208,8 @@ class Writer:
             self.lines.append(plane)
 
     def arc(self, radius, sweep, along=None):
-        """An arc of `radius` mm over `sweep` rad, + counterclockwise, that stays in the room; else nothing."""
+        """An arc of `radius` mm over `sweep` rad, + counterclockwise, that stays in the room; else
+        nothing."""
         first, second = PLANES[self.plane]
         for _ in range(8):
             angle = self.rng.uniform(0.0, 2 * math.pi)
@@ -231,7 +236,7 @@ class Writer:
             2 * math.pi if self.rng.random() < 0.25 else self.rng.uniform(0.2, 5.5)
         )
 
-    # Parts of programs ------------------------------------------------------------------------------------------------
+    # Parts of programs ----------------------------------------------------------------------------
 
     def mill(self):
         """2.5D: the last axis goes down and rests, the others travel."""

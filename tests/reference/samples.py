@@ -3,16 +3,12 @@
 import csv
 from pathlib import Path
 
-import pytest
-
 from .machine import Machine
 
-SEED = Path(__file__).resolve().parents[3] / "shared" / "seed"
+SEED = Path(__file__).resolve().parents[2] / "proof" / "seed" / "tables"
 NANOMETRE = 1e-6
 SECOND_ORDER = 2e-5  # mm; half of 0.38 mrad squared at 170 mm is 12 nm
 S = -382.352941  # µrad
-
-needs_seed = pytest.mark.skipif(not SEED.is_dir(), reason="the seed tables are not here")
 
 
 def write_machine(
@@ -41,8 +37,8 @@ def write_machine(
     ]
     for axis, table in tables.items():
         text.append(
-            f'[axes.{axis}]\ntravel = {list(travel)}\nleast_increment = 0.0001\ntable = "{axis}.csv"\n'
-            f"measured_at = {inline(measured_at.get(axis, {}))}"
+            f"[axes.{axis}]\ntravel = {list(travel)}\nleast_increment = 0.0001\ntable ="
+            f' "{axis}.csv"\nmeasured_at = {inline(measured_at.get(axis, {}))}'
         )
         columns = dict(table)
         rows = zip(columns.pop("nodes"), *columns.values())

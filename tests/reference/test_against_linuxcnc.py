@@ -1,4 +1,5 @@
-"""The reference interpreter against LinuxCNC's own: ends, centres, turns and dwells of what both read."""
+"""The reference interpreter against LinuxCNC's own: ends, centres, turns and dwells of what both
+read."""
 
 import math
 
@@ -14,13 +15,17 @@ LETTERS = {"G17": "XY", "G18": "ZX", "G19": "YZ"}
 # Rotary axes, G59.1, and G4 beside axis words are not spoken by the reference.
 # Shifts set by the program, cycles and languages are not spoken either: other tests look at those.
 OTHERS = tuple(
-    "oword_ turn_ sync_ cycle_ rotate_ cutter_ spline_ probe_ unknown_ g10_ g52_ g92_ tool_ rotary_ reference_ "
-    "spindle_words digital_output".split()
+    "oword_ turn_ sync_ cycle_ rotate_ cutter_ spline_ probe_ unknown_ g10_ g52_ g92_ tool_ rotary_"
+    " reference_ spindle_words digital_output".split()
 )
 # Rotary words, M and T words, blank lines and tolerances that it does not know.
 OTHER_FORMS = set(
-    """machine_coordinates_g52_g92_tool machine_coordinates_rotary arc_radii_differ_large arc_with_rotary_words dwell_forms feed_inverse_time_rapid feed_override_words
-    modes_many_lines_of_words modes_work_offset_partial text_case text_g_numbers text_percent_blank_lines""".split()
+    """
+    machine_coordinates_g52_g92_tool machine_coordinates_rotary arc_radii_differ_large
+    arc_with_rotary_words dwell_forms feed_inverse_time_rapid feed_override_words
+    modes_many_lines_of_words modes_work_offset_partial text_case text_g_numbers
+    text_percent_blank_lines
+    """.split()
 )
 SPOKEN = sorted(
     path.stem
@@ -36,12 +41,15 @@ def settings_of(keywords):
         f"G5{4 + k}": {axis: parameters.get(5221 + 20 * k + i, 0.0) for i, axis in enumerate("XYZ")}
         for k in range(6)
     }
-    return dict(
-        axes="XYZ",
-        offsets=offsets,
-        block_delete=keywords.get("block_delete", False),
-        start=dict.fromkeys("XYZ", 0.0),
-    ), parameters
+    return (
+        dict(
+            axes="XYZ",
+            offsets=offsets,
+            block_delete=keywords.get("block_delete", False),
+            start=dict.fromkeys("XYZ", 0.0),
+        ),
+        parameters,
+    )
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,5 @@
-"""Whole programs on machines with more than two axes, judged by evaluators that share nothing with the filter."""
+"""Whole programs on machines with more than two axes, judged by evaluators that share nothing with
+the filter."""
 
 from __future__ import annotations
 
@@ -61,7 +62,8 @@ def corrected(name: str, text: str, tolerance: float) -> str:
     [MILL.split("G18")[0] + "\nM2\n", (ROOT / "sample_programs" / "pocket_mill.ngc").read_text()],
 )
 def test_a_mill_with_all_21_components_cuts_within_tolerance(text):
-    """The reference machine turns every axis by exact transforms: products of two errors are left in."""
+    """The reference machine turns every axis by exact transforms: products of two errors are left
+    in."""
     machine = ReferenceMachine.load(ROOT / "machines" / "example-mill")
     report = residual(
         text,
@@ -77,7 +79,8 @@ def test_a_mill_with_all_21_components_cuts_within_tolerance(text):
 
 
 def test_a_mill_with_50_um_errors(tmp_path):
-    """The same with every translation scaled so that the largest deviation of the program is 50 um."""
+    """The same with every translation scaled so that the largest deviation of the program is 50
+    um."""
     for file in (ROOT / "machines" / "example-mill").iterdir():
         text = file.read_text()
         if file.suffix == ".csv":
@@ -105,7 +108,7 @@ def test_a_mill_with_50_um_errors(tmp_path):
     assert report.largest_mm < 0.001 + 0.0005 + machine.bounds.second_order
 
 
-# -- five axes ---------------------------------------------------------------------------------------------------------
+# -- five axes -------------------------------------------------------------------------------------
 
 
 class FiveAxis:
@@ -172,7 +175,8 @@ class FiveAxis:
 
 
 def poses(text: str) -> list[tuple[bool, dict[str, float]]]:
-    """Whether each block is a feed, and the slide positions at its end; G54 lies 280 mm below in Z."""
+    """Whether each block is a feed, and the slide positions at its end; G54 lies 280 mm below in
+    Z."""
     here, feed, result = dict.fromkeys("XYZAC", 0.0), False, []
     for line in re.sub(r"\([^)]*\)", "", text).splitlines():
         codes = re.findall(r"G0*([01])(?![0-9.])", line)
@@ -185,8 +189,8 @@ def poses(text: str) -> list[tuple[bool, dict[str, float]]]:
 
 
 def test_five_axes_at_once_stay_within_tolerance():
-    """Every block turns C, so C tells how far the nominal program is: there the tool must be at the nominal place of the
-    part, by exact transforms of the whole chain."""
+    """Every block turns C, so C tells how far the nominal program is: there the tool must be at the
+    nominal place of the part, by exact transforms of the whole chain."""
     machine = FiveAxis(ROOT / "machines" / "example-five-axis")
     tolerance = 0.002
     nominal = poses(FIVE)
@@ -214,7 +218,8 @@ def test_five_axes_at_once_stay_within_tolerance():
         if abs(end["C"] - high["C"]) < 1e-9 and k + 2 < len(nominal):
             k += 1
     assert before > 0.02
-    # Slides and A end on increments of 1 um and 0.001 degrees: A's half increment is 2 um at 250 mm.
+    # Slides and A end on increments of 1 um and 0.001 degrees: A's half increment is 2 um at 250
+    # mm.
     assert worst < tolerance + 0.0005 * np.sqrt(3) + np.radians(0.0005) * 300
 
 

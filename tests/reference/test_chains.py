@@ -1,4 +1,5 @@
-"""Every chain against exact homogeneous transforms: the terms of first order to 1e-9 mm, the rest within its bound."""
+"""Every chain against exact homogeneous transforms: the terms of first order to 1e-9 mm, the rest
+within its bound."""
 
 from __future__ import annotations
 
@@ -19,14 +20,24 @@ LINEAR = [
     "-".join(["w", *order[:bed], "b", *order[bed:], "t"]) for order in ORDERS for bed in range(4)
 ]
 FIVE_AXIS = [
-    "w-C-A-b-X-Y-Z-t", "w-C-B-b-Y-X-Z-t", "w-C-A-Y-b-X-Z-t", "w-X-Y-b-Z-C-B-t", "w-b-X-Y-Z-C-A-t", "w-C-X-b-Y-Z-B-t",
-    "w-B-b-Z-X-t", "w-b-Z-X-B-t", "w-A-b-X-Y-Z-t", "w-C-Z-b-X-Y-A-t", "w-C-b-X-Z-t",
-]  # fmt: skip
+    "w-C-A-b-X-Y-Z-t",
+    "w-C-B-b-Y-X-Z-t",
+    "w-C-A-Y-b-X-Z-t",
+    "w-X-Y-b-Z-C-B-t",
+    "w-b-X-Y-Z-C-A-t",
+    "w-C-X-b-Y-Z-B-t",
+    "w-B-b-Z-X-t",
+    "w-b-Z-X-B-t",
+    "w-A-b-X-Y-Z-t",
+    "w-C-Z-b-X-Y-A-t",
+    "w-C-b-X-Z-t",
+]
 BETWEEN = ["w-X-B-b-Y-Z-t", "w-b-X-B-Y-Z-t", "w-C-Y-A-b-X-Z-t", "w-X-A-C-b-Y-Z-t"]
 
 
 def random_machine(rng, chain_text, scale=1.0):
-    """A machine whose tables are flat, so that its errors at a pose are plain numbers, and the links of the same."""
+    """A machine whose tables are flat, so that its errors at a pose are plain numbers, and the
+    links of the same."""
     chain = parse(chain_text)
     axes, square, links = {}, {}, []
     tool = rng.uniform(-150, 150, 3)
@@ -97,8 +108,8 @@ def predicted(machine, links):
 
 @pytest.mark.parametrize("chain", LINEAR + FIVE_AXIS + BETWEEN)
 def test_first_order_terms_are_those_of_the_transforms(chain):
-    """The exact deviation's derivative by the size of all errors, central difference: what is left of it is of third order,
-    (1e-3)^2 of 1e-7 mm."""
+    """The exact deviation's derivative by the size of all errors, central difference: what is left
+    of it is of third order, (1e-3)^2 of 1e-7 mm."""
     rng = np.random.default_rng(list(chain.encode()))
     done = 0
     while done < 6:
@@ -134,7 +145,8 @@ def test_what_is_left_out_is_within_the_stated_bound(chain):
 
 
 def test_the_bound_is_of_the_size_of_what_is_left_out():
-    """A bound for the whole travel of +-400 mm and the worst signs: within some hundred times what a random pose leaves."""
+    """A bound for the whole travel of +-400 mm and the worst signs: within some hundred times what
+    a random pose leaves."""
     rng = np.random.default_rng(3)
     ratios = []
     for _ in range(50):
@@ -146,8 +158,9 @@ def test_the_bound_is_of_the_size_of_what_is_left_out():
 
 
 def test_a_table_that_turns_the_part_by_ninety_degrees_swaps_the_slides():
-    """w-C-b-X-Y-Z-t at C = 90: the tip is off by +10 um in the part's X. C turns the tool relative to the part from X to Y,
-    so the part's X lies along the machine's -Y: the slide Y seems to be off by -10 um."""
+    """w-C-b-X-Y-Z-t at C = 90: the tip is off by +10 um in the part's X. C turns the tool relative
+    to the part from X to Y, so the part's X lies along the machine's -Y: the slide Y seems to be
+    off by -10 um."""
     chain = parse("w-C-b-X-Y-Z-t")
     flat = np.repeat(np.array([[0.0], [0.0], [0.0], [0.0], [0.0], [0.0]]), 2, axis=1)
     by_x = flat.copy()
@@ -180,7 +193,8 @@ def test_a_table_that_turns_the_part_by_ninety_degrees_swaps_the_slides():
 
 
 def test_a_centre_line_beside_its_place_swings_round():
-    """X0C = 10 um, turned by 180 degrees: the part swings to the other side, 20 um off; not turned, nothing is."""
+    """X0C = 10 um, turned by 180 degrees: the part swings to the other side, 20 um off; not turned,
+    nothing is."""
     chain = parse("w-C-b-X-Y-t")
     axes = {x: Axis(x, (-400, 400), 1e-4, np.zeros(3)) for x in "XYC"}
     axes["C"] = replace(axes["C"], location=np.array([0.010, 0, 0, 0, 0, 0]))
@@ -188,7 +202,8 @@ def test_a_centre_line_beside_its_place_swings_round():
     pose = np.array([[30.0, 30.0], [0.0, 0.0], [0.0, 180.0]])
     e = machine.deviation(pose, np.zeros_like(pose))
     assert e[:, 0] == pytest.approx([0, 0, 0], abs=1e-12)
-    # In the part: D N D^-1 moves by shift - R shift = 2 x 10 um along +X of the part, which at 180 degrees is the slide's -X.
+    # In the part: D N D^-1 moves by shift - R shift = 2 x 10 um along +X of the part, which at 180
+    # degrees is the slide's -X.
     assert e[:, 1] == pytest.approx([-0.020, 0, 0], abs=1e-12)
 
 

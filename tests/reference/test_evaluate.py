@@ -8,7 +8,7 @@ from pytest import approx
 from .evaluate import Judge, Misaligned, residual
 from .interpreter import run
 from .machine import Machine
-from .samples import NANOMETRE, SECOND_ORDER, flat, make, needs_seed, seed_machine
+from .samples import NANOMETRE, SECOND_ORDER, flat, make, seed_machine
 
 ZERO_PROGRAM = """G21 G90 G17
 G0 X0 Y0 Z0
@@ -51,7 +51,8 @@ def test_a_shift_is_found_and_its_opposite_heals_it(tmp_path):
 
 
 def test_pieces_cut_by_hand_at_a_kink(tmp_path):
-    """EZX: 0 at X = 0, 20 µm at X = 10, 0 at X = 30. Uncut 20 µm are left; cut at the kink, nothing."""
+    """EZX: 0 at X = 0, 20 µm at X = 10, 0 at X = 30. Uncut 20 µm are left; cut at the kink,
+    nothing."""
     tables = {
         "X": {"nodes": [0.0, 10.0, 30.0], "EZX_um": [0.0, 20.0, 0.0]},
         "Z": {"nodes": [-10.0, 10.0]},
@@ -70,7 +71,8 @@ def test_pieces_cut_by_hand_at_a_kink(tmp_path):
 
 
 def two_way(tmp_path, **settings):
-    """Lost motion of 8 µm: X stands where it should when it comes from below, 8 µm high when from above."""
+    """Lost motion of 8 µm: X stands where it should when it comes from below, 8 µm high when from
+    above."""
     tables = flat(settings.pop("axes", "ZX"))
     tables["X"].update(EXX_um_fwd=[0.0, 0.0], EXX_um_rev=[8.0, 8.0])
     return make(tmp_path, settings.pop("chain", "w-b-Z-X-t"), tables, **settings)
@@ -108,7 +110,8 @@ def test_a_take_up_inside_an_arc_lies_at_the_reversal(tmp_path):
     ids=["turned", "just turned", "within the hysteresis", "at rest", "on the same side"],
 )  # fmt: skip
 def test_the_side_is_that_of_the_commanded_motion_though_the_axis_rests(tmp_path, x, um):
-    """X came from below, and creeps along with Z: behind 1 µm and an increment it stands 8 µm high."""
+    """X came from below, and creeps along with Z: behind 1 µm and an increment it stands 8 µm
+    high."""
     nominal = "G0 X0 Z0\nG1 X10 F100\nG1 Z20\n"
     report = residual(
         nominal, f"G0 X0 Z0\nG1 X10 F100\nG1 X{x} Z20\n", "linuxcnc", two_way(tmp_path)
@@ -121,7 +124,8 @@ def test_the_side_is_that_of_the_commanded_motion_though_the_axis_rests(tmp_path
 
 @pytest.mark.parametrize("x, um", [(10.001, 5.0), (10.0012, 1.2), (9.999, 3.0), (9.998, 6.0)])
 def test_before_it_has_moved_the_mean_holds(tmp_path, x, um):
-    """From its first place by no more than the hysteresis and an increment it has not moved: there it stands 4 µm high."""
+    """From its first place by no more than the hysteresis and an increment it has not moved: there
+    it stands 4 µm high."""
     nominal = "G0 X10 Z0\nG1 Z20 F100\n"
     report = residual(nominal, f"G0 X10 Z0\nG1 X{x} Z20 F100\n", "linuxcnc", two_way(tmp_path))
     assert report.by_block[1].end_mm == approx(um / 1000, abs=NANOMETRE)
@@ -147,9 +151,8 @@ def test_an_arc_turns_its_axis_behind_its_quadrant(tmp_path):
     judge = Judge(machine, 1.0, False, 0.5, 0.5)
     judge.execute([arc])
     turned = 0.5 + math.acos(1 - 0.0011 / 10) / math.pi
-    moved = (
-        math.acos(1 - 0.0011 / 10) / math.pi
-    )  # of Y from its first place: there it begins along X
+    # of Y from its first place: there it begins along X
+    moved = math.acos(1 - 0.0011 / 10) / math.pi
     assert [
         judge.approach(arc, t)["X"] for t in (1e-3, 0.5, turned - 1e-6, turned + 1e-6, 1.0)
     ] == [1, 1, 1, -1, -1]
@@ -204,7 +207,8 @@ def test_an_arc_in_chords_is_measured_by_its_sagitta(tmp_path):
 
 
 def test_many_short_motions_keep_their_partners(tmp_path):
-    """0.1 mm motions, far below the 0.5 mm within which an end may lie, under a 65 µm shift; one of them cut."""
+    """0.1 mm motions, far below the 0.5 mm within which an end may lie, under a 65 µm shift; one of
+    them cut."""
     machine = make(tmp_path, "w-b-Z-X-t", flat("ZX", EZX_um=65.0))
     points = [(10 * math.cos(k / 100), 10 * math.sin(k / 100)) for k in range(120)]
     nominal = "G0 X0 Z0\n" + "".join(f"G1 X{x:.6f} Z{z:.6f} F100\n" for x, z in points)
@@ -276,9 +280,9 @@ def test_home_and_machine_coordinates_are_matched_and_not_measured(tmp_path):
     assert [r.where is None for r in report.by_block] == [False, True, True, True, False, False]
 
 
-@needs_seed
 def test_the_diagonal_of_the_grinder_uncompensated(tmp_path):
-    """One block from (0, 0) to (510, 170): the farthest end is off by its own deviation, summed by hand."""
+    """One block from (0, 0) to (510, 170): the farthest end is off by its own deviation, summed by
+    hand."""
     machine = seed_machine(tmp_path, offsets={"G54": {"X": 0.0, "Z": 0.0}})
     text = "G90 G0 X0. Z0.;\nG1 X340. Z510. F100;\nM30;\n"
     report = residual(text, text, "fanuc-lathe", machine, samples_per_mm=0.5)

@@ -41,7 +41,10 @@ def test_lines_words_comments_and_blanks():
 
 
 def test_a_lathe_semicolon_ends_a_block_and_a_block_may_share_its_line():
-    text = "%\nO1234;\nN1 G90 G0 X40. Z2.; G1 U-4. W-2. F100; (X9;)\nG4 U1.5;G4 P250;G4 X2.\n/2 G91 X2.; M30;\n%"
+    text = (
+        "%\nO1234;\nN1 G90 G0 X40. Z2.; G1 U-4. W-2. F100; (X9;)\nG4 U1.5;G4 P250;G4 X2.\n/2 G91"
+        " X2.; M30;\n%"
+    )
     blocks = run(text, "fanuc-lathe", axes="ZX", diameter="X")
     assert [(b.line, b.kind) for b in blocks] == [
         (2, "none"),
@@ -56,9 +59,8 @@ def test_a_lathe_semicolon_ends_a_block_and_a_block_may_share_its_line():
     assert blocks[2].end == {"X": 18.0, "Z": 0.0}
     assert [b.dwell for b in blocks[3:6]] == [1.5, 0.25, 2.0]
     assert blocks[6].end == {"X": 19.0, "Z": 0.0}
-    assert (
-        len(run(text, "fanuc-lathe", axes="ZX", diameter="X", block_delete=True)) == 7
-    )  # "; M30" is another block
+    # "; M30" is another block
+    assert len(run(text, "fanuc-lathe", axes="ZX", diameter="X", block_delete=True)) == 7
 
 
 def test_inches_and_diameters():
@@ -126,8 +128,8 @@ def test_counterclockwise_is_from_the_first_axis_to_the_second(plane, first, sec
 
 def test_circles_turns_helices_and_absolute_centres():
     text = (
-        "G0 X10 Y0 Z0\nG2 I-10 F100\nG3 X10 Y0 Z6 I-10 P3\nG90.1 G3 X-10 Y0 I0 J0\nG91.1 G2 X10 Y0 I10 J0 P2\n"
-        "G91 G3 X-20 I-10"
+        "G0 X10 Y0 Z0\nG2 I-10 F100\nG3 X10 Y0 Z6 I-10 P3\nG90.1 G3 X-10 Y0 I0 J0\nG91.1 G2 X10 Y0"
+        " I10 J0 P2\nG91 G3 X-20 I-10"
     )
     _, circle, helix, half, more, back = run(text, "linuxcnc", axes="XYZ")
     assert circle.sweep == approx(-2 * math.pi) and circle.start == circle.end
@@ -139,7 +141,8 @@ def test_circles_turns_helices_and_absolute_centres():
 
 
 def test_arcs_on_a_lathe_have_radii_where_words_are_diameters():
-    """From (Z 0, X 10 radius) about (Z 0, X 20) to (Z -10, X 20): G18, ccw from Z to X, so G2 sweeps -90 degrees."""
+    """From (Z 0, X 10 radius) about (Z 0, X 20) to (Z -10, X 20): G18, ccw from Z to X, so G2
+    sweeps -90 degrees."""
     text = "G90 G0 X20. Z0.;G2 X40. Z-10. I10. F0.1;G3 U20. W10. R10."
     _, arc, other = run(text, "fanuc-lathe", axes="XZ", diameter="X")
     assert arc.plane == "G18" and arc.centre == (0.0, 20.0)

@@ -64,7 +64,8 @@ def test_without_play_the_last_commanded_motion_decides():
 
 
 def test_a_line_to_and_fro(tmp_path):
-    """Behind by half the play: 99.98 on the way up, 20.02 on the way down; at the first place the nut is in the middle."""
+    """Behind by half the play: 99.98 on the way up, 20.02 on the way down; at the first place the
+    nut is in the middle."""
     machine = with_play(tmp_path)
     assert ends(machine, "G0 X0 Y0 Z0\nG1 X100 F100\nG1 X20\nG1 X20.03\nG1 X20.08\n")[
         :, 0
@@ -79,8 +80,8 @@ def test_a_line_to_and_fro(tmp_path):
 
 
 def test_a_resting_axis_that_is_crept_back_inside_its_play_does_not_move(tmp_path):
-    """Y leans by 400 µrad: at Y = 100 the tool is 40 µm low in X. X came down to 20, so it is commanded 20 µm lower; the
-    40 µm that follow along with Y are spent inside the play."""
+    """Y leans by 400 µrad: at Y = 100 the tool is 40 µm low in X. X came down to 20, so it is
+    commanded 20 µm lower; the 40 µm that follow along with Y are spent inside the play."""
     machine = with_play(tmp_path, squareness={"C0Y": 400.0})
     nominal = "G0 X0 Y0 Z0\nG1 X100 F100\nG1 X20\nG1 Y100\n"
     crept = "G0 X0 Y0 Z0\nG1 X100.02 F100\nG1 X99.98\nG1 X19.98\nG1 X20.02 Y100\n"
@@ -101,9 +102,8 @@ def test_a_take_up_removes_the_play(tmp_path):
     assert report.largest_mm < NANOMETRE and report.take_ups == 2
     assert report.weights.sum() == approx(100.02 + 80.0 + 10.0 + 10.0)
     short = follow(nominal, output.replace("X20.02", "X20.005"), "linuxcnc", machine)
-    assert (
-        short.take_ups == 2 and short.largest_mm < NANOMETRE
-    )  # what is missing is taken up along the way
+    # what is missing is taken up along the way
+    assert short.take_ups == 2 and short.largest_mm < NANOMETRE
     far = follow(nominal, output.replace("G1 X20.02", "G1 Y10.02 X20.02"), "linuxcnc", machine)
     assert far.largest_mm == approx(0.02, abs=NANOMETRE) and far.where == (
         5,
@@ -113,7 +113,8 @@ def test_a_take_up_removes_the_play(tmp_path):
 
 
 def circle(machine, text, line):
-    """(angle in degrees, radial deviation in mm) of the samples of one motion; centre (0, 0), radius 20."""
+    """(angle in degrees, radial deviation in mm) of the samples of one motion; centre (0, 0),
+    radius 20."""
     execution = executed(machine, text, density=20.0)
     point = execution.actual[execution.part[line]]
     x, y = point[:, list(machine.axes).index("X")], point[:, list(machine.axes).index("Y")]
@@ -123,7 +124,8 @@ def circle(machine, text, line):
 
 
 def test_a_circle_has_a_step_of_the_play_where_its_axis_turns(tmp_path):
-    """X lags by 20 µm: to the inside before 180 degrees, to the outside behind; passed after acos(1 - 0.04/20) = 3.62."""
+    """X lags by 20 µm: to the inside before 180 degrees, to the outside behind; passed after acos(1
+    - 0.04/20) = 3.62."""
     machine = with_play(tmp_path)
     angle, radial = circle(machine, "G0 X0 Y0 Z0\nG1 X20 F100\nG3 I-20\nG3 I-20\n", 3)
     at = lambda degrees: float(np.interp(degrees, angle, radial))
@@ -145,8 +147,9 @@ def test_a_circle_with_its_take_ups(tmp_path):
     assert report.largest_mm < 2 * NANOMETRE and report.take_ups == 2
     plain = follow(nominal, nominal, "linuxcnc", machine, density=20.0)
     assert plain.largest_mm == approx(LAG, rel=1e-3)
-    # X is off by 20 µm all the way, radially 20 cos: rms 20/sqrt 2, over half of the way up to 20 cos 45 degrees.
-    # The line counts as 0, so half of the whole path is where asin(u) 2/pi = (1/2 - line) / circle.
+    # X is off by 20 µm all the way, radially 20 cos: rms 20/sqrt 2, over half of the way up to 20
+    # cos 45 degrees. The line counts as 0, so half of the whole path is where asin(u) 2/pi = (1/2 -
+    # line) / circle.
     line, round_it = (length / (20 + 40 * math.pi) for length in (20, 40 * math.pi))
     assert plain.quantile(0.5) == approx(
         LAG * math.sin((0.5 - line) / round_it * math.pi / 2), rel=0.03
@@ -172,7 +175,8 @@ def test_an_arc_is_followed_along_its_way(tmp_path):
 
 
 def test_play_that_grows_along_the_table(tmp_path):
-    """B = 0 at X = 0, 40 µm at X = 100: at 50 the tool is 10 µm behind, at 25 on the way back 5 µm."""
+    """B = 0 at X = 0, 40 µm at X = 100: at 50 the tool is 10 µm behind, at 25 on the way back 5
+    µm."""
     tables = flat("XYZ", 0.0, 100.0)
     tables["X"].update(EXX_um_fwd=[0.0, -20.0], EXX_um_rev=[0.0, 20.0])
     machine = make(tmp_path, "w-X-Y-b-Z-t", tables)
@@ -208,7 +212,8 @@ def test_another_effect_is_refused(tmp_path):
 
 
 def test_other_components_follow_the_same_side(tmp_path):
-    """EYX is 6 µm from below and -6 from above: in the middle of the play it is 0, without play it jumps."""
+    """EYX is 6 µm from below and -6 from above: in the middle of the play it is 0, without play it
+    jumps."""
     tables = flat("XYZ")
     tables["X"].update(EYX_um_fwd=[6.0, 6.0], EYX_um_rev=[-6.0, -6.0])
     text = "G0 X0 Y0 Z0\nG1 X50 F100\nG1 X49.99\nG1 X49.98\nG1 X49.96\n"
@@ -253,9 +258,13 @@ def test_a_program_that_does_something_else_is_refused(tmp_path):
 def test_many_points_at_once_are_the_same_as_one_at_a_time(tmp_path, chain):
     rng = np.random.default_rng(list(chain.encode()))
     machine = make(
-        tmp_path, chain, random_tables(rng), squareness={"C0Y": 120.0, "B0Z": -90.0}, tool={"X": 20.0, "Z": -70.0},
+        tmp_path,
+        chain,
+        random_tables(rng),
+        squareness={"C0Y": 120.0, "B0Z": -90.0},
+        tool={"X": 20.0, "Z": -70.0},
         measured_at={"X": {"Y": 30.0}, "Z": {"X": -50.0, "Y": 9.0}},
-    )  # fmt: skip
+    )
     names = list(machine.axes)
     command, side = rng.uniform(-290, 290, (40, 3)), rng.integers(-2, 3, (40, 3)) / 2
     together = tool_points(machine, command, side)

@@ -1,4 +1,5 @@
-"""gcomp on the first program of each of the thirty random machines with play; the whole trial is `lost_motion_trial`."""
+"""gcomp on the first program of each of the thirty random machines with play; the whole trial is
+`lost_motion_trial`."""
 
 import math
 
@@ -48,8 +49,9 @@ def test_99_percent_of_the_path_lie_within_tolerance_and_hysteresis(outcomes, pl
 
 
 def test_nothing_is_farther_off_than_twice_that(outcomes):
-    """Straightness and angle that were measured both ways differ by 5 % of the play: by so much the sides of some axes shift
-    others while they are taken up, which no order of take-ups can avoid. At 40 um it is more than there is room for."""
+    """Straightness and angle that were measured both ways differ by 5 % of the play: by so much the
+    sides of some axes shift others while they are taken up, which no order of take-ups can avoid.
+    At 40 um it is more than there is room for."""
     shift = {
         each.play_um: 0.05 * each.play_um * UM if each.play_um == 40 else 0.0 for each in outcomes
     }
@@ -73,20 +75,21 @@ def test_verify_accepts_what_was_written(outcomes):
 
 @pytest.mark.parametrize("mode", ["stepped", "ramped"])
 def test_an_axis_that_rests_on_the_nominal_path_is_not_left_inside_its_play(mode, request):
-    """Y leans by 400 um/m; X, with 40 um of play, is turned back by the correction of Y's lean alone."""
+    """Y leans by 400 um/m; X, with 40 um of play, is turned back by the correction of Y's lean
+    alone."""
     left = request.getfixturevalue(mode)
     assert (
         not left.failure and left.largest <= 2 * left.bound and left.said >= left.largest - 0.1 * UM
     )
 
 
-# That the targets can be met ------------------------------------------------------------------------------------------
+# That the targets can be met ----------------------------------------------------------------------
 
 
 def inverse(text, drawn, machine, step=3.0, sagitta=0.2 * UM):
-    """The program as an inverse would write it that knows every side: short lines (of `step` mm, on arcs by `sagitta`),
-    and take-ups before them where a slide's wanted position (what its nut does) has turned back by more than the
-    hysteresis."""
+    """The program as an inverse would write it that knows every side: short lines (of `step` mm, on
+    arcs by `sagitta`), and take-ups before them where a slide's wanted position (what its nut does)
+    has turned back by more than the hysteresis."""
     names = list(machine.axes)
     blocks = run(
         text, drawn.dialect, axes=names, diameter=machine.diameter, offsets=machine.offsets
@@ -147,7 +150,7 @@ def test_the_targets_can_be_met(tmp_path, number):
     assert left.share(bound) > 0.99 and left.largest_mm < 2 * bound and left.rms < 0.5 * UM
 
 
-# The trial itself -----------------------------------------------------------------------------------------------------
+# The trial itself ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("number", range(0, 30, 6))
@@ -163,7 +166,8 @@ def test_without_play_the_tolerance_is_kept(tmp_path, number):
 
 
 def test_the_machines_have_what_they_should(tmp_path):
-    """One of each kind and size: play on every axis, waves of 20 um and 50 urad at most, 400 urad of squareness."""
+    """One of each kind and size: play on every axis, waves of 20 um and 50 urad at most, 400 urad
+    of squareness."""
     for number in range(6):
         drawn = draw_machine(tmp_path, number)
         machine = Machine.load(drawn.folder, measured_at="stood")
@@ -202,6 +206,7 @@ def test_the_programs_hold_every_kind_of_motion(tmp_path):
 
 def test_what_verify_says_is_read():
     assert verified(
-        "gcomp: verified: largest deviation from the nominal path 0.18 um (line 70), uncorrected 53 um"
+        "gcomp: verified: largest deviation from the nominal path 0.18 um (line 70), uncorrected"
+        " 53 um"
     ) == (pytest.approx(0.18 * UM))
     assert verified("gcomp: nothing") is None and EXAMPLE.count("\n") == 5

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pytest import approx
 
-from .samples import NANOMETRE, SECOND_ORDER, SEED, flat, make, needs_seed, seed_machine
+from .samples import NANOMETRE, SECOND_ORDER, SEED, flat, make, seed_machine
 
 
 def test_a_machine_without_errors_does_what_it_is_told(tmp_path):
@@ -52,7 +52,8 @@ def test_between_nodes_linear_and_outside_refused_or_held(tmp_path):
 
 
 def test_pure_yaw_is_an_exact_rotation_about_the_measured_point(tmp_path):
-    """0.1 rad of Z yaw, tool 200 mm out in X and 30 in Z, measured at X = 50: (150, 30) turns about Y."""
+    """0.1 rad of Z yaw, tool 200 mm out in X and 30 in Z, measured at X = 50: (150, 30) turns about
+    Y."""
     machine = make(
         tmp_path,
         "w-b-Z-X-t",
@@ -92,7 +93,6 @@ def test_squareness_leans_the_axis_as_the_notation_map_says(tmp_path, name, axis
     assert machine.deviation(command, {}) == approx(0.02 * np.array(moves), abs=2e-6)
 
 
-@needs_seed
 def test_the_grinder_by_hand(tmp_path):
     """z = 300, x = 100, nodes of both tables, added up from the printed columns."""
     machine = seed_machine(tmp_path)
@@ -108,7 +108,6 @@ def test_the_grinder_by_hand(tmp_path):
     assert between[0] == approx(-0.0005 - 0.0013, abs=SECOND_ORDER)
 
 
-@needs_seed
 def test_the_grinder_with_a_tool_and_a_measured_point(tmp_path):
     """e_Z = ... - b (x + tool.X - measured_at.X), e_X = ... + b tool.Z."""
     machine = seed_machine(tmp_path, tool={"X": 20.0, "Z": -150.0}, measured_at={"Z": {"X": 70.0}})
@@ -119,9 +118,9 @@ def test_the_grinder_with_a_tool_and_a_measured_point(tmp_path):
     assert e[0] == approx(0.0086 + 0.0011 + -5.0e-6 * -150, abs=SECOND_ORDER)
 
 
-@needs_seed
 def test_the_printed_program_of_table_6_3_lands_within_rounding(tmp_path):
-    """The geometric half, which has no yaw: nominal - deviation, 0.1 µm in radius (the table has 0.1 µm digits)."""
+    """The geometric half, which has no yaw: nominal - deviation, 0.1 µm in radius (the table has
+    0.1 µm digits)."""
     machine = seed_machine(tmp_path)
     for direction in machine.axes["Z"].components["B"]:
         direction[:] = [0.0] * len(direction)
@@ -152,7 +151,8 @@ def random_tables(rng):
 
 @pytest.mark.parametrize("chain", list(chains()))
 def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
-    """e = sum of d + eps x (r - m) + c x (q u); what is left is of second order, and a quarter for half the errors."""
+    """e = sum of d + eps x (r - m) + c x (q u); what is left is of second order, and a quarter for
+    half the errors."""
     rng = np.random.default_rng(list(chain.encode()))
     tables, unit = random_tables(rng), dict(zip("XYZ", np.eye(3)))
     squareness = {"C0Y": 120.0, "B0Z": -90.0, "A0Z": 70.0}
@@ -200,13 +200,15 @@ def test_all_24_chains_agree_with_the_sum_to_first_order(tmp_path, chain):
                     d + np.cross(eps, r - m) + np.cross(scale * lean[axis], q[axis] * unit[axis])
                 )
             left.append(np.abs(machine.deviation(q, {}) - total).max())
-        # 3 x 100 µrad (and the lean) turn 600 mm once more, and 3 x 87 µm: 6e-4 * (6e-4 * 1000 + 0.3) mm
+        # 3 x 100 µrad (and the lean) turn 600 mm once more, and 3 x 87 µm: 6e-4 * (6e-4 * 1000 +
+        # 0.3) mm
         assert left[0] < 5e-4, "larger than second order"
         assert left[1] < 0.3 * left[0] + 1e-9, "not of second order"
 
 
 def test_measured_at_of_an_axis_that_gives_no_arm(tmp_path):
-    """w-b-Z-X-t: Z is below X, so where Z stood while X was measured is no arm, if the numbers are positions."""
+    """w-b-Z-X-t: Z is below X, so where Z stood while X was measured is no arm, if the numbers are
+    positions."""
     point = make(
         tmp_path,
         "w-b-Z-X-t",

@@ -1,8 +1,10 @@
-"""A five-axis machine with tool centre point control, made up at random, and what its control and its errors do to a program.
+"""A five-axis machine with tool centre point control, made up at random, and what its control and
+its errors do to a program.
 
-Shares nothing with the product: exact 4 x 4 transforms of the whole chain (ISO 230-1, ISO 841; tests/reference/kinematics),
-slides by solving the nominal chain for the tip as such a control does, errors read from tables of its own, words read by a
-reader of its own. The folder that the product is given is written from the same numbers.
+Shares nothing with the product: exact 4 x 4 transforms of the whole chain (ISO 230-1, ISO 841;
+tests/reference/kinematics), slides by solving the nominal chain for the tip as such a control does,
+errors read from tables of its own, words read by a reader of its own. The folder that the product
+is given is written from the same numbers.
 """
 
 from __future__ import annotations
@@ -28,8 +30,8 @@ WORD = re.compile(r"([XYZABCF])\s*([-+]?\d*\.?\d+)")
 
 @dataclass
 class Truth:
-    """The machine: chain, tool point, centre lines, and its errors. table: axis to nodes and six columns, mm and rad, and
-    what the reverse direction adds to half of them."""
+    """The machine: chain, tool point, centre lines, and its errors. table: axis to nodes and six
+    columns, mm and rad, and what the reverse direction adds to half of them."""
 
     chain: str
     tool: np.ndarray
@@ -56,8 +58,19 @@ class Truth:
             value = np.array(
                 [np.interp(pose[x], nodes, m + turn * h) for m, h in zip(mean, half, strict=True)]
             )
-            found.append(Link(x, "workpiece" if k < carried else "tool", pose[x], value[:3], value[3:],
-                              self.shift[x], self.lean[x], np.zeros(3), self.centre[x]))  # fmt: skip
+            found.append(
+                Link(
+                    x,
+                    "workpiece" if k < carried else "tool",
+                    pose[x],
+                    value[:3],
+                    value[3:],
+                    self.shift[x],
+                    self.lean[x],
+                    np.zeros(3),
+                    self.centre[x],
+                )
+            )
         return found
 
     def nominal(self, pose: dict[str, float], length: float = 0.0) -> np.ndarray:
@@ -78,7 +91,8 @@ class Truth:
         return chain[:3, 2]
 
     def reaches(self, pose: dict[str, float]) -> float:
-        """How far the tool turns at least, whichever way, rad per rad of the rotary axes together."""
+        """How far the tool turns at least, whichever way, rad per rad of the rotary axes
+        together."""
         step = 0.01
         ways = [
             (self.axis({**pose, x: pose[x] + step}, 0.0) - self.axis(pose, 0.0)) / np.radians(step)
@@ -163,7 +177,8 @@ class Truth:
 def random_truth(
     rng: np.random.Generator, chain: str, play: float = 0.0, size: float = 1.0
 ) -> Truth:
-    """A machine of this chain: 15 um and 20 urad of errors, `play` mm of lost motion in every slide."""
+    """A machine of this chain: 15 um and 20 urad of errors, `play` mm of lost motion in every
+    slide."""
     axes = [x for x in chain.split("-") if x in "XYZABC"]
     carried = axes[: chain.split("-").index("b") - 1]
     tool = np.array([0.0, 0.0, -float(rng.integers(100, 200))])
@@ -218,8 +233,9 @@ def random_program(
 
 
 def read(text: str, on: str, off: str) -> list[tuple[bool, bool, dict[str, float], str]]:
-    """Of each block with axis words: whether the tool point is on, whether it feeds, the words in force, and the number of
-    the block, or of the last numbered one before it, of which it is a part."""
+    """Of each block with axis words: whether the tool point is on, whether it feeds, the words in
+    force, and the number of the block, or of the last numbered one before it, of which it is a
+    part."""
     here: dict[str, float] = dict.fromkeys("XYZABC", 0.0)
     tip_on = feed = False
     number, found = "", []
@@ -241,7 +257,8 @@ def read(text: str, on: str, off: str) -> list[tuple[bool, bool, dict[str, float
 
 @dataclass
 class Judged:
-    """The largest distance of the tip, mm, and lean of the tool, rad, with the program and with the nominal one."""
+    """The largest distance of the tip, mm, and lean of the tool, rad, with the program and with the
+    nominal one."""
 
     tip: float = 0.0
     lean: float = 0.0
@@ -258,10 +275,11 @@ def judge(
     length: float = 0.0,
     turned: bool = False,
 ) -> Judged:
-    """Run the output on the erroneous machine, with the control's own nominal kinematics, and measure it against the nominal
-    program's tip path in the part. Each output block is sampled; how far the nominal program is follows from the rotary
-    axes where they turn, from the way elsewhere; `turned`: from the way always, since rotary words are corrected too. Feeds
-    that begin and end with the tool point on count."""
+    """Run the output on the erroneous machine, with the control's own nominal kinematics, and
+    measure it against the nominal program's tip path in the part. Each output block is sampled; how
+    far the nominal program is follows from the rotary axes where they turn, from the way elsewhere;
+    `turned`: from the way always, since rotary words are corrected too. Feeds that begin and end
+    with the tool point on count."""
     result = Judged()
     wanted, written = read(nominal, on, off), read(output, on, off)
     stroke = {number: k for k, (_, _, _, number) in enumerate(wanted)}
@@ -304,7 +322,8 @@ def _measure(truth: Truth, result: Judged, at, low, high, length: float, turned:
 
 
 def _progress(low, high, at, tip: np.ndarray, rotary) -> float:
-    """How far the nominal stroke is: by the axis that turns most, or, where none turns, by the place nearest to the tip."""
+    """How far the nominal stroke is: by the axis that turns most, or, where none turns, by the
+    place nearest to the tip."""
     turning = max(rotary, key=lambda x: abs(high[x] - low[x]), default="X")
     if rotary and abs(high[turning] - low[turning]) > 0.5:
         return (at[turning] - low[turning]) / (high[turning] - low[turning])
@@ -313,8 +332,8 @@ def _progress(low, high, at, tip: np.ndarray, rotary) -> float:
 
 
 def played(truth: Truth, nominal: str, output: str, on: str, off: str, length: float) -> np.ndarray:
-    """(K,) mm from the nominal tip path along the output's feeds, each slide led through its play: it stands at the nearest
-    place of command +- half the play to where it stood."""
+    """(K,) mm from the nominal tip path along the output's feeds, each slide led through its play:
+    it stands at the nearest place of command +- half the play to where it stood."""
     wanted, written = read(nominal, on, off), read(output, on, off)
     stroke = {number: k for k, (_, _, _, number) in enumerate(wanted)}
     stands: dict[str, float] = {}

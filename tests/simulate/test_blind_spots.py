@@ -1,4 +1,5 @@
-"""Programs of tests that show what the usual ones hide: periods of a screw, rotations on one line, circles at one feed."""
+"""Programs of tests that show what the usual ones hide: periods of a screw, rotations on one line,
+circles at one feed."""
 
 from __future__ import annotations
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 
@@ -12,6 +13,8 @@ from pytest import approx
 
 from postproc.cli import main
 from postproc.recordings import Source, read
+from postproc.simulate import instruments
+from postproc.simulate.experiments import TESTS
 
 from .samples import ROOT
 
@@ -41,9 +44,20 @@ def recording(path):
 def test_a_test_of_its_own_and_its_program(tmp_path, capfd):
     out, program = tmp_path / "z.csv", tmp_path / "z.nc"
     status, text, said = run(
-        capfd, "--test", "positioning:Z,runs=1", "--machine", STUDER, "--noise", "0.5", "--seed", "7", "--program-out", str(program),
-        "-o", str(out),
-    )  # fmt: skip
+        capfd,
+        "--test",
+        "positioning:Z,runs=1",
+        "--machine",
+        STUDER,
+        "--noise",
+        "0.5",
+        "--seed",
+        "7",
+        "--program-out",
+        str(program),
+        "-o",
+        str(out),
+    )
     assert status == 0 and text == "" and "34 rows of laser interferometer" in said
     assert "states no velocity and acceleration" in said
     found = recording(out)
@@ -66,7 +80,8 @@ def test_a_test_of_its_own_and_its_program(tmp_path, capfd):
 
 
 def test_a_corrected_program_leaves_next_to_nothing(tmp_path, capfd):
-    """The laser's targets, corrected by gcomp for the very machine: what is left at the nominal places is the tolerance."""
+    """The laser's targets, corrected by gcomp for the very machine: what is left at the nominal
+    places is the tolerance."""
     nominal, corrected = tmp_path / "n.nc", tmp_path / "c.nc"
     out = tmp_path / "r.csv"
     test = "positioning:Z,step=30,even=1,runs=1,at_X=85"
@@ -132,14 +147,25 @@ def test_more_effects_fewer_columns(tmp_path, capfd):
     machine = tmp_path / "m"
     machine.mkdir()
     (machine / "machine.toml").write_text(
-        'format = "gcomp-machine/1"\nname = "m"\ncontrol = "linuxcnc"\nchain = "w-b-X-t"\n[axes.X]\ntravel = [0.0, 300.0]\n'
-        "least_increment = 0.001\nmax_velocity = 6000\nmax_acceleration = 500\nmax_jerk = 5000\n"
+        'format = "gcomp-machine/1"\nname = "m"\ncontrol = "linuxcnc"\nchain ='
+        ' "w-b-X-t"\n[axes.X]\ntravel = [0.0, 300.0]\nleast_increment = 0.001\nmax_velocity ='
+        " 6000\nmax_acceleration = 500\nmax_jerk = 5000\n"
     )
     common[3] = str(machine)
     status, _, said = run(
-        capfd, *common, "--with", "backlash:X:size_um=8", "--with", "scale:X:ppm=10", "--without", "T,spindle_rpm",
-        "--force", "X=50", "-o", str(out),
-    )  # fmt: skip
+        capfd,
+        *common,
+        "--with",
+        "backlash:X:size_um=8",
+        "--with",
+        "scale:X:ppm=10",
+        "--without",
+        "T,spindle_rpm",
+        "--force",
+        "X=50",
+        "-o",
+        str(out),
+    )
     assert status == 0 and "states no" not in said
     found = recording(out)
     assert found.reading * 1e3 == approx(
@@ -190,9 +216,17 @@ def test_readings_beyond_a_table_are_named(tmp_path, capfd):
 
 def test_it_works_in_a_pipe():
     done = gcomp(
-        "simulate", "-", "--machine", "studer-s36", "--instrument", "log", "--set", "rate=10", "--quiet",
+        "simulate",
+        "-",
+        "--machine",
+        "studer-s36",
+        "--instrument",
+        "log",
+        "--set",
+        "rate=10",
+        "--quiet",
         data=b"G21 G90 G54\nG1 X0 Z0 F1000\nX20. Z30.\n",
-    )  # fmt: skip
+    )
     assert (
         done.returncode == 0
         and done.stdout.startswith(b'# format = "gcomp-recording/1"')
@@ -203,8 +237,10 @@ def test_it_works_in_a_pipe():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--test", "positioning:Z", "x.nc"], "brings its own program"), (["x.nc"], "which instrument"),
-        (["x.nc", "--instrument", "eye"], "no instrument 'eye'"), (["missing.nc", "--instrument", "log"], "can not be read"),
+        (["--test", "positioning:Z", "x.nc"], "brings its own program"),
+        (["x.nc"], "which instrument"),
+        (["x.nc", "--instrument", "eye"], "no instrument 'eye'"),
+        (["missing.nc", "--instrument", "log"], "can not be read"),
         (["--test", "positioning:Z", "--tolerance", "1um"], "nothing is corrected"),
         (["--test", "positioning:Z", "--cut-rapids"], "--cut-rapids is for corrections"),
         (["--test", "positioning:Z", "--with", "magic:X"], "no effect 'magic'"),
@@ -212,14 +248,16 @@ def test_it_works_in_a_pipe():
         (["--test", "positioning:Z", "--with", "backlash:X:um=1"], "has no 'um'"),
         (["--test", "positioning:Z", "--with", "backlash:X"], "size_um is missing"),
         (["--test", "positioning:Z", "--without", "T_moon_C"], "no such channel"),
-        (["--test", "positioning:Z", "--force", "Y=3"], "no axis of"), (["--test", "moon:Z"], "no test 'moon'"),
+        (["--test", "positioning:Z", "--force", "Y=3"], "no axis of"),
+        (["--test", "moon:Z"], "no test 'moon'"),
         (["--test", "positioning:Z", "--program-out", "p.nc", "--noise", "-1"], "below zero"),
         (["--test", "positioning:Z", "--tails", "2"], "no standard deviation"),
         (["--test", "positioning:Z", "--with", "abbe:X:arm_mm=1,turn=1,arm=2"], "not simulated"),
-        (["far.nc", "--instrument", "log"], "beyond its travel"), (["bad.nc", "--instrument", "log"], "bad.nc:2"),
+        (["far.nc", "--instrument", "log"], "beyond its travel"),
+        (["bad.nc", "--instrument", "log"], "bad.nc:2"),
         (["x.nc", "--program-out", "p.nc", "--instrument", "log"], "of a --test"),
     ],
-)  # fmt: skip
+)
 def test_what_makes_no_sense_is_refused_with_a_way_out(
     arguments, message, tmp_path, capfd, monkeypatch
 ):
@@ -230,6 +268,12 @@ def test_what_makes_no_sense_is_refused_with_a_way_out(
     status, out, err = run(capfd, *arguments, "--machine", STUDER)
     assert status == 2 and message in err and "Traceback" not in err
     assert out == ""
+
+
+def test_the_help_names_every_test_and_instrument(capfd):
+    _, out, _ = run(capfd, "--help")
+    words = re.split(r"[\s,:()]+", out)
+    assert {*TESTS, *instruments.names()} <= {*words}
 
 
 def test_an_instrument_lists_its_settings(capfd):

@@ -1,4 +1,5 @@
-"""Programs of tests: read by their control, inside the travel, and such that their instrument finds what it needs."""
+"""Programs of tests: read by their control, inside the travel, and such that their instrument finds
+what it needs."""
 
 from __future__ import annotations
 
@@ -10,16 +11,24 @@ from pytest import approx
 
 from postproc.errors import UsageError
 from postproc.machine.file import read_machine
-from postproc.simulate import experiments
+from postproc.simulate import asked, experiments
 from postproc.simulate.timeline import Conditions
 
 from .samples import MILL, ROOT, STUDER, read, real, timed
 
 LATHE = read_machine(ROOT / "machines" / "example-lathe")
 EVERY = [
-    "positioning:{0}", "period:{0},way=20,runs=1", "arms:{0},runs=1", "straightness:{0}", "angle:{0}", "diagonal:{0}{1}", "ballbar:{0}{1},runs=1", "staircase:{0},runs=1",
-    "feeds:{0},runs=1", "soak:{0},hours=0.2",
-]  # fmt: skip
+    "positioning:{0}",
+    "period:{0},way=20,runs=1",
+    "arms:{0},runs=1",
+    "straightness:{0}",
+    "angle:{0}",
+    "diagonal:{0}{1}",
+    "ballbar:{0}{1},runs=1",
+    "staircase:{0},runs=1",
+    "feeds:{0},runs=1",
+    "soak:{0},hours=0.2",
+]
 CONTROLS = (
     ["linuxcnc", "fanuc-mill", "haas", "grbl"],
     ["linuxcnc", "fanuc-lathe", "fanuc-lathe-a", "fanuc-lathe-c", "haas-lathe"],
@@ -70,8 +79,8 @@ def test_positioning_takes_all_targets_from_both_sides_in_every_run():
 
 def test_targets_are_no_multiples_of_a_pitch_unless_even_steps_are_wanted():
     loose, even = (
-        experiments.targets(0.0, 500.0, 25.0, False),
-        experiments.targets(0.0, 500.0, 25.0, True),
+        asked.targets(0.0, 500.0, 25.0, False),
+        asked.targets(0.0, 500.0, 25.0, True),
     )
     assert even.tolist() == list(np.arange(0.0, 501.0, 25.0))
     assert len(loose) == 21 and np.ptp(loose % 10.0) > 8.0
@@ -102,13 +111,20 @@ def test_a_staircase_turns_back_by_ways_that_double():
 @pytest.mark.parametrize(
     ("test", "message"),
     [
-        ("circle:XY", "no test 'circle'"), ("positioning:Q", "names no axis"), ("positioning", "names no axis"),
-        ("positioning:XZ", "names no axis"), ("ballbar:X", "names no 2 axes"), ("ballbar:XX", "names no 2 axes"),
-        ("positioning:Z,step=x", "not one of"), ("positioning:Z,radius=3", "not one of"),
-        ("positioning:Z,dwell=-1", "not above zero"), ("positioning:Z,runs=0", "no number of 1"),
-        ("ballbar:XZ,radius=900", "does not fit"), ("positioning:X,overrun=200", "no room"),
+        ("circle:XY", "no test 'circle'"),
+        ("positioning:Q", "names no axis"),
+        ("positioning", "names no axis"),
+        ("positioning:XZ", "names no axis"),
+        ("ballbar:X", "names no 2 axes"),
+        ("ballbar:XX", "names no 2 axes"),
+        ("positioning:Z,step=x", "not one of"),
+        ("positioning:Z,radius=3", "not one of"),
+        ("positioning:Z,dwell=-1", "not above zero"),
+        ("positioning:Z,runs=0", "no number of 1"),
+        ("ballbar:XZ,radius=900", "does not fit"),
+        ("positioning:X,overrun=200", "no room"),
     ],
-)  # fmt: skip
+)
 def test_what_can_not_be_run_is_said(test, message):
     with pytest.raises(UsageError, match=message):
         experiments.write(test, STUDER, "fanuc-lathe")

@@ -18,7 +18,8 @@ MILL = exact()
 
 
 def test_by_hand():
-    """X goes up 100 mm, back 30, rests, and on 20; Y never moves. 10 mm/s, so hard that ramps do not count."""
+    """X goes up 100 mm, back 30, rests, and on 20; Y never moves. 10 mm/s, so hard that ramps do
+    not count."""
     text = "G0 X0\nG1 X100 F600\nG1 X70\nG4 P5\nG1 X50\nG1 X60\nM2\n"
     t = timed(text, MILL, STRICT, limits(MILL, 1e3, 1e8))
     s = t.state(np.array([5.0, 11.0, 15.0, 19.0, 20.5]))
@@ -67,7 +68,8 @@ def test_going_back_by_less_than_the_play_is_no_turn():
 
 
 def test_a_screw_warms_with_its_travel_and_cools_at_rest():
-    """5 m/min to and fro for an hour with 0.8 K a m/min and 1800 s: 4 (1 - exp(-2)) K; then exp(-1) of it after 1800 s."""
+    """5 m/min to and fro for an hour with 0.8 K a m/min and 1800 s: 4 (1 - exp(-2)) K; then exp(-1)
+    of it after 1800 s."""
     swing = "G1 X100 F5000\nG1 X0\n" * 1500
     text = f"G0 X0\n{swing}G4 P1800\nM2\n"
     t = timed(text, MILL, STRICT, limits(MILL, 1e3, 1e7))

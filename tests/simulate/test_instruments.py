@@ -1,4 +1,5 @@
-"""Noise, zeros, resolution and seeds of readings; settings that make no sense; recordings that can be read again."""
+"""Noise, zeros, resolution and seeds of readings; settings that make no sense; recordings that can
+be read again."""
 
 from __future__ import annotations
 
@@ -26,7 +27,8 @@ LONG = timed("G0 X0\nG1 X100 F600\nM2\n", exact(), STRICT)
 
 @pytest.mark.parametrize("tails", [0.0, 5.0])
 def test_noise_has_the_stated_deviation(tails):
-    """10,000 samples: the standard deviation of a standard deviation is about 0.7 % (Gauss), 1.7 % (t, 5 degrees)."""
+    """10,000 samples: the standard deviation of a standard deviation is about 0.7 % (Gauss), 1.7 %
+    (t, 5 degrees)."""
     found = read("log", real(LONG), Noise(size=2.0, tails=tails, seed=4))
     off = (found.columns["X_act_mm"] - found.position("X")) * 1e3
     assert len(off) > 9_000 and off.std() == approx(2.0, rel=0.06) and abs(off.mean()) < 0.1
@@ -74,11 +76,14 @@ def test_resolution_and_zero():
 @pytest.mark.parametrize(
     ("instrument", "text", "given"),
     [
-        ("laser", RESTS, {"along": "X1,Z1"}), ("straightness", RESTS.replace("X", "Y"), {"across": "X"}), ("angle", RESTS, {}),
-        ("log", "G0 X0\nG1 X10 F600\nM2\n", {"sees": "tool"}), ("probe", "G0 X0\nG1 X10 F600\nM2\n", {"features": "X:20,Y:10"}),
+        ("laser", RESTS, {"along": "X1,Z1"}),
+        ("straightness", RESTS.replace("X", "Y"), {"across": "X"}),
+        ("angle", RESTS, {}),
+        ("log", "G0 X0\nG1 X10 F600\nM2\n", {"sees": "tool"}),
+        ("probe", "G0 X0\nG1 X10 F600\nM2\n", {"features": "X:20,Y:10"}),
         ("ballbar", "G17\nG0 X50 Y0\nG2 X50 Y0 I-50 J0 F2000\nM2\n", {"rate": "20"}),
     ],
-)  # fmt: skip
+)
 def test_a_recording_reads_back_as_it_was(instrument, text, given):
     text = "G21 G90 G94 G54\nG0 Z-100\n" + text.replace("Z", "Z-1")
     found = read(
@@ -123,14 +128,21 @@ def test_overrun_can_be_left_out_and_short_rests_are_no_captures():
 @pytest.mark.parametrize(
     ("instrument", "given", "message"),
     [
-        ("laser", {"dwell": "99"}, "never rests for 99 s"), ("laser", {"dwell": "-1"}, "above zero"),
-        ("laser", {"dwell": "x"}, "a number"), ("laser", {"speed": "1"}, "no setting 'speed'"),
-        ("laser", {"along": "Q"}, "like X1,Z-2.5"), ("log", {"sees": "eye"}, "sees=eye"),
-        ("log", {"rate": "1e9"}, "samples"), ("log", {"from": "9", "to": "1"}, "nothing lies between"),
-        ("ballbar", {}, "no arcs"), ("probe", {}, "which features"), ("probe", {"features": "Q:3"}, "no feature"),
-        ("probe", {"features": "X:9e9"}, "travels"), ("straightness", {"dwell": "99"}, "never rests"),
+        ("laser", {"dwell": "99"}, "never rests for 99 s"),
+        ("laser", {"dwell": "-1"}, "above zero"),
+        ("laser", {"dwell": "x"}, "a number"),
+        ("laser", {"speed": "1"}, "no setting 'speed'"),
+        ("laser", {"along": "Q"}, "like X1,Z-2.5"),
+        ("log", {"sees": "eye"}, "sees=eye"),
+        ("log", {"rate": "1e9"}, "samples"),
+        ("log", {"from": "9", "to": "1"}, "nothing lies between"),
+        ("ballbar", {}, "no arcs"),
+        ("probe", {}, "which features"),
+        ("probe", {"features": "Q:3"}, "no feature"),
+        ("probe", {"features": "X:9e9"}, "travels"),
+        ("straightness", {"dwell": "99"}, "never rests"),
     ],
-)  # fmt: skip
+)
 def test_what_an_instrument_can_not_do_is_said(instrument, given, message):
     works = real(timed("G0 X0\nG1 X100 F6000\nG4 P1\nG1 X50\nG4 P1\nM2\n", exact(), STRICT))
     with pytest.raises(GcompError, match=message):
@@ -149,6 +161,7 @@ def test_every_instrument_says_what_it_is_and_an_unknown_one_is_answered_with_th
         "ballbar",
         "laser",
         "log",
+        "mirror",
         "probe",
         "straightness",
         "tracker",

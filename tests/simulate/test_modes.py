@@ -1,4 +1,5 @@
-"""A mode of a machine: a narrow band of frequencies, or what every jump of the acceleration rings."""
+"""A mode of a machine: a narrow band of frequencies, or what every jump of the acceleration
+rings."""
 
 from __future__ import annotations
 
@@ -15,14 +16,23 @@ def state(acceleration: np.ndarray, passages: int = 1, **more) -> State:
     n = len(acceleration)
     t = np.arange(n) / RATE
     return State(
-        {"X": np.linspace(0.0, 100.0, n)}, {"X": np.ones(n)}, {"X": (0.0, 100.0)}, velocity={"X": np.ones(n)},
-        acceleration={"X": acceleration}, since={"X": t}, time=t, run=np.ones(n), file=np.zeros(n),
-        passage=np.floor(np.arange(n) * passages / n), **more,
-    )  # fmt: skip
+        {"X": np.linspace(0.0, 100.0, n)},
+        {"X": np.ones(n)},
+        {"X": (0.0, 100.0)},
+        velocity={"X": np.ones(n)},
+        acceleration={"X": acceleration},
+        since={"X": t},
+        time=t,
+        run=np.ones(n),
+        file=np.zeros(n),
+        passage=np.floor(np.arange(n) * passages / n),
+        **more,
+    )
 
 
 def trapezoid(smooth: int = 1) -> np.ndarray:
-    """mm/s2: jumps of 800 at 1 s, -800 at 1.4 s, -500 at 3 s and 500 at 3.5 s; told from places, they take a while."""
+    """mm/s2: jumps of 800 at 1 s, -800 at 1.4 s, -500 at 3 s and 500 at 3.5 s; told from places,
+    they take a while."""
     a = np.zeros(2500)
     a[500:700], a[1500:1750] = 800.0, -500.0
     return np.convolve(np.pad(a, smooth, mode="edge"), np.ones(smooth) / smooth, "same")[
@@ -70,7 +80,8 @@ def test_means_over_samples_show_the_mean_of_what_rings():
 
 
 def test_a_resonance_that_noise_drives_is_a_band():
-    """White noise through a mode of 0.2 % damping, ten columns a passage: a band holds far more of it than one wave does."""
+    """White noise through a mode of 0.2 % damping, ten columns a passage: a band holds far more of
+    it than one wave does."""
     n, rng = 2500, np.random.default_rng(3)
     pole = np.exp((2j * np.pi * F - 0.002 * 2 * np.pi * F) / RATE)
     y, z = np.zeros(n), 0j

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +17,7 @@ from tests import programs
 
 from .samples import STRICT, exact, limits, timed
 
+ROOT = Path(__file__).resolve().parents[2]
 MILL = exact()
 HEAD = "G21 G90 G94 G54 G17\n"
 
@@ -57,11 +60,19 @@ def test_a_dwell_takes_its_time():
 @pytest.mark.parametrize(
     ("control", "block", "seconds"),
     [
-        ("linuxcnc", "G4 P3", 3.0), ("fanuc-lathe", "G4 X3.", 3.0), ("fanuc-lathe", "G4 U3.", 3.0),
-        ("fanuc-mill", "G4 P3000", 3.0), ("haas", "G4 P3000", 3.0), ("haas", "G4 P3.0", 3.0), ("grbl", "G4 P0.5", 0.5),
-        ("marlin", "G4 P500", 0.5), ("marlin", "G4 S2", 2.0), ("siemens", "G4 F1.5", 1.5), ("reprap", "G4 P250", 0.25),
+        ("linuxcnc", "G4 P3", 3.0),
+        ("fanuc-lathe", "G4 X3.", 3.0),
+        ("fanuc-lathe", "G4 U3.", 3.0),
+        ("fanuc-mill", "G4 P3000", 3.0),
+        ("haas", "G4 P3000", 3.0),
+        ("haas", "G4 P3.0", 3.0),
+        ("grbl", "G4 P0.5", 0.5),
+        ("marlin", "G4 P500", 0.5),
+        ("marlin", "G4 S2", 2.0),
+        ("siemens", "G4 F1.5", 1.5),
+        ("reprap", "G4 P250", 0.25),
     ],
-)  # fmt: skip
+)
 def test_every_control_waits_as_it_writes(control, block, seconds):
     from dataclasses import replace
 
@@ -82,15 +93,21 @@ def test_feed_is_that_of_the_path_and_every_axis_keeps_its_own_limit():
 
 def test_inverse_time_inches_and_feed_per_turn():
     fast = limits(MILL, 1e4, 1e7)
-    assert duration("G0 X0\nG93\nG1 X40 F0.5\n", bounds=fast) == approx(
-        120.0, rel=1e-4
-    )  # half a turn of the minute
-    assert duration("G20\nG0 X0\nG1 X10 F10\n", bounds=fast) == approx(
-        60.0, rel=1e-4
-    )  # 10 inches a minute
-    assert duration("M3 S600\nG95\nG0 X0\nG1 X60 F0.1\n", bounds=fast) == approx(
-        60.0, rel=1e-4
-    )  # 600 x 0.1 mm/min
+    # half a turn of the minute
+    assert duration("G0 X0\nG93\nG1 X40 F0.5\n", bounds=fast) == approx(120.0, rel=1e-4)
+    # 10 inches a minute
+    assert duration("G20\nG0 X0\nG1 X10 F10\n", bounds=fast) == approx(60.0, rel=1e-4)
+    # 600 x 0.1 mm/min
+    assert duration("M3 S600\nG95\nG0 X0\nG1 X60 F0.1\n", bounds=fast) == approx(60.0, rel=1e-4)
+
+
+def test_degrees_stay_degrees_in_inch_programs():
+    """90 degrees at 360 a minute are 15 s, whatever lengths are written in."""
+    machine = read_machine(ROOT / "machines" / "example-five-axis")
+    fast = limits(machine, 1e4, 1e7)
+    for unit in ("G21", "G20"):
+        body = f"{unit}\nG0 X0 Y0 Z0 A0 C0\nG1 C90 F360\n"
+        assert duration(body, bounds=fast, machine=machine) == approx(15.0, rel=1e-3)
 
 
 def test_look_ahead_goes_through_blocks_that_go_on_straight():
@@ -113,7 +130,8 @@ def test_exact_stop_stops_and_a_corner_does_without_it():
 
 
 def test_a_cut_corner_is_run_at_what_its_radius_allows():
-    """By hand: r = d / (sqrt 2 - 1), v^2 / r = 0.866 a; both ways lose (100 - v)^2 / 2 a 100 to their ramps at it, and 0.05 s."""
+    """By hand: r = d / (sqrt 2 - 1), v^2 / r = 0.866 a; both ways lose (100 - v)^2 / 2 a 100 to
+    their ramps at it, and 0.05 s."""
     r = 0.1 / (np.sqrt(2) - 1)
     v = np.sqrt(np.sqrt(0.75) * 1000 * r)
     way = (100 - r) / 100 + 0.05 + (100 - v) ** 2 / 2e5
@@ -136,7 +154,8 @@ def test_a_corner_is_cut_by_no_more_than_stated(size):
 
 
 def test_the_path_is_as_long_as_the_program():
-    """Lines, a full circle of 20 mm, a helix of two turns and 6 mm rise: sqrt((4 pi 10)^2 + 6^2)."""
+    """Lines, a full circle of 20 mm, a helix of two turns and 6 mm rise: sqrt((4 pi 10)^2 +
+    6^2)."""
     body = "G0 X0 Y0 Z0\nG1 X30 Y40 F1000\nG2 X30 Y40 I20 J0\nG3 X30 Y40 I-10 J0 Z6 P2\nM2\n"
     t = timed(HEAD + body, MILL)
     helix = np.hypot(4 * np.pi * 10, 6)
@@ -160,7 +179,8 @@ OPTIONS = {"inverse": True, "away": False, "codes": True, "late": False}
 
 
 def check_limits(t, bounds: Limits, smooth: bool = False) -> None:
-    """Positions, speeds and their changes at 7,000 moments and at the ends of all pieces, a tick after one another."""
+    """Positions, speeds and their changes at 7,000 moments and at the ends of all pieces, a tick
+    after one another."""
     rng = np.random.default_rng(0)
     moments = np.concatenate([rng.uniform(0.0, t.duration, 7_000), t.plan.start])
     tick = min(1e-4, t.duration / 50)
@@ -218,7 +238,8 @@ def test_the_jerk_along_the_path_is_kept(text):
 @given(text=programs.programs(SITE, arcs=0.5, **OPTIONS))
 @settings(max_examples=40, deadline=None)
 def test_a_corner_that_is_not_cut_costs_a_step_of_one_cycle(text):
-    """Over any time w the speed of an axis changes by a (w + cycle) and half of that again where corners are dense."""
+    """Over any time w the speed of an axis changes by a (w + cycle) and half of that again where
+    corners are dense."""
     bounds, cycle = limits(MILL, 80.0, 500.0), 0.001
     try:
         t = timed(text, MILL, Conditions(corner=0.0, cycle=cycle), bounds)
@@ -252,11 +273,15 @@ def test_every_target_is_reached():
 @pytest.mark.parametrize(
     ("body", "message"),
     [
-        ("G1 X10\n", "no feed"), ("G95\nG1 X10 F0.1\n", "spindle"), ("G0 Z1\nG81 X1 Z-1 R1 F10\n", "canned cycle"),
-        ("G41 D1\nG1 X10 F100\n", "cutter radius"), ("G0 X0\nG33 Z-5 K1\n", "thread"), ("G4 P-1\n", "dwell"),
+        ("G1 X10\n", "no feed"),
+        ("G95\nG1 X10 F0.1\n", "spindle"),
+        ("G0 Z1\nG81 X1 Z-1 R1 F10\n", "canned cycle"),
+        ("G41 D1\nG1 X10 F100\n", "cutter radius"),
+        ("G0 X0\nG33 Z-5 K1\n", "thread"),
+        ("G4 P-1\n", "dwell"),
         ("(nothing)\n", "moves nothing"),
     ],
-)  # fmt: skip
+)
 def test_what_can_not_be_simulated_is_refused(body, message):
     with pytest.raises(GcompError, match=message):
         timed(HEAD + body, MILL)

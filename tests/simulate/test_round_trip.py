@@ -1,4 +1,5 @@
-"""What instruments read on a known machine is what that machine's file says, computed here by hand or by its own formula."""
+"""What instruments read on a known machine is what that machine's file says, computed here by hand
+or by its own formula."""
 
 from __future__ import annotations
 
@@ -30,7 +31,8 @@ def trial(name: str, machine, *terms, bounds=None, **given):
 
 @pytest.mark.parametrize(("axis", "other", "step"), [("Z", "X", 30), ("X", "Z", 10)])
 def test_a_laser_reads_the_tables_of_the_studer_by_direction(axis, other, step):
-    """Z with X at zero, where nothing of X and no arm adds: EZZ of the folder's CSV. X: EXX, and what Z adds at rest."""
+    """Z with X at zero, where nothing of X and no arm adds: EZZ of the folder's CSV. X: EXX, and
+    what Z adds at rest."""
     place = 0 if axis == "Z" else 255
     found = trial(f"positioning:{axis},step={step},even=1,runs=2,at_{other}={place}", STUDER)
     table, row = STUDER.axes[axis].table, "XYZ".index(axis)
@@ -71,7 +73,8 @@ def test_a_diagonal_is_the_deviation_along_it():
 
 
 def test_a_ballbar_on_a_machine_with_squareness_alone():
-    """S (R / 2) sin 2t: the deviation is (-S y, 0), S = -40 urad, R = 100 mm, so +2 um sin 2t; both senses alike."""
+    """S (R / 2) sin 2t: the deviation is (-S y, 0), S = -40 urad, R = 100 mm, so +2 um sin 2t; both
+    senses alike."""
     machine = replace(exact("XY", 300.0), square={"Y": np.array([0.0, 0.0, 40e-6])})
     found = trial("ballbar:XY,radius=100,runs=1", machine)
     x, y = found.position("X"), found.position("Y")
@@ -92,9 +95,8 @@ def test_a_ballbar_keeps_the_middle_turn_and_leaves_out_what_leads_in():
         of = found.columns["run"] == run
         angle = np.unwrap(np.arctan2(found.position("Z")[of] - 255, found.position("X")[of] - 85))
         assert angle[-1] - angle[0] == approx(sense * 2 * np.pi, abs=0.01)
-        assert abs(angle[0] - np.pi) % (2 * np.pi) == approx(
-            0.0, abs=0.01
-        )  # half a turn of overshoot is gone
+        # half a turn of overshoot is gone
+        assert abs(angle[0] - np.pi) % (2 * np.pi) == approx(0.0, abs=0.01)
     assert found.reading == approx(0.0, abs=NANOMETRE)
 
 
@@ -131,7 +133,8 @@ def test_windup_builds_up_with_the_way_after_the_turn():
 
 
 def test_windup_may_differ_along_the_travel():
-    """Long behind its turn, at the middle of the travel half of 10 um, at its high end half of 10 + 4."""
+    """Long behind its turn, at the middle of the travel half of 10 um, at its high end half of 10 +
+    4."""
     plain = without_tables(STUDER)
     low, high = plain.axes["X"].travel
     place, far = np.array([(low + high) / 2, high]), np.full(2, 99.0)
@@ -141,7 +144,7 @@ def test_windup_may_differ_along_the_travel():
         windup, state, "X", size_um=10.0, length_mm=0.5, grows_um=4.0, grows=1.0
     )
     assert found[0] * 1e3 == approx([-5.0, -7.0])
-    (_, _, nodes, forward, backward) = windup.tables(
+    _, _, nodes, forward, backward = windup.tables(
         "X", (low, high), size_um=10.0, length_mm=0.5, grows_um=4.0
     )[0]
     assert (
@@ -182,7 +185,8 @@ def test_a_recording_that_begins_late_knows_the_heat_from_before():
 
 
 def test_spindle_growth_follows_the_spindle_between_two_captures():
-    """First order, 10 um a 1000 rpm and 600 s: on for 600 s, off for 600 s, captured only at the end."""
+    """First order, 10 um a 1000 rpm and 600 s: on for 600 s, off for 600 s, captured only at the
+    end."""
     text = "G0 Z0\nG1 Z1 F600\nM3 S2000\nG4 P600\nM5\nG4 P600\nM2\n"
     t = timed(text, exact(), STRICT)
     growth = term("spindle_growth", "Z", um_per_1000_rpm=10.0, tau_s=600.0)
@@ -192,15 +196,15 @@ def test_spindle_growth_follows_the_spindle_between_two_captures():
 
 
 def test_a_spindle_shifts_at_once_and_its_housing_follows():
-    """At 600 s of 2000 rpm, fastest 4000: the shift is a quarter of 8 um; of the heat 1 - 2/e has come to the housing, as slow as the spindle."""
+    """At 600 s of 2000 rpm, fastest 4000: the shift is a quarter of 8 um; of the heat 1 - 2/e has
+    come to the housing, as slow as the spindle."""
     text = "G0 Z0\nG1 Z1 F600\nM3 S2000\nG4 P600\nM5\nG4 P600\nM2\n"
     t = timed(text, exact(), STRICT)
     late = {"tau_s": 600.0, "housing_s": 600.0, "fastest_rpm": 4000.0}
     growth = term("spindle_growth", "Z", um_per_1000_rpm=0.0, housing_um=10.0, shift_um=8.0, **late)
     found = read("laser", real(t, growth), dwell="500", along="Z")
-    follows = 20 * (
-        1 - 2 * np.exp(-1)
-    )  # 1 - (1 + t / tau) exp(-t / tau), of two equal time constants at t = tau
+    # 1 - (1 + t / tau) exp(-t / tau), of two equal time constants at t = tau
+    follows = 20 * (1 - 2 * np.exp(-1))
     assert found.columns["reading_um"][0] == approx(follows + 8.0 / 4, rel=2e-2)
     # Off for as long again: 20 [(1 + 1) e^-1 - (1 + 2) e^-2] of the step's end, and no shift.
     assert found.columns["reading_um"][1] == approx(
@@ -254,7 +258,8 @@ def test_force_bends_in_the_runs_that_have_it():
 
 
 def test_features_of_parts_show_scale_and_tool():
-    """50 ppm of 100 mm are 5 um; a tool 8 um too large makes a pocket 8 um larger, a boss smaller, and no distance other."""
+    """50 ppm of 100 mm are 5 um; a tool 8 um too large makes a pocket 8 um larger, a boss smaller,
+    and no distance other."""
     t = timed("G0 X0\nG1 X100 F6000\nM2\n", exact(), STRICT, parts=2)
     works = real(t, term("scale", "X", ppm=50.0), term("tool_size", "", diameter_um=8.0))
     found = read(

@@ -16,7 +16,8 @@ MANY = 4000  # plays that stand for all
 
 
 def through(turns: list[float], step: float = 0.003) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Places (N,), which of them a turn lies before (T,), and where it lies (T,): from turn to turn in small steps."""
+    """Places (N,), which of them a turn lies before (T,), and where it lies (T,): from turn to turn
+    in small steps."""
     parts = [np.arange(a, b, np.sign(b - a) * step) for a, b in zip(turns, turns[1:], strict=False)]
     begin = np.cumsum([len(p) for p in parts])[:-1]
     return np.concatenate(parts), begin, np.array(turns[1:-1])
@@ -25,7 +26,7 @@ def through(turns: list[float], step: float = 0.003) -> tuple[np.ndarray, np.nda
 def state(turns: list[float]) -> State:
     place, begin, at = through(turns)
     first = float(np.sign(turns[1] - turns[0]))
-    ways = effects.remembered(place, first, begin, at)
+    ways = effects.reversal_memory(place, first, begin, at)
     side = np.full(len(place), first)
     distance = np.full(len(place), 1e6)
     for k, (a, turn) in enumerate(zip(begin, at, strict=True)):
@@ -42,7 +43,8 @@ def shown(at: State) -> np.ndarray:
 
 
 def of_plays(turns: list[float]) -> np.ndarray:
-    """The same of very many stops, one sample after the other: thresholds r as frequent as exp(-2 r / length), pressed home at first."""
+    """The same of very many stops, one sample after the other: thresholds r as frequent as exp(-2 r
+    / length), pressed home at first."""
     share = (np.arange(MANY) + 0.5) / MANY
     r = -LENGTH / 2 * np.log1p(-share)
     first = np.sign(turns[1] - turns[0])
@@ -53,7 +55,8 @@ def of_plays(turns: list[float]) -> np.ndarray:
         held = np.clip(held + x - last, -r, r)
         last = x
         found.append(-held.mean() / LENGTH)
-    # The density of stops is (2 / L) exp(-2 r / L) times 1 / L in what each adds, and they reach L / 2 in the mean.
+    # The density of stops is (2 / L) exp(-2 r / L) times 1 / L in what each adds, and they reach L
+    # / 2 in the mean.
     return np.delete(np.array(found), begin + np.arange(len(begin)))
 
 
@@ -75,7 +78,8 @@ def test_it_is_a_drive_of_plays(turns):
 
 
 def test_a_small_loop_closes_and_is_forgotten():
-    """Masing: back and forth by less than before ends where it began, and from there on nothing of it is left."""
+    """Masing: back and forth by less than before ends where it began, and from there on nothing of
+    it is left."""
     with_loop, without = state([-20.0, 0.0, -1.0, -0.4, -3.0]), state([-20.0, 0.0, -3.0])
     a, b = shown(with_loop), shown(without)
     behind = with_loop.position["X"] < -1.0
@@ -113,7 +117,7 @@ def test_no_more_is_remembered_than_there_is_room_for():
 def test_many_turns_take_no_time():
     place = np.tile(np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)]), 1000)
     begun = time.perf_counter()
-    ways = effects.remembered(
+    ways = effects.reversal_memory(
         place, 1.0, np.arange(50, len(place), 50), np.resize([1.0, 0.0], len(place) // 50 - 1)
     )
     assert time.perf_counter() - begun < 1.0 and len(ways) <= 3

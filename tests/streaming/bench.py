@@ -1,4 +1,5 @@
-"""A sender and a model on one desk, in simulated time: what passes between them, and what faults do to it."""
+"""A sender and a model on one desk, in simulated time: what passes between them, and what faults do
+to it."""
 
 from __future__ import annotations
 
@@ -18,9 +19,11 @@ TICK = 0.002
 
 @dataclass
 class Faults:
-    """What happens on the way, by the count of bytes that have passed. `to` and `back`: byte number to "drop", "flip" or
-    "double"; stall: (time, seconds) in which nothing passes back; cut: time at which the port closes; reset: time at which
-    the controller restarts; power: at which it loses its zero, too; lag: s that answers are late; asleep: (time, seconds) in which the sender's own computer does nothing."""
+    """What happens on the way, by the count of bytes that have passed. `to` and `back`: byte number
+    to "drop", "flip" or "double"; stall: (time, seconds) in which nothing passes back; cut: time at
+    which the port closes; reset: time at which the controller restarts; power: at which it loses
+    its zero, too; lag: s that answers are late; asleep: (time, seconds) in which the sender's own
+    computer does nothing."""
 
     to: dict[int, str] = field(default_factory=dict)
     back: dict[int, str] = field(default_factory=dict)
@@ -59,10 +62,19 @@ def lines_of(text: str, ends: list[tuple[float, ...]] | None = None) -> list[Wir
     ]
 
 
-def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, limit: float = 600.0, tick: float = TICK,
-        ready: bool = True, actions=(), kept: list[bytes] | None = None) -> float:  # fmt: skip
-    """Until there is an outcome; returns the simulated time. `actions`: (time, callable(sender, now)) in
-    order; kept: takes the journal's records."""
+def run(
+    sender: Sender,
+    model: GrblModel,
+    lines,
+    faults: Faults | None = None,
+    limit: float = 600.0,
+    tick: float = TICK,
+    ready: bool = True,
+    actions=(),
+    kept: list[bytes] | None = None,
+) -> float:
+    """Until there is an outcome; returns the simulated time. `actions`: (time, callable(sender,
+    now)) in order; kept: takes the journal's records."""
     faults = faults or Faults()
     now = model.now
     if ready:  # the greeting has been heard before
@@ -118,7 +130,8 @@ def run(sender: Sender, model: GrblModel, lines, faults: Faults | None = None, l
 def new_sender(
     model: GrblModel, counting: bool = True, window: int | None = None, watched: bool = False, **how
 ) -> Sender:
-    """A sender that knows the model's buffer. watched: it looks whether the machine stays on the path."""
+    """A sender that knows the model's buffer. watched: it looks whether the machine stays on the
+    path."""
     protocol = Grbl(counting=counting)
     controller = protocol.controller
     controller.window = window or model.rx_size
@@ -130,8 +143,9 @@ def new_sender(
 def zigzag(
     n: int, seed: int = 1, feed: int = 6000, step: float = 0.3, still: bool = False
 ) -> tuple[str, list[tuple[float, ...]]]:
-    """n lines of motion with lengths of text that differ, and where each ends. still: every other line is
-    one that makes no block: words without a motion, or a motion below a step of the motors."""
+    """n lines of motion with lengths of text that differ, and where each ends. still: every other
+    line is one that makes no block: words without a motion, or a motion below a step of the
+    motors."""
     r = random.Random(seed)
     place = [0.0, 0.0, 0.0]
     rows, ends = ["G21G90G94"], [(0.0, 0.0, 0.0)]

@@ -1,10 +1,12 @@
-"""GRBL 1.1 as its documents describe it, in simulated time: a receive buffer that drops, EEPROM writes that lose bytes, paced bytes.
+"""GRBL 1.1 as its documents describe it, in simulated time: a receive buffer that drops, EEPROM
+writes that lose bytes, paced bytes.
 
-From gnea/grbl: serial.h (128 bytes usable; realtime bytes are taken out in the interrupt; what finds no room is dropped),
-protocol.c (a line ends with either line end, is answered once, an empty one with ok; blanks, control characters and
-comments do not count; more than 79 characters give error:11), interface.md (reports, messages, streaming and EEPROM),
-system.c ($ commands). Not simulated: acceleration, overrides, limits, parking. While EEPROM is written all
-bytes that arrive are lost (interrupts are off).
+From gnea/grbl: serial.h (128 bytes usable; realtime bytes are taken out in the interrupt; what
+finds no room is dropped), protocol.c (a line ends with either line end, is answered once, an empty
+one with ok; blanks, control characters and comments do not count; more than 79 characters give
+error:11), interface.md (reports, messages, streaming and EEPROM), system.c ($ commands). Not
+simulated: acceleration, overrides, limits, parking. While EEPROM is written all bytes that arrive
+are lost (interrupts are off).
 """
 
 from __future__ import annotations
@@ -16,8 +18,43 @@ from collections import deque
 from tests.streaming.grbl_motion import report, target, way
 
 WORD = re.compile(r"([A-Z])([-+]?[0-9]*\.?[0-9]*)")
-KNOWN_G = {"0", "1", "2", "3", "4", "10", "17", "18", "19", "20", "21", "28", "28.1", "30", "30.1", "38.2", "40", "43.1", "49", "53",
-           "54", "55", "56", "57", "58", "59", "61", "80", "90", "91", "91.1", "92", "92.1", "93", "94"}  # fmt: skip
+KNOWN_G = {
+    "0",
+    "1",
+    "2",
+    "3",
+    "4",
+    "10",
+    "17",
+    "18",
+    "19",
+    "20",
+    "21",
+    "28",
+    "28.1",
+    "30",
+    "30.1",
+    "38.2",
+    "40",
+    "43.1",
+    "49",
+    "53",
+    "54",
+    "55",
+    "56",
+    "57",
+    "58",
+    "59",
+    "61",
+    "80",
+    "90",
+    "91",
+    "91.1",
+    "92",
+    "92.1",
+    "93",
+    "94",
+}
 WORK = ("G54", "G55", "G56", "G57", "G58", "G59")
 IDLE, RUN, HOLD, ALARM, CHECK, HOME = "Idle", "Run", "Hold", "Alarm", "Check", "Home"
 SEGMENTS, SEGMENT_S = 5, 0.01
@@ -25,12 +62,22 @@ EEPROM_S, PARSE_S, READ_S, HOMING_S = 0.020, 0.0006, 0.00001, 3.0
 
 
 class GrblModel:
-    """write() what is on the wire, advance() the time, read() what comes back. `received`: lines as the firmware saw them."""
+    """write() what is on the wire, advance() the time, read() what comes back. `received`: lines as
+    the firmware saw them."""
 
     banner = "\r\nGrbl 1.1h ['$' for help]\r\n"
 
-    def __init__(self, baud: int = 115200, rx: int = 128, blocks: int = 15, echo: bool = False, homing: bool = False,
-                 settings: dict[str, str] | None = None, version: str = "1.1h.20190825:", options: str = "V,15,{rx}"):  # fmt: skip
+    def __init__(
+        self,
+        baud: int = 115200,
+        rx: int = 128,
+        blocks: int = 15,
+        echo: bool = False,
+        homing: bool = False,
+        settings: dict[str, str] | None = None,
+        version: str = "1.1h.20190825:",
+        options: str = "V,15,{rx}",
+    ):
         self.byte = 10.0 / baud if baud else 0.0
         self.rx_size, self.blocks, self.echo, self.version = rx, blocks, echo, version
         self.options = options.format(rx=rx)
@@ -83,7 +130,7 @@ class GrblModel:
         self.preset, self.length, self.rate = [0.0] * 3, 0.0, 0.0
         self._hold_done = 0.0
 
-    # -- the wire ------------------------------------------------------------------------------------------------------
+    # -- the wire ----------------------------------------------------------------------------------
 
     def write(self, data: bytes, now: float) -> None:
         for value in data:
@@ -114,7 +161,10 @@ class GrblModel:
             when = min(arrives, acts, ends)
             if when > now:
                 break
-            self._move(max(when, self.now))
+            if when != ends and self._is_text(when == arrives):
+                self.now = max(when, self.now)  # the motors do not care
+            else:
+                self._move(max(when, self.now))
             if when == ends:
                 continue
             if when == arrives:
@@ -122,6 +172,16 @@ class GrblModel:
             else:
                 self._act()
         self._move(now)
+
+    def _is_text(self, arrives: bool) -> bool:
+        """Whether what comes next is a character within a line, that arrives or is read: nearly
+        everything that happens is."""
+        if self.state not in (RUN, IDLE):
+            return False
+        if arrives:
+            value = self._wire[0][1]
+            return value < 0x80 and value not in b"?!~\x18"
+        return not self._pending and self._rx[0] not in b"\r\n"
 
     def _arrive(self, value: int) -> None:
         if self.now < self._deaf:
@@ -170,7 +230,7 @@ class GrblModel:
         if state == ALARM:
             self._say("[MSG:'$H'|'$X' to unlock]\r\n")
 
-    # -- the main loop -------------------------------------------------------------------------------------------------
+    # -- the main loop -----------------------------------------------------------------------------
 
     def _next(self) -> float:
         """When the main loop can do something."""
@@ -249,7 +309,8 @@ class GrblModel:
         elif text == "$G":
             m = self.modal
             self._say(
-                f"[GC:G{m['motion']} {m['work']} G{m['plane']} G{m['units']} G{m['distance']} G{m['feed']} M5 M9 T0 F{self.rate:.0f} S0]\r\n"
+                f"[GC:G{m['motion']} {m['work']} G{m['plane']} G{m['units']} G{m['distance']}"
+                f" G{m['feed']} M5 M9 T0 F{self.rate:.0f} S0]\r\n"
             )
         elif text == "$X":
             self.state = IDLE
@@ -376,7 +437,8 @@ class GrblModel:
         return f"[PRB:{place}:{int(any(self.probed))}]\r\n"
 
     def _probe(self, text: str, codes: list[str], number: dict[str, float]) -> None:
-        """Down to the plate, at once; an alarm where it is not met (motion_control.c, mc_probe_cycle)."""
+        """Down to the plate, at once; an alarm where it is not met (motion_control.c,
+        mc_probe_cycle)."""
         end = target(self, codes, number, 25.4 if self.modal["units"] == "20" else 1.0)
         if end[2] > self.plate:
             self._say("ALARM:5\r\n")
@@ -416,8 +478,8 @@ class GrblModel:
 
     @property
     def planned(self) -> int:
-        """Blocks in the planner: those that the stepper has taken whole into its segments have left it (stepper.c: a segment lasts
-        10 ms, or to the end of its block)."""
+        """Blocks in the planner: those that the stepper has taken whole into its segments have left
+        it (stepper.c: a segment lasts 10 ms, or to the end of its block)."""
         segments = taken = 0
         for left, *_ in self._planner:
             segments += math.ceil(left / SEGMENT_S - 1e-9) or 1
@@ -454,9 +516,8 @@ class GrblModel:
         if self.state == HOME and now >= self._until:
             self.state, self.place, self.target, self.lost = IDLE, [0.0] * 3, [0.0] * 3, [0.0] * 3
         spent = now - self._planned
-        slows = (
-            self.state == HOLD and self.now < self._hold_done
-        )  # a hold takes its time, along the path
+        # a hold takes its time, along the path
+        slows = self.state == HOLD and self.now < self._hold_done
         if self.state == RUN or (slows and self._planner):
             while self._planner and spent >= self._planner[0][0] - 1e-12:
                 spent -= self._planner[0][0]

@@ -1,4 +1,5 @@
-"""What the model of GRBL does with places: arcs as chords ($12 mm), reports of machine or work positions, mm or inch."""
+"""What the model of GRBL does with places: arcs as chords ($12 mm), reports of machine or work
+positions, mm or inch."""
 
 from __future__ import annotations
 
@@ -9,7 +10,8 @@ PLANES = {"17": (0, 1, 2), "18": (2, 0, 1), "19": (1, 2, 0)}
 
 
 def target(model, codes: list[str], number: dict[str, float], unit: float) -> list[float]:
-    """Where a block goes, mm, machine coordinates. G28 and G30 end at the zero (their stored places)."""
+    """Where a block goes, mm, machine coordinates. G28 and G30 end at the zero (their stored
+    places)."""
     end = list(model.target)
     for i, axis in enumerate("XYZ"):
         if axis in number:
@@ -32,7 +34,8 @@ def way(
     plane: str,
     unit: float,
 ) -> list[list[float]]:
-    """Places behind the start: the end, and before it those on an arc (G2, G3 with centre or radius; NIST RS274NGC 3.5.3)."""
+    """Places behind the start: the end, and before it those on an arc (G2, G3 with centre or
+    radius; NIST RS274NGC 3.5.3)."""
     if motion not in "23" or not {"I", "J", "K", "R"} & set(number):
         return [end]
     a, b, c = PLANES[plane]
@@ -65,7 +68,8 @@ def way(
 
 
 def report(model, state: str) -> str:
-    """A report as $10 and $13 ask for it: bit 0 machine positions, else work positions with a WCO now and then."""
+    """A report as $10 and $13 ask for it: bit 0 machine positions, else work positions with a WCO
+    now and then."""
     per = 25.4 if model.settings["13"] == "1" else 1.0
     digits = 4 if per > 1 else 3
     work = [s + p for s, p in zip(model.stored[model.modal["work"]], model.preset, strict=True)]
@@ -80,7 +84,11 @@ def report(model, state: str) -> str:
         if machine
         else f"WPos:{said([p - w for p, w in zip(model.place, work, strict=True)])}"
     )
-    parts = [state, where, f"Bf:{model.blocks - model.planned},{model.rx_size - len(model._rx)}"]
+    parts = [
+        state,
+        where,
+        f"Bf:{max(model.blocks - model.planned, 0)},{model.rx_size - len(model._rx)}",
+    ]
     parts.append(f"FS:{model.rate / per if state == 'Run' else 0:.0f},0")
     if work != model.told_shift or model.reports % 10 == 0:
         model.told_shift = work

@@ -1,8 +1,10 @@
-"""A control that is fed over RS-232: a buffer, DC1 and DC3 with hysteresis, and an alarm where bytes come on after DC3.
+"""A control that is fed over RS-232: a buffer, DC1 and DC3 with hysteresis, and an alarm where
+bytes come on after DC3.
 
-General knowledge of Fanuc's reader interface (unverified on hardware): DC1 when reading begins, DC3 when the buffer is nearly full,
-DC1 when it has room, DC4 at the end or in alarm; what finds no room is lost (alarm 087), and a wrong parity stops reading.
-The program is what stands between the first `%` and the second.
+General knowledge of Fanuc's reader interface (unverified on hardware): DC1 when reading begins, DC3
+when the buffer is nearly full, DC1 when it has room, DC4 at the end or in alarm; what finds no room
+is lost (alarm 087), and a wrong parity stops reading. The program is what stands between the first
+`%` and the second.
 """
 
 from __future__ import annotations
@@ -13,11 +15,23 @@ DC1, DC3, DC4 = b"\x11", b"\x13", b"\x14"
 
 
 class DncModel(Receiver):
-    """rate: bytes/s that it executes; high, low: filling at which it says stop and go; after: bytes that it has taken since it said
-    stop, the most of them; begins: s until it says go (None: it never does and reads all the same)."""
+    """rate: bytes/s that it executes; high, low: filling at which it says stop and go; after: bytes
+    that it has taken since it said stop, the most of them; begins: s until it says go (None: it
+    never does and reads all the same)."""
 
-    def __init__(self, baud: int = 9600, rx: int = 100, high: int = 70, low: int = 20, rate: float = 300.0, bits: int = 11,
-                 begins: float | None = 2.0, stops: bool = True, seven: bool = True, pauses: dict[int, float] | None = None):  # fmt: skip
+    def __init__(
+        self,
+        baud: int = 9600,
+        rx: int = 100,
+        high: int = 70,
+        low: int = 20,
+        rate: float = 300.0,
+        bits: int = 11,
+        begins: float | None = 2.0,
+        stops: bool = True,
+        seven: bool = True,
+        pauses: dict[int, float] | None = None,
+    ):
         super().__init__(baud, rx, bits)
         self.high, self.low, self.rate, self.stops, self.seven = high, low, rate, stops, seven
         self.pauses = pauses or {}  # after so many bytes executed: s of standstill

@@ -1,10 +1,11 @@
 """Marlin's side of the wire, as its source has it, in simulated time.
 
-MarlinFirmware/Marlin, Marlin/src/gcode/queue.cpp: a receive buffer of 128 bytes that drops, bytes read only while one of the four command
-slots is free; N first, then its number, then its checksum; a line that fails throws the rest of the buffer away and asks for
-last + 1 (with an ok of its own, or without, as one time's build did); a line without N is taken unchecked. gcode.cpp: busy every two
-seconds while a command does not end. parser.cpp: an unknown command is repeated, and answered with ok. Not simulated:
-heaters, acceleration, arcs (a chord).
+MarlinFirmware/Marlin, Marlin/src/gcode/queue.cpp: a receive buffer of 128 bytes that drops, bytes
+read only while one of the four command slots is free; N first, then its number, then its checksum;
+a line that fails throws the rest of the buffer away and asks for last + 1 (with an ok of its own,
+or without, as one time's build did); a line without N is taken unchecked. gcode.cpp: busy every two
+seconds while a command does not end. parser.cpp: an unknown command is repeated, and answered with
+ok. Not simulated: heaters, acceleration, arcs (a chord).
 """
 
 from __future__ import annotations
@@ -15,18 +16,57 @@ from collections import deque
 from tests.streaming.models_wire import NEVER, Moves, Receiver
 
 WORD = re.compile(r"([A-Z])(-?\d*\.?\d*)")
-KNOWN = {"G0", "G1", "G2", "G3", "G4", "G17", "G20", "G21", "G28", "G90", "G91", "G92", "M0", "M3", "M5", "M17", "M82", "M92", "M105",
-         "M108", "M110", "M113", "M114", "M115", "M117", "M400", "M410", "M503"}  # fmt: skip
+KNOWN = {
+    "G0",
+    "G1",
+    "G2",
+    "G3",
+    "G4",
+    "G17",
+    "G20",
+    "G21",
+    "G28",
+    "G90",
+    "G91",
+    "G92",
+    "M0",
+    "M3",
+    "M5",
+    "M17",
+    "M82",
+    "M92",
+    "M105",
+    "M108",
+    "M110",
+    "M113",
+    "M114",
+    "M115",
+    "M117",
+    "M400",
+    "M410",
+    "M503",
+}
 KEEPALIVE, PARSE, WAIT = 2.0, 0.0008, 1.0
 STEPS = (80.0, 80.0, 400.0)
 
 
 class MarlinModel(Receiver):
-    """`executed`: commands in the order in which they were executed, without number and checksum; `unchecked`: those that had none."""
+    """`executed`: commands in the order in which they were executed, without number and checksum;
+    `unchecked`: those that had none."""
 
-    def __init__(self, baud: int = 115200, rx: int = 128, slots: int = 4, advanced: bool = False, own_ok: bool = True,
-                 keepalive: bool = True, says_wait: bool = False, temperatures: float = 0.0, deaf: float = 0.0,
-                 settings: tuple[str, ...] = ("M420 S0 Z0.00", "M852 I0.0000 J0.0000 K0.0000")):  # fmt: skip
+    def __init__(
+        self,
+        baud: int = 115200,
+        rx: int = 128,
+        slots: int = 4,
+        advanced: bool = False,
+        own_ok: bool = True,
+        keepalive: bool = True,
+        says_wait: bool = False,
+        temperatures: float = 0.0,
+        deaf: float = 0.0,
+        settings: tuple[str, ...] = ("M420 S0 Z0.00", "M852 I0.0000 J0.0000 K0.0000"),
+    ):
         super().__init__(baud, rx)
         self.slots, self.advanced, self.own_ok, self.keepalive = slots, advanced, own_ok, keepalive
         self.says_wait, self.temperatures, self.deaf, self.settings = (
@@ -63,7 +103,7 @@ class MarlinModel(Receiver):
     def place(self) -> list[float]:
         return self.moves.place
 
-    # -- time ----------------------------------------------------------------------------------------------------------
+    # -- time --------------------------------------------------------------------------------------
 
     def _reads(self) -> float:
         if not self.rx or len(self._ring) >= self.slots:
@@ -121,7 +161,7 @@ class MarlinModel(Receiver):
             self.say("wait\n")
             self._wait_at = self.now + WAIT
 
-    # -- lines in ------------------------------------------------------------------------------------------------------
+    # -- lines in ----------------------------------------------------------------------------------
 
     def _read(self, value: int) -> None:
         if value not in b"\r\n":
@@ -165,7 +205,7 @@ class MarlinModel(Receiver):
         self.rx.clear()
         self.say(f"Resend: {self.last_n + 1}\n" + ("ok\n" if self.own_ok else ""))
 
-    # -- commands ------------------------------------------------------------------------------------------------------
+    # -- commands ----------------------------------------------------------------------------------
 
     @staticmethod
     def _bare(command: str) -> str:
@@ -217,8 +257,11 @@ class MarlinModel(Receiver):
         elif code == "M110":
             self.last_n = int(words.get("N", self.last_n))
         elif code == "M115":
-            self.say("FIRMWARE_NAME:Marlin 2.1.2 (Jan 1 2023 12:00:00) SOURCE_CODE_URL:github.com/MarlinFirmware/Marlin PROTOCOL_VERSION:1.0 "
-                     "MACHINE_TYPE:Router EXTRUDER_COUNT:0\nCap:EEPROM:0\nCap:EMERGENCY_PARSER:0\n")  # fmt: skip
+            self.say(
+                "FIRMWARE_NAME:Marlin 2.1.2 (Jan 1 2023 12:00:00)"
+                " SOURCE_CODE_URL:github.com/MarlinFirmware/Marlin PROTOCOL_VERSION:1.0"
+                " MACHINE_TYPE:Router EXTRUDER_COUNT:0\nCap:EEPROM:0\nCap:EMERGENCY_PARSER:0\n"
+            )
         elif code == "M113":
             self.say(f"echo:M113 S{2 if self.keepalive else 0}\n")
         elif code == "M503":
@@ -236,5 +279,6 @@ class MarlinModel(Receiver):
             p, z = moves.place, self.zero
             counts = [round(v * s) for v, s in zip(p, STEPS, strict=True)]
             self.say(
-                f"X:{p[0] - z[0]:.2f} Y:{p[1] - z[1]:.2f} Z:{p[2] - z[2]:.2f} E:0.00 Count X:{counts[0]} Y:{counts[1]} Z:{counts[2]}\n"
+                f"X:{p[0] - z[0]:.2f} Y:{p[1] - z[1]:.2f} Z:{p[2] - z[2]:.2f} E:0.00 Count"
+                f" X:{counts[0]} Y:{counts[1]} Z:{counts[2]}\n"
             )

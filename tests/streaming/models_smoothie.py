@@ -1,7 +1,8 @@
-"""Smoothieware's side of the wire, as src/modules/communication/GcodeDispatch.cpp has it (2019), in simulated time.
+"""Smoothieware's side of the wire, as src/modules/communication/GcodeDispatch.cpp has it (2019), in
+simulated time.
 
-A line is taken when the one before is done; N, checksum and `rs N<n>` without an ok; an ok for each code up to a G1, or one a line;
-`?` is taken out as it arrives. Not simulated: acceleration, arcs.
+A line is taken when the one before is done; N, checksum and `rs N<n>` without an ok; an ok for each
+code up to a G1, or one a line; `?` is taken out as it arrives. Not simulated: acceleration, arcs.
 """
 
 from __future__ import annotations
@@ -97,7 +98,8 @@ class SmoothieModel(Receiver):
         elif text[0] == "$" or text[0].islower():
             if text == "version":
                 self.say(
-                    "Build version: edge-abc123, Build date: Jan 1 2020, MCU: LPC1769, System Clock: 120MHz\r\n"
+                    "Build version: edge-abc123, Build date: Jan 1 2020, MCU: LPC1769, System"
+                    " Clock: 120MHz\r\n"
                 )
             else:
                 self.say(f"error:Unsupported command - {text}\r\n")
@@ -155,7 +157,8 @@ class SmoothieModel(Receiver):
             self._free = self.moves.rest_at(self.now) + values.get("P", 0.0) / 1000
         elif code == "M115":
             self.say(
-                "FIRMWARE_NAME:Smoothieware, FIRMWARE_URL:http%3A//smoothieware.org, FIRMWARE_VERSION:edge-abc123, X-AXES:3\nok\n"
+                "FIRMWARE_NAME:Smoothieware, FIRMWARE_URL:http%3A//smoothieware.org,"
+                " FIRMWARE_VERSION:edge-abc123, X-AXES:3\nok\n"
             )
             return True
         elif code == "M114":

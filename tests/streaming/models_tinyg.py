@@ -1,8 +1,10 @@
-"""TinyG's side of the wire, in simulated time: JSON answers with footers, reports, a receive buffer that says XOFF and drops.
+"""TinyG's side of the wire, in simulated time: JSON answers with footers, reports, a receive buffer
+that says XOFF and drops.
 
-From synthetos/TinyG: wiki "JSON Operation" (footer of revision 1 with its checksum: the documented answers are reproduced by
-tests/streaming/test_tinyg.py), "Status Reports" (states, filtered reports), firmware/tinyg/controller.c (a line is read when
-the planner has room; single characters are taken out as they arrive), xio (254 bytes, XOFF at 80 %, XON at 20 %).
+From synthetos/TinyG: wiki "JSON Operation" (footer of revision 1 with its checksum: the documented
+answers are reproduced by tests/streaming/test_tinyg.py), "Status Reports" (states, filtered
+reports), firmware/tinyg/controller.c (a line is read when the planner has room; single characters
+are taken out as they arrive), xio (254 bytes, XOFF at 80 %, XON at 20 %).
 """
 
 from __future__ import annotations
@@ -36,7 +38,10 @@ KNOWN = {
     "M0",
 }
 PARSE, REPORT = 0.002, 0.25
-READY = '{"r":{"fv":0.970,"fb":440.20,"hp":1,"hv":8,"id":"3X3566-YMB","msg":"SYSTEM READY"},"f":[1,0,0,%d]}'
+READY = (
+    '{"r":{"fv":0.970,"fb":440.20,"hp":1,"hv":8,"id":"3X3566-YMB","msg":"SYSTEM'
+    ' READY"},"f":[1,0,0,%d]}'
+)
 
 
 def java_hash(text: str) -> int:
@@ -49,8 +54,17 @@ def java_hash(text: str) -> int:
 class TinyGModel(Receiver):
     """`executed`: blocks in order. revision: of the footer (1 with a checksum, 2 without)."""
 
-    def __init__(self, baud: int = 115200, rx: int = 254, verbosity: int = 3, revision: int = 1, flow: bool = True, blocks: int = 28,
-                 reports: bool = True, g2: bool = False):  # fmt: skip
+    def __init__(
+        self,
+        baud: int = 115200,
+        rx: int = 254,
+        verbosity: int = 3,
+        revision: int = 1,
+        flow: bool = True,
+        blocks: int = 28,
+        reports: bool = True,
+        g2: bool = False,
+    ):
         super().__init__(baud, rx)
         self.verbosity, self.revision, self.flow, self.reports, self.g2 = (
             verbosity,
@@ -94,7 +108,7 @@ class TinyGModel(Receiver):
         self.moves.clear(self.now)
         return 6 if self._hold else 5 if self.moves.ends else 3 if self.executed else 1
 
-    # -- time ----------------------------------------------------------------------------------------------------------
+    # -- time --------------------------------------------------------------------------------------
 
     def _arrive(self, value: int) -> None:
         if value in b"!~%\x04\x18":
@@ -135,8 +149,19 @@ class TinyGModel(Receiver):
     def _act(self) -> None:
         if self._report_at <= self.now:
             state, self._said, self._report_at = self.state(), self.state(), NEVER
-            self.say(json.dumps({"sr": {"posx": round(self.place[0], 3), "vel": 0.0 if state in (1, 3) else 600.0, "stat": state}},
-                                separators=(",", ":")) + "\n")  # fmt: skip
+            self.say(
+                json.dumps(
+                    {
+                        "sr": {
+                            "posx": round(self.place[0], 3),
+                            "vel": 0.0 if state in (1, 3) else 600.0,
+                            "stat": state,
+                        }
+                    },
+                    separators=(",", ":"),
+                )
+                + "\n"
+            )
             if state == 5:
                 self._said, self._report_at = -1, self.now + REPORT
             return
@@ -158,7 +183,7 @@ class TinyGModel(Receiver):
         if raw.strip():
             self._dispatch(raw)
 
-    # -- lines ---------------------------------------------------------------------------------------------------------
+    # -- lines -------------------------------------------------------------------------------------
 
     def _answer(self, body: dict, status: int, size: int) -> None:
         text = (

@@ -1,4 +1,5 @@
-"""What the models of receivers share: bytes at a baud rate, a receive buffer that drops, and one desk for a sender and a model."""
+"""What the models of receivers share: bytes at a baud rate, a receive buffer that drops, and one
+desk for a sender and a model."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ NEVER = float("inf")
 
 
 class Receiver:
-    """write(), advance(), read() in simulated time. A model fills in _arrive(byte), _next() (when its main loop acts) and _act()."""
+    """write(), advance(), read() in simulated time. A model fills in _arrive(byte), _next() (when
+    its main loop acts) and _act()."""
 
     def __init__(self, baud: int, rx: int, bits: int = 10):
         self.byte = bits / baud if baud else 0.0
@@ -93,8 +95,8 @@ def run(
     actions=(),
     ahead: int = 64,
 ):
-    """Until there is an outcome; returns the simulated time. A protocol that lets few bytes go gets to write when those
-    before have left, as a port that is drained does it."""
+    """Until there is an outcome; returns the simulated time. A protocol that lets few bytes go gets
+    to write when those before have left, as a port that is drained does it."""
     faults = faults or Faults()
     if model.now == 0.0:  # its greeting has been heard before
         model.advance(1.0)
@@ -154,7 +156,8 @@ def greet(greeting, model, limit: float = 60.0, tick: float = 0.01):
 
 
 class Moves:
-    """A planner: motions in order, each with its seconds; where the machine ends up. mm and mm/min, absolute or not."""
+    """A planner: motions in order, each with its seconds; where the machine ends up. mm and mm/min,
+    absolute or not."""
 
     def __init__(self, blocks: int = 16):
         self.blocks = blocks

@@ -1,7 +1,9 @@
-"""OctoPrint's virtual printer behind a pseudo-terminal, run by OctoPrint's own interpreter: `python octoprint_host.py FOLDER [JSON]`.
+"""OctoPrint's virtual printer behind a pseudo-terminal, run by OctoPrint's own interpreter: `python
+octoprint_host.py FOLDER [JSON]`.
 
-FOLDER takes OctoPrint's files; JSON overrides settings of the plugin. Prints the port's name, then every command that the printer
-handles, and ends when standard input is closed. Nothing of gcomp is imported here.
+FOLDER takes OctoPrint's files; JSON overrides settings of the plugin. Prints the port's name, then
+every command that the printer handles, and ends when standard input is closed. Nothing of gcomp is
+imported here.
 """
 
 from __future__ import annotations
@@ -20,7 +22,8 @@ from pathlib import Path
 def taken(printer, data: bytes) -> int:
     """How many bytes it took. Its write keeps a lock while it waits for room, and a request for a
     line needs the same lock (virtual.py, write and _triggerResend): neither goes on until write
-    gives up, which then has taken nothing. The bytes wait on the wire meanwhile, as USB has them."""
+    gives up, which then has taken nothing. The bytes wait on the wire meanwhile, as USB has
+    them."""
     from serial import SerialTimeoutException
 
     try:
@@ -84,9 +87,8 @@ def main(folder: Path, override: dict) -> None:
         if master in ready:
             rest += os.read(master, 1024)
             *lines, rest = rest.split(b"\n")
-            for (
-                line
-            ) in lines:  # it looks at one line of what is written at once: the next waits for more
+            # it looks at one line of what is written at once: the next waits for more
+            for line in lines:
                 data_in = line + b"\n"
                 while data_in:
                     data_in = data_in[taken(printer, data_in) :]

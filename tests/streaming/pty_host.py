@@ -1,4 +1,5 @@
-"""The model behind a pseudo-terminal, in real time: what gcomp as a process meets. Faults by a seeded plan on the way."""
+"""The model behind a pseudo-terminal, in real time: what gcomp as a process meets. Faults by a
+seeded plan on the way."""
 
 from __future__ import annotations
 
@@ -14,10 +15,17 @@ from tests.streaming.grbl_model import GrblModel
 
 
 class PtyHost:
-    """`path` is the port. speed: how many model seconds pass in a second. die_after: received lines after which it hangs up."""
+    """`path` is the port. speed: how many model seconds pass in a second. die_after: received lines
+    after which it hangs up."""
 
-    def __init__(self, model: GrblModel, faults: Faults | None = None, speed: float = 1.0, hang_up_after: int = 0,
-                 silent_after: int = 0):  # fmt: skip
+    def __init__(
+        self,
+        model: GrblModel,
+        faults: Faults | None = None,
+        speed: float = 1.0,
+        hang_up_after: int = 0,
+        silent_after: int = 0,
+    ):
         self.model, self.faults, self.speed = model, faults or Faults(), speed
         self.hang_up_after, self.silent_after = hang_up_after, silent_after
         self.master, slave = os.openpty()

@@ -1,6 +1,8 @@
-"""A real GRBL 1.1h image with motion behind a pseudo-terminal, in real time; what its motors did, step by step.
+"""A real GRBL 1.1h image with motion behind a pseudo-terminal, in real time; what its motors did,
+step by step.
 
-The image and its host lie beside the project (../shared/receivers); without them nothing here can run.
+The image and its host lie beside the project (../shared/receivers); without them nothing here can
+run.
 """
 
 from __future__ import annotations
@@ -23,7 +25,11 @@ RECEIVERS = ROOT.parent / "shared" / "receivers"
 STEPS = 250.0  # a mm, of ee_router.bin
 RECORD = np.dtype([("cycle", "<u8"), ("at", "<i4", 3), ("pad", "<u4")])
 PATIENCE = 60.0  # s
-BEHIND = 0.5  # s: a simulator that lost more against the clock, within ten seconds, was starved, and says nothing of gcomp
+BEHIND = (
+    # s: a simulator that lost more against the clock, within ten seconds, was starved, and says
+    # nothing of gcomp
+    0.5
+)
 SPAN = 10.0  # s
 STAT = 0.2  # s: so often its clock is written
 
@@ -37,7 +43,8 @@ def missing() -> str:
 
 
 class RealGrbl:
-    """`path` is the port; folder: where the files go. options: of grblhost ("-dtr"). lost: `behind` of the last one."""
+    """`path` is the port; folder: where the files go. options: of grblhost ("-dtr"). lost: `behind`
+    of the last one."""
 
     lost = 0.0
 
@@ -60,9 +67,16 @@ class RealGrbl:
             "ev.txt",
         )
         self._command = [
-            str(RECEIVERS / "grblhost"), "-elf", str(RECEIVERS / "grbl_1.1h_uno.elf"), "-link", "port", *files,
-            "-ctl", "ctl", *options,
-        ]  # fmt: skip
+            str(RECEIVERS / "grblhost"),
+            "-elf",
+            str(RECEIVERS / "grbl_1.1h_uno.elf"),
+            "-link",
+            "port",
+            *files,
+            "-ctl",
+            "ctl",
+            *options,
+        ]
 
     def __enter__(self) -> RealGrbl:
         self._process = subprocess.Popen(self._command, cwd=self.folder, stderr=subprocess.DEVNULL)
@@ -140,11 +154,33 @@ def start(
 ):
     """gcomp stream as a process."""
     return subprocess.Popen(
-        [sys.executable, "-m", "postproc", "stream", "--machine", machine, "--dialect", "grbl", "--port", port,
-         "--check-first", "never", *arguments],
-        cwd=folder, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(folder), "XDG_CONFIG_HOME": str(folder)},
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "postproc",
+            "stream",
+            "--machine",
+            machine,
+            "--dialect",
+            "grbl",
+            "--port",
+            port,
+            "--check-first",
+            "never",
+            *arguments,
+        ],
+        cwd=folder,
+        stdin=stdin,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "HOME": str(folder),
+            "XDG_CONFIG_HOME": str(folder),
+        },
+    )
 
 
 def stream(folder: Path, port: str, *arguments: str, **how) -> tuple[int, str]:

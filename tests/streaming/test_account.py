@@ -1,4 +1,5 @@
-"""What is over, of what was answered: held against the model of GRBL with planner, segments and lines without a block."""
+"""What is over, of what was answered: held against the model of GRBL with planner, segments and
+lines without a block."""
 
 from __future__ import annotations
 
@@ -31,7 +32,8 @@ def take(made: Account, *ends: tuple[float, float], text: bytes = b"G1 X1", firs
 
 
 def test_of_the_answered_all_are_over_but_what_it_holds():
-    """3 blocks, with the one that is just being taken, and 1 segment: 7 to 10 may be held, and 6 is over when 10 is answered."""
+    """3 blocks, with the one that is just being taken, and 1 segment: 7 to 10 may be held, and 6 is
+    over when 10 is answered."""
     made = account()
     take(made, *((float(i), 0.0) for i in range(1, 11)))
     assert (made.sent_to, made.answered_to, made.executed, made.source, made.seconds) == (
@@ -94,7 +96,8 @@ def test_many_motions_without_length_take_no_memory():
 
 @pytest.mark.parametrize("seed", range(12))
 def test_nothing_is_said_to_be_over_that_the_model_has_not_made(seed):
-    """Random feeds and lengths, from 1 ms a motion and below a step to half a second; M, F and G words, dwells and holds in between."""
+    """Random feeds and lengths, from 1 ms a motion and below a step to half a second; M, F and G
+    words, dwells and holds in between."""
     r = random.Random(seed)
     model = GrblModel(baud=r.choice((115200, 0)), blocks=r.choice((15, 4)))
     rows, ends, at = ["G21G90G94"], [(0.0, 0.0, 0.0)], [0.0, 0.0]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import json
 import os
 import subprocess
 import sys
@@ -11,10 +14,12 @@ import pytest
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
+from postproc.cli import main  # noqa: E402
 from postproc.commands.stream import ports_found  # noqa: E402
 from postproc.errors import UsageError  # noqa: E402
 from postproc.streaming import orders  # noqa: E402
 from postproc.streaming.events import Status  # noqa: E402
+from tests.api.schemas import held  # noqa: E402
 from tests.streaming import real_grbl  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
 from tests.streaming.real_grbl import STEPS, RealGrbl  # noqa: E402
@@ -24,18 +29,35 @@ WHY = real_grbl.missing()
 
 
 def control(port: str, *words: str) -> tuple[int, str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "postproc", "control", "--port", port, *words], capture_output=True, text=True, timeout=60,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
-    assert "Traceback" not in done.stderr, done.stderr
-    return done.returncode, done.stdout + done.stderr
+    """As a process of its own would, without the time that one takes to begin."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = main(["control", "--port", port, *words])
+    assert "Traceback" not in err.getvalue(), err.getvalue()
+    return status, out.getvalue() + err.getvalue()
+
+
+def test_as_a_process():
+    with PtyHost(model()) as host:
+        done = subprocess.run(
+            [sys.executable, "-m", "postproc", "control", "--port", host.path],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+    assert (done.returncode, done.stdout, done.stderr) == (
+        0,
+        "idle: it stands, and takes a job\n",
+        "",
+    )
 
 
 @pytest.mark.skipif(bool(WHY), reason=WHY)
 @pytest.mark.real
 def test_a_real_grbl_by_orders_alone(tmp_path):
-    """Hold, run, check, alarm, sleep are named with the order that helps; jog, zero, send do what they say, by the motors' steps."""
+    """Hold, run, check, alarm, sleep are named with the order that helps; jog, zero, send do what
+    they say, by the motors' steps."""
     with RealGrbl(tmp_path) as real:
         path = real.path
         assert control(path, "jog", "X5", "F1500")[0] == 0
@@ -45,9 +67,10 @@ def test_a_real_grbl_by_orders_alone(tmp_path):
         assert status == 0 and "[G54:5.000," in said
         assert control(path, "send", "G1", "X-2", "F900")[0] == 0
         assert real.steps()[-1].tolist() == [3 * STEPS, 0, 0]
-        real.talk("G1 X40 F600", "!", seconds=0.3)
+        real.talk("G1 X40 F100", "!", seconds=0.3)
         status, said = control(path)
         assert status == 0 and said.startswith("hold:0: it holds the feed. Resume goes on"), said
+        assert said.endswith(f": gcomp control --port {path} resume | reset\n"), said
         status, said = control(path, "jog", "X1")
         assert status == 2 and "a jog needs an idle controller" in said
         status, said = control(path, "resume")
@@ -59,7 +82,7 @@ def test_a_real_grbl_by_orders_alone(tmp_path):
         real.talk("$C")
         assert "check: it is in check mode. Reset ends that" in control(path)[1]
         assert "idle" in control(path, "reset")[1]
-        real.talk("G1 X90 F900", seconds=0.3)
+        real.talk("G1 X90 F100", seconds=0.3)  # half a minute, whatever else is running
         assert control(path, "reset")[0] == 0  # in motion: it locks
         assert "alarm: it is locked" in control(path)[1]
         status, said = control(path, "send", "G0 X1")
@@ -71,11 +94,16 @@ def test_a_real_grbl_by_orders_alone(tmp_path):
         assert "sleep: it sleeps. Reset wakes it" in control(path)[1]
 
 
-def test_homing_and_nothing_to_resume():
+def test_homing_and_nothing_to_resume(tmp_path):
     with PtyHost(model(homing=True), speed=5.0) as host:
         assert "alarm: it is locked" in control(host.path)[1]
         status, said = control(host.path, "home")
         assert status == 0 and "idle" in said
+        for words in ((), ("send", "G4 P0.01")):
+            status, _ = control(host.path, *words, "--json", str(tmp_path / "found.json"))
+            found = json.loads((tmp_path / "found.json").read_text())
+            held(found)
+            assert status == 0 and found["state"]["name"] == "idle"
         status, said = control(host.path, "resume")
         assert status == 2 and "there is nothing to resume: the controller is idle" in said
 
@@ -96,8 +124,18 @@ def test_the_lines_of_orders(order, words, line):
 
 @pytest.mark.parametrize(
     ("order", "words"),
-    [("jog", []), ("jog", ["F100"]), ("jog", ["10"]), ("jog", ["X1", "F0"]), ("zero", []), ("zero", ["X0"]), ("send", []), ("send", ["!"]), ("home", ["X"])],
-)  # fmt: skip
+    [
+        ("jog", []),
+        ("jog", ["F100"]),
+        ("jog", ["10"]),
+        ("jog", ["X1", "F0"]),
+        ("zero", []),
+        ("zero", ["X0"]),
+        ("send", []),
+        ("send", ["!"]),
+        ("home", ["X"]),
+    ],
+)
 def test_orders_that_are_none(order, words):
     with pytest.raises(UsageError):
         orders.line_of(order, words)
@@ -106,12 +144,22 @@ def test_orders_that_are_none(order, words):
 def test_every_state_names_a_way():
     for state in (*orders.STATES, "idle", "strange"):
         words = orders.told(Status(state), "P")
-        assert words.startswith(state) and ("gcomp control --port P" in words) == (state != "idle")
+        helps = bool(orders.STATES.get(state, orders.STRANGE)[2]) and state != "idle"
+        assert words.startswith(state) and ("gcomp control --port P" in words) == helps
 
 
-def test_ports_by_name(monkeypatch):
-    usb = [SimpleNamespace(device=f"/dev/ttyUSB{i}", description="CNC", manufacturer="Maker", serial_number=f"A{i}", vid=1, hwid="x")
-           for i in range(2)]  # fmt: skip
+def test_ports_by_name(monkeypatch, capfd):
+    usb = [
+        SimpleNamespace(
+            device=f"/dev/ttyUSB{i}",
+            description="CNC",
+            manufacturer="Maker",
+            serial_number=f"A{i}",
+            vid=1,
+            hwid="x",
+        )
+        for i in range(2)
+    ]
     empty = SimpleNamespace(
         device="/dev/ttyS0",
         description="n/a",
@@ -122,6 +170,8 @@ def test_ports_by_name(monkeypatch):
     )
     monkeypatch.setattr("serial.tools.list_ports.comports", lambda: [empty, *usb])
     assert ports_found.listed().splitlines()[1] == "/dev/ttyUSB1  CNC, Maker, serial number A1"
+    assert main(["control", "--list-ports", "--json", "-"]) == 0
+    held(json.loads(capfd.readouterr().out))
     assert ports_found.chosen("COM3") == "COM3"
     with pytest.raises(UsageError, match="there are 2 ports"):
         ports_found.chosen("auto")

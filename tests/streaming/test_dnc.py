@@ -1,4 +1,5 @@
-"""Drip feed over RS-232: go and stop in our own loop, frames, and what may be claimed (A7, A10, A14 of design/streaming.md)."""
+"""Drip feed over RS-232: go and stop in our own loop, frames, and what may be claimed (A7, A10, A14
+of design/streaming.md)."""
 
 from __future__ import annotations
 
@@ -149,9 +150,8 @@ def test_what_the_control_says():
     protocol = Dnc()
     assert protocol.release() == 0
     assert protocol.receive(bytes((DC1,))) == [] and protocol.release() == 16
-    assert (
-        protocol.receive(bytes((DC3 | 0x80,))) == [] and protocol.release() == 0
-    )  # parity bit left in by the port
+    # parity bit left in by the port
+    assert protocol.receive(bytes((DC3 | 0x80,))) == [] and protocol.release() == 0
     assert protocol.receive(bytes((DC1 | 0x80,))) == [] and protocol.release() == 16
     assert protocol.receive(b"hi\r\n") == [Told("hi")]
     assert isinstance(protocol.receive(bytes((DC4,)))[0], Alarm)

@@ -1,9 +1,10 @@
 """A20: 1,000 seeded schedules of faults against the model. Run with -s to see the counts.
 
-What a link can do is drawn at random: bytes lost, altered and doubled, answers late, stopped for good or for a while, the port
-closed, the controller restarted or in alarm, a buffer smaller than it says. GRBL has no checksum: a byte altered on the
-way TO it can make another lawful line, and only a build that echoes its lines shows that, or the place where the machine ends up.
-So alterations on that way are drawn with echo for the law, and without it for the count of what stays unseen.
+What a link can do is drawn at random: bytes lost, altered and doubled, answers late, stopped for
+good or for a while, the port closed, the controller restarted or in alarm, a buffer smaller than it
+says. GRBL has no checksum: a byte altered on the way TO it can make another lawful line, and only a
+build that echoes its lines shows that, or the place where the machine ends up. So alterations on
+that way are drawn with echo for the law, and without it for the count of what stays unseen.
 """
 
 from __future__ import annotations
@@ -88,8 +89,9 @@ def distinct(places) -> list[tuple[float, ...]]:
 
 @dataclass
 class Job:
-    """One schedule: how it ended; whether the model took exactly the program; whether a line came twice; mm by which the model's motions
-    missed theirs (inf: other ones); its faults; what is wrong with the way back into it, "" nothing, and motions that it makes twice."""
+    """One schedule: how it ended; whether the model took exactly the program; whether a line came
+    twice; mm by which the model's motions missed theirs (inf: other ones); its faults; what is
+    wrong with the way back into it, "" nothing, and motions that it makes twice."""
 
     outcome: Outcome
     right: bool
@@ -111,9 +113,8 @@ def job(
     """still: with lines between the motions that make no block."""
     faults, model, actions, counting, names = schedule(seed, echo, kinds)
     text, ends = zigzag(LINES, seed=seed, feed=feed, step=step, still=still)
-    text = "\n".join(
-        f"N{i}{row}" for i, row in enumerate(text.split("\n"), 1)
-    )  # so that every line is one of a kind
+    # so that every line is one of a kind
+    text = "\n".join(f"N{i}{row}" for i, row in enumerate(text.split("\n"), 1))
     sender = new_sender(model, counting=counting, window=128, watched=True)
     kept = [journal.head("job.nc", "", "mill", "", sender.account.holds, place=(0.0, 0.0, 0.0))]
     run(
@@ -146,8 +147,8 @@ def job(
 
 
 def way_back(kept: bytes, model: GrblModel, sender, want: list[str]) -> tuple[str, int]:
-    """What would be wrong with beginning again by this journal, and how many motions would be made twice: after the controller has
-    finished what it holds, as it does when its cable is cut."""
+    """What would be wrong with beginning again by this journal, and how many motions would be made
+    twice: after the controller has finished what it holds, as it does when its cable is cut."""
     now = model.now
     while model.state in ("Run", "Hold") and model.now < now + 60:
         model.write(b"~" if model.state == "Hold" else b"", model.now)
@@ -202,9 +203,10 @@ def test_A20_a_thousand_schedules_never_hang_double_or_lie():
         harm += [(seed, names, one.back)] * bool(one.back)
         again = max(again, one.again)
     print(
-        f"\n{SCHEDULES} schedules: {dict(kinds)}; hangs 0, lines sent or received twice {len(doubles)}, false success {len(lies)}, "
-        f"false alarms of the path {len(false)}; restarts that leave something out or trust a lost zero {len(harm)}, motions "
-        f"made twice at most {again}"
+        f"\n{SCHEDULES} schedules: {dict(kinds)}; hangs 0, lines sent or received twice"
+        f" {len(doubles)}, false success {len(lies)}, false alarms of the path {len(false)};"
+        f" restarts that leave something out or trust a lost zero {len(harm)}, motions made twice"
+        f" at most {again}"
     )
     assert not lies and not doubles and not false
     assert not harm, harm[:5]
@@ -217,8 +219,9 @@ def test_A20_a_thousand_schedules_never_hang_double_or_lie():
     ("feed", "step", "most"), [(6000, 1.0, 25), (1000, 1.0, 15), (1000, 5.0, 10)]
 )
 def test_A20_what_a_controller_without_echo_can_not_show(feed, step, most):
-    """Bytes altered on the way to GRBL, nothing else: how many jobs end as done with another file. The path, the place where the
-    machine ends up, and the count of answers, find most; the rest is why a link that alters bytes is no link for GRBL."""
+    """Bytes altered on the way to GRBL, nothing else: how many jobs end as done with another file.
+    The path, the place where the machine ends up, and the count of answers, find most; the rest is
+    why a link that alters bytes is no link for GRBL."""
     seen: Counter = Counter()
     worst = []
     for seed in range(200):
@@ -233,8 +236,8 @@ def test_A20_what_a_controller_without_echo_can_not_show(feed, step, most):
         assert not twice
         assert not beside(outcome) or missed > SEEN
     print(
-        f"\n200 schedules that alter bytes on the way to a GRBL without echo, {feed} mm/min, steps up to {step} mm: {dict(seen)}; "
-        f"unseen mm {sorted(worst)}"
+        f"\n200 schedules that alter bytes on the way to a GRBL without echo, {feed} mm/min, steps"
+        f" up to {step} mm: {dict(seen)}; unseen mm {sorted(worst)}"
     )
     assert seen["unseen"] <= most and seen["found on the path"] > 10
 
@@ -243,12 +246,19 @@ def test_A20_jobs_without_faults_or_with_altered_reports_never_raise_the_path_s_
     """Feeds and lengths that differ, bytes altered on the way back only."""
     kinds: Counter = Counter()
     for seed in range(QUIET):
-        one = job(seed + 5000, echo=False, kinds=(("nothing",), ("back",), ("late",), ("pause",))[seed % 4],
-                                      feed=(6000, 1000, 300)[seed % 3], step=(1.0, 5.0)[seed % 2], still=seed % 3 == 0)  # fmt: skip
+        one = job(
+            seed + 5000,
+            echo=False,
+            kinds=(("nothing",), ("back",), ("late",), ("pause",))[seed % 4],
+            feed=(6000, 1000, 300)[seed % 3],
+            step=(1.0, 5.0)[seed % 2],
+            still=seed % 3 == 0,
+        )
         outcome, right = one.outcome, one.right
         kinds[outcome.kind] += 1
         assert not beside(outcome), (seed, outcome)
         assert right or outcome.kind != "done"
     print(
-        f"\n{QUIET} schedules that alter nothing on the way there: {dict(kinds)}; false alarms of the path 0"
+        f"\n{QUIET} schedules that alter nothing on the way there: {dict(kinds)}; false alarms of"
+        " the path 0"
     )

@@ -1,4 +1,5 @@
-"""GRBL's rules at the level of bytes: window, answers, lines, numbers of design/streaming.md (A2, A4, A6, A7)."""
+"""GRBL's rules at the level of bytes: window, answers, lines, numbers of design/streaming.md (A2,
+A4, A6, A7)."""
 
 from __future__ import annotations
 
@@ -251,6 +252,9 @@ def test_every_protocol_keeps_the_interface(name):
     assert module.TITLE and isinstance(module.POKE, bytes)
     assert not module.recognises("") and not module.recognises("hello, world")
     protocol = module.PROTOCOL(counting=False)
+    interface = {*vars(protocols.Protocol), *protocols.Protocol.__annotations__}
+    assert not [x for x in interface if x[0] != "_" and not hasattr(protocol, x)]
+    assert {"hold", "stop"} <= set(protocol.does)
     assert protocol.confirms in ("idle", "answers", "nothing")
     assert protocol.prepare(b"G1 X1.5\r\n").strip() == protocol.prepare(b"G1 X1.5\r\n")
     assert isinstance(protocol.urgent("no such thing"), bytes)

@@ -1,4 +1,5 @@
-"""The talk before a job, and what it tells the filter: protocol, zeros, tool length, modal state."""
+"""The talk before a job, and what it tells the filter: protocol, zeros, tool length, modal
+state."""
 
 from __future__ import annotations
 
@@ -94,10 +95,14 @@ def test_a_banner_in_the_middle_of_the_questions_begins_them_anew():
 
 @pytest.mark.parametrize(
     ("heard", "soon"),
-    [("\r\nGrbl 1.1h ['$' for help]\r\n", True), ("\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\n", True),
-     ("\r\nGrbl 1.1h ['$' for help]", False), ("\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'", False),
-     ("<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\n", False)],
-)  # fmt: skip
+    [
+        ("\r\nGrbl 1.1h ['$' for help]\r\n", True),
+        ("\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\n", True),
+        ("\r\nGrbl 1.1h ['$' for help]", False),
+        ("\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'", False),
+        ("<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\n", False),
+    ],
+)
 def test_a_whole_greeting_is_not_waited_behind_for_long(heard, soon):
     greeting = Greeting("auto")
     greeting.tick(0.0)
@@ -136,7 +141,8 @@ def test_a_controller_that_is_not_idle_is_not_given_a_job(state):
 
 @pytest.mark.parametrize("state", ["Hold", "Sleep", ""])
 def test_a_controller_that_answers_no_line_is_named_by_its_state(state):
-    """As a real GRBL in a hold, or asleep: it takes no line, and answers ? all the same. One that says nothing is told as that."""
+    """As a real GRBL in a hold, or asleep: it takes no line, and answers ? all the same. One that
+    says nothing is told as that."""
     greeting, now = Greeting("grbl"), 0.0
     greeting.receive(b"Grbl 1.1h ['$' for help]\r\n", now)
     while greeting.fault is None and now < 30.0:
@@ -152,9 +158,15 @@ def test_a_controller_that_answers_no_line_is_named_by_its_state(state):
 
 
 CONTROLLER = Controller(
-    offsets=["[G54:-100.000,-50.000,-20.000]", "[G55:1.000,2.000,3.000]", "[G92:0.000,0.000,0.000]", "[TLO:-7.500]", "[PRB:0,0,0:0]"],
+    offsets=[
+        "[G54:-100.000,-50.000,-20.000]",
+        "[G55:1.000,2.000,3.000]",
+        "[G92:0.000,0.000,0.000]",
+        "[TLO:-7.500]",
+        "[PRB:0,0,0:0]",
+    ],
     modal=["G1", "G55", "G17", "G20", "G91", "G94", "M5", "F0"],
-)  # fmt: skip
+)
 
 
 def test_what_the_controller_says_becomes_zeros_length_place_and_modes():

@@ -1,4 +1,5 @@
-"""Holds: ordered, made by somebody else, and lost on the way; questions about refused lines; what a stop really did (A5, A8)."""
+"""Holds: ordered, made by somebody else, and lost on the way; questions about refused lines; what a
+stop really did (A5, A8)."""
 
 from __future__ import annotations
 
@@ -85,9 +86,14 @@ def test_A8_a_hold_by_a_button_is_told_and_no_stall_and_the_button_goes_on():
     model = GrblModel()
     sender = new_sender(model)
     seconds = run(
-        sender, model, lines_of(SLOW),
-        actions=[(1.0, lambda s, now: model.write(b"!", now)), (40.0, lambda s, now: model.write(b"~", now))],
-    )  # fmt: skip
+        sender,
+        model,
+        lines_of(SLOW),
+        actions=[
+            (1.0, lambda s, now: model.write(b"!", now)),
+            (40.0, lambda s, now: model.write(b"~", now)),
+        ],
+    )
     assert seconds > 40.0 and sender.outcome.kind == "done" and model.received == SLOW.split("\n")
     assert len(said(sender, "hold")) == 1 and "not by gcomp's order" in said(sender, "hold")[0]
     assert len(said(sender, "resumed")) == 1
@@ -138,9 +144,14 @@ def test_A8_a_tinyg_that_is_held_at_the_machine_does_not_stall():
     text = "\n".join(["G21", "G90", *(f"G1 X{i} F600" for i in range(1, 41))])
     model = TinyGModel()
     sender, _ = job(
-        text, model, protocol="tinyg",
-        actions=[(1.0, lambda s, now: model.write(b"!", now)), (60.0, lambda s, now: model.write(b"~", now))],
-    )  # fmt: skip
+        text,
+        model,
+        protocol="tinyg",
+        actions=[
+            (1.0, lambda s, now: model.write(b"!", now)),
+            (60.0, lambda s, now: model.write(b"~", now)),
+        ],
+    )
     assert (
         sender.outcome.kind == "done"
         and len(said(sender, "hold")) == len(said(sender, "resumed")) == 1
@@ -173,8 +184,15 @@ def test_the_states_of_a_hold():
 def test_every_protocol_says_what_its_hold_and_stop_do(name):
     """Bytes are named where there are some, and "no" is said where there are none."""
     protocol = protocols.load(name).PROTOCOL()
-    named = {b"!": "(!)", b"\x18": "Ctrl-X", b"\x04": "Ctrl-D", b"!%": "(!%)", b"\nM410\nM410\n": "M410",
-             b"set pause\r\n": "told to pause", b"set abort\r\n": "told to abort"}  # fmt: skip
+    named = {
+        b"!": "(!)",
+        b"\x18": "Ctrl-X",
+        b"\x04": "Ctrl-D",
+        b"!%": "(!%)",
+        b"\nM410\nM410\n": "M410",
+        b"set pause\r\n": "told to pause",
+        b"set abort\r\n": "told to abort",
+    }
     for what in ("hold", "stop"):
         data, text = protocol.urgent(what), protocol.does[what]
         assert (
@@ -187,9 +205,13 @@ def test_every_protocol_says_what_its_hold_and_stop_do(name):
 
 @pytest.mark.parametrize(
     ("name", "made", "says", "not_said"),
-    [("marlin", MarlinModel, "M410", "reset"), ("smoothieware", SmoothieModel, "halts", "reset"),
-     ("tinyg", TinyGModel, "keeps its position", "reset"), ("g2core", lambda: TinyGModel(g2=True), "Ctrl-D", "reset")],
-)  # fmt: skip
+    [
+        ("marlin", MarlinModel, "M410", "reset"),
+        ("smoothieware", SmoothieModel, "halts", "reset"),
+        ("tinyg", TinyGModel, "keeps its position", "reset"),
+        ("g2core", lambda: TinyGModel(g2=True), "Ctrl-D", "reset"),
+    ],
+)
 def test_A8_a_stop_says_what_was_done(name, made, says, not_said):
     text = "\n".join(["G21", "G90", *(f"G1 X{i} F600" for i in range(1, 201))])
     sender, _ = job(text, made(), protocol=name, actions=[(2.0, lambda s, now: s.stop(now))])

@@ -1,4 +1,5 @@
-"""The journal on the disk: a slow disk holds nobody up, a killed process loses nothing, a full disk is told (A10, A17)."""
+"""The journal on the disk: a slow disk holds nobody up, a killed process loses nothing, a full disk
+is told (A10, A17)."""
 
 from __future__ import annotations
 
@@ -87,7 +88,8 @@ os.kill(os.getpid(), 9)
 
 
 def test_a_full_disk_is_a_fault_and_not_the_end(tmp_path, monkeypatch):
-    """What could be written ends with a whole record; what came since is written when there is room again, in order."""
+    """What could be written ends with a whole record; what came since is written when there is room
+    again, in order."""
     monkeypatch.setattr(journal_file, "SYNC", 0.01)
     journal = JournalFile(tmp_path / "j", b"head\n")
     real = os.write

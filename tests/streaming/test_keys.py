@@ -1,4 +1,5 @@
-"""Keys of a Windows console, with a msvcrt that this test makes up: single, without Enter, and no half of a function key."""
+"""Keys of a Windows console, with a msvcrt that this test makes up: single, without Enter, and no
+half of a function key."""
 
 from __future__ import annotations
 

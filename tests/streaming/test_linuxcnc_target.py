@@ -24,7 +24,7 @@ LINES = [b"G21 G90", b"G1 X1 F600", b"G1 X2", b"M5", b"G0 X2", b"M2"]
 def begun(n: int = len(LINES)) -> linuxcnc.Linuxcnc:
     """A connection on which a program runs."""
     protocol = linuxcnc.PROTOCOL()
-    protocol.hand_over("/tmp/job.ngc")
+    protocol.hand_over("job.ngc")
     for number, text in zip((-1, -2, -3), protocol.opening, strict=True):
         assert protocol.ready(text) and protocol.send(number, text) == text + b"\r\n"
         assert not protocol.ready(b"G1 X1")
@@ -129,8 +129,8 @@ def stream(place, port, *arguments):
 
 
 def passed(port) -> int:
-    """How many of the corners the joints stood at, in order, within a micrometre: 50 ms each, so that
-    a busy computer sees them too."""
+    """How many of the corners the joints stood at, in order, within a micrometre: 50 ms each, so
+    that a busy computer sees them too."""
     way = np.array(port.joints())[:, 1:]
     return in_order(way, np.array([(x, y, -1.0) for x, y in CORNERS]) + ZERO, 0.001)
 

@@ -24,9 +24,25 @@ def test_A1_ten_thousand_compensated_lines_are_those_of_the_file(tmp_path, optio
     with YesHost(keep=True) as host:
         send(host, tmp_path, *options)
     done = subprocess.run(
-        [sys.executable, "-m", "postproc", "--machine", "example-mill", "--dialect", "grbl", "--offset", "G54=X0,Y0,Z-200", "--start",
-         "X0,Y0,Z-200", "job.nc"], cwd=tmp_path, capture_output=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "postproc",
+            "--machine",
+            "example-mill",
+            "--dialect",
+            "grbl",
+            "--offset",
+            "G54=X0,Y0,Z-200",
+            "--start",
+            "X0,Y0,Z-200",
+            "job.nc",
+        ],
+        cwd=tmp_path,
+        capture_output=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=True,
+    )
     file = [row for row in done.stdout.split(b"\n") if row and not row.startswith(b"(")]
     assert len(file) > 10_000 and file != [row.encode().strip() for row in rows(10_000)]
     assert [row for row in host.received if row and not row.startswith(b"$")] == file

@@ -1,4 +1,5 @@
-"""Marlin: numbers, checksums, resends, busy, windows (A1, A4, A8, A9, A10, A12, A13, A16 of design/streaming.md)."""
+"""Marlin: numbers, checksums, resends, busy, windows (A1, A4, A8, A9, A10, A12, A13, A16 of
+design/streaming.md)."""
 
 from __future__ import annotations
 
@@ -59,12 +60,14 @@ def one_command_lines(n: int, seed: int = 1, feed: int = 6000) -> str:
 
 
 def test_checksum_is_the_xor_of_what_stands_before_the_star():
-    """By hand, as Marlin's documentation of serial checksums prints it: N3 T0*57, N4 G92 E0*67 (RepRap wiki, "G-code")."""
+    """By hand, as Marlin's documentation of serial checksums prints it: N3 T0*57, N4 G92 E0*67
+    (RepRap wiki, "G-code")."""
     assert (checksum(b"N3 T0"), checksum(b"N4 G92 E0")) == (57, 67)
 
 
 def test_A13_a_lost_line_end_never_makes_two_lines_look_like_one():
-    """The checksum of `a*c` + `b*d` read as one line is c ^ xor("*c") ^ d; equal to d it would have to be xor("*c") == c."""
+    """The checksum of `a*c` + `b*d` read as one line is c ^ xor("*c") ^ d; equal to d it would have
+    to be xor("*c") == c."""
     assert not [c for c in range(256) if checksum(b"*%d" % c) == c]
 
 
@@ -122,7 +125,8 @@ def test_A13_resend_at_any_line(line, what, kind):
 
 
 def heard(*texts: bytes, lines: int = 3, counting: bool = True, advanced: bool = False):
-    """Events after a greeting of M110 and some lines that were sent and answered, the last one not."""
+    """Events after a greeting of M110 and some lines that were sent and answered, the last one
+    not."""
     protocol = Marlin(counting)
     ok = b"ok N%d P15 B3\n" if advanced else b"ok\n"
     protocol.send(-1, b"M110 N0")
@@ -146,7 +150,8 @@ def test_A13_a_request_is_answered_with_the_line_and_its_own_ok_is_none():
 
 def test_A13_two_requests_for_one_line():
     _, events = heard(
-        b"Error:checksum mismatch, Last Line: 2\nResend: 3\nok\nError:checksum mismatch, Last Line: 2\nrs 3\nok\n",
+        b"Error:checksum mismatch, Last Line: 2\nResend: 3\nok\nError:checksum mismatch, Last Line:"
+        b" 2\nrs 3\nok\n",
         b"ok\n",
     )
     assert len([e for e in events[0] if isinstance(e, Write)]) == 2
@@ -180,7 +185,8 @@ def test_A13_requests_in_a_row_are_bounded():
 
 
 def test_A13_a_request_for_a_line_that_was_answered_ends_the_job():
-    """It was executed without its number, or its answer was another's: sent again it might be executed twice."""
+    """It was executed without its number, or its answer was another's: sent again it might be
+    executed twice."""
     _, events = heard(b"Error:Line Number is not Last Line Number+1, Last Line: 1\nResend: 2\nok\n")
     assert isinstance(events[0][-2], Altered) or isinstance(events[0][1], Altered)
 
@@ -194,8 +200,10 @@ def test_A13_a_request_for_the_next_line_says_that_this_one_is_there():
 
 
 def test_A4_other_words_are_no_answers():
-    text = (b"echo:busy: processing\n T:21.3 /0.0 B:20.0 /0.0 @:0\n//action:pause\necho:SD init fail\nokay\nok?\nxok\nX:1.00 Y:2.00 Z:3.00 E:0 "
-            b"Count X:80 Y:160 Z:1200\n\n\r\nwait\n")  # fmt: skip
+    text = (
+        b"echo:busy: processing\n T:21.3 /0.0 B:20.0 /0.0 @:0\n//action:pause\necho:SD init"
+        b" fail\nokay\nok?\nxok\nX:1.00 Y:2.00 Z:3.00 E:0 Count X:80 Y:160 Z:1200\n\n\r\nwait\n"
+    )
     protocol, events = heard(text)
     assert not [e for e in events[0] if isinstance(e, Accepted | Stray | Write)]
     assert [e for e in events[0] if isinstance(e, Busy)]
@@ -204,7 +212,10 @@ def test_A4_other_words_are_no_answers():
 
 @given(st.lists(st.integers(1, 9), max_size=60))
 def test_A4_answers_may_be_cut_anywhere(sizes):
-    data = b"echo:busy: processing\nError:checksum mismatch, Last Line: 2\nResend: 3\nok\n T:20 /0\nok\n"
+    data = (
+        b"echo:busy: processing\nError:checksum mismatch, Last Line: 2\nResend: 3\nok\n T:20"
+        b" /0\nok\n"
+    )
     protocol, _ = heard()
     events, at = [], 0
     for size in [*sizes, len(data)]:
@@ -295,8 +306,12 @@ def test_A8_hold_sends_nothing_more_and_resume_goes_on():
     text = one_command_lines(300, feed=1200)
     model = MarlinModel()
     seen = []
-    actions = [(1.0, lambda s, now: s.hold(now)), (1.1, lambda s, now: seen.append(s.tally.sent)), (20.0, lambda s, now: seen.append(s.tally.sent)),
-               (20.1, lambda s, now: s.resume(now))]  # fmt: skip
+    actions = [
+        (1.0, lambda s, now: s.hold(now)),
+        (1.1, lambda s, now: seen.append(s.tally.sent)),
+        (20.0, lambda s, now: seen.append(s.tally.sent)),
+        (20.1, lambda s, now: s.resume(now)),
+    ]
     sender, _ = job(text, model, actions=actions)
     assert seen[0] == seen[1] and sender.outcome.kind == "done"
     assert program(model) == text.split("\n")
@@ -336,7 +351,7 @@ def test_A16_done_is_said_when_the_motion_has_ended():
     assert sender.outcome.kind == "done" and seconds > 2.0
 
 
-# -- what it says of itself ----------------------------------------------------------------------------------------------
+# -- what it says of itself ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["auto", "marlin"])

@@ -1,4 +1,5 @@
-"""`gcomp stream` as a process with the other protocols, on a pseudo-terminal (A1, A14, A16, A18 of design/streaming.md)."""
+"""`gcomp stream` as a process with the other protocols, on a pseudo-terminal (A1, A14, A16, A18 of
+design/streaming.md)."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from postproc.commands.stream import _line
+from postproc.commands.stream.options import frame as frame_of
 from postproc.errors import UsageError
 from tests.streaming.models_dnc import DncModel
 from tests.streaming.models_marlin import MarlinModel
@@ -30,8 +31,22 @@ WANT = [row.replace(" ", "") for row in ROWS]
 def stream(folder: Path, host: PtyHost, dialect: str, *options: str):
     job = folder / "job.nc"
     job.write_text("\n".join(ROWS) + "\n")
-    command = [sys.executable, "-m", "postproc", "stream", str(job), "--machine", "perfect", "--dialect", dialect, "--port", host.path,
-               "--journal", str(folder / "job.journal"), *options]  # fmt: skip
+    command = [
+        sys.executable,
+        "-m",
+        "postproc",
+        "stream",
+        str(job),
+        "--machine",
+        "perfect",
+        "--dialect",
+        dialect,
+        "--port",
+        host.path,
+        "--journal",
+        str(folder / "job.journal"),
+        *options,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=ROOT)
     return done.returncode, done.stdout, done.stderr
 
@@ -83,15 +98,20 @@ class Options:
 
 @pytest.mark.parametrize(
     ("protocol", "frame", "expected", "baud"),
-    [("auto", None, (8, "N", 1), 115200), ("dnc", None, (7, "E", 2), 4800), ("dnc-haas", None, (7, "E", 1), 9600),
-     ("dnc-siemens", "7o1", (7, "O", 1), 9600), ("grbl", None, (8, "N", 1), 115200)],
-)  # fmt: skip
+    [
+        ("auto", None, (8, "N", 1), 115200),
+        ("dnc", None, (7, "E", 2), 4800),
+        ("dnc-haas", None, (7, "E", 1), 9600),
+        ("dnc-siemens", "7o1", (7, "O", 1), 9600),
+        ("grbl", None, (8, "N", 1), 115200),
+    ],
+)
 def test_A14_the_frame_is_the_controls_unless_it_is_said(protocol, frame, expected, baud):
     options = Options(protocol, frame=frame)
-    assert (_line(options), options.baud) == (expected, baud)
+    assert (frame_of(options), options.baud) == (expected, baud)
 
 
 @pytest.mark.parametrize("frame", ["8", "9N1", "7X1", "8N3", "7E22"])
 def test_a_frame_that_is_none_is_refused(frame):
     with pytest.raises(UsageError):
-        _line(Options("auto", frame=frame))
+        frame_of(Options("auto", frame=frame))

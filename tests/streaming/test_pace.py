@@ -101,6 +101,32 @@ def test_where_it_probably_is():
     assert (line, share) == (4, 0.5)
 
 
+def test_where_it_probably_is_by_its_place_alone():
+    """As GRBL reports where $10 is left as it comes: to and fro over one way, and past where an
+    earlier line ended."""
+    from postproc.streaming.account import Account
+
+    account = Account(Controller(settings=SAYS, planner=16, segments=5))
+    for line in lines((10, 0, 0), (10, 10, 0), (0, 10, 0), (0, 0, 0), (10, 0, 0), (10, 5, 0)):
+        account.sent(line)
+    for n in range(1, 7):
+        account.answered(n)
+    seen = [(2.5, 0), (9, 0), (10, 5), (10, 5), (2.5, 10), (0, 7.5), (5, 0), (10, 2.5)]
+    found = [account.likely(Status("run", place=(x, y, 0.0))) for x, y in seen]
+    assert found == [
+        (1, 0.25),
+        (1, 0.9),
+        (2, 0.5),
+        (2, 0.5),
+        (3, 0.75),
+        (4, 0.25),
+        (5, 0.5),
+        (6, 0.5),
+    ]
+    assert account.executed == 0  # for nothing else: nothing is surely over
+    assert account.at(Status("run", place=(10.0, 2.5, 0.0))).number == 7
+
+
 @pytest.mark.real
 @pytest.mark.skipif(bool(WHY), reason=WHY)
 def test_a_real_grbl_takes_as_long_as_it_was_told(tmp_path):

@@ -1,4 +1,5 @@
-"""The path under watch: an altered coordinate is seen where the machine is, and nothing else is taken for one."""
+"""The path under watch: an altered coordinate is seen where the machine is, and nothing else is
+taken for one."""
 
 from __future__ import annotations
 
@@ -77,7 +78,8 @@ def model(**settings: str) -> GrblModel:
 @pytest.mark.parametrize("counting", [True, False])
 @pytest.mark.parametrize("how", [{}, {"_3": "1"}, {"_0": "2"}, {"_0": "2", "_3": "1"}])
 def test_whatever_a_program_does_is_no_alarm(how, counting, feed):
-    """Arcs in two planes and by radius, inches, increments, G53, shifts, tool length, G28; reports in inch, and of work places."""
+    """Arcs in two planes and by radius, inches, increments, G53, shifts, tool length, G28; reports
+    in inch, and of work places."""
     made = model(**how)
     sender = new_sender(made, counting=counting, watched=True)
     run(sender, made, wire(ALL.format(feed=feed), made), limit=3000)
@@ -93,7 +95,8 @@ def test_whatever_a_program_does_is_no_alarm(how, counting, feed):
     "old_new", [("X7 Y7", "X7 Y9"), ("I20", "I2"), ("Y40 I20", "Y40 I10"), ("X2 Y2 Z0", "X1 Y2 Z0")]
 )
 def test_an_altered_coordinate_is_seen_where_the_machine_is(how, old_new):
-    """Slowly enough for a report to meet it: held, named with the lines and how far; nothing more leaves."""
+    """Slowly enough for a report to meet it: held, named with the lines and how far; nothing more
+    leaves."""
     made = model(**how)
     lines = wire(ALL.format(feed=600).replace("G28 G91 Z0\n", ""), made)
     old, new = old_new
@@ -117,7 +120,8 @@ def test_an_altered_coordinate_is_seen_where_the_machine_is(how, old_new):
 
 @pytest.mark.parametrize("machine", ["perfect", "example-mill"])
 def test_axes_that_the_first_block_does_not_name_stay_where_the_controller_stands(machine):
-    """As at the head of a restart. They were taken for 0, and a report on the second motion for 7.9 mm beside the path."""
+    """As at the head of a restart. They were taken for 0, and a report on the second motion for 7.9
+    mm beside the path."""
     made = model()
     made.place = made.target = [9.704, 8.989, -190.005]
     lines = wire("G21 G90 G94\nG54\nG53 G0 Z-180\nG0 X6.4 Y0\nG53 G0 Z-170\n", made, machine)
@@ -177,7 +181,7 @@ def test_behind_a_refused_line_nothing_is_concluded():
     )
 
 
-# -- the path by itself ------------------------------------------------------------------------------------------------------
+# -- the path by itself ----------------------------------------------------------------------------
 
 TWO = Controller(planner=3, segments=1)
 

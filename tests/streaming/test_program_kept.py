@@ -1,4 +1,5 @@
-"""A program that changes on the disk while its job runs changes nothing of the job; and it is told."""
+"""A program that changes on the disk while its job runs changes nothing of the job; and it is
+told."""
 
 from __future__ import annotations
 
@@ -27,7 +28,8 @@ NOTICE = "was changed while the job ran; what was sent is the program as it was 
 
 @pytest.mark.parametrize("how", ["rewritten", "replaced", "removed"])
 def test_a_program_that_changes_on_the_disk_is_not_seen(place, how):  # noqa: F811
-    """In the middle of the job, long before its lines are read for sending: 700 lines, of which 40 have arrived."""
+    """In the middle of the job, long before its lines are read for sending: 700 lines, of which 40
+    have arrived."""
     (place / "job.nc").write_text(program(700, 60000))
     rows = wire_rows(place)
     with (

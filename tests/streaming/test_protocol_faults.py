@@ -1,9 +1,12 @@
 """A20 for the other protocols: seeded schedules of faults. Run with -s to see the counts.
 
-Never a hang, never "done" with a program executed other than the one that was sent, never a line executed twice. On both ways bytes are lost,
-altered and doubled (where no checksum is, see below), answers come late or not at all, the port is closed, the controller restarts,
-its buffer is smaller than it says. An XOR of 8 bits does not see two equal bytes lost in one line: in 1,500 more schedules of each
-protocol, drawn once, that made 1 false success on Marlin, 2 on Smoothieware, and none on TinyG and g2core, which echo. A drip feed never says "done"; where it says "sent" on a link without faults, all has arrived.
+Never a hang, never "done" with a program executed other than the one that was sent, never a line
+executed twice. On both ways bytes are lost, altered and doubled (where no checksum is, see below),
+answers come late or not at all, the port is closed, the controller restarts, its buffer is smaller
+than it says. An XOR of 8 bits does not see two equal bytes lost in one line: in 1,500 more
+schedules of each protocol, drawn once, that made 1 false success on Marlin, 2 on Smoothieware, and
+none on TinyG and g2core, which echo. A drip feed never says "done"; where it says "sent" on a link
+without faults, all has arrived.
 """
 
 from __future__ import annotations
@@ -34,8 +37,15 @@ OWN = {"M110 N0", "M400", "M114"}
 
 
 def marlin(r: random.Random, small: bool):
-    model = MarlinModel(baud=r.choice((115200, 250000, 19200)), rx=r.choice((24, 40)) if small else 128, advanced=r.random() < 0.4,
-                        own_ok=r.random() < 0.8, says_wait=r.random() < 0.3, temperatures=r.choice((0.0, 0.3)), deaf=r.choice((0.0, 0.012)))  # fmt: skip
+    model = MarlinModel(
+        baud=r.choice((115200, 250000, 19200)),
+        rx=r.choice((24, 40)) if small else 128,
+        advanced=r.random() < 0.4,
+        own_ok=r.random() < 0.8,
+        says_wait=r.random() < 0.3,
+        temperatures=r.choice((0.0, 0.3)),
+        deaf=r.choice((0.0, 0.012)),
+    )
     return Marlin(r.random() < 0.8), model
 
 
@@ -51,8 +61,13 @@ def smoothieware(r: random.Random, small: bool):
 
 
 def tinyg(r: random.Random, small: bool):
-    return TinyG(r.random() < 0.8), TinyGModel(baud=r.choice((115200, 19200)), rx=r.choice((16, 60)) if small else 254, flow=not small,
-                                               verbosity=5, reports=r.random() < 0.8)  # fmt: skip
+    return TinyG(r.random() < 0.8), TinyGModel(
+        baud=r.choice((115200, 19200)),
+        rx=r.choice((16, 60)) if small else 254,
+        flow=not small,
+        verbosity=5,
+        reports=r.random() < 0.8,
+    )
 
 
 def g2core(r: random.Random, small: bool):
@@ -97,14 +112,21 @@ def schedule(seed: int, make):
 
 
 def job(seed: int, make):
-    """One schedule: how it ended, whether the model has exactly the program, whether a line was executed twice, and the faults."""
+    """One schedule: how it ended, whether the model has exactly the program, whether a line was
+    executed twice, and the faults."""
     protocol, model, faults, names = schedule(seed, make)
     text, ends = zigzag(LINES, seed=seed, feed=6000, step=1.0)
     rows = text.replace(" ", "").replace("G21G90G94", "G90").split("\n")
     rows = [f"{row}S{i}" if i else row for i, row in enumerate(rows)]  # every line is one of a kind
     if make is not marlin and make is not smoothieware:
-        rows = [row.split("S")[0] + ("" if not i else f"F{6000 + i}") if "F" not in row else row.split("S")[0].replace("F6000", f"F{6000 + i}")
-                for i, row in enumerate(rows)]  # fmt: skip
+        rows = [
+            (
+                row.split("S")[0] + ("" if not i else f"F{6000 + i}")
+                if "F" not in row
+                else row.split("S")[0].replace("F6000", f"F{6000 + i}")
+            )
+            for i, row in enumerate(rows)
+        ]
     sender = Sender(protocol)
     run(
         sender,
@@ -136,7 +158,8 @@ def test_A20_schedules_never_hang_double_or_lie(make):
         doubles += [(seed, names)] * twice
         lost += [(seed, names)] * (kind == "sent" and not right and names == ["nothing"])
     print(
-        f"\n{make.__name__}: {SCHEDULES} schedules: {dict(kinds)}; hangs 0, executed twice {len(doubles)}, false success {len(lies)}"
+        f"\n{make.__name__}: {SCHEDULES} schedules: {dict(kinds)}; hangs 0, executed twice"
+        f" {len(doubles)}, false success {len(lies)}"
     )
     assert not lies and not doubles and not lost, (lies[:5], doubles[:5], lost[:5])
     assert make is not dnc or "done" not in kinds

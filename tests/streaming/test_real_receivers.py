@@ -1,8 +1,10 @@
-"""Receivers that nobody here wrote: gcomp as a process against OctoPrint's virtual printer with its default faults (A13).
+"""Receivers that nobody here wrote: gcomp as a process against OctoPrint's virtual printer with its
+default faults (A13).
 
-Its faults (plugin settings, simulated_errors): line 100 is asked for again, 105 is asked for and what is then sent is not answered,
-110 is refused without a request, 115 has a bad checksum. Line 105 is counted as received by the printer, and never handled, by its
-own code (resend_with_timeout); all others are handled once and in order. Fetched by tests/streaming/fetch_octoprint.sh.
+Its faults (plugin settings, simulated_errors): line 100 is asked for again, 105 is asked for and
+what is then sent is not answered, 110 is refused without a request, 115 has a bad checksum. Line
+105 is counted as received by the printer, and never handled, by its own code (resend_with_timeout);
+all others are handled once and in order. Fetched by tests/streaming/fetch_octoprint.sh.
 """
 
 from __future__ import annotations
@@ -38,9 +40,12 @@ def printer(folder: Path, **settings):
     """Its port, and a list of the commands that it has handled, growing."""
     folder.mkdir()
     process = subprocess.Popen(
-        [PYTHON, Path(__file__).with_name("octoprint_host.py"), folder, json.dumps(settings)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL, text=True,
-    )  # fmt: skip
+        [PYTHON, Path(__file__).with_name("octoprint_host.py"), folder, json.dumps(settings)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
     assert process.stdout is not None and process.stdin is not None
     port: queue.Queue[str] = queue.Queue()
     handled: list[str] = []
@@ -74,8 +79,22 @@ def program(n: int) -> list[str]:
 def stream(folder: Path, port: str, rows: list[str], *options: str):
     job = folder / "job.gcode"
     job.write_text("\n".join(rows) + "\n")
-    command = [sys.executable, "-m", "postproc", "stream", str(job), "--machine", "perfect", "--dialect", "marlin", "--port", port, "--journal",
-               str(folder / "job.journal"), *options]  # fmt: skip
+    command = [
+        sys.executable,
+        "-m",
+        "postproc",
+        "stream",
+        str(job),
+        "--machine",
+        "perfect",
+        "--dialect",
+        "marlin",
+        "--port",
+        port,
+        "--journal",
+        str(folder / "job.journal"),
+        *options,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT, cwd=ROOT)
     return done.returncode, done.stderr
 
@@ -94,9 +113,8 @@ def test_A13_a_thousand_lines_past_its_default_faults(tmp_path):
     with printer(tmp_path / "octoprint") as (port, handled):
         status, said = stream(tmp_path, port, rows)
     assert status == 0, said
-    numbered = [
-        row for n, row in enumerate(rows, 1) if n != 105
-    ]  # which it takes and drops, see above
+    # which it takes and drops, see above
+    numbered = [row for n, row in enumerate(rows, 1) if n != 105]
     assert of_program(handled) == numbered
 
 

@@ -12,7 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from postproc.cli import main
 from postproc.streaming.reception import ODD, Reception
+from tests.api.schemas import held
 
 tty = pytest.importorskip("tty", reason="pseudo-terminals as POSIX has them")
 
@@ -42,7 +44,8 @@ def test_what_stands_between_the_marks(cut, before, behind, end):
 
 
 def test_every_single_flipped_bit_is_found():
-    """In 7E: a parity is wrong. Before the program begins it is noise; then its first % is missing, and that is told too."""
+    """In 7E: a parity is wrong. Before the program begins it is noise; then its first % is missing,
+    and that is told too."""
     whole = even(PART)
     for i in range(len(whole) - 1):
         for bit in range(8):
@@ -76,13 +79,30 @@ def test_an_end_that_is_missing():
 
 
 def receive(folder, data: bytes, *options: str, stop: bool = False):
-    """gcomp receive, and a control that sends `data` when it is waited for; stop: then somebody presses Ctrl-C."""
+    """gcomp receive, and a control that sends `data` when it is waited for; stop: then somebody
+    presses Ctrl-C."""
     master, slave = os.openpty()
     tty.setraw(slave)
     process = subprocess.Popen(
-        [sys.executable, "-m", "postproc", "receive", "--port", os.ttyname(slave), "-o", "part.nc", *options], cwd=folder,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "postproc",
+            "receive",
+            "--port",
+            os.ttyname(slave),
+            "-o",
+            "part.nc",
+            *options,
+        ],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        # a shell starts what runs in the background with Ctrl-C ignored
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
     assert process.stderr is not None and process.stdout is not None
     first = process.stderr.readline()
     if "waiting" in first:
@@ -101,8 +121,11 @@ def receive(folder, data: bytes, *options: str, stop: bool = False):
 
 
 def test_a_program_from_a_control(tmp_path):
-    status, out, err = receive(tmp_path, even(PART.replace("\n", "\r\n")))
+    status, out, err = receive(tmp_path, even(PART.replace("\n", "\r\n")), "--json", "part.json")
     assert status == 0, err
+    found = json.loads((tmp_path / "part.json").read_text())
+    held(found)
+    assert (found["lines"], found["written"], found["fault"]) == (6, "part.nc", None)
     assert (
         (tmp_path / "part.nc").read_text() == PART
         and "6 lines" in err
@@ -119,8 +142,37 @@ def test_a_program_from_a_control(tmp_path):
 def test_nothing_is_written_of_a_damaged_program(tmp_path):
     data = bytearray(even(PART))
     data[20] ^= 4
-    status, _, err = receive(tmp_path, bytes(data))
+    status, out, err = receive(tmp_path, bytes(data), "--json", "-")
+    found = json.loads(out)
+    held(found)
+    assert found["written"] is None and "line 3" in found["fault"]
     assert status == 16 and "nothing was written: line 3 of what came in" in err, err
     status, _, err = receive(tmp_path, even(PART[:30]), stop=True)
     assert status == 130 and "interrupted" in err and "30 bytes" in err, err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("nosuch/a.nc", "there is no folder"),
+        (".", "is a folder"),
+        ("/proc/a.nc", "can not be written"),
+    ],
+)
+def test_a_place_that_takes_no_file_is_refused_before_the_control_sends(
+    tmp_path, monkeypatch, capfd, name, says
+):
+    """Before the port is opened, too: a program that has come in can not be asked for again."""
+    monkeypatch.chdir(tmp_path)
+    assert main(["receive", "--port", "/dev/nosuch", "-o", name, "--force"]) == 2
+    assert says in capfd.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_link_stays_one(tmp_path):
+    (tmp_path / "part.nc").symlink_to(tmp_path / "there.nc")
+    (tmp_path / "there.nc").write_text("old")
+    status, _, err = receive(tmp_path, even(PART), "--force")
+    assert status == 0, err
+    assert (tmp_path / "part.nc").is_symlink() and (tmp_path / "there.nc").read_text() == PART

@@ -59,9 +59,18 @@ def blocks(line: int, safe: float | None = None, **how) -> list[str]:
 
 def test_A11_the_preamble_lifts_first_and_brings_back_what_holds():
     assert blocks(11) == [
-        "G21 G90 G17 G94", "G54", "G53 G0 Z-180.0000", "G0 X40.0000 Y15.0000", "M3 S8000", "G4 P4", "M8",
-        "G1 Z2.0000 F200", "G17 G21 G91 G94", "F600", "G1",
-    ]  # fmt: skip
+        "G21 G90 G17 G94",
+        "G54",
+        "G53 G0 Z-180.0000",
+        "G0 X40.0000 Y15.0000",
+        "M3 S8000",
+        "G4 P4",
+        "M8",
+        "G1 Z2.0000 F200",
+        "G17 G21 G91 G94",
+        "F600",
+        "G1",
+    ]
 
 
 def test_A11_inches_and_a_safe_z_of_the_users():
@@ -115,7 +124,8 @@ def test_A11_cycles_and_cutter_compensation_are_refused(program, dialect, says):
 
 @pytest.mark.parametrize("line", [7, 8, 10, 11, 13, 16, 18])
 def test_A11_interrupted_and_resumed_ends_where_the_whole_run_ends(line):
-    """The model as judge: same end, same words in force, and every line from the restart on goes to the same places."""
+    """The model as judge: same end, same words in force, and every line from the restart on goes to
+    the same places."""
 
     def ends(feed_to, lines):
         model = GrblModel(baud=0)
@@ -145,7 +155,7 @@ def test_A11_interrupted_and_resumed_ends_where_the_whole_run_ends(line):
             assert resumed.end == pytest.approx(last[x.source], abs=0.02)
 
 
-# -- the journal ---------------------------------------------------------------------------------------------------------
+# -- the journal -----------------------------------------------------------------------------------
 
 
 def written(n: int, answered: int, executed: int = 0) -> bytes:
@@ -163,7 +173,8 @@ def written(n: int, answered: int, executed: int = 0) -> bytes:
 
 
 def test_A10_a_journal_names_the_first_line_that_may_not_be_executed():
-    """Every second line moves: line 73 may not be over, three motions before it are lines 68, 70 and 72."""
+    """Every second line moves: line 73 may not be over, three motions before it are lines 68, 70
+    and 72."""
     past = journal.read(written(100, 90, 72), "j")
     assert (past.sent, past.answered, past.executed) == (100, 90, 72)
     assert past.certain == 10 + 68 // 3

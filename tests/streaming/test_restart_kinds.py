@@ -78,9 +78,19 @@ def on_lathe(line: int, program: bytes = LATHE, dialect: str = "fanuc-lathe") ->
 
 def test_A11_a_lathe_goes_out_along_X_first_in_diameters():
     assert on_lathe(14) == [
-        "G21 G90 G18 G94", "G54", "G53 G0 X60.0000", "T0101", "G0 Z-30.0000", "M3 S800", "G4 X4.", "M8", "G1 X36.0000 F100",
-        "G18 G21 G90 G94", "F100", "G1",
-    ]  # fmt: skip
+        "G21 G90 G18 G94",
+        "G54",
+        "G53 G0 X60.0000",
+        "T0101",
+        "G0 Z-30.0000",
+        "M3 S800",
+        "G4 X4.",
+        "M8",
+        "G1 X36.0000 F100",
+        "G18 G21 G90 G94",
+        "F100",
+        "G1",
+    ]
 
 
 def test_A11_a_lathe_in_feed_per_turn_gets_its_F_behind_G95():
@@ -140,7 +150,7 @@ def test_A11_a_machine_that_is_no_mill_lathe_or_printer_is_refused():
         restart.read_before(filter, [b"G0 X1\n"], 1)
 
 
-# -- printers --------------------------------------------------------------------------------------------------------------
+# -- printers --------------------------------------------------------------------------------------
 
 RAPID = PRINT.replace(b"G28\n", b"G28\nG0 X0 Y0 Z40\n")
 
@@ -151,9 +161,20 @@ def on_printer(line: int, program: bytes = RAPID, **how) -> list[str]:
 
 def test_A11_a_printer_heats_lifts_and_is_told_where_its_filament_stands():
     assert on_printer(15) == [
-        "G21", "G90", "M190 S60", "M109 S210", "M106 S128", "G0 Z40.0000", "G0 X60.0000 Y60.0000", "G1 Z0.3000 F200",
-        "G1 F1200", "G21", "G90", "M82", "G92 E5.00000",
-    ]  # fmt: skip
+        "G21",
+        "G90",
+        "M190 S60",
+        "M109 S210",
+        "M106 S128",
+        "G0 Z40.0000",
+        "G0 X60.0000 Y60.0000",
+        "G1 Z0.3000 F200",
+        "G1 F1200",
+        "G21",
+        "G90",
+        "M82",
+        "G92 E5.00000",
+    ]
 
 
 def test_A11_relative_filament_stays_relative():
@@ -193,7 +214,8 @@ def test_A11_the_spindle_gets_four_seconds_in_every_controls_unit(dialect, wait)
 
 
 def test_homing_leaves_the_filament_where_it_is():
-    """Slicers write G28 and then G92 E0: the map does not care where E stands, but a zero that nobody knows was refused."""
+    """Slicers write G28 and then G92 E0: the map does not care where E stands, but a zero that
+    nobody knows was refused."""
     filter = filter_("example-mill", "marlin", {})
     filter.feed(b"G21\nG90\nM83\nG28\nG92 E0\nG1 X10 Y10 Z-100 F3000\nG1 X60 E2.5\n")
     assert filter.modal.known.all() and filter.modal.zero_known and filter.summary.changed == 2

@@ -1,7 +1,9 @@
-"""LinuxCNC's interpreter as judge of A11: preamble and rest of a program end where the whole program ends, in the same modes.
+"""LinuxCNC's interpreter as judge of A11: preamble and rest of a program end where the whole
+program ends, in the same modes.
 
-Behind the restart point, and again before the program's end, both runs are asked for their modes: by dwells of as many seconds
-as the named parameters of LinuxCNC say (`G4 P[#<_feed>]`), which the witness reports. A dwell changes nothing.
+Behind the restart point, and again before the program's end, both runs are asked for their modes:
+by dwells of as many seconds as the named parameters of LinuxCNC say (`G4 P[#<_feed>]`), which the
+witness reports. A dwell changes nothing.
 """
 
 from __future__ import annotations
@@ -22,19 +24,39 @@ from tests.linuxcnc.test_against_linuxcnc import setup_for
 ROOT = Path(__file__).resolve().parents[2]
 SHARED = ROOT.parent / "shared" / "corpus"
 MODES = (
-    "_plane", "_metric", "_absolute", "_coord_system", "_feed", "_rpm", "_spindle_on", "_spindle_cw", "_mist", "_flood",
-    "_current_tool", "_tool_offset", "_units_per_minute", "_inverse_time", "_units_per_rev", "_lathe_diameter_mode",
-)  # fmt: skip
+    "_plane",
+    "_metric",
+    "_absolute",
+    "_coord_system",
+    "_feed",
+    "_rpm",
+    "_spindle_on",
+    "_spindle_cw",
+    "_mist",
+    "_flood",
+    "_current_tool",
+    "_tool_offset",
+    "_units_per_minute",
+    "_inverse_time",
+    "_units_per_rev",
+    "_lathe_diameter_mode",
+)
 ASK = "".join(f"G4 P[#<{m}>+5]\n" for m in MODES)
 ASKED = len(MODES)
 FEED = MODES.index("_feed")
-NO_FEED = (
-    1 + 5.0
-)  # behind a change of units the interpreter asks its machine for F, and the witness has none: it says 1
+# behind a change of units the interpreter asks its machine for F, and the witness has none: it says
+# 1
+NO_FEED = 1 + 5.0
 END = re.compile(r"(?i)^[^(;]*M0*(2|30)(?![0-9])|^%")
 NEEDED = {
-    "sample_programs": 12, "inch": 3, "G91": 3, "G55": 2, "G43": 2, "arc in G18": 2, "spindle and coolant": 2,
-}  # fmt: skip
+    "sample_programs": 12,
+    "inch": 3,
+    "G91": 3,
+    "G55": 2,
+    "G43": 2,
+    "arc in G18": 2,
+    "spindle and coolant": 2,
+}
 
 SHAFT = """G21 G90 G18 G55 G94
 T1 M6
@@ -83,8 +105,21 @@ def programs() -> list[tuple[str, str, dict]]:
                     {"tools": {1: {"Z": 0.0}, 3: {"Z": 0.0}}},
                 )
             )
-    for name in ("inch_program", "incremental", "incremental_chain_inch", "work_offsets", "work_offset_inch", "contour", "pocket_incremental",
-                 "tool_length_h", "tool_length_inch", "tool_length_work_offsets", "arcs_g18", "spindle_and_coolant", "thread_mill"):  # fmt: skip
+    for name in (
+        "inch_program",
+        "incremental",
+        "incremental_chain_inch",
+        "work_offsets",
+        "work_offset_inch",
+        "contour",
+        "pocket_incremental",
+        "tool_length_h",
+        "tool_length_inch",
+        "tool_length_work_offsets",
+        "arcs_g18",
+        "spindle_and_coolant",
+        "thread_mill",
+    ):
         found.append((name, *oracle.load(oracle.PROGRAMS / f"{name}.ngc")))
     for path in sorted(SHARED.glob("mixed/*.ngc")):
         found.append(
@@ -124,7 +159,8 @@ def restart_points(text: str, kwargs: dict) -> list[tuple[int, list[str]]]:
 
 
 def runs(text: str, line: int, preamble: list[str]) -> tuple[str, str]:
-    """The whole program and the resumed one, both with questions at the restart point and before the end."""
+    """The whole program and the resumed one, both with questions at the restart point and before
+    the end."""
     lines = [
         x if x.endswith("\n") else x + "\n"
         for x in text.replace("\r", "").splitlines(keepends=True)
@@ -139,10 +175,16 @@ def runs(text: str, line: int, preamble: list[str]) -> tuple[str, str]:
 def of_rest(motions: list, begun: int) -> list[tuple]:
     """What happens from a line on, without lengths of nothing."""
     return [
-        (m.kind, *(round(x, 6) for x in m.end), m.centre and tuple(round(x, 6) for x in m.centre), m.turns, m.seconds and round(m.seconds, 5))
+        (
+            m.kind,
+            *(round(x, 6) for x in m.end),
+            m.centre and tuple(round(x, 6) for x in m.centre),
+            m.turns,
+            m.seconds and round(m.seconds, 5),
+        )
         for m in motions
         if m.line > begun
-    ]  # fmt: skip
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -163,9 +205,8 @@ def test_A11_LinuxCNC_makes_the_same_motions_in_the_same_modes_after_a_restart(j
     wrong = []
     refused = 0
     for name, line, preamble, lines, whole, resumed in judged:
-        if isinstance(
-            whole, oracle.ProgramError
-        ):  # the program itself is none for LinuxCNC: nothing to compare
+        # the program itself is none for LinuxCNC: nothing to compare
+        if isinstance(whole, oracle.ProgramError):
             refused += 1
             continue
         opens = 1 if lines[0].strip() == "%" else 0
@@ -194,7 +235,12 @@ def test_A11_the_restart_points_cover_what_the_design_names(judged):
         "G91": sum("G91" in modes(j) for j in good),
         "G55": sum("G55" in j[2] for j in good),
         "G43": sum(any(x.startswith("G43.1") for x in j[2]) for j in good),
-        "arc in G18": sum("G18" in modes(j) and bool(re.search("(?i)g0?[23]", j[3][j[1] - 1])) for j in good),
-        "spindle and coolant": sum({"M7", "M8"} & set(j[2]) != set() and any(x[:2] in ("M3", "M4") for x in j[2]) for j in good),
-    }  # fmt: skip
+        "arc in G18": sum(
+            "G18" in modes(j) and bool(re.search("(?i)g0?[23]", j[3][j[1] - 1])) for j in good
+        ),
+        "spindle and coolant": sum(
+            {"M7", "M8"} & set(j[2]) != set() and any(x[:2] in ("M3", "M4") for x in j[2])
+            for j in good
+        ),
+    }
     assert all(seen[name] >= least for name, least in NEEDED.items()), seen

@@ -1,4 +1,5 @@
-"""How a job ends, each way by itself (A5, A6, A8, A9, A10, A12, A15, A16 of design/streaming.md)."""
+"""How a job ends, each way by itself (A5, A6, A8, A9, A10, A12, A15, A16 of
+design/streaming.md)."""
 
 from __future__ import annotations
 
@@ -33,7 +34,8 @@ def test_A16_a_machine_that_stands_elsewhere_is_no_success():
 
 
 def test_behind_a_line_whose_end_is_not_known_no_place_is_judged():
-    """G28 in the middle of a job, or a macro's probe: what the line before said of the end says nothing any more."""
+    """G28 in the middle of a job, or a macro's probe: what the line before said of the end says
+    nothing any more."""
     model = GrblModel()
     sender = new_sender(model)
     run(
@@ -57,9 +59,8 @@ def test_A5_an_error_holds_at_once_and_nothing_more_leaves():
     )
     assert model.state == "Hold"
     behind = [line.number for line in outcome.unanswered]
-    assert (
-        behind == list(range(22, 22 + len(behind))) and behind
-    )  # named, and nothing behind them has left
+    # named, and nothing behind them has left
+    assert behind == list(range(22, 22 + len(behind))) and behind
     assert f"it had {len(behind)} more lines" in outcome.advice
     assert sender.tally.sent == 21 + len(behind)
 
@@ -175,7 +176,8 @@ def test_an_alarm_ends_the_job(text):
 
 @pytest.mark.parametrize("begins", [0.3, 0.8, 1.3])
 def test_A12_a_computer_that_slept_hears_no_silence_and_sees_no_stall(begins):
-    """Its own loop stood for 7 s: the answers of that time were there to be read, and nothing is concluded before they are."""
+    """Its own loop stood for 7 s: the answers of that time were there to be read, and nothing is
+    concluded before they are."""
     text, ends = zigzag(120, feed=600)
     made = GrblModel()
     sender = new_sender(made, watched=True)
@@ -272,7 +274,8 @@ def test_A17_the_log_gives_back_what_was_sent():
 
 @pytest.mark.parametrize(("counting", "least"), [(True, 0.95), (False, 0.80)])
 def test_A3_the_wire_is_full_at_115200_baud(counting, least):
-    """30 bytes a line: 384 lines/s are the wire; one at a time adds the answer's 4 bytes: 339 lines/s, and the bench's tick."""
+    """30 bytes a line: 384 lines/s are the wire; one at a time adds the answer's 4 bytes: 339
+    lines/s, and the bench's tick."""
     rows = ["G21G90G94"] + [
         f"G1X{i % 10 / 10:.4f}Y{i % 7 / 10:.5f}Z0.00{i % 9}F60000" for i in range(600)
     ]

@@ -1,4 +1,5 @@
-"""Smoothieware: numbered lines, an ok a code, halts, reports (A1, A4, A5, A8, A9, A12, A13, A16 of design/streaming.md)."""
+"""Smoothieware: numbered lines, an ok a code, halts, reports (A1, A4, A5, A8, A9, A12, A13, A16 of
+design/streaming.md)."""
 
 from __future__ import annotations
 
@@ -147,7 +148,8 @@ def test_the_greeting_learns_how_it_answers(per_line, name):
 
 
 def test_oks_of_lines_with_several_codes():
-    """GcodeDispatch.cpp: an ok for each code, up to and with a G1, which is answered before it is planned."""
+    """GcodeDispatch.cpp: an ok for each code, up to and with a G1, which is answered before it is
+    planned."""
     protocol = Smoothieware()
     protocol._each = True
     counts = {
@@ -162,7 +164,14 @@ def test_oks_of_lines_with_several_codes():
     assert {text: protocol.answers(text) for text in counts} == counts
 
 
-@pytest.mark.parametrize("banner", ["Smoothie\r\nok\r\n", "FIRMWARE_NAME:Smoothieware, X", "<Idle|MPos:0.0,0.0,0.0|WPos:0.0,0.0,0.0>",
-                                    "Build version: edge-94de12c, Build date: Oct 28 2019"])  # fmt: skip
+@pytest.mark.parametrize(
+    "banner",
+    [
+        "Smoothie\r\nok\r\n",
+        "FIRMWARE_NAME:Smoothieware, X",
+        "<Idle|MPos:0.0,0.0,0.0|WPos:0.0,0.0,0.0>",
+        "Build version: edge-94de12c, Build date: Oct 28 2019",
+    ],
+)
 def test_its_names_are_recognised_and_by_nobody_else(banner):
     assert protocols.recognised(banner) == ["smoothieware"]

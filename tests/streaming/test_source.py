@@ -1,4 +1,5 @@
-"""Lines for the wire: the filter's own bytes, each with its source line, block and correction (A1, A7, A17, A18, A19)."""
+"""Lines for the wire: the filter's own bytes, each with its source line, block and correction (A1,
+A7, A17, A18, A19)."""
 
 from __future__ import annotations
 
@@ -33,7 +34,8 @@ def filter_(machine: str = "example-mill", dialect: str = "grbl", **how) -> Filt
 
 
 def program(n: int, seed: int = 1, comments: bool = True) -> bytes:
-    """Straight moves and arcs, long enough that the map cuts them, with comments, blank lines and CRLF here and there."""
+    """Straight moves and arcs, long enough that the map cuts them, with comments, blank lines and
+    CRLF here and there."""
     r = random.Random(seed)
     rows = ["%", "(a part)", "G21 G90 G94 G17", "G54", "G0 X0 Y0 Z20", "M3 S1000", "G1 Z10 F300"]
     x = y = 0.0
@@ -82,7 +84,8 @@ def test_A1_A17_the_wire_carries_the_files_bytes_and_every_line_knows_its_source
     lines = lines_of(text)
     assert [line.text for line in lines] == wire_form(output)
     assert [line.number for line in lines] == list(range(1, len(lines) + 1))
-    # One source line at a time, through a filter of its own: the slow way to know which line belongs to which.
+    # One source line at a time, through a filter of its own: the slow way to know which line
+    # belongs to which.
     single = filter_()
     owner = []
     for k, row in enumerate(text.splitlines(keepends=True), 1):
@@ -99,8 +102,16 @@ def test_A1_any_cut_of_the_input_gives_the_same_lines():
     assert lines_of(text, cut) == lines_of(text)
 
 
+def test_A1_a_line_whose_comment_names_gcomp_is_sent():
+    """gcomp's own mark is what leaves again, and not the first line with that word in it."""
+    text = b"G21 G90 G17 G94 G54%s\nG0 X10 Y20 Z5\nG1 X10 Y80 F500\nG1 X-60\n"
+    told, plain = lines_of(text % b" (FOR GCOMP USE)"), lines_of(text % b"")
+    assert [(x.text, x.source, x.end) for x in told] == [(x.text, x.source, x.end) for x in plain]
+
+
 def test_A17_end_and_correction_are_those_of_the_line():
-    """The end of a line, less its correction, is the nominal place of its block: G54 lies at Z -200."""
+    """The end of a line, less its correction, is the nominal place of its block: G54 lies at Z
+    -200."""
     text = b"G21 G90 G17 G94 G54\nG0 X10 Y20 Z5\nG1 X10 Y80 F500\nG1 X-60\n"
     lines = lines_of(text)
     machine = places.load("example-mill")
@@ -113,16 +124,19 @@ def test_A17_end_and_correction_are_those_of_the_line():
 
 
 def test_A17_length_and_time_of_lines():
-    """60 mm at 500 mm/min are 7.2 s; a quarter circle of 20 mm radius is 31.416 mm; 2 s of dwell."""
-    text = b"G21 G90 G17 G94 G54\nG0 X0 Y0 Z5\nG1 Y60 F500\nG2 X20 Y80 I20 J0 F1000\nG4 P2\nG20\nG1 X1 F10\n"
+    """60 mm at 500 mm/min are 7.2 s; a quarter circle of 20 mm radius is 31.416 mm; 2 s of
+    dwell."""
+    text = (
+        b"G21 G90 G17 G94 G54\nG0 X0 Y0 Z5\nG1 Y60 F500\nG2 X20 Y80 I20 J0 F1000\nG4 P2\nG20\nG1 X1"
+        b" F10\n"
+    )
     lines = lines_of(text)
     total = {k: sum(x.seconds for x in lines if x.source == k) for k in range(1, 8)}
     assert total[3] == pytest.approx(7.2, rel=1e-3)
     assert sum(x.length for x in lines if x.source == 4) == pytest.approx(math.pi * 10, rel=1e-3)
     assert total[5] == 2.0
-    assert total[7] == pytest.approx(
-        5.4 / 254 * 60, rel=1e-2
-    )  # from X 20 mm to 1 inch at 10 inch/min
+    # from X 20 mm to 1 inch at 10 inch/min
+    assert total[7] == pytest.approx(5.4 / 254 * 60, rel=1e-2)
 
 
 def test_lines_behind_the_end_of_the_program_are_not_sent():
@@ -176,7 +190,7 @@ def test_A1_compensated_lines_arrive_as_the_file_has_them():
     assert [x.text for x in lines_of(text)] == wire_form(output)
 
 
-# -- A19 -----------------------------------------------------------------------------------------------------------------
+# -- A19 -------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -197,13 +211,39 @@ def test_numbers_in_fewer_digits(long, short):
 
 
 def test_A19_compact_leaves_out_what_is_in_force():
-    rows = ["G90 G94 G21", "N10 G01 X10.000 Y5.0 F500.0", "N20 G01 X10.000 Y6.500 F500", "G2 X1 Y1 I0.50 J0", "G2 X2 Y1 I1 J0",
-            "G1 X2 Y5", "G91 G1 X2 Y0", "G90 X2 Y5", "G92 X0", "G1 X2 Y5 F500", "G93 G1 X1 Y5 F2", "G1 X2 Y5 F2", "$H", "G1 X1"]  # fmt: skip
+    rows = [
+        "G90 G94 G21",
+        "N10 G01 X10.000 Y5.0 F500.0",
+        "N20 G01 X10.000 Y6.500 F500",
+        "G2 X1 Y1 I0.50 J0",
+        "G2 X2 Y1 I1 J0",
+        "G1 X2 Y5",
+        "G91 G1 X2 Y0",
+        "G90 X2 Y5",
+        "G92 X0",
+        "G1 X2 Y5 F500",
+        "G93 G1 X1 Y5 F2",
+        "G1 X2 Y5 F2",
+        "$H",
+        "G1 X1",
+    ]
     compact = Compact()
     assert [compact.line(row.encode()).decode() for row in rows] == [
-        "G90G94G21", "G1X10Y5F500", "Y6.5", "G2X1Y1I.5J0", "X2Y1I1J0", "G1Y5", "G91G1X2Y0", "G90X2Y5", "G92X0", "G1X2Y5F500",
-        "G93G1X1Y5F2", "G1X2Y5F2", "$H", "G1X1",
-    ]  # fmt: skip
+        "G90G94G21",
+        "G1X10Y5F500",
+        "Y6.5",
+        "G2X1Y1I.5J0",
+        "X2Y1I1J0",
+        "G1Y5",
+        "G91G1X2Y0",
+        "G90X2Y5",
+        "G92X0",
+        "G1X2Y5F500",
+        "G93G1X1Y5F2",
+        "G1X2Y5F2",
+        "$H",
+        "G1X1",
+    ]
 
 
 @pytest.mark.parametrize("seed", range(6))

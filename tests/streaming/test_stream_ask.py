@@ -1,4 +1,5 @@
-"""`gcomp stream` with a person at the keyboard: refused lines are asked for, holds of others are told (A5, A8)."""
+"""`gcomp stream` with a person at the keyboard: refused lines are asked for, holds of others are
+told (A5, A8)."""
 
 from __future__ import annotations
 
@@ -12,15 +13,15 @@ import pytest
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import (
+from tests.streaming.test_stream_command import (  # noqa: E402
     PATIENCE,
     model,
-    place,
+    place,  # noqa: F401
     program,
     sent_rows,
     start,
     stream,
-)  # noqa: E402, F401
+)
 
 AS_IT_IS = ("--machine", "perfect", "--dialect", "linuxcnc")
 
@@ -72,7 +73,7 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
     bad(place, 21, 41)
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
-        person.until("c: go on")
+        person.until("c goes on")
         assert (
             "source line 21, sent as wire line 20: G1 X5 Y3 H7" in person.text
             and "error:20" in person.text
@@ -80,11 +81,11 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
         assert host.model.state == "Hold" or host.times[0][1] == ord("!")
         before = len(sent_rows(host))
         person.types("whatever\n")
-        person.until("c: go on", 2)
+        person.until("c goes on", 2)
         assert len(sent_rows(host)) == before < len(program().split("\n")) - 10
         person.types("c")
         person.until("source line 41")
-        person.until("c: go on", 3)
+        person.until("c goes on", 3)
         person.types("c")
         assert person.end() == 10, person.text
     assert "2 of " in person.text and host.model.state == "Idle"
@@ -100,11 +101,11 @@ def test_A5_ask_stop_or_a_keyboard_that_is_gone_ends_in_a_hold(place, typed):  #
     bad(place, 21)
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
-        person.until("c: go on")
+        person.until("c goes on")
         person.types(typed)
         assert person.end() == 10, person.text
     assert host.model.state == "Hold" and "M30" not in sent_rows(host)
-    assert "resume (~) executes what it has" in person.text.rsplit("c: go on", 1)[1]
+    assert "resume (~) executes what it has" in person.text.rsplit("c goes on", 1)[1]
 
 
 def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):  # noqa: F811

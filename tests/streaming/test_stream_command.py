@@ -16,6 +16,7 @@ import pytest
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
+from postproc import cli  # noqa: E402
 from postproc.recordings import ReadingOptions, Source, contract  # noqa: E402
 from postproc.streaming import journal  # noqa: E402
 from tests.api.schemas import held  # noqa: E402
@@ -52,10 +53,29 @@ def start(
 ):
     port = ("--port", host.path) if host else ()
     return subprocess.Popen(
-        [sys.executable, "-m", "postproc", "stream", *machine, *port, "--check-first", "never", *arguments], cwd=place, stdin=stdin,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "HOME": str(place), "XDG_CONFIG_HOME": str(place)},
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "postproc",
+            "stream",
+            *machine,
+            *port,
+            "--check-first",
+            "never",
+            *arguments,
+        ],
+        cwd=place,
+        stdin=stdin,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={
+            **os.environ,
+            "PYTHONPATH": str(ROOT),
+            "HOME": str(place),
+            "XDG_CONFIG_HOME": str(place),
+        },
+    )
 
 
 def stream(place: Path, host: PtyHost | None, *arguments: str, **how) -> tuple[int, str, str]:
@@ -68,9 +88,24 @@ def stream(place: Path, host: PtyHost | None, *arguments: str, **how) -> tuple[i
 def wire_rows(place: Path, name: str = "job.nc", *more: str) -> list[str]:
     """What `gcomp` writes to a file, as GRBL takes it."""
     done = subprocess.run(
-        [sys.executable, "-m", "postproc", *MILL, "--offset", "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0", *more, name],
-        cwd=place, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "postproc",
+            *MILL,
+            "--offset",
+            "G54=X0,Y0,Z-200",
+            "--start",
+            "X0,Y0,Z0",
+            *more,
+            name,
+        ],
+        cwd=place,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=True,
+    )
     return [
         row.replace(" ", "") for row in done.stdout.split("\n") if row and not row.startswith("(")
     ]
@@ -132,7 +167,8 @@ def test_A1_A16_the_model_gets_the_files_bytes_and_done_is_said_last(place):
 
 
 def test_A17_the_journal_replayed_is_the_file(place):
-    """Every wire line is in it, in order, with its source line, the piece it is, and what was corrected."""
+    """Every wire line is in it, in order, with its source line, the piece it is, and what was
+    corrected."""
     (place / "job.nc").write_text(
         program(20).replace("G0 Z20\nM30", "G0 X150 Y120\nG1 X0 Y0 F6000\nG0 Z20\nM30")
     )
@@ -222,7 +258,8 @@ def test_A18_sigterm_holds_and_stops(place):
 
 @pytest.mark.parametrize(("options", "seen"), [((), True), (("--no-watch",), False)])
 def test_the_watch_over_the_path_has_a_switch_of_its_own(place, options, seen):
-    """A coordinate altered on the wire to a controller without echo, and set right by the next line."""
+    """A coordinate altered on the wire to a controller without echo, and set right by the next
+    line."""
     (place / "job.nc").write_text(
         "G90 G21 G94 G17\nG54\nG0 X0 Y0\n" + "G1 X2 F600\nG1 X7 Y7\nG1 X3 Y3\n" * 5 + "M30\n"
     )
@@ -237,8 +274,11 @@ def test_the_watch_over_the_path_has_a_switch_of_its_own(place, options, seen):
 def test_A10_a_port_that_goes_away(place):
     (place / "job.nc").write_text(program(400, 600))
     with PtyHost(model(), speed=5.0, hang_up_after=40) as host:
-        status, _, err = stream(place, host, "job.nc")
+        status, _, err = stream(place, host, "job.nc", "--report", "broken.html")
     assert status == 13 and "the connection is lost" in err
+    # What is certain, and the way out, stand on the page too, not on the terminal alone.
+    page = (place / "broken.html").read_text("utf-8")
+    assert "may have been executed" in page and "check where it stands" in page
 
 
 def test_A10_a_controller_that_falls_silent(place):
@@ -275,9 +315,8 @@ def test_A10_A11_killed_and_resumed_from_the_journal(place):
         status, _, err = stream(place, host, "job.nc", "--resume-from", "job.nc.journal", "--yes")
         assert status == 0, err
     line = int(re.search(r"beginning again with line (\d+)", err)[1])
-    assert (
-        line > past.certain
-    )  # it stands where the last line that it got ends, which the journal alone could not say
+    # it stands where the last line that it got ends, which the journal alone could not say
+    assert line > past.certain
     rows = [row for row in host.model.received[arrived:] if not row.startswith("$")]
     whole = wire_rows(place)
     assert rows[2].startswith("G53G0Z")
@@ -289,7 +328,8 @@ def test_A10_A11_killed_and_resumed_from_the_journal(place):
 
 
 def test_a_restart_waits_for_a_zero_that_is_certain(place):
-    """A controller that lost its power believes that it stands at zero; --yes does not answer for that, homing or a person does."""
+    """A controller that lost its power believes that it stands at zero; --yes does not answer for
+    that, homing or a person does."""
     (place / "job.nc").write_text(program(200, 1200))
     resume = ("job.nc", "--resume-from", "job.nc.journal", "--yes")
     with PtyHost(model(settings={"22": "1"}), speed=10.0) as host:
@@ -441,3 +481,18 @@ def test_A5_an_altered_coordinate_is_seen_in_the_reports_of_a_controller_without
         and json.loads(out.strip().split("\n")[-1])["exit_status"] == 15
     )
     assert '"position":"known"' in (place / "job.nc.journal").read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("--report", "nowhere/run.html"), "nowhere is not there"),
+        (("--json", "nowhere/run.json"), "nowhere is not there"),
+        (("--report", "run", "--json", "./run"), "two things are to be written to run"),
+        (("--report", "."), "is a folder"),
+    ],
+)
+def test_where_a_report_can_not_go_is_said_before_the_first_byte(place, capsys, words, says):
+    with contextlib.chdir(place):
+        status = cli.main(["stream", *MILL, "--port", "/dev/null", *words, "job.nc"])
+    assert status == 2 and says in capsys.readouterr().err

@@ -1,4 +1,5 @@
-"""`gcomp stream --expand`: loops and subprograms are written out and sent, and every wire line knows the line written by hand."""
+"""`gcomp stream --expand`: loops and subprograms are written out and sent, and every wire line
+knows the line written by hand."""
 
 from __future__ import annotations
 
@@ -12,7 +13,13 @@ import pytest
 pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import ROOT, model, place, sent_rows, stream  # noqa: E402, F401
+from tests.streaming.test_stream_command import (  # noqa: E402
+    ROOT,
+    model,
+    place,  # noqa: F401
+    sent_rows,
+    stream,
+)
 
 MACHINE = ("--machine", "example-mill", "--dialect", "linuxcnc", "--expand")
 LOOP = """G90 G21 G94 G17 G54
@@ -38,9 +45,23 @@ def job(place):  # noqa: F811
 
 def rows_of_file(folder) -> list[str]:
     done = subprocess.run(
-        [sys.executable, "-m", "postproc", *MACHINE, "--offset", "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0", "job.nc"],
-        cwd=folder, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}, check=True,
-    )  # fmt: skip
+        [
+            sys.executable,
+            "-m",
+            "postproc",
+            *MACHINE,
+            "--offset",
+            "G54=X0,Y0,Z-200",
+            "--start",
+            "X0,Y0,Z0",
+            "job.nc",
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=True,
+    )
     return [row.replace(" ", "") for row in done.stdout.split("\n") if row and row[0] not in "(;"]
 
 
@@ -63,9 +84,10 @@ def test_A1_A17_what_is_written_out_arrives_and_knows_its_source(job):
         if "Y40.5" in entry["text"]
     )
     assert sent[-1]["source"] == 10
-    assert all(("200.ngc" in entry.get("file", "")) == ("Y40.5" in entry["text"] or "G91" in entry["text"]) for entry in feeds + [
-        entry for entry in sent if "Y40.5" in entry["text"]
-    ])  # fmt: skip
+    assert all(
+        ("200.ngc" in entry.get("file", "")) == ("Y40.5" in entry["text"] or "G91" in entry["text"])
+        for entry in feeds + [entry for entry in sent if "Y40.5" in entry["text"]]
+    )
     status, _, err = stream(
         job, None, "job.nc", "--resume-from", "job.nc.journal", "--port", "x", machine=MACHINE[:-1]
     )
@@ -96,7 +118,8 @@ def test_a_fault_is_told_at_the_line_written_by_hand_and_before_the_first_byte(j
 
 
 def test_relative_moves_begin_where_the_controller_stands(job):
-    """Written out from the controller's own place and modes, not from those that a program begins with."""
+    """Written out from the controller's own place and modes, not from those that a program begins
+    with."""
     (job / "job.nc").write_text("#1 = #5420\nG90 G21 G94 G17 G54\nG1 X[#1 + 1] Y2 Z20 F3000\nM2\n")
     made = model()
     made.place, made.target = [50.0, 60.0, -170.0], [50.0, 60.0, -170.0]

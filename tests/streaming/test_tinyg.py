@@ -1,4 +1,5 @@
-"""TinyG and g2core: footers, echoes, reports, windows (A1, A2, A4, A5, A8, A9, A10, A12, A16 of design/streaming.md)."""
+"""TinyG and g2core: footers, echoes, reports, windows (A1, A2, A4, A5, A8, A9, A10, A12, A16 of
+design/streaming.md)."""
 
 from __future__ import annotations
 
@@ -50,9 +51,12 @@ def blocks(n: int, seed: int = 1, feed: int = 6000) -> tuple[str, list]:
 
 @pytest.mark.parametrize(
     ("text", "value"),
-    [('{"r":{"xjm":5000000000.000},"f":[1,0,11', 6649), ('{"r":{"2":{"ma":1,"sa":1.800,"tr":36.540,"mi":8,"po":1,"pm":1}},"f":[1,0,9', 2423),
-     ('{"r":{"n":20},"f":[1,0,9', 5362)],
-)  # fmt: skip
+    [
+        ('{"r":{"xjm":5000000000.000},"f":[1,0,11', 6649),
+        ('{"r":{"2":{"ma":1,"sa":1.800,"tr":36.540,"mi":8,"po":1,"pm":1}},"f":[1,0,9', 2423),
+        ('{"r":{"n":20},"f":[1,0,9', 5362),
+    ],
+)
 def test_the_footers_checksum_is_that_of_the_documented_answers(text, value):
     """synthetos/TinyG wiki, "JSON Operation": the answers printed there."""
     assert checksum(text) == value == java_hash(text)
@@ -269,7 +273,10 @@ def test_their_words_are_recognised_and_by_nobody_else():
     assert protocols.recognised(READY_TINYG.replace("440.20", "100.26")) == ["g2core"]
 
 
-READY_TINYG = '{"r":{"fv":0.970,"fb":440.20,"hp":1,"hv":8,"id":"3X3566-YMB","msg":"SYSTEM READY"},"f":[1,0,0,5816]}'
+READY_TINYG = (
+    '{"r":{"fv":0.970,"fb":440.20,"hp":1,"hv":8,"id":"3X3566-YMB","msg":"SYSTEM'
+    ' READY"},"f":[1,0,0,5816]}'
+)
 
 
 def test_A7_lines_are_cleaned_or_refused():

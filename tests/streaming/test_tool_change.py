@@ -1,4 +1,5 @@
-"""Tool changes with lines of the user's: park, change, touch off, and on with the map where the zero is then."""
+"""Tool changes with lines of the user's: park, change, touch off, and on with the map where the
+zero is then."""
 
 from __future__ import annotations
 
@@ -18,7 +19,13 @@ from postproc.streaming.lines import Unsendable  # noqa: E402
 from postproc.streaming.protocols.grbl import Grbl  # noqa: E402
 from tests.streaming.models_marlin import MarlinModel  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import model, place, sent_rows, stream, wire_rows  # noqa: E402, F401
+from tests.streaming.test_stream_command import (  # noqa: E402
+    model,
+    place,  # noqa: F401
+    sent_rows,
+    stream,
+    wire_rows,
+)
 
 MILL = ("--machine", "example-mill", "--dialect", "grbl")
 RAW = ("--machine", "perfect", "--dialect", "grbl")
@@ -41,7 +48,8 @@ PLATES = (-180.0, -171.5)  # mm: where each tool touches
 
 
 def prepared(tools=PLATES, **how):
-    """A GRBL in which somebody changes the tool at each pause, which then touches elsewhere, and goes on."""
+    """A GRBL in which somebody changes the tool at each pause, which then touches elsewhere, and
+    goes on."""
     made = model(**how)
     plates, held, advance = list(tools), [], made.advance
 
@@ -103,7 +111,8 @@ def test_park_change_touch_off_and_on(place):  # noqa: F811
     assert host.model.stored["G54"][2] == PLATES[1] - 20.0
     back = rows[change + 6 :]
     assert back[0] == "G21G90G17G94" and back[1] == "G54" and back[2] == "G53G0Z-141.5000", back
-    # What the second tool does is what a program of its own does with that zero: the map lies where the part is.
+    # What the second tool does is what a program of its own does with that zero: the map lies where
+    # the part is.
     (place / "rest.nc").write_text(
         "\n".join([*FIRST[:1], "G0 X60 Y10", "G0 Z15", *SECOND[:1], "G90", *SECOND[1:], ""])
     )
@@ -159,14 +168,18 @@ def test_longer_tools_by_what_the_probe_says(place):  # noqa: F811
 
 
 def test_a_zero_that_leads_out_of_reach_stops_in_the_change(place):  # noqa: F811
-    """The second tool's zero lies so low that the program would leave the travel: known before it goes back."""
+    """The second tool's zero lies so low that the program would leave the travel: known before it
+    goes back."""
     limits = {"20": "1", "130": "200.000", "131": "200.000", "132": "230.000"}
     made = prepared((-180.0, -211.0), settings=limits)
     made.stored["G54"] = [-150.0, -150.0, -200.0]
     with PtyHost(made, speed=60.0) as host:
         status, _, err = job(place, host, park="G53 G0 Z-10\n", machine=RAW)
     assert status == 2, err
-    said = "nothing more was sent behind this tool change: Z -234.000 (machine coordinates) is beyond the controller's travel"
+    said = (
+        "nothing more was sent behind this tool change: Z -234.000 (machine coordinates) is beyond"
+        " the controller's travel"
+    )
     assert f"job.nc:12: {said}" in err, err
     rows = sent_rows(host)
     assert rows[rows.index("N90T2M0") :][-2:] == ["G0Z30", "G4P0.01"] and host.model.state == "Idle"

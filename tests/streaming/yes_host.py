@@ -1,4 +1,5 @@
-"""A receiver on a pseudo-terminal that takes everything at once: for figures of the sender alone (memory, lines a second)."""
+"""A receiver on a pseudo-terminal that takes everything at once: for figures of the sender alone
+(memory, lines a second)."""
 
 from __future__ import annotations
 
@@ -26,7 +27,8 @@ ANSWERS = {
 
 
 class YesHost:
-    """`path` is the port; lines: how many were taken; received: they themselves, where `keep` says so."""
+    """`path` is the port; lines: how many were taken; received: they themselves, where `keep` says
+    so."""
 
     def __init__(self, keep: bool = False) -> None:
         self.keep, self.received = keep, list[bytes]()
@@ -74,7 +76,8 @@ def rows(n: int) -> Iterator[str]:
 
 
 def measure(n: int, folder: Path, *options: str) -> tuple[float, float, int]:
-    """Peak memory of a job of n lines in MB, its seconds, and the lines that were taken. Raises where it did not end well."""
+    """Peak memory of a job of n lines in MB, its seconds, and the lines that were taken. Raises
+    where it did not end well."""
     with open(folder / "job.nc", "w") as file:
         file.writelines(rows(n))
     begun = time.monotonic()
@@ -87,9 +90,27 @@ def send(host: YesHost, folder: Path, *options: str) -> float:
     """Let gcomp send job.nc; its peak memory in MB. Raises where that did not end well."""
     with open(folder / "err", "w+") as err:
         process = subprocess.Popen(
-            [sys.executable, "-m", "postproc", "stream", "--machine", "example-mill", "--dialect", "grbl", "--port", host.path, "--check-first", "never",
-             *options, "job.nc"], cwd=folder, stdout=subprocess.DEVNULL, stderr=err, env={**os.environ, "PYTHONPATH": str(ROOT)},
-        )  # fmt: skip
+            [
+                sys.executable,
+                "-m",
+                "postproc",
+                "stream",
+                "--machine",
+                "example-mill",
+                "--dialect",
+                "grbl",
+                "--port",
+                host.path,
+                "--check-first",
+                "never",
+                *options,
+                "job.nc",
+            ],
+            cwd=folder,
+            stdout=subprocess.DEVNULL,
+            stderr=err,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
         peak = 0.0
         while process.poll() is None:
             peak = max(peak, peak_of(process.pid))
@@ -101,7 +122,8 @@ def send(host: YesHost, folder: Path, *options: str) -> float:
 
 
 def peak_of(process: int) -> float:
-    """MB that a running process has had at most. (What wait4 says of a child is at least what its parent had when it was begun.)"""
+    """MB that a running process has had at most. (What wait4 says of a child is at least what its
+    parent had when it was begun.)"""
     try:
         found = re.search(r"VmHWM:\s*(\d+) kB", Path(f"/proc/{process}/status").read_text())
     except OSError:

@@ -1,8 +1,10 @@
-"""A carriage that follows its rail points along it: its angle, integrated, is its straightness but for a line.
+"""A carriage that follows its rail points along it: its angle, integrated, is its straightness but
+for a line.
 
-After Ekinci and Mayer (the thesis' reference 22): a negative correlation means that the sign of one of them is turned,
-an angle that predicts many times the curvature that was read is in another unit. A rail's short waves, which a long
-carriage averages out, lower the correlation without meaning anything.
+After Ekinci and Mayer (the thesis' reference 22): a negative correlation means that the sign of one
+of them is turned, an angle that predicts many times the curvature that was read is in another unit.
+A rail's short waves, which a long carriage averages out, lower the correlation without meaning
+anything.
 """
 
 from __future__ import annotations
@@ -31,7 +33,8 @@ def check(calibration) -> list[Finding]:
             straight = calibration.measured.get(f"E{XYZ[across]}{letter}")
             if angle is None or straight is None:
                 continue
-            # eps x u_own points along `across` with this sign; seen from the workpiece's side both turn round.
+            # eps x u_own points along `across` with this sign; seen from the workpiece's side both
+            # turn round.
             sign = 1.0 if (turn + 1) % 3 == own else -1.0
             found += _compare(calibration, letter, angle, straight, sign)
     return found
@@ -51,9 +54,8 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
         )
         if calibration.options.chain.side(letter) == "workpiece":
             if (calibration.optics.get(letter) or "workpiece") == "tool":
-                read = (
-                    read - sign * turn * nodes
-                )  # of a point that stays on the table, whose path the rail makes
+                # of a point that stays on the table, whose path the rail makes
+                read = read - sign * turn * nodes
             follow = -sign
         else:
             follow = sign
@@ -68,7 +70,10 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
         "measured_um": measured / UM,
         "predicted_um": predicted / UM,
     }
-    both = f"{angle.name}, integrated, and {straight.name}, lines off both: correlation {correlation:+.2f}, {predicted / UM:.2f} um predicted, {measured / UM:.2f} um read"
+    both = (
+        f"{angle.name}, integrated, and {straight.name}, lines off both: correlation"
+        f" {correlation:+.2f}, {predicted / UM:.2f} um predicted, {measured / UM:.2f} um read"
+    )
     u = 0.0 if not np.isfinite(straight.largest_u) else straight.largest_u
     if measured < 4 * u:
         return [
@@ -81,7 +86,10 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
             )
         ]
     if predicted > TOO_MUCH * measured and predicted > 1 * UM:
-        text = f"{both}: the angle is {predicted / measured:.0f} times too large for it. Its unit (or the arm's) is probably wrong"
+        text = (
+            f"{both}: the angle is {predicted / measured:.0f} times too large for it. Its unit (or"
+            " the arm's) is probably wrong"
+        )
         return [Finding("angle-straightness", "doubt", angle.name, text, numbers)]
     if predicted < FEEBLE * measured:
         text = f"{both}: the angle explains too little of it to say anything"

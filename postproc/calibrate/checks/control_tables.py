@@ -1,4 +1,5 @@
-"""A map holds for the state in which it was measured: with the control's own tables at work, or without."""
+"""A map holds for the state in which it was measured: with the control's own tables at work, or
+without."""
 
 from __future__ import annotations
 
@@ -21,7 +22,10 @@ def check(calibration) -> list[Finding]:
                 files.append(series.file)
     found = []
     if "active" in states and "off" in states:
-        text = f"{states['active'][0]} was measured with the control's own tables active, {states['off'][0]} with them off: together they describe no state of the machine"
+        text = (
+            f"{states['active'][0]} was measured with the control's own tables active,"
+            f" {states['off'][0]} with them off: together they describe no state of the machine"
+        )
         found.append(
             Finding(
                 "control-tables",
@@ -32,9 +36,16 @@ def check(calibration) -> list[Finding]:
             )
         )
     elif "active" in states:
-        text = "measured with the control's own tables active: this map is what they leave, and holds only while they stay as they were"
+        text = (
+            "measured with the control's own tables active: this map is what they leave, and holds"
+            " only while they stay as they were"
+        )
         found.append(Finding("control-tables", "note", "", text, {"files": len(states["active"])}))
     if "unknown" in states:
-        text = f'{_recordings(len(states["unknown"]))} not say whether the control\'s own tables (pitch, backlash) were at work (control_tables = "active" or "off"): the map holds for that state only'
+        text = (
+            f"{_recordings(len(states['unknown']))} not say whether the control's own tables"
+            ' (pitch, backlash) were at work (control_tables = "active" or "off"): the map holds'
+            " for that state only"
+        )
         found.append(Finding("control-tables", "note", "", text, {"files": len(states["unknown"])}))
     return found

@@ -28,7 +28,10 @@ def check(calibration) -> list[Finding]:
         nodes = calibration.nodes(letter)
         unit = place_name(letter)
         if letter not in calibration.options.travel:
-            text = f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken as from the first target to the last"
+            text = (
+                f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken"
+                " as from the first target to the last"
+            )
             found.append(Finding("travel", "note", letter, text))
         beyond = [
             (side, d)
@@ -37,7 +40,10 @@ def check(calibration) -> list[Finding]:
         ]
         outside = [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]
         if outside:
-            text = f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to {high:g}"
+            text = (
+                f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to"
+                f" {high:g}"
+            )
             found.append(Finding("travel", "doubt", letter, text, {"at": float(outside[0])}))
         if beyond:
             where = " and ".join(f"{d:g} {unit} {side}" for side, d in beyond)
@@ -46,7 +52,10 @@ def check(calibration) -> list[Finding]:
                 if calibration.options.outside == "error"
                 else "is corrected as at the last target"
             )
-            text = f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel from {low:g} to {high:g}: {where} are not covered, a program {does}"
+            text = (
+                f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel"
+                f" from {low:g} to {high:g}: {where} are not covered, a program {does}"
+            )
             found.append(
                 Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)})
             )

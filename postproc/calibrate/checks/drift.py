@@ -1,4 +1,5 @@
-"""Runs that lie above each other in order of time: the set-up drifted, and the scatter contains it (ISO 230-3)."""
+"""Runs that lie above each other in order of time: the set-up drifted, and the scatter contains it
+(ISO 230-3)."""
 
 from __future__ import annotations
 
@@ -39,5 +40,9 @@ def _drift(name: str, series) -> list[Finding]:
     span = float(np.ptp(height))
     if each == 0 or span < TIMES * each * np.sqrt(2) or span / one < 0.2:
         return []
-    text = f"{series.file}: the {len(runs)} runs of {name} lie up to {span / one:.1f} {unit} apart as wholes ({span / each:.0f} times their own scatter): the set-up drifted, and u contains it"
+    text = (
+        f"{series.file}: the {len(runs)} runs of {name} lie up to {span / one:.1f} {unit} apart as"
+        f" wholes ({span / each:.0f} times their own scatter): the set-up drifted, and u"
+        " contains it"
+    )
     return [Finding("drift", "doubt", name, text, {f"apart_{unit}": span / one})]

@@ -1,4 +1,5 @@
-"""What repeats with every turn of the screw is invisible where all targets lie at the same angle of the screw."""
+"""What repeats with every turn of the screw is invisible where all targets lie at the same angle of
+the screw."""
 
 from __future__ import annotations
 
@@ -6,9 +7,8 @@ import numpy as np
 
 from postproc.calibrate import Finding
 
-SAME_ANGLE = (
-    0.95  # length of the mean of unit vectors at the targets' angles: 1 where all are the same
-)
+# length of the mean of unit vectors at the targets' angles: 1 where all are the same
+SAME_ANGLE = 0.95
 
 
 def check(calibration) -> list[Finding]:
@@ -24,13 +24,22 @@ def check(calibration) -> list[Finding]:
         numbers = {"lead_mm": lead, "spacing_mm": spacing, "alike": alike}
         text = f"{component.name}: targets every {spacing:g} mm"
         if alike > SAME_ANGLE:
-            text += f" are whole turns of the screw ({lead:g} mm): its cyclic error is invisible. Add a part of the lead to each target (ISO 230-2), or a fine run over two turns"
+            text += (
+                f" are whole turns of the screw ({lead:g} mm): its cyclic error is invisible. Add a"
+                " part of the lead to each target (ISO 230-2), or a fine run over two turns"
+            )
             found.append(Finding("lead", "doubt", component.name, text, numbers))
         elif twice > SAME_ANGLE:
-            text += f" are half turns of the screw ({lead:g} mm): its cyclic error shows in part only, and as a zigzag"
+            text += (
+                f" are half turns of the screw ({lead:g} mm): its cyclic error shows in part only,"
+                " and as a zigzag"
+            )
             found.append(Finding("lead", "doubt", component.name, text, numbers))
         elif spacing > lead / 2:
-            text += f" are further apart than half the lead ({lead:g} mm): its cyclic error looks like scatter between targets, and the table does not correct it"
+            text += (
+                f" are further apart than half the lead ({lead:g} mm): its cyclic error looks like"
+                " scatter between targets, and the table does not correct it"
+            )
             found.append(Finding("lead", "note", component.name, text, numbers))
     asked = [
         c.letter
@@ -40,6 +49,9 @@ def check(calibration) -> list[Finding]:
         and c.letter not in calibration.options.leads
     ]
     if asked:
-        text = f"lead of the screw of {', '.join(asked)} not said (--lead {asked[0]}=5): whether the targets hide its cyclic error is not looked at"
+        text = (
+            f"lead of the screw of {', '.join(asked)} not said (--lead {asked[0]}=5): whether the"
+            " targets hide its cyclic error is not looked at"
+        )
         found.append(Finding("lead", "note", "", text))
     return found

@@ -1,4 +1,5 @@
-"""At the ends of a two-way run the slide must go past the last target before it comes back, or nothing is reversed."""
+"""At the ends of a two-way run the slide must go past the last target before it comes back, or
+nothing is reversed."""
 
 from __future__ import annotations
 
@@ -21,14 +22,20 @@ def check(calibration) -> list[Finding]:
             at = f"{component.letter} = {component.nodes[end]:g} {place_name(component.letter)}"
             b = component.reversal / one
             if not np.isfinite(b[end]):
-                text = f"{name}: {at} was read in one direction only (no overrun?); the reversal of the next target is taken"
+                text = (
+                    f"{name}: {at} was read in one direction only (no overrun?); the reversal of"
+                    " the next target is taken"
+                )
                 found.append(Finding("overrun", "doubt", name, text))
                 continue
             beside = float(np.median(b[near]))
             u = component.u[:, end].max() / one
             limit = max(LEAST, 3 * (u if np.isfinite(u) else 0.0) * np.sqrt(2))
             if abs(b[end]) < SHARE * abs(beside) and abs(b[end] - beside) > limit:
-                text = f"{name} reverses by {b[end]:+.1f} {unit} at {at}, and by {beside:+.1f} beside it: was the target overrun before coming back?"
+                text = (
+                    f"{name} reverses by {b[end]:+.1f} {unit} at {at}, and by {beside:+.1f} beside"
+                    " it: was the target overrun before coming back?"
+                )
                 found.append(
                     Finding(
                         "overrun",

@@ -1,4 +1,5 @@
-"""A slide that goes beyond its command where it reverses: a turned sign, or a control that takes up too much."""
+"""A slide that goes beyond its command where it reverses: a turned sign, or a control that takes up
+too much."""
 
 from __future__ import annotations
 
@@ -24,8 +25,8 @@ def check(calibration) -> list[Finding]:
 
 
 def _known_to(component) -> float:
-    """mm or rad: U of the median over the targets from the scatter of the runs; a median of many has a
-    standard error 1.25 times that of their mean."""
+    """mm or rad: U of the median over the targets from the scatter of the runs; a median of many
+    has a standard error 1.25 times that of their mean."""
     if not component.cells.scatter.known:
         return 0.0
     u = component.cells.scatter.s / np.sqrt(np.maximum(component.cells.n, 1))

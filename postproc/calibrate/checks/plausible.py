@@ -7,8 +7,9 @@ import numpy as np
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import place_name, unit_of
 
-# What readings of machine tools span, um or urad over the travel: a screw of the cheapest kind strays 500 um in 300 mm
-# (ISO 3408-3, class 10: 210 um), a slide that turns by 2 mrad would rattle, and no instrument resolves 0.02 um or urad.
+# What readings of machine tools span, um or urad over the travel: a screw of the cheapest kind
+# strays 500 um in 300 mm (ISO 3408-3, class 10: 210 um), a slide that turns by 2 mrad would rattle,
+# and no instrument resolves 0.02 um or urad.
 LARGEST = {"um": 2000.0, "urad": 2000.0}
 LEAST = 0.02
 INCH_MM = 25.4
@@ -22,14 +23,20 @@ def check(calibration) -> list[Finding]:
         span = float(np.ptp(raw))
         if 0 < span < LEAST:
             likely = "mm" if unit == "um" else "mm/m (mrad) or degrees"
-            text = f"{name} spans {span:.3g} {unit} in all: less than an instrument resolves. Are the readings {likely}?"
+            text = (
+                f"{name} spans {span:.3g} {unit} in all: less than an instrument resolves. Are the"
+                f" readings {likely}?"
+            )
         elif span > LARGEST[unit]:
             likely = (
                 "nm, or increments of a counter"
                 if unit == "um"
                 else "um/m times the length, or nrad"
             )
-            text = f"{name} spans {span:.4g} {unit}: more than a machine tool strays. Are the readings {likely}?"
+            text = (
+                f"{name} spans {span:.4g} {unit}: more than a machine tool strays. Are the readings"
+                f" {likely}?"
+            )
         elif span == 0:
             text = f"{name} is {raw[0]:g} {unit} at every target: was anything recorded?"
         else:
@@ -49,9 +56,15 @@ def _positions(calibration, component) -> list[Finding]:
     numbers = {f"largest_{unit}": largest, f"travel_{unit}": reach}
     diameter = component.letter in calibration.options.diameter
     if diameter and reach < largest <= 2.02 * reach:
-        text = f"targets of {component.name} reach {largest:g} mm, the travel {reach:g}: are they diameters? Slide positions (radius) are wanted"
+        text = (
+            f"targets of {component.name} reach {largest:g} mm, the travel {reach:g}: are they"
+            " diameters? Slide positions (radius) are wanted"
+        )
         return [Finding("unit", "doubt", component.name, text, numbers)]
     if unit == "mm" and largest * INCH_MM <= 1.02 * reach and largest < reach / 10:
-        text = f"targets of {component.name} reach {largest:g}, the travel {reach:g} mm: are they inches?"
+        text = (
+            f"targets of {component.name} reach {largest:g}, the travel {reach:g} mm: are they"
+            " inches?"
+        )
         return [Finding("unit", "doubt", component.name, text, numbers)]
     return []

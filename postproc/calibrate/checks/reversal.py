@@ -1,4 +1,5 @@
-"""One column for two directions: half the reversal is left in each, and which half depends on the program."""
+"""One column for two directions: half the reversal is left in each, and which half depends on the
+program."""
 
 from __future__ import annotations
 
@@ -18,12 +19,18 @@ def check(calibration) -> list[Finding]:
             way = {1: "in + only", -1: "in - only", 0: "in a direction that is not recorded"}[
                 component.cells.one_way
             ]
-            text = f"{name} was approached {way}: its reversal is not known, and the table holds for both directions"
+            text = (
+                f"{name} was approached {way}: its reversal is not known, and the table holds for"
+                " both directions"
+            )
             found.append(Finding("one-way", "note", name, text))
             continue
         b = float(np.nanmax(np.abs(component.reversal))) / one
         u = component.largest_u / one if np.isfinite(component.largest_u) else 0.0
         if calibration.options.mean and b > max(WORTH, 3 * u):
-            text = f"{name} is written as the mean of both directions, and they differ by up to {b:.1f} {unit}: up to {b / 2:.1f} {unit} stays, with either sign"
+            text = (
+                f"{name} is written as the mean of both directions, and they differ by up to"
+                f" {b:.1f} {unit}: up to {b / 2:.1f} {unit} stays, with either sign"
+            )
             found.append(Finding("mean-map", "doubt", name, text, {f"B_{unit}": b}))
     return found

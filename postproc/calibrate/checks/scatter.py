@@ -14,23 +14,39 @@ def check(calibration) -> list[Finding]:
     single = [n for n, c in calibration.measured.items() if not c.cells.scatter.known]
     unknown = [n for n in single if n in silent]
     if unknown:
-        text = f"{', '.join(unknown)}: one run and no u_um in the head, so the uncertainty is not known, nor whether they stand out of it"
+        text = (
+            f"{', '.join(unknown)}: one run and no u_um in the head, so the uncertainty is not"
+            " known, nor whether they stand out of it"
+        )
         found.append(Finding("scatter", "doubt", "", text, {"components": len(unknown)}))
     for name in [n for n in single if n not in silent]:
         unit, one = unit_of(name)
-        text = f"{name}: one run, so u is the instrument's alone, {calibration.measured[name].largest_u / one:.2g} {unit}"
+        text = (
+            f"{name}: one run, so u is the instrument's alone,"
+            f" {calibration.measured[name].largest_u / one:.2g} {unit}"
+        )
         found.append(Finding("scatter", "note", name, text))
     many = [n for n in silent if n not in single]
     if many:
-        text = f"{', '.join(many)}: no u_um in the head, so u is the scatter of the runs alone, without the instrument's part"
+        text = (
+            f"{', '.join(many)}: no u_um in the head, so u is the scatter of the runs alone,"
+            " without the instrument's part"
+        )
         found.append(Finding("scatter", "note", "", text))
     for name, component in calibration.measured.items():
         for _, k in component.filled:
-            text = f"{name} has no reading at {component.letter} = {component.nodes[k]:g} in one direction: filled from its neighbours"
+            text = (
+                f"{name} has no reading at {component.letter} = {component.nodes[k]:g} in one"
+                " direction: filled from its neighbours"
+            )
             found.append(Finding("filled", "note", name, text, {"node": float(component.nodes[k])}))
         if component.cells.scatter.known and not component.cells.scatter.pooled:
             s = component.cells.s[np.isfinite(component.cells.s)] / unit_of(name)[1]
-            text = f"{name}: s differs between targets more than chance makes ({s.min():.2g} to {s.max():.2g} {unit_of(name)[0]}), so each has its own, with the larger factor of its few runs"
+            text = (
+                f"{name}: s differs between targets more than chance makes ({s.min():.2g} to"
+                f" {s.max():.2g} {unit_of(name)[0]}), so each has its own, with the larger factor"
+                " of its few runs"
+            )
             found.append(
                 Finding(
                     "scatter",

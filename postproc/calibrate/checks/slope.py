@@ -1,4 +1,5 @@
-"""A table that changes faster than the limit is a slip or a wrong unit more often than a machine."""
+"""A table that changes faster than the limit is a slip or a wrong unit more often than a
+machine."""
 
 from __future__ import annotations
 
@@ -22,10 +23,16 @@ def check(calibration) -> list[Finding]:
         if worst <= min(WARN, limit) + 1e-6:
             continue
         mm = place_name(component.letter)
-        where = f"between {component.letter} = {component.nodes[at]:g} and {component.nodes[at + 1]:g} {mm}, approached in {'+-'[way]}"
+        where = (
+            f"between {component.letter} = {component.nodes[at]:g} and {component.nodes[at + 1]:g}"
+            f" {mm}, approached in {'+-'[way]}"
+        )
         text = f"{name} changes by {worst:.2f} {unit}/{mm} {where}"
         if worst > limit:
-            text += f": over the limit of {limit:g} {unit}/{mm}. A slip, or a wrong unit; if it is true, --accept-slope"
+            text += (
+                f": over the limit of {limit:g} {unit}/{mm}. A slip, or a wrong unit; if it is"
+                " true, --accept-slope"
+            )
         found.append(
             Finding(
                 "slope", "doubt", name, text, {"slope_um_per_mm": worst, "limit_um_per_mm": limit}

@@ -1,4 +1,5 @@
-"""Temperature: how much it moved while measuring, and whether a length looks like an expansion left in or taken twice."""
+"""Temperature: how much it moved while measuring, and whether a length looks like an expansion left
+in or taken twice."""
 
 from __future__ import annotations
 
@@ -32,7 +33,10 @@ def check(calibration) -> list[Finding]:
             if name == f"E{component.letter}{component.letter}":
                 found += _expansion(calibration, component, series, columns)
     if bare:
-        text = f"no temperature was recorded with {', '.join(dict.fromkeys(bare))}: what the machine grew meanwhile is not known"
+        text = (
+            f"no temperature was recorded with {', '.join(dict.fromkeys(bare))}: what the machine"
+            " grew meanwhile is not known"
+        )
         found.append(Finding("temperature", "note", "", text))
     return found
 
@@ -43,7 +47,10 @@ def _span(calibration, component, series, columns) -> list[Finding]:
     if span <= WORTH_K or component.angle or component.letter not in "XYZ":
         return []
     growth = calibration.options.expansion * span * length / UM
-    text = f"{series.file}: {place} changed by {span:.1f} K while {component.name} was measured; steel grows {growth:.1f} um over {length:g} mm by that"
+    text = (
+        f"{series.file}: {place} changed by {span:.1f} K while {component.name} was measured; steel"
+        f" grows {growth:.1f} um over {length:g} mm by that"
+    )
     return [
         Finding("temperature", "doubt", component.name, text, {"span_K": span, "growth_um": growth})
     ]
@@ -61,15 +68,24 @@ def _expansion(calibration, component, series, columns) -> list[Finding]:
     for sign, says in (
         (
             1.0,
-            "the readings look as if the expansion was not taken out: is the map meant for this temperature only?",
+            (
+                "the readings look as if the expansion was not taken out: is the map meant for this"
+                " temperature only?"
+            ),
         ),
         (
             -1.0,
-            "the readings look as if it was taken out twice (the instrument had normalised them already)",
+            (
+                "the readings look as if it was taken out twice (the instrument had normalised them"
+                " already)"
+            ),
         ),
     ):
         if abs(slope - sign * expected) < ALIKE * abs(expected):
-            text = f"{component.name} has a slope of {slope * 1e6:+.1f} um/m; at {at + REFERENCE:.1f} C steel expands by {expected * 1e6:+.1f} um/m: {says}"
+            text = (
+                f"{component.name} has a slope of {slope * 1e6:+.1f} um/m; at {at + REFERENCE:.1f}"
+                f" C steel expands by {expected * 1e6:+.1f} um/m: {says}"
+            )
             return [
                 Finding(
                     "expansion",

@@ -1,4 +1,5 @@
-"""gcomp stream --expand: the program is read whole and written out; every wire line still knows the line written by hand."""
+"""gcomp stream --expand: the program is read whole and written out; every wire line still knows the
+line written by hand."""
 
 from __future__ import annotations
 
@@ -19,7 +20,8 @@ from postproc.streaming.source import Source
 
 
 class Standing(Interpreter):
-    """An interpreter that begins where the controller stands, not where a program begins by itself."""
+    """An interpreter that begins where the controller stands, not where a program begins by
+    itself."""
 
     def __init__(self, modal: ModalState, *of: Any):
         super().__init__(*of)
@@ -32,8 +34,9 @@ class Standing(Interpreter):
 def lines(
     source: Source, text: bytes, options: argparse.Namespace, library: dict[str, bytes | None]
 ) -> Iterator[list[WireLine]]:
-    """Wire lines of a program that is written out, portion by portion. library: texts of subprograms as they were read first,
-    which are not read again. Raises ProgramError at the line written by hand, behind what came before it."""
+    """Wire lines of a program that is written out, portion by portion. library: texts of
+    subprograms as they were read first, which are not read again. Raises ProgramError at the line
+    written by hand, behind what came before it."""
     filter_ = source.filter
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
     files = expansion.Library([here, *map(Path, options.library)], filter_.notices)

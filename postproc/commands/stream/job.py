@@ -1,4 +1,5 @@
-"""From options and a controller that has answered to what shall be sent: filter, lines, checks before the first byte."""
+"""From options and a controller that has answered to what shall be sent: filter, lines, checks
+before the first byte."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from postproc import ports
+from postproc import intake, ports
 from postproc.commands import expansion, reading
 from postproc.commands.stream import tools
 from postproc.errors import Notice, ProgramError, UsageError
@@ -20,9 +21,9 @@ from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
 from postproc.streaming import restart, zero
 from postproc.streaming.compact import Compact
-from postproc.streaming.foreknown import NO_MORE, NOTHING, REFUSE, Foreknown, tool_change
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
+from postproc.streaming.precheck import NO_MORE, NOTHING, REFUSE, Foreknown, tool_change
 from postproc.streaming.protocols import Protocol
 from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.rates import Load
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 CHUNK = 1 << 13  # bytes of the program at a time: small, so that little is ahead of the link
 CHORD_SEEN = 0.005  # mm
 NO_AXIS = 1000  # of which no setting tells
-LARGEST_JOURNAL = 1 << 30
 
 
 def is_file(path: str | None) -> bool:
@@ -47,9 +47,9 @@ def is_file(path: str | None) -> bool:
 
 @dataclass
 class Job:
-    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble: blocks before it; copy: the
-    program as it was at first, None of a pipe; whole: its text, where it is written out; library: texts of its subprograms. macros: of its
-    tool changes."""
+    """What was asked for, with the filter's maker. begin: the source line to begin with; preamble:
+    blocks before it; copy: the program as it was at first, None of a pipe; whole: its text, where
+    it is written out; library: texts of its subprograms. macros: of its tool changes."""
 
     options: argparse.Namespace
     fresh: Callable[..., Filter]
@@ -105,7 +105,8 @@ class Job:
             raise
 
     def changes(self) -> str:
-        """What becomes of M6: as was said, else refused by GRBL itself, which has none; "": it is sent."""
+        """What becomes of M6: as was said, else refused by GRBL itself, which has none; "": it is
+        sent."""
         return self.options.tool_change or (REFUSE if self.is_grbl else "")
 
     @property
@@ -148,7 +149,8 @@ class Job:
         return tuple(self.fresh().setup.axes)
 
     def order(self) -> tuple[int, ...]:
-        """Where each axis stands in the controller's settings. A printer's E is none of the axes of which they tell."""
+        """Where each axis stands in the controller's settings. A printer's E is none of the axes of
+        which they tell."""
         return tuple(
             lives.CONTROLLER_AXES.index(x) if x in lives.CONTROLLER_AXES else NO_AXIS
             for x in self.letters
@@ -190,13 +192,15 @@ class Job:
             self.notices.append(
                 Notice(
                     "behind",
-                    f"{dropped} lines behind the end of the program are not sent: the controller would execute them",
+                    f"{dropped} lines behind the end of the program are not sent: the controller"
+                    " would execute them",
                 )
             )
         return load
 
     def look_again(self, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:
-        """The program from a line on, with zeros that were set in between. Raises what is wrong with it then."""
+        """The program from a line on, with zeros that were set in between. Raises what is wrong
+        with it then."""
         known = self._known(NO_MORE)
         for batch in self.leg(self.fresh(live), begin, preamble):
             for line in batch:
@@ -210,7 +214,8 @@ def prepare(
     live: lives.Live,
     copy: ports.Copy | None,
 ) -> Job:
-    """The job, with the controller's zeros in the filter. Raises UsageError where they are not the stated ones."""
+    """The job, with the controller's zeros in the filter. Raises UsageError where they are not the
+    stated ones."""
     from postproc.filter import Filter
 
     base = reading.filter_of(options, machine, copy.head() if copy else b"")
@@ -235,10 +240,10 @@ def prepare(
     )
     if options.expand:
         with copy.opened() if copy else _piped(options.file) as stream:
-            job.whole = stream.read(expansion.LARGEST + 1)
-        if len(job.whole) > expansion.LARGEST:
+            job.whole = stream.read(intake.PROGRAM + 1)
+        if len(job.whole) > intake.PROGRAM:
             raise UsageError(
-                f"a program of more than {expansion.LARGEST:,} bytes is not read whole",
+                f"a program of more than {intake.PROGRAM:,} bytes is not read whole",
                 "without --expand any length passes",
             )
     return job
@@ -253,14 +258,14 @@ def _piped(path: str | None) -> Iterator[BinaryIO]:
 def resumed(
     options: argparse.Namespace, machine: Machine, copy: ports.Copy
 ) -> tuple[int, journals.Past | None]:
-    """The source line that --resume-from names, by number or by a journal, and what the journal says; None: there is none of this
-    program. Raises UsageError."""
+    """The source line that --resume-from names, by number or by a journal, and what the journal
+    says; None: there is none of this program. Raises UsageError."""
     text = options.resume_from
     if text.isdigit():
         if int(text) < 1:
             raise UsageError("--resume-from counts lines from 1")
         return int(text), _past_of(options, copy)
-    past = journals.read(ports.read_whole(Path(text), LARGEST_JOURNAL), text)
+    past = journals.read(ports.read_whole(Path(text), intake.JOURNAL), text)
     if past.head.get("sha256") != copy.digest:
         raise UsageError(
             f"{text} is the journal of another program, or {options.file} was changed since",
@@ -273,8 +278,10 @@ def resumed(
         )
     if past.head.get("expanded"):
         raise UsageError(
-            f"{text} is the journal of a program that was written out: its lines may have been executed more than once",
-            "write it out first (gcomp --expand -o plain.nc), find the place there, and begin with that line",
+            f"{text} is the journal of a program that was written out: its lines may have been"
+            " executed more than once",
+            "write it out first (gcomp --expand -o plain.nc), find the place there, and begin with"
+            " that line",
         )
     if past.outcome == "done":
         raise UsageError(f"{text} says that the job was done", "there is nothing to resume")
@@ -287,7 +294,7 @@ def _past_of(options: argparse.Namespace, copy: ports.Copy) -> journals.Past | N
     if place is None or not place.exists():
         return None
     try:
-        past = journals.read(ports.read_whole(place, LARGEST_JOURNAL), str(place))
+        past = journals.read(ports.read_whole(place, intake.JOURNAL), str(place))
     except UsageError:
         return None
     return past if past.head.get("sha256") == copy.digest else None
@@ -299,8 +306,9 @@ def zero_done(options: argparse.Namespace) -> str:
 
 
 def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: bool) -> int:
-    """The line to begin with, which may be a later one where the controller still stands where the job stopped. Raises UsageError
-    where the zero may not be where the job had it, and nobody says that it was looked after."""
+    """The line to begin with, which may be a later one where the controller still stands where the
+    job stopped. Raises UsageError where the zero may not be where the job had it, and nobody says
+    that it was looked after."""
     if job.options.zero_is_right:
         return line
     letters, controller = job.fresh().machine.letters, job.protocol.controller
@@ -314,7 +322,8 @@ def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: 
 
 
 def restarted(job: Job, line: int) -> None:
-    """Let the job begin with a line: the blocks that bring back what is in force are shown, and agreed to. Raises."""
+    """Let the job begin with a line: the blocks that bring back what is in force are shown, and
+    agreed to. Raises."""
     options = job.options
     if line > 1:
         filter_ = job.fresh()

@@ -1,5 +1,5 @@
-"""The journal on the disk: every record is the system's before its line leaves, and on the disk soon after; nobody waits for a disk
-that hangs.
+"""The journal on the disk: every record is the system's before its line leaves, and on the disk
+soon after; nobody waits for a disk that hangs.
 """
 
 from __future__ import annotations
@@ -18,13 +18,15 @@ CLOSING = 5.0  # s that the end of a job waits for it
 
 
 class JournalFile:
-    """Appends. write() hands records to a thread of its own and waits until the system has them, so that they survive a killed
-    process; but never longer than TAKEN, for a disk may hang while the machine moves. Another thread puts them on the disk every
-    SYNC seconds, because an fsync may take longer than the controller's buffer lasts. A journal that stood there before is kept
-    as .old.
+    """Appends. write() hands records to a thread of its own and waits until the system has them, so
+    that they survive a killed process; but never longer than TAKEN, for a disk may hang while the
+    machine moves. Another thread puts them on the disk every SYNC seconds, because an fsync may
+    take longer than the controller's buffer lasts. A journal that stood there before is kept as
+    .old.
 
-    fault: why nothing is written at present (a full disk), or "": the job goes on without, for stopping it would spoil the part. The file
-    ends with a whole record then, and what came since is written when there is room again.
+    fault: why nothing is written at present (a full disk), or "": the job goes on without, for
+    stopping it would spoil the part. The file ends with a whole record then, and what came since is
+    written when there is room again.
     """
 
     def __init__(self, path: Path, head: bytes):
@@ -65,7 +67,8 @@ class JournalFile:
                 self._news.wait_for(lambda: not self._waiting, TAKEN)
 
     def close(self) -> None:
-        """All of it is on the disk when this returns, unless there is a fault, or the disk hangs for CLOSING seconds."""
+        """All of it is on the disk when this returns, unless there is a fault, or the disk hangs
+        for CLOSING seconds."""
         self._closing.set()
         with self._news:
             self._news.notify_all()

@@ -1,4 +1,5 @@
-"""Single keys from the terminal, without Enter: as a POSIX terminal and a Windows console give them."""
+"""Single keys from the terminal, without Enter: as a POSIX terminal and a Windows console give
+them."""
 
 from __future__ import annotations
 
@@ -15,6 +16,7 @@ OVERRIDES = {
     ">": "spindle+", "<": "spindle-", "/": "spindle 100",
 }  # fmt: skip
 OVER = "feed + - =, rapids 1 2 3 (25 50 100 %), spindle > < /"
+IN_REFUSAL = "c goes on without it, s stops the job here, x resets at once"
 IN_HOLD = "r goes on, s stops the job here, x resets at once"
 
 
@@ -24,7 +26,8 @@ def terminal() -> bool:
 
 
 class Keys:
-    """pressed() within a `with`: the keys since the last time, without waiting; None when the terminal is gone."""
+    """pressed() within a `with`: the keys since the last time, without waiting; None when the
+    terminal is gone."""
 
     def __init__(self) -> None:
         self._old: Any = None

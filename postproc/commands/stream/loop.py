@@ -1,4 +1,5 @@
-"""The clock and the loop: bytes between port and sender, signals and keys to it, its log to journal, recording and outlets.
+"""The clock and the loop: bytes between port and sender, signals and keys to it, its log to
+journal, recording and outlets.
 
 Nothing here waits for anybody but the port: what is told, kept and recorded has threads of its own.
 """
@@ -20,6 +21,7 @@ from postproc.commands.stream.show import Show
 from postproc.commands.stream.signals import Interrupted, Signals
 from postproc.commands.stream.tools import Answers
 from postproc.errors import UsageError
+from postproc.heat.log import LogError
 from postproc.streaming import endings
 from postproc.streaming import journal as journals
 from postproc.streaming import outcome as ends
@@ -34,16 +36,16 @@ from postproc.streaming.trace import Trace
 WAIT = 0.02  # s at most between two looks at signals and clock
 HUNGRY = 0.002  # s while lines are missing
 QUEUE = 256  # lines that the sender has ready
-STANDS = (
-    2.0  # s from a hold to the stop behind it, where the controller does not say that it stands
-)
+# s from a hold to the stop behind it, where the controller does not say that it stands
+STANDS = 2.0
 RELEASE = "gcomp control resume releases it"
+CHECK_WORDS = {"[MSG:Enabled]", "[MSG:Disabled]", "[MSG:Pgm End]"}
 CLOSED = "nobody reads standard output any more: the pipe was closed"
 
 
 def interrupt(port: Port, greeting: Greeting, name: str) -> None:
-    """Somebody stops gcomp before the job: hold at once; homing ends by a reset alone (GRBL's limits.c looks at nothing else). Raises
-    Interrupted."""
+    """Somebody stops gcomp before the job: hold at once; homing ends by a reset alone (GRBL's
+    limits.c looks at nothing else). Raises Interrupted."""
     protocol = greeting.protocol
     hold = protocol.urgent("hold") if protocol else b""
     stop = protocol.urgent("stop") if protocol and greeting.moves else b""
@@ -52,14 +54,16 @@ def interrupt(port: Port, greeting: Greeting, name: str) -> None:
             port.write(data)
     if stop:
         raise Interrupted(
-            f"interrupted ({name}) while the machine was homing: it was told to hold and to stop; home it again"
+            f"interrupted ({name}) while the machine was homing: it was told to hold and to stop;"
+            " home it again"
         )
     does = f"; the controller was told to hold: {RELEASE}" if hold else ""
     raise Interrupted(f"interrupted ({name}): nothing of the program was sent{does}")
 
 
 def greet(port: Port, greeting: Greeting) -> None:
-    """Carry the talk before the job. Raises what it found wrong, and UsageError where the port goes away."""
+    """Carry the talk before the job. Raises what it found wrong, and UsageError where the port goes
+    away."""
     try:
         while not greeting.done and greeting.fault is None:
             now = time.monotonic()
@@ -77,12 +81,22 @@ def greet(port: Port, greeting: Greeting) -> None:
 
 
 class Run:
-    """One job to its outcome. keys: a person's; record: where the trace is written; answers: who waits for what the controller says."""
+    """One job to its outcome. keys: a person's; record: where the trace is written; answers: who
+    waits for what the controller says."""
 
     def __init__(
-        self, port: Port, sender: Sender, prefetch: Prefetch, show: Show, signals: Signals, journal: JournalFile | None = None,
-        trace: Trace | None = None, record: Outlet | None = None, keys: Keys | None = None, answers: Answers | None = None,
-    ):  # fmt: skip
+        self,
+        port: Port,
+        sender: Sender,
+        prefetch: Prefetch,
+        show: Show,
+        signals: Signals,
+        journal: JournalFile | None = None,
+        trace: Trace | None = None,
+        record: Outlet | None = None,
+        keys: Keys | None = None,
+        answers: Answers | None = None,
+    ):
         self.answers = answers
         self.port, self.sender, self.prefetch, self.show, self.signals = (
             port,
@@ -99,9 +113,8 @@ class Run:
             signals.holds,
         )
         self._asked = 0  # refused lines that were shown
-        self._ending: tuple[str, float] | None = (
-            None  # why the job ends when the machine stands, and since when
-        )
+        # why the job ends when the machine stands, and since when
+        self._ending: tuple[str, float] | None = None
         self._closed = False
         self._faults: set[str] = set()
 
@@ -110,9 +123,8 @@ class Run:
             try:
                 while self.sender.outcome is None:
                     self._turn()
-            except (
-                BaseException
-            ) as error:  # whatever it is, the machine must not run on with nobody at its wire
+            # whatever it is, the machine must not run on with nobody at its wire
+            except BaseException as error:
                 self._failed(error)
         assert self.sender.outcome is not None
         # The stop that an outcome orders may still have to leave.
@@ -141,7 +153,8 @@ class Run:
         self._feed()
         sender.tick(now)
         self._urge()
-        self._log()  # before it is written: after a crash nothing is on the wire that the journal does not say
+        # before it is written: after a crash nothing is on the wire that the journal does not say
+        self._log()
         try:
             self._write()
             hungry = sender.queued < QUEUE // 4 and not self.prefetch.finished and not sender.held
@@ -170,7 +183,10 @@ class Run:
             if not lines:
                 break
             self.sender.give(lines)
-        if self.prefetch.finished:
+        fault = self.prefetch.fault
+        if isinstance(fault, LogError):  # what was prepared by it is not to be cut either
+            self.sender.give_up(str(fault), time.monotonic())
+        elif self.prefetch.finished:
             self.sender.end()
 
     def _write(self) -> None:
@@ -179,9 +195,8 @@ class Run:
             if n < len(data):
                 self.sender.unwritten(data[n:])
                 return
-            if (
-                self.sender.protocol.release() < UNLIMITED
-            ):  # few at a time, and look for a stop in between
+            # few at a time, and look for a stop in between
+            if self.sender.protocol.release() < UNLIMITED:
                 self.port.drain()
                 return
 
@@ -193,10 +208,11 @@ class Run:
             if n < len(data):
                 self.sender.unwritten(data[n:])
 
-    # -- what a person, or the system, wants ---------------------------------------------------------------------------
+    # -- what a person, or the system, wants -------------------------------------------------------
 
     def _obey(self, now: float) -> None:
-        """First Ctrl-C holds, the second stops; Ctrl-Z holds; SIGTERM, SIGHUP and a closed pipe hold, then stop."""
+        """First Ctrl-C holds, the second stops; Ctrl-Z holds; SIGTERM, SIGHUP and a closed pipe
+        hold, then stop."""
         signals = self.signals
         while self._pressed < signals.presses:
             self._pressed += 1
@@ -209,7 +225,7 @@ class Run:
             self._hold(now)
         if signals.ends and self._ending is None:
             self._end(f"stopped by {signals.ends}", now)
-        if self.show.out.closed and not self._closed:
+        if not self._closed and self.show.unread():
             self._closed = True
             self._when_closed(now)
         self._when_still(now)
@@ -294,20 +310,21 @@ class Run:
         for line, words in self.sender.asks[self._asked :]:
             rest = len(self.sender.waiting)
             self.show.tell(
-                f"{endings.fact_of_refusal(line, words)}\n    {endings.behind(rest)}{self.sender.protocol.does['hold']}"
+                f"{endings.fact_of_refusal(line, words)}\n   "
+                f" {endings.behind(rest)}{self.sender.protocol.does['hold']}"
             )
         answers = [
             key for key in pressed or "" if key in (keyboard.SKIP, keyboard.STOP, keyboard.RESET)
         ]
         if len(self.sender.asks) > self._asked or (pressed and not answers):
-            self.show.tell("c: go on without it; s: stop here; x: reset at once")
+            self.show.tell(keyboard.IN_REFUSAL)
         elif answers and answers[0] == keyboard.RESET:
             self.sender.stop(now, "reset by the user")
         elif answers or pressed is None:
             self.sender.decide(bool(answers) and answers[0] == keyboard.SKIP, now)
         self._asked = len(self.sender.asks)
 
-    # -- what is kept and told -----------------------------------------------------------------------------------------
+    # -- what is kept and told ---------------------------------------------------------------------
 
     def _log(self) -> None:
         entries, self.sender.log = self.sender.log, []
@@ -323,7 +340,7 @@ class Run:
             if kind in ("hold", "resumed"):
                 self.show.tell(str(what))
                 self.show.event(kind, str(what))
-            if kind == "told" and isinstance(what, str) and "echo" not in what and not answer:
+            if kind == "told" and isinstance(what, str) and not answer and self._is_news(what):
                 self.show.tell(f"the controller says: {what}")
         live = self.answers.fresh() if self.answers is not None else None
         if self.journal is not None:
@@ -333,6 +350,10 @@ class Run:
             self._fault("journal", self.journal.fault)
         if self.record is not None:
             self._fault("recording", self.record.gone)
+
+    def _is_news(self, text: str) -> bool:
+        """Whether it is worth telling: no echo, and none of the words that belong to check mode."""
+        return "echo" not in text and not (self.sender.check and text in CHECK_WORDS)
 
     def _traced(self, kind: str, what: object, t: float) -> None:
         """A line, or a report, for the recording."""

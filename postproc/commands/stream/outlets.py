@@ -1,11 +1,14 @@
-"""What is told: standard output and standard error, each written by a thread of its own, so that nobody who does not read, no terminal
-that stands (Ctrl-S) and no full pipe can hold up the loop that holds the machine.
+"""What is told: standard output and standard error, each written by a thread of its own, so that
+nobody who does not read, no terminal that stands (Ctrl-S) and no full pipe can hold up the loop
+that holds the machine.
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import select
+import stat
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -16,9 +19,10 @@ PATIENCE = 2.0  # s that the end waits for a reader
 
 
 class Outlet:
-    """say() and refresh() never wait. gone: why nothing can be written any more (the reader has closed), or ""; closed: whether that
-    is because nobody reads, and not because a disk is full. show: what draws the newest state on a terminal; lines: what writes a line
-    where something is drawn, False: nothing is."""
+    """say() and refresh() never wait. gone: why nothing can be written any more (the reader has
+    closed), or ""; closed: whether that is because nobody reads, and not because a disk is full.
+    show: what draws the newest state on a terminal; lines: what writes a line where something is
+    drawn, False: nothing is."""
 
     def __init__(
         self,
@@ -34,6 +38,7 @@ class Outlet:
         self._state: Any = None
         self._news = threading.Condition()
         self._ends = self._busy = False
+        self._reader = _reader(self._fd)
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -53,6 +58,13 @@ class Outlet:
     def stalls(self) -> bool:
         """Whether something is waiting to be read."""
         return self._busy
+
+    def unread(self) -> bool:
+        """Whether nobody can read it any more: the other end of a pipe is closed, which the system
+        knows before anything is written (not on Windows: there the next line finds it)."""
+        if not self.closed and self._reader is not None and self._reader.poll(0):
+            self.closed = True
+        return self.closed
 
     def close(self, last: Callable[[], None] | None = None) -> None:
         """Wait for what is left, PATIENCE s at most. last: what then gives the terminal back."""
@@ -103,3 +115,15 @@ def _number(stream: TextIO | None) -> int | None:
         return stream.fileno()
     except (OSError, ValueError):
         return None
+
+
+def _reader(fd: int | None) -> Any:
+    """What says whether the other end of a pipe or socket is closed; None where nothing can."""
+    if fd is None or not hasattr(select, "poll"):
+        return None
+    mode = os.fstat(fd).st_mode
+    if not (stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)):
+        return None
+    found = select.poll()
+    found.register(fd, 0)  # errors and the hang-up are always reported
+    return found

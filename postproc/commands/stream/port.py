@@ -1,29 +1,48 @@
-"""A serial port, a pseudo-terminal, socket://host:port or rfc2217://host:port, as bytes that do not wait."""
+"""A serial port, a pseudo-terminal, socket://host:port or rfc2217://host:port, as bytes that do not
+wait."""
 
 from __future__ import annotations
 
 import contextlib
+import re
 import select
 import time
 from typing import Any
 
 from postproc.errors import UsageError
 
+ERRNO = re.compile(r"\[Errno \d+\] ([^:'\[]+)")
+SERIAL = (
+    "is it plugged in, is its name right, may you use it (group dialout), and does no other"
+    " program hold it?"
+)
+NETWORK = (
+    "is the device on, are its name and number right, and is no other program connected to it?"
+)
 LOOK = 0.02  # s that a read takes at most, where there is nothing to select on
 
 
 class Lost(Exception):
-    """The other end is gone: unplugged, closed, or the line was cut. One thing, whatever the system calls it."""
+    """The other end is gone: unplugged, closed, or the line was cut. One thing, whatever the system
+    calls it."""
 
 
 class Port:
-    """read(timeout) and write(data) raise Lost. write takes what the system takes at once, and says how much.
+    """read(timeout) and write(data) raise Lost. write takes what the system takes at once, and says
+    how much.
 
-    frame: data bits, parity (E, O, N) and stop bits. rtscts: whether the RTS and CTS wires say when bytes may leave.
+    frame: data bits, parity (E, O, N) and stop bits. rtscts: whether the RTS and CTS wires say when
+    bytes may leave.
     """
 
-    def __init__(self, url: str, baud: int, reset: bool = True, frame: tuple[int, str, int] = (8, "N", 1),
-                 rtscts: bool = False):  # fmt: skip
+    def __init__(
+        self,
+        url: str,
+        baud: int,
+        reset: bool = True,
+        frame: tuple[int, str, int] = (8, "N", 1),
+        rtscts: bool = False,
+    ):
         try:
             import serial
         except ImportError:
@@ -51,12 +70,15 @@ class Port:
                 port.dtr = port.rts = False
             port.open()
         except (serial.SerialException, OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
             raise UsageError(
-                f"the port {url} can not be opened: {reason}",
-                "is it plugged in, is its name right, may you use it (group dialout), and does no other program hold it?",
+                f"the port {url} can not be opened: {_plain(error)}",
+                NETWORK if "://" in url else SERIAL,
             ) from None
         self._port, self.url = port, url
+        # Behind a network nobody can wait until a byte has left: it is told by the clock.
+        bits, parity, stop = frame
+        self._byte = (1 + bits + (parity != "N") + stop) / baud if "://" in url else 0.0  # s
+        self._left = 0.0  # when the last byte has left
         self._fd: int | None = None
         with contextlib.suppress(AttributeError, OSError, ValueError):
             self._fd = int(port.fileno())
@@ -87,12 +109,17 @@ class Port:
         try:
             if self._fd is not None and not select.select([], [self._fd], [], 0)[1]:
                 return 0
-            return int(self._port.write(data) or 0)
+            n = int(self._port.write(data) or 0)
+            self._left = max(self._left, time.monotonic()) + n * self._byte
+            return n
         except self._broken as error:
             raise Lost(_reason(error)) from None
 
     def drain(self) -> None:
-        """Wait until what was written has left: for links on which the other side may say stop at any byte."""
+        """Wait until what was written has left: for links on which the other side may say stop at
+        any byte. Behind a network that is as long as the line takes for it."""
+        if self._byte:
+            time.sleep(max(0.0, self._left - time.monotonic()))
         try:
             self._port.flush()
         except self._broken as error:
@@ -105,3 +132,10 @@ class Port:
 
 def _reason(error: BaseException) -> str:
     return getattr(error, "strerror", None) or str(error) or "the device is gone"
+
+
+def _plain(error: BaseException) -> str:
+    """The system's own words, without the names that pyserial puts around them."""
+    text = getattr(error, "strerror", None) or str(error)
+    found = ERRNO.findall(str(error))
+    return found[-1].strip() if found else text

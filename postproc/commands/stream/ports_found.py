@@ -10,7 +10,8 @@ AUTO = "auto"
 
 
 def found() -> list[Any]:
-    """Those with something behind them: a port of the board without a device says neither what it is nor whose."""
+    """Those with something behind them: a port of the board without a device says neither what it
+    is nor whose."""
     try:
         from serial.tools import list_ports
     except ImportError:

@@ -1,4 +1,5 @@
-"""Compensated lines ahead of the link, so that neither a slow pipe nor a hard block starves it; in flat memory."""
+"""Compensated lines ahead of the link, so that neither a slow pipe nor a hard block starves it; in
+flat memory."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ AHEAD = 16  # batches of lines
 
 
 class Prefetch:
-    """Runs `lines` in a thread. take() gives what is ready, without waiting; `finished` when all was taken; `fault`: what
-    stopped it, behind the lines that came before it."""
+    """Runs `lines` in a thread. take() gives what is ready, without waiting; `finished` when all
+    was taken; `fault`: what stopped it, behind the lines that came before it."""
 
     def __init__(self, lines: Callable[[], Iterator[list[WireLine]]]):
         self._queue: queue.Queue[list[WireLine] | None] = queue.Queue(AHEAD)

@@ -1,4 +1,5 @@
-"""What a person, or a program, sees of a running job: a line that is kept up to date on a terminal, JSON lines otherwise."""
+"""What a person, or a program, sees of a running job: a line that is kept up to date on a terminal,
+JSON lines otherwise."""
 
 from __future__ import annotations
 
@@ -6,8 +7,10 @@ import json
 import sys
 from typing import Any
 
+from postproc.commands.stream.keys import IN_REFUSAL
 from postproc.commands.stream.outlets import Outlet
 from postproc.commands.stream.told import History
+from postproc.streaming.events import Status
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.rates import Clock
 from postproc.streaming.sender import Sender
@@ -16,8 +19,8 @@ EVERY = {"terminal": 0.2, "lines": 1.0}  # s
 
 
 class Show:
-    """Call it often with the time; it speaks when it is due, and never waits. total: lines of the job, 0: not known. keys: whether keys
-    may be pressed. out, err: where it is told."""
+    """Call it often with the time; it speaks when it is due, and never waits. total: lines of the
+    job, 0: not known. keys: whether keys may be pressed. out, err: where it is told."""
 
     def __init__(
         self,
@@ -60,17 +63,30 @@ class Show:
         elif not self.out.stalls():  # nobody reads: the newest will do
             self._line({"event": "progress", **state})
 
+    def unread(self) -> bool:
+        """Whether whoever read the events on standard output is gone."""
+        return not self.terminal and not self.quiet and self.out.unread()
+
     def state(self, now: float) -> dict[str, Any]:
-        """Position (mm, degrees, machine and work coordinates), buffers, feed, rates, last line, what is over and what is left."""
+        """Position (mm, degrees, machine and work coordinates), buffers, feed, rates, last line,
+        what is over and what is left."""
         sender, tally, status = self.sender, self.sender.tally, self.sender.status
         executed = sender.account.executed
         result: dict[str, Any] = {
-            "state": status.state if status else "unknown", "sent": tally.sent, "answered": tally.answered,
-            "executed": executed, "executed_source_line": sender.account.source, "total": self.total or None,
+            "state": status.state if status else "unknown",
+            "sent": tally.sent,
+            "answered": tally.answered,
+            "executed": executed,
+            "executed_source_line": sender.account.source,
+            "total": self.total or None,
             "percent": round(100 * executed / self.total, 2) if self.total else None,
-            "source_line": tally.source, "buffer_bytes": getattr(sender.protocol, "used", None), "held": sender.held,
+            "source_line": tally.source,
+            "buffer_bytes": getattr(sender.protocol, "used", None),
+            "held": sender.held,
+            "asks": len(sender.asks),
+            **self._likely(status),
             "elapsed_s": round(now - (now if self._begun is None else self._begun), 1),
-        }  # fmt: skip
+        }
         if status and status.place:
             result["position_mm"] = {
                 x: round(v, 4) for x, v in zip(self.letters, status.place, strict=False)
@@ -100,14 +116,34 @@ class Show:
             result["eta_s"] = round(self.clock.left(now), 1)
         return result
 
+    def _likely(self, status: Status | None) -> dict[str, Any]:
+        """The source line in which the tool probably is, and the percent that is over by that. In
+        check mode it moves nowhere."""
+        account = self.sender.account
+        line, share = (account.executed, 0.0) if self.sender.check else account.likely(status)
+        at = None if self.sender.check else account.at(status)
+        return {
+            "at_source_line": at.source if at else account.source,
+            "at_percent": round(100 * (line + share) / self.total, 2) if self.total else None,
+        }
+
     def _fed(self) -> dict[str, Any]:
-        """Of a control that answers nothing: what has left, and whether it lets more leave. No line is known to be over."""
+        """Of a control that answers nothing: what has left, and whether it lets more leave. No line
+        is known to be over."""
         bytes_, line = self.sender.written()
         return {
-            "state": self._waits() or "sending", "bytes": bytes_, "sent": line.number if line else 0, "executed": None,
-            "executed_source_line": None, "source_line": line.source if line else 0,
-            "percent": round(100 * (line.number if line else 0) / self.total, 2) if self.total else None,
-        }  # fmt: skip
+            "state": self._waits() or "sending",
+            "bytes": bytes_,
+            "sent": line.number if line else 0,
+            "executed": None,
+            "executed_source_line": None,
+            "at_source_line": None,
+            "at_percent": None,
+            "source_line": line.source if line else 0,
+            "percent": (
+                round(100 * (line.number if line else 0) / self.total, 2) if self.total else None
+            ),
+        }
 
     def _waits(self) -> str:
         """What a control that steers the link waits for, in words; ""."""
@@ -127,9 +163,10 @@ class Show:
             return "  ".join(part for part in parts if part)
         parts = [str(state["state"])]
         if state["total"]:
-            parts.append(f"{state['percent']:.1f} %")
+            parts.append(f"{state['at_percent']:.1f} %")
         parts.append(
-            f"line {state['executed_source_line']} is over, {state['source_line']} answered"
+            f"in line {state['at_source_line']}, {state['executed_source_line']} surely over,"
+            f" {state['source_line']} answered"
         )
         for name, which in (("work_mm", "work"), ("position_mm", "machine")):
             if name in state:
@@ -147,7 +184,9 @@ class Show:
         parts.append(f"{_minutes(state['elapsed_s'])} gone")
         if "eta_s" in state:
             parts.append(f"{_minutes(state['eta_s'])} left")
-        if state["state"] in ("hold", "door") or state["held"]:
+        if state["asks"]:
+            parts.append(f"REFUSED: {IN_REFUSAL}")
+        elif state["state"] in ("hold", "door") or state["held"]:
             parts.append(
                 "HOLD: r goes on, s stops, x resets"
                 if self.keys
@@ -196,25 +235,54 @@ class Show:
         if not self.terminal and not self.quiet:
             self._line(
                 {
-                    "event": "outcome", "outcome": outcome.kind, "exit_status": outcome.exit_status, "message": outcome.message,
-                    "last_answered": outcome.last_certain, "source_line": outcome.certain_source,
+                    "event": "outcome",
+                    "outcome": outcome.kind,
+                    "exit_status": outcome.exit_status,
+                    "message": outcome.message,
+                    "last_answered": outcome.last_certain,
+                    "source_line": outcome.certain_source,
                     "at_source_line": outcome.at.source if outcome.at else None,
-                    "unanswered": [{"line": x.number, "source_line": x.source, "text": x.text.decode("ascii", "replace")} for x in outcome.unanswered],
+                    "unanswered": [
+                        {
+                            "line": x.number,
+                            "source_line": x.source,
+                            "text": x.text.decode("ascii", "replace"),
+                        }
+                        for x in outcome.unanswered
+                    ],
                 }
-            )  # fmt: skip
+            )
         self.out.close()
 
     def report(self, outcome: Outcome, now: float, about: dict[str, Any]) -> dict[str, Any]:
         """The run, format gcomp-run/1. about: what else is known of it."""
         tally, begun = self.sender.tally, now if self._begun is None else self._begun
         return {
-            "format": "gcomp-run/1", **about, "outcome": outcome.kind, "exit_status": outcome.exit_status, "message": outcome.message,
-            "seconds": round(now - begun, 2), "held_s": round(self.clock.held, 2) if self.clock else None,
-            "expected_s": round(self.clock.expected, 2) if self.clock else None, "lines": self.total or None, "sent": tally.sent,
-            "answered": tally.answered, "executed": self.sender.account.executed, "bytes": tally.bytes, "buffer_bytes_at_most": tally.peak,
-            "refused": [{"source_line": line.source, "text": line.text.decode("ascii", "replace"), "words": words} for line, words in tally.rejected],
-            "at_source_line": outcome.at.source if outcome.at else None, "events": self._events,
-        }  # fmt: skip
+            "format": "gcomp-run/1",
+            **about,
+            "outcome": outcome.kind,
+            "exit_status": outcome.exit_status,
+            "message": outcome.message,
+            "seconds": round(now - begun, 2),
+            "held_s": round(self.clock.held, 2) if self.clock else None,
+            "expected_s": round(self.clock.expected, 2) if self.clock else None,
+            "lines": self.total or None,
+            "sent": tally.sent,
+            "answered": tally.answered,
+            "executed": self.sender.account.executed,
+            "bytes": tally.bytes,
+            "buffer_bytes_at_most": tally.peak,
+            "refused": [
+                {
+                    "source_line": line.source,
+                    "text": line.text.decode("ascii", "replace"),
+                    "words": words,
+                }
+                for line, words in tally.rejected
+            ],
+            "at_source_line": outcome.at.source if outcome.at else None,
+            "events": self._events,
+        }
 
     def close(self) -> None:
         """Give the terminal back."""

@@ -15,8 +15,9 @@ class Interrupted(BaseException):
 
 
 class Signals:
-    """presses: of Ctrl-C; holds: of Ctrl-Z, which shall not leave a machine moving with nobody at its wire; resumes: SIGUSR1; ends: which
-    signal ends the job, "" none. at_once: what is to be done when one comes before a job runs; None: they are counted alone."""
+    """presses: of Ctrl-C; holds: of Ctrl-Z, which shall not leave a machine moving with nobody at
+    its wire; resumes: SIGUSR1; ends: which signal ends the job, "" none. at_once: what is to be
+    done when one comes before a job runs; None: they are counted alone."""
 
     def __init__(self) -> None:
         self.presses = self.holds = self.resumes = 0
@@ -34,9 +35,8 @@ class Signals:
         old = {}
         for name, what in wanted.items():
             number = getattr(signal, name, None)
-            if number is None or (
-                name == "SIGHUP" and signal.getsignal(number) is signal.SIG_IGN
-            ):  # nohup
+            # nohup
+            if number is None or (name == "SIGHUP" and signal.getsignal(number) is signal.SIG_IGN):
                 continue
             with contextlib.suppress(ValueError):
                 old[number] = signal.signal(number, self._handler(name, what))

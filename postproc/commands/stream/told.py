@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import os
 from pathlib import Path
 from typing import Any
 
@@ -34,13 +35,35 @@ class History:
 
 
 def refuse(options: argparse.Namespace) -> None:
-    """Raises UsageError for two things to one place."""
-    if options.report and options.report == options.json:
+    """Raises UsageError for two things to one place, and for a place that is none: a good job must
+    not end in what could be said before its first byte."""
+    both = options.report, options.json
+    if all(both) and (both[0] == both[1] or _same(*both)):
         raise UsageError(f"two things are to be written to {options.report}", "name two files")
+    for path in (options.report, options.json):
+        if path in (None, "-"):
+            continue
+        if Path(path).is_dir():
+            raise UsageError(f"{path} is a folder", "name a file in it")
+        folder = Path(path).absolute().parent
+        if not os.access(folder, os.W_OK | os.X_OK):
+            why = "can not be written to" if folder.is_dir() else "is not there"
+            raise UsageError(
+                f"{path} could not be written when the job is over: {folder} {why}",
+                "make the folder, or name another one",
+            )
 
 
-def write(options: argparse.Namespace, fields: dict[str, Any], history: History) -> None:
-    """To the files that were asked for. A report whose name ends in .json is the JSON object."""
+def _same(one: str, other: str) -> bool:
+    """Whether two names are one file."""
+    return "-" not in (one, other) and os.path.realpath(one) == os.path.realpath(other)
+
+
+def write(
+    options: argparse.Namespace, fields: dict[str, Any], history: History, ended: str = ""
+) -> None:
+    """To the files that were asked for. A report whose name ends in .json is the JSON object.
+    ended: how the job ended, as a person is told."""
     plain = bool(options.report) and Path(options.report).suffix.lower() == ".json"
     as_json.put(options.json, fields)
     as_json.put(options.report if plain else None, fields)
@@ -49,6 +72,6 @@ def write(options: argparse.Namespace, fields: dict[str, Any], history: History)
 
         ports.replace_file(
             Path(options.report),
-            io.BytesIO(run.html(fields, history.samples).encode()),
+            io.BytesIO(run.html(fields, history.samples, ended).encode()),
             backup=False,
         )

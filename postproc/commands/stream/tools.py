@@ -1,4 +1,5 @@
-"""Tool changes of one job: the lines of the program leg by leg, between them the user's macros and what the controller says of its zeros."""
+"""Tool changes of one job: the lines of the program leg by leg, between them the user's macros and
+what the controller says of its zeros."""
 
 from __future__ import annotations
 
@@ -9,14 +10,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from postproc import ports
+from postproc import intake, ports
 from postproc.errors import GcompError, Place, ProgramError, UsageError
 from postproc.streaming import changes, restart
 from postproc.streaming import live as lives
 from postproc.streaming.changes import Longer, Macro
 from postproc.streaming.events import Status
-from postproc.streaming.foreknown import M6
 from postproc.streaming.lines import Unsendable, WireLine
+from postproc.streaming.precheck import M6
 from postproc.streaming.protocols import Controller, Protocol
 from postproc.streaming.protocols.grbl import Grbl
 
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from postproc.commands.stream.job import Job
     from postproc.filter import Filter
 
-LARGEST = 1 << 20
 CAN_NOT = "the job can not go on behind this tool change"
 
 
@@ -42,26 +42,30 @@ def read(options: argparse.Namespace, protocol: Protocol) -> Macros | None:
         return None
     if not isinstance(protocol, Grbl):
         raise UsageError(
-            f"--park and --touch-off are for GRBL and its kin, and this is {protocol.controller.name}",
+            "--park and --touch-off are for GRBL and its kin, and this is"
+            f" {protocol.controller.name}",
             "leave them out: it gets M6 as it stands, or --tool-change pause",
         )
 
     def of(path: str | None) -> Macro:
         if not path:
             return Macro()
-        return changes.macro(ports.read_whole(Path(path), LARGEST), path, protocol.prepare)
+        return changes.macro(ports.read_whole(Path(path), intake.MACRO), path, protocol.prepare)
 
     macros = Macros(of(options.park), of(options.touch_off))
     if options.resume_from and any(changes.LONGER in text for _, text in macros.touch.rows):
         raise UsageError(
-            f"{options.touch_off} compares each tool with the first one of the job, and of a job that begins again that is not known",
-            "touch off every tool by its own, with G10 L20; or write the rest of the program as one of its own",
+            f"{options.touch_off} compares each tool with the first one of the job, and of a job"
+            " that begins again that is not known",
+            "touch off every tool by its own, with G10 L20; or write the rest of the program as one"
+            " of its own",
         )
     return macros
 
 
 class Answers:
-    """What the controller says of its zeros in the middle of a job: from the loop, which hears it, to whoever prepares lines and waits.
+    """What the controller says of its zeros in the middle of a job: from the loop, which hears it,
+    to whoever prepares lines and waits.
 
     said: its words, by question."""
 
@@ -138,8 +142,9 @@ class Answers:
 
 
 def lines(job: Job, answers: Answers | None, bare: bool) -> Iterator[list[WireLine]]:
-    """All of a job. answers: of the controller, None: before the job, with the zeros of now. bare: without macros and pauses, as in
-    the controller's check mode. Raises ProgramError, UsageError."""
+    """All of a job. answers: of the controller, None: before the job, with the zeros of now. bare:
+    without macros and pauses, as in the controller's check mode. Raises ProgramError,
+    UsageError."""
     assert job.macros is not None
     number, begin, live, preamble = (
         1,
@@ -205,7 +210,8 @@ def _changed(
 
 
 def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[bytes, ...] | None:
-    """The blocks that bring back what is in force and where the tool was, at a line behind a tool change; None: nothing comes any more."""
+    """The blocks that bring back what is in force and where the tool was, at a line behind a tool
+    change; None: nothing comes any more."""
     assert job.copy is not None
     with job.copy.opened() as stream:
         if not any(number >= begin for number, _ in enumerate(stream, 1)):
@@ -223,7 +229,8 @@ def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[by
     )
     if abs(z / lives.TICKS_PER_MM - live.length.get("Z", 0.0)) > lives.SAME_MM:
         raise UsageError(
-            f"line {begin - 1} changes the tool, and the program has set a tool length before (G43.1, G49), which is not the new one's",
+            f"line {begin - 1} changes the tool, and the program has set a tool length before"
+            " (G43.1, G49), which is not the new one's",
             "leave tool lengths to --touch-off, and take them out of the program",
         )
     before.loaded = ""

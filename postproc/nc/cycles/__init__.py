@@ -1,7 +1,7 @@
 """Canned cycles and turned, scaled or mirrored coordinates, written out as plain blocks.
 
-One family of controls and of cycles per module; which dialect has which is said here and nowhere else. A new family
-is a new module and a row.
+One family of controls and of cycles per module; which dialect has which is said here and nowhere
+else. A new family is a new module and a row.
 """
 
 from __future__ import annotations
@@ -11,8 +11,12 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
+from postproc.nc.cycles.arcs_siemens import Openings
+from postproc.nc.cycles.before import Chain
 from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
+from postproc.nc.cycles.corners_fanuc import FanucCorners
 from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
@@ -29,6 +33,7 @@ from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrill
 from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling, ReturnLevel
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
+from postproc.nc.cycles.frames_haas import HaasFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
@@ -48,7 +53,8 @@ from postproc.nc.expand import Line
 
 
 class Cycle(Protocol):
-    """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its own."""
+    """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its
+    own."""
 
     @property
     def modal(self) -> bool: ...
@@ -63,8 +69,8 @@ class Cycle(Protocol):
 
 
 class Before(Protocol):
-    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes out; `rigid`: whether what
-    it wrote last has a size of its own, which no frame may scale."""
+    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes
+    out; `rigid`: whether what it wrote last has a size of its own, which no frame may scale."""
 
     codes: tuple[int, ...]
     rigid: bool
@@ -77,8 +83,8 @@ class Before(Protocol):
 
 
 class Control(Protocol):
-    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of them whose axis
-    words are no motion."""
+    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of
+    them whose axis words are no motion."""
 
     codes: tuple[int, ...]
     takers: tuple[int, ...]
@@ -98,9 +104,9 @@ class Control(Protocol):
 
 @dataclass(frozen=True)
 class Family:
-    """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings back the motion
-    code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: nobody knows which one it leaves. `until_g80`: a motion
-    code does not end a cycle. `before`: what writes out
+    """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings
+    back the motion code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: nobody knows
+    which one it leaves. `until_g80`: a motion code does not end a cycle. `before`: what writes out
     what depends on blocks around it: roundings, arcs about a pole."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
@@ -109,6 +115,24 @@ class Family:
     forgets: bool = False
     until_g80: bool = False
     before: Callable[[Scene], Before] | None = None
+
+
+class CornersAndDirections(Chain):
+    """Of a Fanuc mill."""
+
+    codes = ToolDirections.codes
+
+    def __init__(self, scene: Scene):
+        super().__init__(FanucCorners(scene), ToolDirections(scene))
+
+
+class ArcsAndCorners(Chain):
+    """Of Sinumerik."""
+
+    codes = Polynomials.codes
+
+    def __init__(self, scene: Scene):
+        super().__init__(Openings(scene), Polynomials(scene))
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
@@ -130,20 +154,29 @@ def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
     holes = FanucDrilling(synchronised=synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
     cycles[NURBS] = FanucNurbs()
-    return Family(cycles, FanucFrames, restores=True, before=ToolDirections)
+    return Family(cycles, FanucFrames, restores=True, before=CornersAndDirections)
 
 
 def haas(dialect: Dialect, synchronised: bool) -> Family:
     holes = HaasDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
     cycles |= dict.fromkeys((CLOCKWISE, COUNTER), CircularPocket())
-    return Family(cycles, lambda scene: FanucFrames(scene, False), restores=True)
+
+    class BoltsAndCorners(Chain):
+        codes = BoltHoles.codes
+
+        def __init__(self, scene: Scene):
+            super().__init__(BoltHoles(scene, holes), FanucCorners(scene))
+
+    return Family(cycles, HaasFrames, restores=True, before=BoltsAndCorners)
 
 
 def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
     system = next((s for s in SYSTEMS if dialect.name.endswith("-" + s)), "b")
     turning = _turning(system)
-    return Family(dict.fromkeys(LATHE, LatheDrilling(synchronised)) | turning.cycles, restores=True)
+    return replace(
+        turning, cycles=dict.fromkeys(LATHE, LatheDrilling(synchronised)) | turning.cycles
+    )
 
 
 def haas_lathe(dialect: Dialect, synchronised: bool) -> Family:
@@ -163,7 +196,7 @@ def _turning(system: str, haas: bool = False) -> Family:
         single: Stays(True),
         end: Turn(True, haas),
     }
-    return Family(cycles, restores=True)
+    return Family(cycles, restores=True, before=FanucCorners)
 
 
 SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanuc lathe have them
@@ -174,7 +207,7 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 
 
 def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames, before=Polynomials)
+    return Family(control=SiemensFrames, before=ArcsAndCorners)
 
 
 def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
@@ -196,9 +229,8 @@ def okuma(dialect: Dialect, synchronised: bool) -> Family:
     return Family(cycles | {LEVEL: ReturnLevel(holes)}, forgets=True)
 
 
-FAMILIES: dict[
-    str, Callable[[Dialect, bool], Family]
-] = {  # the longest prefix of the dialect's name holds
+# the longest prefix of the dialect's name holds
+FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
     "linuxcnc": linuxcnc,
     "grblhal": grblhal,
     "fanuc": fanuc_mill,

@@ -15,7 +15,8 @@ TINY = 1e-12
 
 @dataclass(frozen=True)
 class Affine:
-    """Programmed coordinates p to those of the output, q = matrix p + shift, in the program's unit."""
+    """Programmed coordinates p to those of the output, q = matrix p + shift, in the program's
+    unit."""
 
     matrix: Matrix = NO_TURN
     shift: Point = (0.0, 0.0, 0.0)
@@ -43,7 +44,8 @@ class Affine:
         return 1e-18 < abs(_det(*self.matrix)) < 1e18
 
     def partners(self, axis: str) -> list[str]:
-        """The axes that a word of this axis moves, and those that its coordinate depends on: itself at least."""
+        """The axes that a word of this axis moves, and those that its coordinate depends on: itself
+        at least."""
         i = AXES.index(axis)
         mixed = {i} | {
             j for j in range(3) if abs(self.matrix[i][j]) > TINY or abs(self.matrix[j][i]) > TINY
@@ -72,8 +74,8 @@ class Affine:
         return _det(d, b, c) / det, _det(a, d, c) / det, _det(a, b, d) / det
 
     def similarity(self, first: str, second: str) -> float | None:
-        """What circles of a plane become: their factor, negative where their sense turns round; None: no circles, or
-        none in this plane."""
+        """What circles of a plane become: their factor, negative where their sense turns round;
+        None: no circles, or none in this plane."""
         i, j = AXES.index(first), AXES.index(second)
         k = 3 - i - j
         m = self.matrix

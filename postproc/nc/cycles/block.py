@@ -1,5 +1,5 @@
-"""One block as words with their places, so that some can be taken out or changed and all other text stays as it
-stood."""
+"""One block as words with their places, so that some can be taken out or changed and all other text
+stays as it stood."""
 
 from __future__ import annotations
 
@@ -31,8 +31,9 @@ LONGEST_WORD = 100  # characters; a longer one is no number that a control reads
 
 @dataclass(frozen=True)
 class Word:
-    """`letter` in capitals (a whole name for CR=, AP=; a keyword such as ROT has no `value`), the number as it is
-    written (`raw`), its place in the text, and for X=IC(5) the mode "IC" or "AC"."""
+    """`letter` in capitals (a whole name for CR=, AP=; a keyword such as ROT has no `value`), the
+    number as it is written (`raw`), its place in the text, and for X=IC(5) the mode "IC" or
+    "AC"."""
 
     letter: str
     value: float | None
@@ -89,7 +90,8 @@ def blocks(text: bytes, grammar: Grammar) -> list[bytes]:
 
 @dataclass(frozen=True)
 class Block:
-    """A block cut into words. `plain`: whether words, blanks and comments are all there is; `skip`: begins with "/"."""
+    """A block cut into words. `plain`: whether words, blanks and comments are all there is; `skip`:
+    begins with "/"."""
 
     text: bytes
     words: tuple[Word, ...]
@@ -151,8 +153,9 @@ class Block:
         at: int | None = None,
         changed: dict[int, bytes] | None = None,
     ) -> bytes:
-        """The text without the words numbered in `out`, words in `changed` written anew, and `new` put in before word
-        `at` (None: where the first word that goes out stood, else behind the last word)."""
+        """The text without the words numbered in `out`, words in `changed` written anew, and `new`
+        put in before word `at` (None: where the first word that goes out stood, else behind the
+        last word)."""
         changed = changed or {}
         if at is None:
             at = min(out) if out else len(self.words)
@@ -184,8 +187,8 @@ class Block:
 
 
 def number_of(word: Word) -> int | None:
-    """Ten times the number of a G word, or the number of a keyword; None for other words, -1 for what no code can
-    be."""
+    """Ten times the number of a G word, or the number of a keyword; None for other words, -1 for
+    what no code can be."""
     if word.letter == "G" and word.value is not None:
         tenfold = round(word.value * 10)
         return tenfold if abs(tenfold - word.value * 10) < 1e-9 and 0 <= tenfold < 10_000 else -1

@@ -1,12 +1,15 @@
-"""G12 and G13 of Haas mills: circular pockets, clockwise and counter-clockwise, from the centre out and back.
+"""G12 and G13 of Haas mills: circular pockets, clockwise and counter-clockwise, from the centre out
+and back.
 
-Haas mill operator's manual, "G12 Circular Pocket Milling CW / G13 CCW", and VF series manual (June 1999), page 237: the tool stands in the
-centre, goes down to Z at F, cuts a circle of radius I, or circles from I by Q up to K, each less the tool's radius that D
-names (D0: the tool's centre), and ends in the centre at depth; in G91 Z is a distance, and L how often. The cut is made of arcs alone
+Haas mill operator's manual, "G12 Circular Pocket Milling CW / G13 CCW", and VF series manual (June
+1999), page 237: the tool stands in the centre, goes down to Z at F, cuts a circle of radius I, or
+circles from I by Q up to K, each less the tool's radius that D names (D0: the tool's centre), and
+ends in the centre at depth; in G91 Z is a distance, and L how often. The cut is made of arcs alone
 (P. Smid, CNC Programming Handbook: half a circle in, the circle, half a circle out).
 
-Assumed: circles begin on the X axis, and half circles lead from each to the next. Whatever the control does there lies
-within the same pocket. Refused: a centre X Y in the block, for how it is gone to is not certain; other planes.
+Assumed: circles begin on the X axis, and half circles lead from each to the next. Whatever the
+control does there lies within the same pocket. Refused: a centre X Y in the block, for how it is
+gone to is not certain; other planes.
 """
 
 from __future__ import annotations
@@ -20,9 +23,13 @@ from postproc.nc.cycles.words import Form
 CLOCKWISE, COUNTER = 120, 130
 MOST_CIRCLES, MOST_DEPTHS = 1000, 1000
 WORDS = {
-    "I": "radius of the first circle", "K": "radius of the last circle", "Q": "how much wider each one is", "D": "the tool's radius",
-    "Z": "depth", "L": "how often, each time deeper",
-}  # fmt: skip
+    "I": "radius of the first circle",
+    "K": "radius of the last circle",
+    "Q": "how much wider each one is",
+    "D": "the tool's radius",
+    "Z": "depth",
+    "L": "how often, each time deeper",
+}
 NEAR = 1e-9
 
 
@@ -122,7 +129,8 @@ class CircularPocket:
         radius = scene.tracker.offset(f"D{number:g}", "R")
         if radius is None:
             raise scene.fault(
-                f"the tool's radius D{number:g} of {name} is not stated", f"say it in mm: --offset D{number:g}=R5",
+                f"the tool's radius D{number:g} of {name} is not stated",
+                f"say it in mm: --offset D{number:g}=R5",
                 block.word("D"),
-            )  # fmt: skip
+            )
         return radius / 25.4 if scene.inch else radius

@@ -1,11 +1,14 @@
-"""RND=, CHF=, CHR= and RNDM= of Sinumerik: the corner behind a straight line, written out as an arc or a line.
+"""RND=, CHF=, CHR= and RNDM= of Sinumerik: the corner behind a straight line, written out as an arc
+or a line.
 
-Siemens, SINUMERIK NC Programming Manual, "Chamfer, rounding (CHF, CHR, RND, RNDM, FRC, FRCM)": RND is the radius of an arc
-that touches both lines, RNDM the same for all corners until RNDM=0; CHR is how far a chamfer begins before the corner,
-CHF how long it is, and it stands alike on both. The corner lies in the plane in force, behind the block that names it.
+Siemens, SINUMERIK NC Programming Manual, "Chamfer, rounding (CHF, CHR, RND, RNDM, FRC, FRCM)": RND
+is the radius of an arc that touches both lines, RNDM the same for all corners until RNDM=0; CHR is
+how far a chamfer begins before the corner, CHF how long it is, and it stands alike on both. The
+corner lies in the plane in force, behind the block that names it.
 
-Followed between two straight feeds in the plane. Refused: corners at arcs and rapids, beside polar words, with a feed of
-their own (FRC), longer than their lines. None is made at the end of the program or where both lines go on straight.
+Followed between two straight feeds in the plane. Refused: corners at arcs and rapids, beside polar
+words, with a feed of their own (FRC), longer than their lines. None is made at the end of the
+program or where both lines go on straight.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from typing import ClassVar
 
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.frames import CORNERS
@@ -21,16 +25,18 @@ from postproc.nc.expand import Line
 from postproc.nc.expand.tracker import number
 
 FOUND = re.compile(rb"(?<![A-Za-z0-9_$])(?:RNDM?|CHF|CHR)[ \t]*=", re.IGNORECASE)
-FEED, DIAM90 = 10, "DIAM90"
+FEED = 10
 ENDS = (2, 17, 30)
 IDLE = "NMFSTHD"  # letters of blocks between the lines of a corner
 WRITE = "write the corner out"
 NEAR = 1e-9
+ROUND, CHAMFER, LENGTH = "radius", "way to the corner", "length of the chamfer"
 
 
 @dataclass
 class Held:
-    """A straight line whose end waits for the next one. `start` and `end`: along the plane's two axes, X as a radius;
+    """A straight line whose end waits for the next one. `start` and `end`: along the plane's two
+    axes, X as a radius;
     `word`: what makes the corner, its `size`; `between`: lines that only
     switch something; `modal`: whether RNDM says it."""
 
@@ -45,9 +51,13 @@ class Held:
 
 
 class Corners:
-    """Holds a line back until the next one says which corner it makes."""
+    """Holds a line back until the next one says which corner it makes. `kinds`: what each word of a
+    corner is; `sign`: what stands between it and its size."""
 
     codes: tuple[int, ...] = ()
+    rigid = True
+    kinds: ClassVar[dict[str, str]] = {"RND": ROUND, "CHR": CHAMFER, "CHF": LENGTH}
+    sign = "="
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -66,8 +76,12 @@ class Corners:
     def take(self, line: Line) -> list[Line]:
         """Lines that can be followed now, without the words of corners. Raises ProgramError."""
         scene = self.scene
-        block = Block.of(line.text, scene.dialect.grammar)
-        scene.block = block
+        if scene.passes(line.text):
+            if self.held is None:
+                return [line]
+            self.held.between.append(line)
+            return []
+        scene.block = block = self._read(line)
         if not block.plain:
             if self.held is not None:
                 raise scene.fault("a corner, and then more than words and numbers", WRITE)
@@ -94,6 +108,10 @@ class Corners:
             return [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
         return self._line(line, plain, own)
 
+    def _read(self, line: Line) -> Block:
+        """The block of a line."""
+        return Block.of(line.text, self.scene.dialect.grammar)
+
     def _switches(self, block: Block) -> bool:
         return all(w.letter in IDLE for w in block.words)
 
@@ -112,19 +130,24 @@ class Corners:
             raise scene.fault(
                 f"{found[0].letter} and {found[1].letter} in one block", "keep one", found[1]
             )
-        if found and (found[0].value or 0.0) <= 0:
-            raise scene.fault(
-                f"{found[0].letter}={found[0].raw}", "a corner has a size above 0", found[0]
-            )
         out = {i for i, w in enumerate(block.words) if w.letter in CORNERS}
         rndm = block.get("RNDM")
         plain = Block.of(block.written(out), scene.dialect.grammar) if out else block
-        return rndm, found[0] if found else None, plain
+        return rndm, self._sized(found[0] if found else None), plain
 
-    # -- lines ---------------------------------------------------------------------------------------------------------
+    def _sized(self, word: Word | None) -> Word | None:
+        """The word of a corner, if its size is above 0. Raises ProgramError."""
+        if word is not None and (word.value or 0.0) <= 0:
+            raise self.scene.fault(
+                f"{word.letter}{self.sign}{word.raw}", "a corner has a size above 0", word
+            )
+        return word
+
+    # -- lines -------------------------------------------------------------------------------------
 
     def _line(self, line: Line, block: Block, own: Word | None) -> list[Line]:
-        """A block that moves, or means to: the end of a corner, and perhaps the beginning of the next one."""
+        """A block that moves, or means to: the end of a corner, and perhaps the beginning of the
+        next one."""
         scene, held = self.scene, self.held
         names = scene.plane[:2]
         moves = any(w.letter in names for w in block.words)
@@ -158,9 +181,14 @@ class Corners:
             raise scene.fault(f"{word} beside polar words", WRITE)
         if self._motion(block) != FEED or not moves:
             raise scene.fault(
-                f"{word} between this block and another one that is no straight feed (G1) in the plane"
-                if not moves else f"{word} at a motion that is no straight feed (G1)", WRITE,
-            )  # fmt: skip
+                (
+                    f"{word} between this block and another one that is no straight feed (G1) in"
+                    " the plane"
+                    if not moves
+                    else f"{word} at a motion that is no straight feed (G1)"
+                ),
+                WRITE,
+            )
         if any(w.letter in "ABCUVW" or w.letter == scene.plane[2] for w in block.words):
             raise scene.fault(f"{word} at a line that leaves the plane", WRITE)
         known = (900, 910, FEED)
@@ -170,23 +198,20 @@ class Corners:
             raise scene.fault(
                 f"{name} at a line with {word}", "write it in a block before the corner"
             )
-        if any(
-            row.word == DIAM90 and scene.code("diameter") == row.number
-            for row in scene.table.values()
-        ):
+        if scene.diameter_in_g90:
             raise scene.fault(f"{word} under DIAM90", "write DIAMON or DIAMOF")
 
-    def _half(self, axis: str) -> float:
-        return 2.0 if self.scene.is_diameter(axis) else 1.0
-
     def _here(self, names: tuple[str, ...]) -> tuple[float, float]:
-        a, b = (self.scene.at(x) / self._half(x) for x in names)
+        a, b = (self.scene.at(x) / self.scene.double(x) for x in names)
         return a, b
 
-    def _relative(self, block: Block, word: Word) -> bool:
+    def _distances(self, block: Block) -> bool:
+        """Whether plain words of a block are distances."""
         own = next((c for c in reversed(block.codes) if c in (900, 910)), None)
-        held = own == 910 if own is not None else self._incremental
-        return word.mode == "IC" or (held and word.mode != "AC")
+        return own == 910 if own is not None else self._incremental
+
+    def _relative(self, block: Block, word: Word) -> bool:
+        return word.mode == "IC" or (self._distances(block) and word.mode != "AC")
 
     @property
     def _incremental(self) -> bool:
@@ -200,7 +225,7 @@ class Corners:
         for i, axis in enumerate(names):
             word = block.word(axis)
             if word is not None:
-                value = (word.value or 0.0) / self._half(axis)
+                value = self.scene.length(word, axis) / self.scene.double(axis)
                 place[i] = value + start[i] if self._relative(block, word) else value
         return place[0], place[1]
 
@@ -218,9 +243,9 @@ class Corners:
             if word.letter not in names:
                 continue
             k = names.index(word.letter)
-            value = (end[k] - start[k] if self._relative(block, word) else end[k]) * self._half(
-                word.letter
-            )
+            value = (
+                end[k] - start[k] if self._relative(block, word) else end[k]
+            ) * self.scene.double(word.letter)
             text = number(scene.rounded(word.letter, value), scene.decimals(word.letter)).encode()
             written = block.text[word.start : word.stop]
             if word.mode:
@@ -232,7 +257,7 @@ class Corners:
             changed[first] = head + b" " + changed[first]
         return Block.of(block.written(set(), changed=changed), scene.dialect.grammar)
 
-    # -- the corner ----------------------------------------------------------------------------------------------------
+    # -- the corner --------------------------------------------------------------------------------
 
     def _corner(
         self,
@@ -252,20 +277,20 @@ class Corners:
         a = before[0] / lengths[0], before[1] / lengths[0]
         b = behind[0] / lengths[1], behind[1] / lengths[1]
         turn = a[0] * b[1] - a[1] * b[0]
-        angle = math.atan2(
-            abs(turn), a[0] * b[0] + a[1] * b[1]
-        )  # between the lines: pi where they go on straight
+        # between the lines: pi where they go on straight
+        angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])
         if math.pi - angle < NEAR:
             return corner, block, [held.line, *held.between]
         if angle < NEAR:
             raise scene.fault(f"{held.word} where the line runs back", WRITE)
         away = {
-            "RND": lambda: held.size / math.tan(angle / 2), "CHR": lambda: held.size,
-            "CHF": lambda: held.size / 2 / math.sin(angle / 2),
-        }[held.word]()  # fmt: skip
+            ROUND: lambda: held.size / math.tan(angle / 2), CHAMFER: lambda: held.size,
+            LENGTH: lambda: held.size / 2 / math.sin(angle / 2),
+        }[self.kinds[held.word]]()  # fmt: skip
         if away > min(lengths) + NEAR:
             raise scene.fault(
-                f"{held.word}={held.size:g} begins {away:.4g} before the corner, and a line there has {min(lengths):.4g}",
+                f"{held.word}{self.sign}{held.size:g} begins {away:.4g} before the corner, and a"
+                f" line there has {min(lengths):.4g}",
                 "the control makes it smaller then: write the corner out",
             )
         first = corner[0] + away * a[0], corner[1] + away * a[1]
@@ -274,10 +299,10 @@ class Corners:
         incremental = self._incremental
         words = []
         for k, axis in enumerate(names):
-            value = (second[k] - first[k] if incremental else second[k]) * self._half(axis)
+            value = (second[k] - first[k] if incremental else second[k]) * self.scene.double(axis)
             words.append(scene.text(axis, value))
         code = b"G1"
-        if held.word == "RND":
+        if self.kinds[held.word] == ROUND:
             code = b"G2" if turn > 0 else b"G3"
             middle = self._middle(corner, a, b, held.size, angle)
             words += [scene.text(CENTRES[x], middle[k] - first[k]) for k, x in enumerate(names)]

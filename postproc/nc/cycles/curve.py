@@ -1,8 +1,9 @@
 """Rational B-splines as straight lines that leave the curve by no more than a tolerance.
 
-A curve is cut at its knots into Bezier pieces (knots are inserted, W. Boehm 1980), and a piece is halved (de Casteljau)
-until all its poles lie as near to its chord as wanted. With positive weights a piece lies within the hull of its poles, so
-this bounds the distance of every point and not only of those that somebody looked at.
+A curve is cut at its knots into Bezier pieces (knots are inserted, W. Boehm 1980), and a piece is
+halved (de Casteljau) until all its poles lie as near to its chord as wanted. With positive weights
+a piece lies within the hull of its poles, so this bounds the distance of every point and not only
+of those that somebody looked at.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ MOST_HALVINGS = 24  # a curve of 10 m is cut into 0.6 um then
 
 @dataclass(frozen=True)
 class Curve:
-    """`poles` (K, D) in the order of the program, `weights` (K,) above 0, `knots` (K + order,) ascending; order is the
-    degree and 1. The curve goes over the knots from number order - 1 to number K."""
+    """`poles` (K, D) in the order of the program, `weights` (K,) above 0, `knots` (K + order,)
+    ascending; order is the degree and 1. The curve goes over the knots from number order - 1 to
+    number K."""
 
     poles: np.ndarray
     weights: np.ndarray
@@ -25,7 +27,8 @@ class Curve:
     order: int
 
     def beziers(self) -> list[np.ndarray]:
-        """Its pieces, (order, D + 1) poles each with their weight behind, the coordinates times the weight."""
+        """Its pieces, (order, D + 1) poles each with their weight behind, the coordinates times the
+        weight."""
         points = np.column_stack([self.poles * self.weights[:, None], self.weights])
         knots, degree = list(map(float, self.knots)), self.order - 1
         first, last = knots[degree], knots[len(points)]
@@ -36,8 +39,8 @@ class Curve:
         return [points[i - degree : i + 1] for i in starts]
 
     def points(self, tolerance: float, straight: int) -> np.ndarray:
-        """(M, D) ends of lines behind the first pole. The lines leave the curve by `tolerance` at most, in its first
-        `straight` coordinates; what is behind these is carried along."""
+        """(M, D) ends of lines behind the first pole. The lines leave the curve by `tolerance` at
+        most, in its first `straight` coordinates; what is behind these is carried along."""
         ends = [
             end
             for piece in self.beziers()
@@ -47,8 +50,8 @@ class Curve:
 
 
 def lines_of(piece: np.ndarray, tolerance: float, straight: int) -> np.ndarray:
-    """(M, D) ends of the lines that one Bezier piece becomes: (K, D + 1) poles, each with its weight behind, the coordinates
-    times the weight."""
+    """(M, D) ends of the lines that one Bezier piece becomes: (K, D + 1) poles, each with its
+    weight behind, the coordinates times the weight."""
     return np.array(
         [end[:-1] / end[-1] for end in _ends(piece, tolerance, straight, MOST_HALVINGS)]
     )

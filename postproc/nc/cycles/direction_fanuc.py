@@ -1,13 +1,16 @@
-"""G43.5 of Fanuc: the tool's direction as I J K under tool centre point control, written as rotary words under G43.4.
+"""G43.5 of Fanuc: the tool's direction as I J K under tool centre point control, written as rotary
+words under G43.4.
 
-Fanuc A-79348E, "Tool center point control (type 2)", page 11, and B-63323EN-1, 10.4.10: I J K are the direction of the tool at
-the end of the block as the programming coordinate system has it, which is fixed on the table as it stands at G43.5; one
-that is left out is 0, a block without any of them keeps the direction; a rotary axis goes the shorter way, 180 degrees at
-most. Tip and direction are the same under G43.4 with rotary words, and so is the way between: rotary axes go evenly.
+Fanuc A-79348E, "Tool center point control (type 2)", page 11, and B-63323EN-1, 10.4.10: I J K are
+the direction of the tool at the end of the block as the programming coordinate system has it, which
+is fixed on the table as it stands at G43.5; one that is left out is 0, a block without any of them
+keeps the direction; a rotary axis goes the shorter way, 180 degrees at most. Tip and direction are
+the same under G43.4 with rotary words, and so is the way between: rotary axes go evenly.
 
-Of two poses with one direction the one is written whose axis nearest to the part has the shorter way, within the travels; at a pole an
-axis stays where it stands. Which one the control would take is a matter of its parameters, and a notice says so. Refused: Q, the
-inclination; P1, posture control; I J K in the block of G43.5 itself, which tables do not allow; arcs, G91.
+Of two poses with one direction the one is written whose axis nearest to the part has the shorter
+way, within the travels; at a pole an axis stays where it stands. Which one the control would take
+is a matter of its parameters, and a notice says so. Refused: Q, the inclination; P1, posture
+control; I J K in the block of G43.5 itself, which tables do not allow; arcs, G91.
 """
 
 from __future__ import annotations
@@ -48,6 +51,8 @@ class ToolDirections:
     def take(self, line: Line) -> list[Line]:
         """The line as G43.4 would have it. Raises ProgramError."""
         scene = self.scene
+        if scene.passes(line.text):
+            return [line]
         block = Block.of(line.text, scene.dialect.grammar)
         scene.block = block
         begins = ON in block.codes
@@ -78,8 +83,9 @@ class ToolDirections:
         if wrong is not None:
             raise scene.fault(
                 f"{wrong.letter}{wrong.raw} in the block of G43.5",
-                "an inclination, posture control and a direction there are not followed: " + BY_CAM, wrong,
-            )  # fmt: skip
+                "an inclination, posture control and a direction there are not followed: " + BY_CAM,
+                wrong,
+            )
         self.on = True
         at = next(
             i
@@ -111,7 +117,8 @@ class ToolDirections:
         if not state.known[rows].all():
             raise scene.fault(
                 "the tool turns from where the rotary axes stand, and that is not known",
-                f"move them to absolute places before, or say where they stand: --start {kinematics.rotary[0]}0",
+                "move them to absolute places before, or say where they stand: --start"
+                f" {kinematics.rotary[0]}0",
             )
         space = (state.frame.tip if state.frame else None) or Space()
         here = state.position / TICKS_PER_MM
@@ -127,7 +134,8 @@ class ToolDirections:
         return block.written(own, (b" " if block.spaced else b"").join(words), max(own))
 
     def _pose(self, kinematics: Kinematics, normal: np.ndarray, here: np.ndarray) -> np.ndarray:
-        """The position whose tool has this direction of the part, of several that with the shortest way."""
+        """The position whose tool has this direction of the part, of several that with the shortest
+        way."""
         poses = kinematics.aligned(normal, here)
         if not poses:
             raise self.scene.fault(
@@ -145,6 +153,9 @@ class ToolDirections:
                 best = still
         if not self.said:
             self.said = True
-            what = "G43.5: of the poses with one direction that with the shorter way is written; a parameter of the control might choose another"
+            what = (
+                "G43.5: of the poses with one direction that with the shorter way is written; a"
+                " parameter of the control might choose another"
+            )
             self.scene.notices.append(Notice("G43.5", what, self.scene.source))
         return best

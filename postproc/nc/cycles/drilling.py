@@ -1,7 +1,8 @@
-"""Holes, whatever the control: what each cycle does between R level and its return, and how a block becomes lines.
+"""Holes, whatever the control: what each cycle does between R level and its return, and how a block
+becomes lines.
 
-NIST RS274/NGC 3.5.16. What a control makes of the words, and what it remembers from hole to hole, is in
-drilling_linuxcnc.py and drilling_fanuc.py.
+NIST RS274/NGC 3.5.16. What a control makes of the words, and what it remembers from hole to hole,
+is in drilling_linuxcnc.py and drilling_fanuc.py.
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ UNDEFINED = -2
 
 
 class Outcome(NamedTuple):
-    """What a block becomes, what the tracker shall hear instead where the block itself stays (None: the same), the
-    source lines, first and last, that the control steps over behind it, and ten times the motion code in force behind
-    a cycle that is not modal (None: that before it, UNDEFINED: manuals do not say); stays: the tracker follows it as
-    the cycle that it is. loose: an axis that the control may leave elsewhere than the lines do, so that nothing may count
-    from there."""
+    """What a block becomes, what the tracker shall hear instead where the block itself stays (None:
+    the same), the source lines, first and last, that the control steps over behind it, and ten
+    times the motion code in force behind a cycle that is not modal (None: that before it,
+    UNDEFINED: manuals do not say); stays: the tracker follows it as the cycle that it is. loose: an
+    axis that the control may leave elsewhere than the lines do, so that nothing may count from
+    there."""
 
     lines: list[bytes]
     told: list[bytes] | None = None
@@ -37,8 +39,9 @@ class Outcome(NamedTuple):
 
 @dataclass(frozen=True)
 class Hole:
-    """One hole along `axis`, programmed coordinates: the level `r`, the `bottom`, where to go `back` to; the dwell
-    `p` as it is written, pecks of `first`, each `less` than the one before, none below `least`; `retract` of a chip."""
+    """One hole along `axis`, programmed coordinates: the level `r`, the `bottom`, where to go
+    `back` to; the dwell `p` as it is written, pecks of `first`, each `less` than the one before,
+    none below `least`; `retract` of a chip."""
 
     axis: str
     r: float
@@ -74,9 +77,9 @@ class Hole:
 
 @dataclass(frozen=True)
 class Job:
-    """What a block asks for: the cycle `code`, the `hole`, how many `times`, the words of its `place`; levels to go to
-    `first`, and the `level` at which the place is gone to (None: where it stands). `drops`: other letters and `codes`
-    that belong to the cycle."""
+    """What a block asks for: the cycle `code`, the `hole`, how many `times`, the words of its
+    `place`; levels to go to `first`, and the `level` at which the place is gone to (None: where it
+    stands). `drops`: other letters and `codes` that belong to the cycle."""
 
     code: int
     hole: Hole
@@ -88,7 +91,7 @@ class Job:
     codes: tuple[int, ...] = ()
 
 
-# -- what each cycle does between R level and its return ---------------------------------------------------------------
+# -- what each cycle does between R level and its return -------------------------------------------
 
 
 def drill(m: Moves, hole: Hole, scene: Scene) -> None:
@@ -144,26 +147,32 @@ def _dwell(m: Moves, hole: Hole) -> None:
         m.line(b"G4", m.scene.dialect.dwell[0].encode() + hole.p.encode())
 
 
-# -- the cycles of a control -------------------------------------------------------------------------------------------
+# -- the cycles of a control -----------------------------------------------------------------------
 
 Action = Callable[[Moves, Hole, Scene], None]
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
 KIND = "a drilling cycle"
 TAPPING = Form("tapping", stays=True)
 WORDS = {
-    "X": "place, or bottom", "Y": "place, or bottom", "Z": "bottom, or place", "R": "R level", "P": "dwell at the bottom",
-    "Q": "depth of a peck", "K": "how often", "L": "how often",
-}  # fmt: skip
+    "X": "place, or bottom",
+    "Y": "place, or bottom",
+    "Z": "bottom, or place",
+    "R": "R level",
+    "P": "dwell at the bottom",
+    "Q": "depth of a peck",
+    "K": "how often",
+    "L": "how often",
+}
 
 
 @dataclass
 class Drilling:
     """The drilling cycles of one control, and their data that hold from hole to hole.
 
-    `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay; `refused`: those
-    that can not be written out, and why. `words`: letters that belong to a cycle beside the axes; `late`: M codes
-    that the control executes behind the motion. `synchronised`: tapping is written out as feeds too, which no machine
-    may be given (for tests)."""
+    `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay;
+    `refused`: those that can not be written out, and why. `words`: letters that belong to a cycle
+    beside the axes; `late`: M codes that the control executes behind the motion. `synchronised`:
+    tapping is written out as feeds too, which no machine may be given (for tests)."""
 
     actions: dict[int, Action]
     tapping: tuple[int, ...]
@@ -228,8 +237,8 @@ class Drilling:
         """Whether a block may stay the cycle that it is: the filter follows it and finds the same
         hole in it as we do, and that hole may (a tap always, which is no feed).
 
-        Behind a hole that was written out none may, since the control has left its cycle. In G91 none may: the filter takes
-        places and distances in one series for a fault.
+        Behind a hole that was written out none may, since the control has left its cycle. In G91
+        none may: the filter takes places and distances in one series for a fault.
         """
         if (
             scene.keeps is None
@@ -262,7 +271,8 @@ class Drilling:
         raise NotImplementedError
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
-        """A tapping block as the control shall read it, when all cycles around it are written out."""
+        """A tapping block as the control shall read it, when all cycles around it are written
+        out."""
         return [block.text]
 
     def lines(self, scene: Scene, block: Block, job: Job) -> list[bytes]:

@@ -1,12 +1,14 @@
 """Drilling cycles of Fagor mills: G81 G83 G85 by Z, the reference plane, and I, the bottom.
 
-Fagor CNC 8055 M & EN programming manual, pages 162 (G81) and 177 (G85): Z is a place, or in G91 a distance from the initial
-plane, without it the plane where the tool stands; I is a place, or in G91 a distance from the reference plane; K dwells; G98
-goes back to the initial plane, G99 to the reference plane. G83 as Autodesk's `fagor.cps` writes it: I is the distance of a
-peck with its sign, J how many there are, G90 or not.
+Fagor CNC 8055 M & EN programming manual, pages 162 (G81) and 177 (G85): Z is a place, or in G91 a
+distance from the initial plane, without it the plane where the tool stands; I is a place, or in G91
+a distance from the reference plane; K dwells; G98 goes back to the initial plane, G99 to the
+reference plane. G83 as Autodesk's `fagor.cps` writes it: I is the distance of a peck with its sign,
+J how many there are, G90 or not.
 
-Assumed: G85 comes out at the feed it went in with; pecks of G83 go out to the reference plane. A following block names places
-only. Within the cycles and behind G80 no motion code is taken to hold: these controls go on with the cycle behind G0 and G1.
+Assumed: G85 comes out at the feed it went in with; pecks of G83 go out to the reference plane. A
+following block names places only. Within the cycles and behind G80 no motion code is taken to hold:
+these controls go on with the cycle behind G0 and G1.
 """
 
 from __future__ import annotations
@@ -46,9 +48,11 @@ class FagorDrilling(FanucDrilling):
         strange = next((w for w in block.words if w.letter in (axis, *"IJK")), None)
         if strange is not None and code not in block.codes:
             raise scene.fault(
-                f"{strange.letter}{strange.raw} in a block within G{code / 10:g} that does not name it",
-                "what it changes is not certain: write the cycle's code with all its words", strange,
-            )  # fmt: skip
+                f"{strange.letter}{strange.raw} in a block within G{code / 10:g} that does not"
+                " name it",
+                "what it changes is not certain: write the cycle's code with all its words",
+                strange,
+            )
         return super().job(scene, block, code)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:

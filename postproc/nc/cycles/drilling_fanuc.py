@@ -1,12 +1,14 @@
 """Drilling cycles of Fanuc mills and lathes, and of Haas mills.
 
-Fanuc B-64304EN-2, "Canned cycle for drilling" (mill), B-64304EN-1 the same for lathes; Haas mill operator's manual.
-Data hold until G80, also from one cycle to the next. The place is gone to on the level where the axis stands, then R
-level; in G98 the way back ends where the axis stood when the first cycle began. A mill drills without R from there.
+Fanuc B-64304EN-2, "Canned cycle for drilling" (mill), B-64304EN-1 the same for lathes; Haas mill
+operator's manual. Data hold until G80, also from one cycle to the next. The place is gone to on the
+level where the axis stands, then R level; in G98 the way back ends where the axis stood when the
+first cycle began. A mill drills without R from there.
 
-Assumed: the hole lies across the plane (parameter 5101 bit 0); what G73 and G83 back off a chip is RETRACT in place of
-parameters 5114 and 5115 - on the axis of the hole, so the hole is the same; a lathe's G83 and G87 with Q go out to R
-level (5101 bit 2), and its G85 and G89 come out at the feed they went in with (5149).
+Assumed: the hole lies across the plane (parameter 5101 bit 0); what G73 and G83 back off a chip is
+RETRACT in place of parameters 5114 and 5115 - on the axis of the hole, so the hole is the same; a
+lathe's G83 and G87 with Q go out to R level (5101 bit 2), and its G85 and G89 come out at the feed
+they went in with (5149).
 """
 
 from __future__ import annotations
@@ -32,9 +34,18 @@ from postproc.nc.cycles.words import Form, named
 from postproc.nc.holes import WITHOUT_R
 
 MILL: dict[int, Action] = {
-    730: chips, 740: bore, 810: drill, 820: drill, 830: pecks, 840: bore, 842: bore, 843: bore, 850: bore,
-    860: bore_standing, 890: bore,
-}  # fmt: skip
+    730: chips,
+    740: bore,
+    810: drill,
+    820: drill,
+    830: pecks,
+    840: bore,
+    842: bore,
+    843: bore,
+    850: bore,
+    860: bore_standing,
+    890: bore,
+}
 MILL_TAPPING = (740, 840, 842, 843)
 SHIFT = "it leaves the wall in a direction that a parameter holds"
 MILL_REFUSED = {760: SHIFT, 870: SHIFT, 880: "the operator draws the tool out by hand"}
@@ -78,8 +89,10 @@ class FanucDrilling(Drilling):
         """The initial level. Raises ProgramError where nobody knows it."""
         if self.initial is None and self.code:
             raise scene.fault(
-                f"the initial level is where {axis} stood when the cycles began, and that is not known",
-                f"move {axis} to an absolute position before the cycles, or say where it stands: --start {axis}0",
+                f"the initial level is where {axis} stood when the cycles began, and that is not"
+                " known",
+                f"move {axis} to an absolute position before the cycles, or say where it stands:"
+                f" --start {axis}0",
             )
         if self.initial is None:
             self.initial = scene.at(axis)
@@ -114,10 +127,16 @@ class FanucDrilling(Drilling):
                 f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q")
             )
         hole = Hole(
-            axis, r, bottom, back, p=self.p if self.p and code in self.dwells else "",
-            first=self.held.get("I", q), less=self.held.get("J", 0.0), least=self.held.get("K", 0.0),
+            axis,
+            r,
+            bottom,
+            back,
+            p=self.p if self.p and code in self.dwells else "",
+            first=self.held.get("I", q),
+            less=self.held.get("J", 0.0),
+            least=self.held.get("K", 0.0),
             retract=min(RETRACT[scene.inch] * half, q or self.held.get("I", 0.0)),
-        )  # fmt: skip
+        )
         place = [w for w in block.words if self.is_place(scene, w, axis)]
         gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
         return Job(
@@ -176,7 +195,8 @@ class FanucDrilling(Drilling):
         return abs(scene.length(word, axis))
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
-        """With the words that the control would still hold, and from the initial level it would still know."""
+        """With the words that the control would still hold, and from the initial level it would
+        still know."""
         if self.stays or not self.code or "R" not in self.held or "depth" not in self.held:
             return [block.text]
         axis, lines, add = job.hole.axis, [], []
@@ -210,8 +230,9 @@ class FanucDrilling(Drilling):
 
 
 class HaasDrilling(FanucDrilling):
-    """Haas: L repeats; I J K of G73 and G83 are a first peck, what each one is less, and the least one, and their P is
-    a dwell behind the last one (Haas mill operator's manual, G73, G83). K beside Q is another way to peck: refused."""
+    """Haas: L repeats; I J K of G73 and G83 are a first peck, what each one is less, and the least
+    one, and their P is a dwell behind the last one (Haas mill operator's manual, G73, G83). K
+    beside Q is another way to peck: refused."""
 
     dwells: tuple[int, ...] = (730, 820, 830, 840, 890)
 
@@ -228,21 +249,21 @@ class HaasDrilling(FanucDrilling):
         given = [x for x in "QIJK" if x in self.held]
         if code in self.pecking and given not in ([], ["Q"], ["I"], ["I", "J", "K"], ["I", "K"]):
             raise scene.fault(
-                f"{' and '.join(given)} of G{code / 10:g} together", "write Q alone, or I, or I, J and K: "
-                "how other pecks go is not certain",
-            )  # fmt: skip
+                f"{' and '.join(given)} of G{code / 10:g} together",
+                "write Q alone, or I, or I, J and K: how other pecks go is not certain",
+            )
         return job
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         super()._hold(scene, block, axis)
         for word in block.words:
             if word.letter in "IJK" and word.value is not None:
-                self.held[word.letter] = abs(word.value)
+                self.held[word.letter] = abs(scene.length(word, axis))
 
 
 class LatheDrilling(FanucDrilling):
-    """A lathe: G83 G84 G85 along Z, G87 G88 G89 along X. R is a distance from the initial level, a radius; Q counts
-    least increments where it has no point; U V W H are distances."""
+    """A lathe: G83 G84 G85 along Z, G87 G88 G89 along X. R is a distance from the initial level, a
+    radius; Q counts least increments where it has no point; U V W H are distances."""
 
     dwells = tuple(LATHE)
     pecking = ()  # without Q they drill in one go
@@ -286,9 +307,11 @@ class LatheDrilling(FanucDrilling):
         )
         if clamp:
             raise scene.fault(
-                f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before the hole and frees it behind",
-                "that is the machine's own way: write the hole out as G0 and G1", clamp,
-            )  # fmt: skip
+                f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before the hole and"
+                " frees it behind",
+                "that is the machine's own way: write the hole out as G0 and G1",
+                clamp,
+            )
         return super().job(scene, block, code)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:

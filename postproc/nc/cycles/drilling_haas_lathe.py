@@ -1,11 +1,14 @@
-"""Drilling cycles of Haas lathes: G81 to G89 along Z, G241 to G249 along X (radial, with the live tool).
+"""Drilling cycles of Haas lathes: G81 to G89 along Z, G241 to G249 along X (radial, with the live
+tool).
 
-Haas lathe operator's manual 96-8900, G81 to G89, G241 to G249: R is the R plane, a place, on radial cycles a diameter like
-X. As Autodesk's posts write them (`haas lathe.cps`, function onCyclePoint): X Z R F, with P, Q or I J K, one hole a cycle.
+Haas lathe operator's manual 96-8900, G81 to G89, G241 to G249: R is the R plane, a place, on radial
+cycles a diameter like X. As Autodesk's posts write them (`haas lathe.cps`, function onCyclePoint):
+X Z R F, with P, Q or I J K, one hole a cycle.
 
-Assumed: the way back ends where the axis stood when the cycles began. The manual's text leaves open whether it ends there or
-at R; the former is the farther one, from where the next motion is free, and a notice says so. Without R a hole begins where
-the axis stands. Q and I J K are radii, pecks as on Haas mills.
+Assumed: the way back ends where the axis stood when the cycles began. The manual's text leaves open
+whether it ends there or at R; the former is the farther one, from where the next motion is free,
+and a notice says so. Without R a hole begins where the axis stands. Q and I J K are radii, pecks as
+on Haas mills.
 """
 
 from __future__ import annotations
@@ -35,9 +38,8 @@ AXIAL: dict[int, Action] = {
     860: bore_standing,
     890: bore,
 }
-RADIAL: dict[int, Action] = {
-    code + 1600: action for code, action in AXIAL.items()
-}  # G241 is G81 along X
+# G241 is G81 along X
+RADIAL: dict[int, Action] = {code + 1600: action for code, action in AXIAL.items()}
 TAPS_ALONG_X = (1950, 1960)
 TAPS = (840, 950, 1840, 1860, *TAPS_ALONG_X)
 BY_HAND = dict.fromkeys((870, 880, 2470, 2480), "the operator draws the tool out by hand")
@@ -92,8 +94,8 @@ class HaasLatheDrilling(HaasDrilling):
             return outcome
         back, level = (scene.text(axis, v).decode() for v in (scene.at(axis), self.held["R"]))
         what = (
-            f"behind G{code / 10:g} the tool goes back to {back}, where it stood before: the manual leaves open whether the "
-            f"control ends there or at R, {level}"
+            f"behind G{code / 10:g} the tool goes back to {back}, where it stood before: the manual"
+            f" leaves open whether the control ends there or at R, {level}"
         )
         scene.notices.append(Notice("way back", what, scene.source))
         return outcome._replace(loose=axis)
@@ -105,4 +107,4 @@ class HaasLatheDrilling(HaasDrilling):
         if scene.is_diameter(axis):
             for word in block.words:
                 if word.letter in "IJK" and word.value is not None:
-                    self.held[word.letter] = 2 * abs(word.value)
+                    self.held[word.letter] = 2 * abs(scene.length(word, axis))

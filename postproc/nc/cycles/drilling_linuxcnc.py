@@ -1,9 +1,9 @@
 """LinuxCNC's drilling cycles, as measured on its interpreter 2.9 (tests/expand/test_cycles.py).
 
-R and the depth hold as the *numbers* they were written as, and in G91 count from the initial level: that is where the
-axis stood when the first cycle behind any other motion began. An R above that is gone to at the old place; from R
-level or below, the place is gone to in one rapid with the axis of the hole. Before G98 or G99 is named, G99 holds. R
-and Q are radii where X is a diameter.
+R and the depth hold as the *numbers* they were written as, and in G91 count from the initial level:
+that is where the axis stood when the first cycle behind any other motion began. An R above that is
+gone to at the old place; from R level or below, the place is gone to in one rapid with the axis of
+the hole. Before G98 or G99 is named, G99 holds. R and Q are radii where X is a diameter.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 
 ACTIONS: dict[int, Action] = {
-    730: chips, 740: bore_far, 810: drill, 820: drill, 830: pecks, 840: bore_far, 850: bore, 860: bore_standing,
+    730: chips,
+    740: bore_far,
+    810: drill,
+    820: drill,
+    830: pecks,
+    840: bore_far,
+    850: bore,
+    860: bore_standing,
     890: bore_far,
-}  # fmt: skip
+}
 TAPPING = (740, 840)
 UNDEFINED = "LinuxCNC's manual calls it unimplemented, and what it does undefined"
 REFUSED = {870: UNDEFINED, 880: UNDEFINED}
-NEEDS = {
-    730: "Q",
-    820: "P",
-    830: "Q",
-    860: "P",
-    890: "P",
-}  # where the cycle begins; later ones hold
+# where the cycle begins; later ones hold
+NEEDS = {730: "Q", 820: "P", 830: "Q", 860: "P", 890: "P"}
 STOPS = (860,)
 PECKS = (730, 830)
 DWELLS = (740, 820, 840, 860, 890)
-RETRACT = {
-    False: 0.254,
-    True: 0.010,
-}  # mm, inch: how far G73 and G83 stay off the bottom of the last peck
+# mm, inch: how far G73 and G83 stay off the bottom of the last peck
+RETRACT = {False: 0.254, True: 0.010}
 
 
 class LinuxcncDrilling(Drilling):
@@ -136,7 +136,8 @@ class LinuxcncDrilling(Drilling):
             return [block.text]
         if scene.at(axis) > initial:
             raise scene.fault(
-                f"tapping begins at {axis}{scene.at(axis):g}, above the initial level {initial:g} of the holes before",
+                f"tapping begins at {axis}{scene.at(axis):g}, above the initial level {initial:g}"
+                " of the holes before",
                 f"end them first: G80 and G0 {axis}{initial:g}",
             )
         word = scene.text(axis, initial - scene.at(axis) if scene.incremental else initial)

@@ -1,9 +1,12 @@
 """Drilling cycles of Okuma mills (OSP): Z R P Q as on Fanuc, and M53 M54 for the way back.
 
-As Autodesk's `okuma.cps` writes them: G71 Z names the return level, M53 in the cycle's block goes back to it, M54 to R; R is a
-place in G90; P of a cycle are milliseconds, F of G4 seconds. M52, to the upper limit, and a block without any of the three are refused: where they end is not in the program.
+As Autodesk's `okuma.cps` writes them: G71 Z names the return level, M53 in the cycle's block goes
+back to it, M54 to R; R is a place in G90; P of a cycle are milliseconds, F of G4 seconds. M52, to
+the upper limit, and a block without any of the three are refused: where they end is not in the
+program.
 
-G73 has I, its peck, and J, the depth behind which it draws out to R. Assumed: it backs off like Fanuc's.
+G73 has I, its peck, and J, the depth behind which it draws out to R. Assumed: it backs off like
+Fanuc's.
 """
 
 from __future__ import annotations

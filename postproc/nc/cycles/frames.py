@@ -1,8 +1,10 @@
-"""Motions in turned, scaled or mirrored coordinates as motions in the coordinates beneath, whatever the control.
+"""Motions in turned, scaled or mirrored coordinates as motions in the coordinates beneath, whatever
+the control.
 
-A block keeps its text but for the words that change: all axes that a turn mixes are named, arcs get their centre words
-turned and, where the map mirrors their plane, the other sense; the side of cutter radius compensation follows. What
-sets such a map, and in which order, is in rotation.py, scaling.py and polar.py.
+A block keeps its text but for the words that change: all axes that a turn mixes are named, arcs get
+their centre words turned and, where the map mirrors their plane, the other sense; the side of
+cutter radius compensation follows. What sets such a map, and in which order, is in rotation.py,
+scaling.py and polar.py.
 """
 
 from __future__ import annotations
@@ -16,27 +18,17 @@ from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 SWAPPED = {20: b"G3", 30: b"G2", 410: b"G42", 420: b"G41"}
 SIDES = (410, 420)
 CORNERS = ("RND", "RNDM", "CHF", "CHR")
-FOLLOWED = (
-    -1,
-    0,
-    10,
-    20,
-    30,
-    320,
-    330,
-    740,
-    800,
-    840,
-    842,
-    843,
-)  # motion codes whose axis words are places
+# motion codes whose axis words are places
+FOLLOWED = (-1, 0, 10, 20, 30, 320, 330, 740, 800, 840, 842, 843)
 
 
 @dataclass
 class Frames:
-    """The map in force and what following it needs. `at`: programmed coordinates as far as they are known here;
-    `residue`: what rounding has kept back, added to the next distance; `loose`: axes whose programmed coordinate the
-    control's manual does not define until a block names it (behind G68 and G69 of Fanuc)."""
+    """The map in force and what following it needs. `at`: programmed coordinates as far as they are
+    known here;
+    `residue`: what rounding has kept back, added to the next distance; `loose`: axes whose
+    programmed coordinate the control's manual does not define until a block names it (behind G68
+    and G69 of Fanuc)."""
 
     scene: Scene
     map: Affine = field(default_factory=Affine)
@@ -83,7 +75,7 @@ class Frames:
         self.map = new
         self.forget()
 
-    # -- a block -------------------------------------------------------------------------------------------------------
+    # -- a block -----------------------------------------------------------------------------------
 
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those of the output."""
@@ -178,12 +170,14 @@ class Frames:
                 given = "a distance" if scene.incremental else f"{' and '.join(words)} alone"
                 raise scene.fault(
                     f"the first block behind {self.why} names {given}",
-                    f"controls differ on where {x} stands then: name {' and '.join(mixed)} in it, in G90",
+                    f"controls differ on where {x} stands then: name {' and '.join(mixed)} in it,"
+                    " in G90",
                 )
             if before[x] is None:
                 scene.at(x)
         to = {
-            x: (words[x].value or 0.0) + ((before[x] or 0.0) if distance[x] else 0.0) for x in words
+            x: scene.length(words[x], x) + ((before[x] or 0.0) if distance[x] else 0.0)
+            for x in words
         }
         p = point({**before, **to})
         q = dict(zip(AXES, self.map(p), strict=True))
@@ -202,10 +196,11 @@ class Frames:
         self.residue[axis] = exact - self.scene.rounded(axis, exact)
         return self.scene.text(axis, exact)
 
-    # -- arcs ----------------------------------------------------------------------------------------------------------
+    # -- arcs --------------------------------------------------------------------------------------
 
     def factor(self) -> float | None:
-        """By how much lengths of the plane grow, below 0 where it is mirrored; None: unlike in its two axes."""
+        """By how much lengths of the plane grow, below 0 where it is mirrored; None: unlike in its
+        two axes."""
         first, second, _ = self.scene.plane
         return self.map.similarity(first, second)
 
@@ -228,7 +223,7 @@ class Frames:
         if radius and radius[1].value is not None:
             i, w = radius
             head = w.letter if w.letter == "R" else w.letter + "="
-            changed[i] = head.encode() + scene.text("R", (w.value or 0.0) * abs(factor))[1:]
+            changed[i] = head.encode() + scene.text("R", scene.length(w, first) * abs(factor))[1:]
         if not centres:
             return []
         absolute = scene.code("arc centre") == 901
@@ -244,7 +239,7 @@ class Frames:
                     f"an absolute centre word within {self.why}", "write I J K as distances", word
                 )
             else:
-                base.append((word.value or 0.0) if word else 0.0)
+                base.append(scene.length(word, axis) if word else 0.0)
         place = base[0], base[1], base[2]
         moved = dict(
             zip(AXES, self.map(place) if absolute else self.map.turned(place), strict=True)

@@ -1,16 +1,19 @@
 """G68 G69, G51 G50, G51.1 G50.1 and G16 G15 of Fanuc and Haas mills.
 
-Fanuc B-64304EN-2 and B-63944EN-2, "Coordinate system rotation", "Scaling", "Programmable mirror image", "Polar
-coordinate command"; Haas mill operator's manual, G51 and G68. A motion is scaled first, then turned; the centre of
-the turn is scaled too, its angle is not. G51 stands outside: G51, G68, G69, G50.
+Fanuc B-64304EN-2 and B-63944EN-2, "Coordinate system rotation", "Scaling", "Programmable mirror
+image", "Polar coordinate command"; Haas mill operator's manual, G51 and G68. A motion is scaled
+first, then turned; the centre of the turn is scaled too, its angle is not. G51 stands outside: G51,
+G68, G69, G50.
 
-Assumed: G51 scales X, Y and Z (parameter 5401 bit 0); its P, I, J, K without a point count 0.001 (5400 bit 7).
-Refused: a mirror together with scaling or a turn, a turn in space, what rests on parameters (R, P left out), and axes
-whose place the manual leaves open behind G68 and G69.
+Assumed: G51 scales X, Y and Z (parameter 5401 bit 0); its P, I, J, K without a point count 0.001
+(5400 bit 7).
+Refused: a mirror together with scaling or a turn, a turn in space, what rests on parameters (R, P
+left out), and axes whose place the manual leaves open behind G68 and G69.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from postproc.nc.codes import FRAME_KEYS
@@ -34,6 +37,7 @@ MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_
 )
 CODES = (MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON)
 LENGTHS = ("length", "length words", "length more", "length minus", "no length")
+TAKERS = (TURN_ON, SCALE_ON, MIRROR_ON, MIRROR_OFF)
 SMALLEST = 1e-6  # of factors that can be undone
 ONE = 0.001  # what 1 without a point means as a factor
 CANCEL = "end it before (G69, G50, G50.1)"
@@ -48,12 +52,13 @@ FORMS = {
 
 @dataclass
 class FanucFrames:
-    """The frames in force. `counts`: whether factors without a point count ONE (Haas: they are refused)."""
+    """The frames in force. `counts`: whether factors without a point count ONE (Haas: they are
+    refused)."""
 
     scene: Scene
     counts: bool = True
     codes: tuple[int, ...] = CODES
-    takers: tuple[int, ...] = (TURN_ON, SCALE_ON, MIRROR_ON, MIRROR_OFF)
+    takers: tuple[int, ...] = TAKERS
 
     def __post_init__(self) -> None:
         self.frames = Frames(self.scene)
@@ -62,6 +67,17 @@ class FanucFrames:
         self.turn: Affine | None = None
         self.mirror: dict[str, float] = {}
         self.plane = 170
+        self.forms = FORMS
+        self.sets: dict[int, Callable[[Block], None]] = {
+            TURN_ON: self._turn,
+            TURN_OFF: self._no_turn,
+            SCALE_ON: self._scale,
+            SCALE_OFF: self._no_scale,
+            MIRROR_ON: self._mirror,
+            MIRROR_OFF: self._no_mirror,
+            POLAR_ON: lambda b: self.polar.begin(),
+            POLAR_OFF: lambda b: setattr(self.polar, "on", False),
+        }
 
     @property
     def active(self) -> bool:
@@ -96,10 +112,9 @@ class FanucFrames:
 
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
-        own = [c for c in block.codes if c in CODES]
-        if (
-            TURN_OFF in own and self._tilted
-        ):  # it ends the tilted plane too, which stays in the program
+        own = [c for c in block.codes if c in self.codes]
+        # it ends the tilted plane too, which stays in the program
+        if TURN_OFF in own and self._tilted:
             self._no_turn(block)
             return [block.text]
         for code in own:
@@ -147,26 +162,23 @@ class FanucFrames:
                 raise scene.fault(f"another plane within {self.frames.why}", CANCEL)
             if (code == 530 or row.takes) and (named or (code in (280, 300) and not _axes(block))):
                 raise scene.fault(
-                    f"{row.word} names {named[0].letter if named else 'no axis'} within {self.frames.why}",
+                    f"{row.word} names {named[0].letter if named else 'no axis'} within"
+                    f" {self.frames.why}",
                     CANCEL,
                 )
 
-    # -- what the codes set --------------------------------------------------------------------------------------------
+    # -- what the codes set ------------------------------------------------------------------------
 
     def _set(self, block: Block, code: int) -> Block:
         """Let a code hold; the block without what belongs to it."""
-        form = FORMS.get(code, Form(""))
-        if code in FORMS and sum(c in FORMS for c in block.codes) == 1:
+        form = self.forms.get(code, Form(""))
+        if code in self.forms and sum(c in self.forms for c in block.codes) == 1:
             form.check(self.scene, block, code)
         letters = "".join(form.takes)
         rest = Block.of(
             block.written(own_words(block, letters, {code})), self.scene.dialect.grammar
         )
-        {
-            TURN_ON: self._turn, TURN_OFF: self._no_turn, SCALE_ON: self._scale, SCALE_OFF: self._no_scale,
-            MIRROR_ON: self._mirror, MIRROR_OFF: self._no_mirror,
-            POLAR_ON: lambda b: self.polar.begin(), POLAR_OFF: lambda b: setattr(self.polar, "on", False),
-        }[code](block)  # fmt: skip
+        self.sets[code](block)
         return rest
 
     def _hold(self) -> None:
@@ -174,18 +186,25 @@ class FanucFrames:
         for part in (self.scale, self.turn):
             total = part.after(total) if part else total
         self.plane = self.scene.code("plane")
-        self.frames.why = " and ".join(
-            name
-            for name, on in (("mirrored coordinates (G51.1)", self.mirror), ("scaling (G51)", self.scale),
-                             ("the rotation (G68)", self.turn)) if on
-        ) or self.frames.why  # fmt: skip
+        self.frames.why = (
+            " and ".join(
+                name
+                for name, on in (
+                    ("mirrored coordinates", self.mirror),
+                    ("scaling (G51)", self.scale),
+                    ("the rotation (G68)", self.turn),
+                )
+                if on
+            )
+            or self.frames.why
+        )
         self.frames.set_map(total)
         self.polar.forget()
 
     def _alone(self, others: bool, what: str) -> None:
         if others:
             raise self.scene.fault(
-                f"{what} together with a mirror (G51.1)",
+                f"{what} together with a mirror",
                 "the manual leaves the centre open: write one of them out",
             )
 
@@ -205,6 +224,12 @@ class FanucFrames:
             raise scene.fault(
                 "G68 without its angle R",
                 "the control takes it from a parameter or a setting: write R",
+            )
+        if scene.tracker.counts and angle.value and "." not in angle.raw:
+            raise scene.fault(
+                f"the angle R{angle.raw} has no decimal point",
+                f"lengths without one count least increments here: write R{angle.raw}.",
+                angle,
             )
         if self.turn and scene.incremental:
             raise scene.fault(

@@ -1,12 +1,13 @@
-"""ROT, MIRROR, SCALE and their additive kin of Sinumerik, and polar words: AP= RP= about a pole of G110 G111 G112.
+"""ROT, MIRROR, SCALE and their additive kin of Sinumerik, and polar words: AP= RP= about a pole of
+G110 G111 G112.
 
-Siemens, SINUMERIK NC Programming Manual, "Frame instructions" and "Travel commands with polar coordinates". ROT,
-MIRROR, SCALE and TRANS replace the whole programmable frame; AROT, AMIRROR, ASCALE and ATRANS go on in the
-coordinates that hold. TRANS stays in the text while nothing is turned; within turned coordinates ATRANS becomes part
-of the map.
+Siemens, SINUMERIK NC Programming Manual, "Frame instructions" and "Travel commands with polar
+coordinates". ROT, MIRROR, SCALE and TRANS replace the whole programmable frame; AROT, AMIRROR,
+ASCALE and ATRANS go on in the coordinates that hold. TRANS stays in the text while nothing is
+turned; within turned coordinates ATRANS becomes part of the map.
 
-Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in one block, and
-axes left unnamed in the first block behind a change.
+Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in
+one block, and axes left unnamed in the first block behind a change.
 """
 
 from __future__ import annotations
@@ -95,7 +96,7 @@ class SiemensFrames:
                     f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL
                 )
 
-    # -- the frame -----------------------------------------------------------------------------------------------------
+    # -- the frame ---------------------------------------------------------------------------------
 
     def _frame(self, block: Block, name: str) -> list[bytes]:
         """A frame instruction: the text that stays of it."""
@@ -168,7 +169,7 @@ class SiemensFrames:
             raise self.scene.fault("the frames together leave nothing of an axis", CANCEL)
         frames.loose |= mixed
 
-    # -- polar words ---------------------------------------------------------------------------------------------------
+    # -- polar words -------------------------------------------------------------------------------
 
     def _set_pole(self, block: Block, code: int) -> list[bytes]:
         """G110, G111, G112: no motion."""

@@ -53,10 +53,14 @@ class Grooving:
         return (
             Form(KIND, {"R": "back behind a peck"}, name="first of two blocks", unless=AXES),
             Form(
-                KIND, PLACES | counted | alone, refused={"R": ASIDE, "D": ASIDE}, zero="RD", increments=True,
+                KIND,
+                PLACES | counted | alone,
+                refused={"R": ASIDE, "D": ASIDE},
+                zero="RD",
+                increments=True,
                 name="second block, or one alone",
             ),
-        )  # fmt: skip
+        )
 
     def end(self) -> None:
         return
@@ -74,7 +78,7 @@ class Grooving:
         if not any(block.word(x) for x in AXES):
             self._hold(scene, block, code)
             return Outcome(m.finish())
-        half = {"X": 2.0 if scene.is_diameter("X") else 1.0, "Z": 1.0}
+        half = {"X": scene.double("X"), "Z": 1.0}
         start = {x: scene.at(x) for x in "XZ"}
         to = self._end(scene, block, start)
         by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}

@@ -1,4 +1,5 @@
-"""The motions of a cycle as plain lines: what is named once is not named again, and rounding does not add up."""
+"""The motions of a cycle as plain lines: what is named once is not named again, and rounding does
+not add up."""
 
 from __future__ import annotations
 
@@ -11,10 +12,11 @@ END_OF_PROGRAM_OR_STOP = (0, 1, 2, 30, 60)
 
 
 class Moves:
-    """Collects the plain lines that a cycle's block becomes. `positions` are programmed coordinates.
+    """Collects the plain lines that a cycle's block becomes. `positions` are programmed
+    coordinates.
 
-    The first line keeps the block's other words; M codes that a control executes behind the motion (M0 M1 M2 M30 M60,
-    and `late`) go to the last one.
+    The first line keeps the block's other words; M codes that a control executes behind the motion
+    (M0 M1 M2 M30 M60, and `late`) go to the last one.
     """
 
     def __init__(self, scene: Scene, own: set[int], late: tuple[int, ...] = ()):
@@ -50,7 +52,8 @@ class Moves:
         self.line(*head, *words)
 
     def move(self, code: str, to: Mapping[str, float], *more: bytes) -> None:
-        """A straight motion (or, with `more`, an arc) to programmed coordinates; in G91 the words are distances."""
+        """A straight motion (or, with `more`, an arc) to programmed coordinates; in G91 the words
+        are distances."""
         scene, words = self.scene, []
         for axis, value in to.items():
             if more or scene.differs(axis, value):

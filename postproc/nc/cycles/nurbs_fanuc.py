@@ -1,10 +1,12 @@
 """Fanuc's G06.2: a NURBS by its control points, their weights R and the knots K, as straight lines.
 
-Fanuc Series 15i/150i-MA, Programming, "NURBS interpolation": P is the rank, 2 to 4, 4 where it is left out; every block has
-a knot, as many blocks with a knot alone follow as the rank says; the first and the last knots are as many times the same.
-The first control point is where the tool stands, also where the first block names none; its knot is then the next one's.
-Mitsubishi's M700V has the same words ("NURBS Interpolation"). Knots and weights without a point count least increments on
-the one and units on the other: only their ratios matter, so one way or the other throughout is understood, a mixture not.
+Fanuc Series 15i/150i-MA, Programming, "NURBS interpolation": P is the rank, 2 to 4, 4 where it is
+left out; every block has a knot, as many blocks with a knot alone follow as the rank says; the
+first and the last knots are as many times the same. The first control point is where the tool
+stands, also where the first block names none; its knot is then the next one's. Mitsubishi's M700V
+has the same words ("NURBS Interpolation"). Knots and weights without a point count least increments
+on the one and units on the other: only their ratios matter, so one way or the other throughout is
+understood, a mixture not.
 """
 
 from __future__ import annotations
@@ -97,9 +99,8 @@ class FanucNurbs:
         axes = tuple(x for x in AXES if block.word(x))
         bare = len(self.knots) > len(self.poles)
         if not axes and not self.poles and not self.axes:
-            self.weights.append(
-                weight
-            )  # where the tool stands; the next block says which axes take part
+            # where the tool stands; the next block says which axes take part
+            self.weights.append(weight)
             if knot is not None:
                 self.knots.append(knot)
             return
@@ -121,29 +122,27 @@ class FanucNurbs:
             raise scene.fault("a weight without a control point", PROGRAM, weight)
 
     def _first(self, scene: Scene, axes: tuple[str, ...], knot: Word) -> None:
-        """The first block that names axes; behind one that named none it is the second control point."""
+        """The first block that names axes; behind one that named none it is the second control
+        point."""
         self.axes = axes
         if self.weights:
-            self.poles.append(tuple(scene.at(x) / self._half(scene, x) for x in axes))
+            self.poles.append(tuple(scene.at(x) / scene.double(x) for x in axes))
             if not self.knots:
                 self.knots.append(knot)
 
     def _starts(self, scene: Scene) -> None:
         for axis, value in zip(self.axes, self.poles[0], strict=True):
-            if scene.differs(axis, value * self._half(scene, axis)):
+            if scene.differs(axis, value * scene.double(axis)):
                 raise scene.fault(
-                    f"the first control point has {axis}{value:g}, and the tool stands at {axis}{scene.at(axis):g}",
+                    f"the first control point has {axis}{value:g}, and the tool stands at"
+                    f" {axis}{scene.at(axis):g}",
                     "the curve begins where the tool stands: write it there",
                 )
-
-    @staticmethod
-    def _half(scene: Scene, axis: str) -> float:
-        return 2.0 if scene.is_diameter(axis) else 1.0
 
     def _value(self, scene: Scene, block: Block, axis: str) -> float:
         word = block.word(axis)
         assert word is not None
-        return scene.length(word, axis) / self._half(scene, axis)
+        return scene.length(word, axis) / scene.double(axis)
 
     def _curve(self, scene: Scene) -> Curve:
         knots = self._ratios(scene, self.knots, "knots K")

@@ -1,4 +1,5 @@
-"""A lathe's shape at a distance: lines and arcs moved sideways, joined by arcs round outer corners, cut off in inner ones."""
+"""A lathe's shape at a distance: lines and arcs moved sideways, joined by arcs round outer corners,
+cut off in inner ones."""
 
 from __future__ import annotations
 
@@ -10,15 +11,16 @@ from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
 
 NEAR = 1e-9
 TOUCHING = 1e-6  # ends of arcs that near meet halfway
-NEARLY_TANGENT = (
-    0.02  # rad: where a line meets an arc so flatly, a rounding decides on which of two places
-)
-SMALLEST_GAP = 1e-2  # LinuxCNC rounds an outer corner where the gap along its cuts is wider, and cuts it off else
+# rad: where a line meets an arc so flatly, a rounding decides on which of two places
+NEARLY_TANGENT = 0.02
+# LinuxCNC rounds an outer corner where the gap along its cuts is wider, and cuts it off else
+SMALLEST_GAP = 1e-2
 
 
 def offset(elements: list[Element], distance: float, side: int, along: int) -> list[Element] | None:
-    """The elements `distance` to the left (`side` 1) or right (-1) of their way, (z, x); `along`: 0 z, 1 x, the direction of
-    the cuts. None where an element is too short to say what becomes of it."""
+    """The elements `distance` to the left (`side` 1) or right (-1) of their way, (z, x); `along`: 0
+    z, 1 x, the direction of the cuts. None where an element is too short to say what becomes of
+    it."""
     if not distance:
         return elements
     if distance > min(_size(e) for e in elements) / 2:
@@ -89,8 +91,8 @@ def _moved(e: Element, left: float) -> Element | None:
 
 
 def _corner(a: Element, b: Element) -> tuple[float, float] | None:
-    """Where two moved elements meet; None: nowhere, or of two arcs. A line that misses an arc by a rounding
-    touches it."""
+    """Where two moved elements meet; None: nowhere, or of two arcs. A line that misses an arc by a
+    rounding touches it."""
     if a.is_arc and b.is_arc:
         return None
     if not a.is_arc and not b.is_arc:

@@ -1,9 +1,10 @@
 """How LinuxCNC's G71 and G72 rough a shape that may have pockets: the way of the tool, cut by cut.
 
-As its interpreter does it (src/emc/rs274ngc/interp_g7x.cc, 2.9), measured on the same programs. The shape is turned about so that
-it goes towards -z and dives towards -x first. On each level the tool dives along the shape, cuts to where the shape is next, escapes,
-comes back and goes deeper; where the shape climbs, it follows it, until it dives again: there the next pocket begins, roughed
-in the same way. G71.1 leaves the pockets out; G71.2 begins at the first one, along the shape.
+As its interpreter does it (src/emc/rs274ngc/interp_g7x.cc, 2.9), measured on the same programs. The
+shape is turned about so that it goes towards -z and dives towards -x first. On each level the tool
+dives along the shape, cuts to where the shape is next, escapes, comes back and goes deeper; where
+the shape climbs, it follows it, until it dives again: there the next pocket begins, roughed in the
+same way. G71.1 leaves the pockets out; G71.2 begins at the first one, along the shape.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ class Step(NamedTuple):
 
 @dataclass
 class Piece:
-    """A line or an arc, z + i x, in the coordinates in which the shape dives towards -x and goes towards -z."""
+    """A line or an arc, z + i x, in the coordinates in which the shape dives towards -x and goes
+    towards -z."""
 
     start: complex
     end: complex
@@ -92,7 +94,8 @@ class Piece:
 
 @dataclass
 class Roughing:
-    """The way over `pieces` in steps of `depth`, with escapes of `escape`; `out` maps places back."""
+    """The way over `pieces` in steps of `depth`, with escapes of `escape`; `out` maps places
+    back."""
 
     pieces: list[Piece]
     depth: float
@@ -100,7 +103,11 @@ class Roughing:
     out: Callable[[complex], tuple[float, float]]
     mirrored: bool
     at: complex = 0j
-    top: float = 0.0  # from where levels count: the start point; of G71.2 where it begins, and higher pockets at their own
+    top: float = (
+        # from where levels count: the start point; of G71.2 where it begins, and higher pockets at
+        # their own
+        0.0
+    )
     alone: bool = False
     steps: list[Step] = field(default_factory=list)
 
@@ -127,7 +134,7 @@ class Roughing:
             self.steps.append(Step(code, self.out(to), self.out(p.centre)))
         self.at = to
 
-    # -- one piece -----------------------------------------------------------------------------------------------------
+    # -- one piece ---------------------------------------------------------------------------------
 
     def _dives(self, k: int, x: float) -> bool:
         """Down along a piece, to a level at most; False: it climbs here."""
@@ -184,7 +191,7 @@ class Roughing:
         self._go("G1", complex(found[0 if p.counter else -1], self.at.imag))
         self._along(p, p.top if p.counter else p.end)
 
-    # -- a pocket ------------------------------------------------------------------------------------------------------
+    # -- a pocket ----------------------------------------------------------------------------------
 
     def _pocket(self, how: int, k: int) -> None:
         """Rough from piece k on."""
@@ -221,7 +228,8 @@ class Roughing:
                 return
 
     def _cut(self, k: int) -> tuple[bool, int]:
-        """One cut at this level: whether there was one, and how many pieces to go on. Raises TooMany."""
+        """One cut at this level: whether there was one, and how many pieces to go on. Raises
+        TooMany."""
         here = self.at
         for n in range(k, len(self.pieces)):
             found = self.pieces[n].at_level(here.imag)
@@ -243,7 +251,8 @@ class Roughing:
 
 
 def roughing(elements: list[Element], deep: int, depth: float, escape: float) -> Roughing:
-    """The shape turned about; elements[0] is the way in. deep: 1 for cuts along z (G71), 0 for cuts along x."""
+    """The shape turned about; elements[0] is the way in. deep: 1 for cuts along z (G71), 0 for cuts
+    along x."""
     turned = [_piece(e, deep) for e in elements]
     first, last = turned[0].end, turned[-1].end
     up, back = first.imag > last.imag, first.real < last.real
@@ -279,5 +288,6 @@ def _flipped(p: Piece, up: bool, back: bool) -> Piece:
 
 
 def turning_back(pieces: list[Piece]) -> Iterator[int]:
-    """Numbers of the pieces, behind the way in, that go back along the cuts: LinuxCNC calls them not monotonic, and refuses."""
+    """Numbers of the pieces, behind the way in, that go back along the cuts: LinuxCNC calls them
+    not monotonic, and refuses."""
     return (k for k, p in enumerate(pieces) if k and not p.goes_on)

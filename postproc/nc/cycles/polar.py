@@ -1,8 +1,8 @@
 """G16: the first axis' word of the plane is a radius, the second's an angle in degrees, until G15.
 
-Fanuc B-64304EN-2, "Polar coordinate command": in G90 the radius counts from the zero of the work coordinates, in G91
-from where the tool stands; the angle is absolute in G90 and counts from the last one in G91. A word that is not named
-holds.
+Fanuc B-64304EN-2, "Polar coordinate command": in G90 the radius counts from the zero of the work
+coordinates, in G91 from where the tool stands; the angle is absolute in G90 and counts from the
+last one in G91. A word that is not named holds.
 """
 
 from __future__ import annotations
@@ -55,13 +55,14 @@ class Polar:
                 f"name the radius {first} too",
             )
         if radius:
-            self.radius = radius.value
+            self.radius = None if radius.value is None else scene.length(radius, first)
         if angle:
             before = self.angle if incremental else 0.0
-            self.angle = None if before is None else before + (angle.value or 0.0)
+            self.angle = None if before is None else before + scene.degrees(angle)
         if self.radius is None or self.angle is None:
             raise scene.fault(
-                f"the first block behind G16 must name the radius {first} and the angle {second}, in G90",
+                f"the first block behind G16 must name the radius {first} and the angle {second},"
+                " in G90",
                 "write both: what holds before is not defined",
             )
         cosine, sine = exact_turn(self.angle)

@@ -1,10 +1,12 @@
-"""G02 and G03 of Heidenhain's DIN/ISO: arcs about the pole that I J K set for all blocks behind, as straight lines; G10 and
-G11: a rapid and a feed to the radius R and the angle H about it.
+"""G02 and G03 of Heidenhain's DIN/ISO: arcs about the pole that I J K set for all blocks behind, as
+straight lines; G10 and G11: a rapid and a feed to the radius R and the angle H about it.
 
-HEIDENHAIN user's manuals, ISO programming, "Circular path G02/G03 around circle centre I, J" and "Circular path with defined
-radius": in G90 the pole is a place, in G91 it counts from where the tool stands; G29 puts it there. End and start may lie
-0.016 mm unlike far from it (MP7431); an end at the start is a full circle. R above 0 is the shorter arc, below 0 the longer.
-Angles count from the first axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by the tolerance at most: an arc could not be written back, for its pole would move all behind it.
+HEIDENHAIN user's manuals, ISO programming, "Circular path G02/G03 around circle centre I, J" and
+"Circular path with defined radius": in G90 the pole is a place, in G91 it counts from where the
+tool stands; G29 puts it there. End and start may lie 0.016 mm unlike far from it (MP7431); an end
+at the start is a full circle. R above 0 is the shorter arc, below 0 the longer. Angles count from
+the first axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by
+the tolerance at most: an arc could not be written back, for its pole would move all behind it.
 """
 
 from __future__ import annotations
@@ -49,6 +51,8 @@ class PoleArcs:
         """The line, or the lines that its arc becomes. Raises ProgramError."""
         scene = self.scene
         scene.forget()
+        if scene.passes(line.text):
+            return [line]
         body, star, rest = line.text.partition(b"*")
         block = Block.of(body, scene.dialect.grammar)
         scene.block = block
@@ -133,7 +137,7 @@ class PoleArcs:
         m.words(POLAR[self.motion], *words)
         return [POINT.sub(b"", text) + end for text in m.finish()]
 
-    # -- the arc -------------------------------------------------------------------------------------------------------
+    # -- the arc -----------------------------------------------------------------------------------
 
     def _arc(self, block: Block, end: bytes) -> list[bytes]:
         scene = self.scene
@@ -206,9 +210,8 @@ class PoleArcs:
                 f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
             )
         away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
-        left = (self.motion == COUNTER) == (
-            radius > 0
-        )  # of the way: where the shorter arc against the clock has it
+        # of the way: where the shorter arc against the clock has it
+        left = (self.motion == COUNTER) == (radius > 0)
         side = 1 if left else -1
         normal = -chord[1] / length * side, chord[0] / length * side
         middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2

@@ -1,13 +1,15 @@
 """POLY of Sinumerik: polynomials of every axis, written out as straight lines within the tolerance.
 
-Siemens, SINUMERIK 840D/810D Programming Guide Advanced (04.00), "Polynomial interpolation, POLY", pages 163 to 167, and Job
-Planning (03/2006), 5.5: PO[X]=(xe, a2, a3) is f(p) = a0 + a1 p + a2 p^2 + a3 p^3 over p from 0 to PL, 1 where it is left out; a0
-is where the axis stands, a1 follows from its end xe; degrees up to 5. PO[]=(de, b2) is the common denominator, whose own a0 is 1:
-an axis is the quotient then, and ends in xe all the same. Axes that are named plainly go evenly with p; without any PO a block is
-straight. POLY ends with another motion code.
+Siemens, SINUMERIK 840D/810D Programming Guide Advanced (04.00), "Polynomial interpolation, POLY",
+pages 163 to 167, and Job Planning (03/2006), 5.5: PO[X]=(xe, a2, a3) is f(p) = a0 + a1 p + a2 p^2 +
+a3 p^3 over p from 0 to PL, 1 where it is left out; a0 is where the axis stands, a1 follows from its
+end xe; degrees up to 5. PO[]=(de, b2) is the common denominator, whose own a0 is 1: an axis is the
+quotient then, and ends in xe all the same. Axes that are named plainly go evenly with p; without
+any PO a block is straight. POLY ends with another motion code.
 
-The lines leave the curve by the tolerance at most: poles of Bezier pieces say so (curve.py), if the denominator's are above 0. Refused:
-G91, cutter radius compensation, G93, diameters, rotary words, a plain axis beside a denominator, PO without POLY, corners (RND).
+The lines leave the curve by the tolerance at most: poles of Bezier pieces say so (curve.py), if the
+denominator's are above 0. Refused: G91, cutter radius compensation, G93, diameters, rotary words, a
+plain axis beside a denominator, PO without POLY, corners (RND).
 """
 
 from __future__ import annotations
@@ -66,6 +68,8 @@ class Polynomials:
             self.rigid = True
             return self.corners.take(line)
         scene = self.scene
+        if scene.passes(line.text):
+            return [line]
         scene.block = Block(line.text, (), True, False)
         if self.corners.held is not None or self.corners.modal:
             raise scene.fault("a polynomial beside corners (RND, CHF)", "write the corner out")
@@ -210,8 +214,8 @@ class Polynomials:
 def _coefficients(
     start: float, values: list[float], below: float, length: float, count: int
 ) -> np.ndarray:
-    """(count,) coefficients over 0 to 1 of a numerator that begins at `start` and ends at the first value times the
-    denominator's end, `below`."""
+    """(count,) coefficients over 0 to 1 of a numerator that begins at `start` and ends at the first
+    value times the denominator's end, `below`."""
     found = np.zeros(count)
     found[0] = start
     for power, value in enumerate(values[1:], 2):

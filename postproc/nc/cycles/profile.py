@@ -1,4 +1,5 @@
-"""The finished shape of a lathe's cycle: lines and arcs from one numbered block to another, in the ZX plane.
+"""The finished shape of a lathe's cycle: lines and arcs from one numbered block to another, in the
+ZX plane.
 
 Lengths are in the program's unit, X as a radius whatever its words are.
 """
@@ -6,35 +7,37 @@ Lengths are in the program's unit, X as a radius whatever its words are.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+import re
+from dataclasses import dataclass, field, replace
 
+from postproc.errors import Notice
+from postproc.nc.cycles import drawing_fanuc
 from postproc.nc.cycles.block import Block, Word, blocks
+from postproc.nc.cycles.drawing_fanuc import WRITE as WRITE_END
+from postproc.nc.cycles.drawing_fanuc import Corner
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 
-NOSE = (
-    400,
-    410,
-    420,
-)  # compensation of the nose radius: what it does to a roughing, the caller says
-IGNORED = (
-    *NOSE,
-    960,
-    970,
-)  # of a shape, where a roughing has its own: B-64304EN-1, "Multiple repetitive cycle"
+# compensation of the nose radius: what it does to a roughing, the caller says
+NOSE = (400, 410, 420)
+# of a shape, where a roughing has its own: B-64304EN-1, "Multiple repetitive cycle"
+IGNORED = (*NOSE, 960, 970)
 ANYWHERE, ARCS = "NGXZFST", "IKR"  # letters of a shape, and of its arcs; F S T are the finishing's
+MOTIONS = (0, 10, CLOCKWISE, COUNTER)
 NEAR = 1e-9
+Point = tuple[float, float]  # z, x radius
 
 
 @dataclass(frozen=True)
 class Element:
-    """A line (`code` 0 or 10) or an arc from `start` to `end`, (z, x radius); the words of its `centre` as written, and
-    where that lies."""
+    """A line (`code` 0 or 10) or an arc from `start` to `end`, (z, x radius); the words of its
+    `centre` as written, and where that lies."""
 
     code: int
     start: tuple[float, float]
     end: tuple[float, float]
     words: tuple[bytes, ...] = ()
     centre: tuple[float, float] = (0.0, 0.0)
+    row: int = -1
 
     def moved(self, by: tuple[float, float]) -> Element:
         shift = lambda p: (p[0] + by[0], p[1] + by[1])  # noqa: E731
@@ -59,8 +62,8 @@ class Element:
         return same and (turn > -NEAR if self.code == COUNTER else turn < NEAR)
 
     def crossing(self, axis: int, value: float) -> float | None:
-        """The other coordinate where coordinate `axis` (0: z, 1: x) has this value; None: nowhere. Monotonic ones
-        only."""
+        """The other coordinate where coordinate `axis` (0: z, 1: x) has this value; None: nowhere.
+        Monotonic ones only."""
         low, high = sorted((self.start[axis], self.end[axis]))
         other = 1 - axis
         if not low - NEAR <= value <= high + NEAR:
@@ -80,18 +83,44 @@ class Element:
 
 @dataclass(frozen=True)
 class Profile:
-    """The blocks from P to Q: their texts, the source lines (from 1) they take, and, read from a start point, the
-    shape."""
+    """The blocks from P to Q: their texts, the source lines (from 1) they take; `corners`: the
+    ",C" and ",R" that stood in them, by number of the block."""
 
     texts: list[Block]
     first: int
     last: int
+    corners: dict[int, re.Match[bytes]] = field(default_factory=dict)
+
+    def drawn(self, scene: Scene) -> bool:
+        """Whether corners or angles stand in it."""
+        letters, motion = drawing_fanuc.bare(scene, "CRA"), 0
+        for block in self.texts:
+            motion = next((c for c in reversed(block.codes) if c in MOTIONS), motion)
+            straight = motion not in (CLOCKWISE, COUNTER)
+            if straight and any(w.letter in letters for w in block.words):
+                return True
+        return bool(self.corners)
 
 
-def find(scene: Scene, lines: list[bytes], begin: int, end: int, after: int = 0) -> Profile:
-    """The blocks N`begin` to N`end`, behind source line `after` if that is not 0. Raises ProgramError."""
+def find(
+    scene: Scene, lines: list[bytes], begin: int, end: int, after: int = 0, kept: int = 0
+) -> Profile:
+    """The blocks N`begin` to N`end`, behind source line `after` if that is not 0: the first ones,
+    which a notice says where the number stands in other lines too. `kept`: the line in which a
+    roughing with the same numbers found the first one (0: none did). Raises ProgramError."""
     rows = _numbered(scene, lines)
     starts = [i for i, (line, _, n) in enumerate(rows) if n == begin and line > after]
+    if after and starts:
+        others = [str(line) for line, _, n in rows if n == begin and line != rows[starts[0]][0]]
+        if others:
+            said = (
+                f"N{begin} stands in line {', '.join(others)} too: the shape is the one behind the"
+                f" cycle, in line {rows[starts[0]][0]}"
+            )
+            scene.notices.append(Notice(f"shape {begin}", said, scene.source))
+        starts = starts[:1]
+    elif kept:
+        starts = [i for i in starts if rows[i][0] == kept] or starts
     if not starts:
         where = f"behind line {after}" if after else "in the program"
         raise scene.fault(
@@ -109,19 +138,30 @@ def find(scene: Scene, lines: list[bytes], begin: int, end: int, after: int = 0)
             f"there is no block N{end} behind N{begin}", "Q names the last block of the shape"
         )
     chosen = rows[starts[0] : stop + 1]
-    for line, block, _ in chosen:
+    corners = {}
+    for k, (line, block, number) in enumerate(chosen):
+        text, corner = drawing_fanuc.split(block.text)
+        if corner is not None and scene.dialect.language == "fanuc":
+            corners[k], block = corner, Block.of(text, scene.dialect.grammar)
+            chosen[k] = line, block, number
+        if not block.plain and (worked := scene.tracker.rendered(block.text)) is not None:
+            block = Block.of(worked, scene.dialect.grammar)
+            chosen[k] = line, block, number
         if not block.plain:
             raise scene.fault(
-                f"the shape's line {line} is more than words and numbers: {block.text[:40].decode('latin-1')!r}",
-                "variables, chamfers and corner radii must be written out in it",
+                f"the shape's line {line} is more than words and numbers:"
+                f" {block.text[:40].decode('latin-1')!r}",
+                "variables must be written out in it",
             )
-    return Profile([block for _, block, _ in chosen], chosen[0][0], chosen[-1][0])
+    return Profile([block for _, block, _ in chosen], chosen[0][0], chosen[-1][0], corners)
 
 
 def _numbered(scene: Scene, lines: list[bytes]) -> list[tuple[int, Block, int]]:
-    """All blocks with their source line and N number (-1: none)."""
+    """All blocks that run, with their source line and N number (-1: none)."""
     rows = []
     for line, text in enumerate(lines, 1):
+        if scene.passes(text):
+            continue
         for part in blocks(text, scene.dialect.grammar):
             block = Block.of(part, scene.dialect.grammar)
             number = block.get("N")
@@ -131,41 +171,93 @@ def _numbered(scene: Scene, lines: list[bytes]) -> list[tuple[int, Block, int]]:
 
 def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: int) -> list[Element]:
     """The elements of a profile, from a start point (z, x radius). Raises ProgramError."""
-    here, incremental, elements = start, scene.incremental, []
-    half = 2.0 if scene.is_diameter("X") else 1.0
-    for block in profile.texts:
-        text = block.text.strip().decode("latin-1")
-        for code in block.codes:
-            if code in (900, 910) and scene.group_of(code) == "distance":
-                incremental = code == 910
-            elif code in (0, 10, CLOCKWISE, COUNTER):
-                motion = code
-            elif code not in IGNORED:
-                raise scene.fault(
-                    f"G{code / 10:g} in the shape of a cycle, in {text!r}",
-                    "only G0 G1 G2 G3 can be followed there",
-                )
+    here, incremental = start, scene.incremental
+    elements: list[Element] = []
+    corners: dict[int, Corner] = {}
+    open_line: tuple[float, int] | None = None  # angle and block of a line whose end is not said
+    for row, block in enumerate(profile.texts):
+        motion, incremental = _modes(scene, block, motion, incremental)
         arc = motion in (CLOCKWISE, COUNTER)
-        increments = [u for u, axis in scene.dialect.increments.items() if axis in "XZ"]
-        known = ANYWHERE + ARCS * arc + "".join(increments)
-        strange = next((w for w in block.words if w.letter not in known), None)
-        if strange:
-            raise scene.fault(
-                f"{strange.letter}{strange.raw} in the shape of a cycle, in {text!r}, can not be followed",
-                "write it before the cycle; chamfers and corner radii as blocks of their own",
-            )
-        z = _coordinate(scene, block, "Z", here[0], 1.0, incremental)
-        x = _coordinate(scene, block, "X", here[1], half, incremental)
+        _known(scene, block, arc)
+        angle = None if arc or "A" not in drawing_fanuc.bare(scene, "A") else block.get("A")
+        corner = None
+        if not arc:
+            corner = drawing_fanuc.corner_of(scene, block, profile.corners.get(row))
+        place = _place(scene, block, here, incremental)
+        if angle is not None and place == (None, None):
+            if open_line is not None:
+                raise scene.fault("two lines of the shape with A alone", drawing_fanuc.WRITE)
+            open_line = angle, row
+            if corner:
+                corners[len(elements)] = corner
+            continue
+        z = here[0] if place[0] is None else place[0]
+        x = here[1] if place[1] is None else place[1]
+        if open_line is not None:
+            if angle is None or None in place:
+                raise scene.fault("A alone, and the next line without A, X and Z", WRITE_END)
+            meets = drawing_fanuc.meeting(scene, here, open_line[0], (z, x), angle)
+            elements.append(Element(motion, here, meets, row=open_line[1]))
+            here, open_line = meets, None
+        elif angle is not None and None in place:
+            z, x = drawing_fanuc.on_line(scene, here, angle, *place)
         if (z, x) == here:
             continue
-        element = Element(motion, here, (z, x))
+        element = Element(motion, here, (z, x), row=row)
         if element.is_arc:
             element = _arc(scene, block, element)
+        if corner:
+            corners[len(elements)] = corner
         elements.append(element)
         here = (z, x)
+    if open_line is not None:
+        raise scene.fault("A alone in the last line of the shape", WRITE_END)
     if not elements:
         raise scene.fault("the shape of the cycle moves nothing", "check P and Q")
-    return elements
+    return drawing_fanuc.rounded(scene, elements, corners) if corners else elements
+
+
+def _modes(scene: Scene, block: Block, motion: int, incremental: bool) -> tuple[int, bool]:
+    """The motion code, and whether words are distances, in a block."""
+    for code in block.codes:
+        if code in (900, 910) and scene.group_of(code) == "distance":
+            incremental = code == 910
+        elif code in (0, 10, CLOCKWISE, COUNTER):
+            motion = code
+        elif code not in IGNORED:
+            text = block.text.strip().decode("latin-1")
+            raise scene.fault(
+                f"G{code / 10:g} in the shape of a cycle, in {text!r}",
+                "only G0 G1 G2 G3 can be followed there",
+            )
+    return motion, incremental
+
+
+def _known(scene: Scene, block: Block, arc: bool) -> None:
+    """Raises ProgramError at a word that is none of a shape."""
+    increments = [u for u, axis in scene.dialect.increments.items() if axis in "XZ"]
+    drawn = ARCS if arc else drawing_fanuc.bare(scene, "CRA")
+    known = ANYWHERE + drawn + "".join(increments)
+    strange = next((w for w in block.words if w.letter not in known), None)
+    if strange:
+        text = block.text.strip().decode("latin-1")
+        raise scene.fault(
+            f"{strange.letter}{strange.raw} in the shape of a cycle, in {text!r}, can not be"
+            " followed",
+            "write it before the cycle; chamfers and corner radii as blocks of their own",
+        )
+
+
+def _place(
+    scene: Scene, block: Block, here: Point, incremental: bool
+) -> tuple[float | None, float | None]:
+    """The end of a block, None: it is not named."""
+    half = 2.0 if scene.is_diameter("X") else 1.0
+    by = {x: u for u, x in scene.dialect.increments.items()}
+    named = [any(block.word(w) for w in (x, by.get(x, x))) for x in "ZX"]
+    z = _coordinate(scene, block, "Z", here[0], 1.0, incremental) if named[0] else None
+    x = _coordinate(scene, block, "X", here[1], half, incremental) if named[1] else None
+    return z, x
 
 
 def _coordinate(

@@ -1,7 +1,8 @@
-"""G10 L2 R: a work offset of LinuxCNC that is turned about its zero in XY, as measured on its interpreter 2.9.
+"""G10 L2 R: a work offset of LinuxCNC that is turned about its zero in XY, as measured on its
+interpreter 2.9.
 
-R is taken out of the text, so the output is right where the control itself holds no turn (parameters 5230, 5250, ...
-are 0).
+R is taken out of the text, so the output is right where the control itself holds no turn
+(parameters 5230, 5250, ... are 0).
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Where a cycle or a frame finds the program: modes and positions, asked of the tracker only where nobody knows
-better."""
+"""Where a cycle or a frame finds the program: modes and positions, asked of the tracker only where
+nobody knows better."""
 
 from __future__ import annotations
 
@@ -13,23 +13,22 @@ from postproc.nc.expand.tracker import Tracker, number
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
-Fault = Callable[
-    [str, str, bytes], ProgramError
-]  # message, advice, and what to point at in the line
+# message, advice, and what to point at in the line
+Fault = Callable[[str, str, bytes], ProgramError]
 CLOCKWISE, COUNTER = 20, 30
-PLANES = {
-    170: ("X", "Y", "Z"),
-    180: ("Z", "X", "Y"),
-    190: ("Y", "Z", "X"),
-}  # first and second axis, and the one across
+DIAM90 = "DIAM90"
+# first and second axis, and the one across
+PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}
-CHORD_MM = 0.001  # how far lines may leave a curve where nobody says it: a least increment of most controls
+# how far lines may leave a curve where nobody says it: a least increment of most controls
+CHORD_MM = 0.001
 
 
 class Scene:
     """The program behind the last line taken, in the coordinates in which its words are written.
 
-    `frame` maps a coordinate as the output has it to one as the program writes it, while a frame is at work.
+    `frame` maps a coordinate as the output has it to one as the program writes it, while a frame is
+    at work.
     """
 
     def __init__(self, tracker: Tracker):
@@ -44,9 +43,8 @@ class Scene:
         self.lines: Callable[[], list[bytes]] = list  # the text that the block stands in
         self.fault_at: Fault
         self.notices: list[Notice] = []  # what the user should know of what was written
-        self.keeps: Callable[[Motions], bool] | None = (
-            None  # whether the block's hole may stay a cycle
-        )
+        # whether the block's hole may stay a cycle
+        self.keeps: Callable[[Motions], bool] | None = None
         self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self.unsure: set[str] = (
             set()
@@ -55,14 +53,19 @@ class Scene:
         self._places: dict[str, float] = {}
         self._decimals: dict[str, int] = {}
 
-    # -- modes ---------------------------------------------------------------------------------------------------------
+    def passes(self, text: bytes) -> bool:
+        """Whether the control steps over this line: it begins with / and block delete is on."""
+        return bool(self.tracker.setup.block_delete) and text.lstrip(b" \t").startswith(b"/")
+
+    # -- modes -------------------------------------------------------------------------------------
 
     def group_of(self, code: int) -> str:
         """The modal group of a code as it is written ("" for none and for unknown codes)."""
         return self.table[code].group if code in self.table else ""
 
     def code(self, group: str) -> int:
-        """Ten times the G number in force in a modal group, the block's own codes counted in; -1: none."""
+        """Ten times the G number in force in a modal group, the block's own codes counted in; -1:
+        none."""
         if group not in self._codes:
             self._codes[group] = self.tracker.code(group)
             self.asked()
@@ -98,14 +101,25 @@ class Scene:
         return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
 
     @property
+    def diameter_in_g90(self) -> bool:
+        """Whether X is a diameter as a place and a radius as a distance: DIAM90."""
+        mode = self.code("diameter")
+        return any(row.word == DIAM90 and row.number == mode for row in self.table.values())
+
+    def double(self, axis: str) -> float:
+        """By what the words of an axis are more than its way: 2 for diameters, else 1."""
+        return 2.0 if self.is_diameter(axis) else 1.0
+
+    @property
     def chord(self) -> float:
         """How far straight lines may leave the curve that they stand for, program's unit."""
         return self.tolerance / 25.4 if self.inch else self.tolerance
 
-    # -- places --------------------------------------------------------------------------------------------------------
+    # -- places ------------------------------------------------------------------------------------
 
     def known(self, axis: str) -> float | None:
-        """The programmed coordinate at which an axis stands (program's unit, diameter where such), None: not known."""
+        """The programmed coordinate at which an axis stands (program's unit, diameter where such),
+        None: not known."""
         if axis not in self.tracker.setup.axes or axis in self.unsure:
             return None
         if axis not in self._places:
@@ -119,7 +133,8 @@ class Scene:
         return self._places[axis]
 
     def work(self, axis: str) -> float | None:
-        """The coordinate beneath any frame, as the tracker has it; None: not known, or no axis of the machine."""
+        """The coordinate beneath any frame, as the tracker has it; None: not known, or no axis of
+        the machine."""
         axes, state = self.tracker.setup.axes, self.tracker.state
         if (
             axis not in axes
@@ -131,12 +146,14 @@ class Scene:
         return self.coordinate(axis, int(state.position[axes.index(axis)]), state)
 
     def coordinate(self, axis: str, ticks: int, state: ModalState) -> float:
-        """A machine coordinate as words have it beneath any frame, in a `state` whose zeros are known."""
+        """A machine coordinate as words have it beneath any frame, in a `state` whose zeros are
+        known."""
         assert state.origin is not None
         unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
             2 if self.is_diameter(axis) else 1
         )
-        # An offset that nobody has stated is in neither of the two, and a block has named the axis behind it.
+        # An offset that nobody has stated is in neither of the two, and a block has named the axis
+        # behind it.
         return float((ticks - state.origin[self.tracker.setup.axes.index(axis)]) / unit)
 
     def shifted(self, named: set[str]) -> None:
@@ -168,12 +185,14 @@ class Scene:
                 raise self.fault(f"the machine has no axis {axis}", "choose the right --machine")
             if self.tracker.machine(axis) is not None:
                 raise self.fault(
-                    f"the motions depend on where {axis} stands, and an offset in force is not stated",
+                    f"the motions depend on where {axis} stands, and an offset in force is not"
+                    " stated",
                     f"move {axis} to an absolute position behind the offset, or state it: --offset",
                 )
             raise self.fault(
                 f"the motions depend on where {axis} stands, and that is not known at this block",
-                f"move {axis} to an absolute position before, or say where {axis} stands: --start {axis}0",
+                f"move {axis} to an absolute position before, or say where {axis} stands: --start"
+                f" {axis}0",
             )
         return value
 
@@ -186,19 +205,21 @@ class Scene:
         self._places.pop(axis, None)
 
     def differs(self, axis: str, value: float) -> bool:
-        """Whether an axis stands elsewhere, as far as numbers are written, or at an unknown place."""
+        """Whether an axis stands elsewhere, as far as numbers are written, or at an unknown
+        place."""
         here = self.known(axis)
         return here is None or self.rounded(axis, here) != self.rounded(axis, value)
 
     def settle(self) -> None:
-        """A block went by whose codes have been noted: its modes hold on, and the axes may stand elsewhere."""
+        """A block went by whose codes have been noted: its modes hold on, and the axes may stand
+        elsewhere."""
         self._places = {}
 
     def forget(self) -> None:
         """Something went by that was not looked at: ask the tracker next time."""
         self._codes, self._places, self._decimals = {}, {}, {}
 
-    # -- numbers -------------------------------------------------------------------------------------------------------
+    # -- numbers -----------------------------------------------------------------------------------
 
     def decimals(self, letter: str) -> int:
         """How many decimals a number behind this letter is written with."""
@@ -215,20 +236,27 @@ class Scene:
         return f"{letter}{number(value, self.decimals(letter))}".encode()
 
     def length(self, word: Word, axis: str) -> float:
-        """The length that a word of an axis (or of R, Q) says; without a point it may count least increments."""
-        if self.dialect.integers == "least increments" and "." not in word.raw:
+        """The length that a word of an axis (or of R, Q) says; without a point it may count least
+        increments."""
+        if self.tracker.counts and "." not in word.raw:
             return self.counted(word, axis)
         return word.value or 0.0
 
     def counted(self, word: Word, axis: str = "Z") -> float:
-        """A number that counts least increments where it has no point (P and Q of a lathe's cycles)."""
+        """A number that counts least increments where it has no point (P and Q of a lathe's
+        cycles)."""
         value = word.value or 0.0
         if "." in word.raw:
             return value
         least = self.tracker.setup.least_increment.get(axis, 1e-3)
         return value * least / (10 if self.inch else 1)  # a control with 0.001 mm has 0.0001 inch
 
-    # -- errors --------------------------------------------------------------------------------------------------------
+    def degrees(self, word: Word) -> float:
+        """An angle; without a point it may count thousandths of a degree."""
+        whole = self.tracker.counts and "." not in word.raw
+        return (word.value or 0.0) * (1e-3 if whole else 1.0)
+
+    # -- errors ------------------------------------------------------------------------------------
 
     def fault(self, message: str, advice: str, word: Word | None = None) -> ProgramError:
         """An error at the block at hand, or at one of its words."""

@@ -1,8 +1,9 @@
 """Marlin's G5, a cubic Bezier curve in XY, as straight lines.
 
-Marlin/src/gcode/motion/G5.cpp: I J count from the start, P Q from the end, one that is left out is 0, and nothing is
-kept from curve to curve. planner_bezier.cpp, cubic_b_spline: Z and E go evenly with the curve's parameter. The firmware
-itself leaves the curve by as much as 0.1 mm (SIGMA); the lines here lie nearer to it.
+Marlin/src/gcode/motion/G5.cpp: I J count from the start, P Q from the end, one that is left out is
+0, and nothing is kept from curve to curve. planner_bezier.cpp, cubic_b_spline: Z and E go evenly
+with the curve's parameter. The firmware itself leaves the curve by as much as 0.1 mm (SIGMA); the
+lines here lie nearer to it.
 """
 
 from __future__ import annotations
@@ -18,9 +19,15 @@ from postproc.nc.expand.tracker import number
 SPLINE = 50
 E_DECIMALS = 5  # as slicers write it
 WORDS = {
-    "X": "end", "Y": "end", "Z": "end", "E": "filament", "I": "first pole, from the start",
-    "J": "first pole, from the start", "P": "second pole, from the end", "Q": "second pole, from the end",
-}  # fmt: skip
+    "X": "end",
+    "Y": "end",
+    "Z": "end",
+    "E": "filament",
+    "I": "first pole, from the start",
+    "J": "first pole, from the start",
+    "P": "second pole, from the end",
+    "Q": "second pole, from the end",
+}
 
 
 class MarlinSpline:
@@ -83,7 +90,8 @@ class MarlinSpline:
 
     @staticmethod
     def _fed(scene: Scene, block: Block) -> tuple[float, float, bool] | None:
-        """Where E begins (0 where its words are distances), by how much it goes, and whether they are; None: no E."""
+        """Where E begins (0 where its words are distances), by how much it goes, and whether they
+        are; None: no E."""
         value = block.get("E")
         if value is None:
             return None

@@ -1,9 +1,11 @@
-"""LinuxCNC's splines in the XY plane, G5 (cubic), G5.1 (quadratic) and G5.2 to G5.3 (NURBS), as straight lines.
+"""LinuxCNC's splines in the XY plane, G5 (cubic), G5.1 (quadratic) and G5.2 to G5.3 (NURBS), as
+straight lines.
 
-convert_spline and convert_nurbs of its interpreter (src/emc/rs274ngc/interp_convert.cc), and measured on 2.9: a control point
-of G5.2 counts from where the spline began in G91, L below 4 is 3, I J P Q are not halved in G7, and none holds for the
-next block but G5.2. The control itself cuts the curve into arcs through points of it (emccanon.cc, NURBS_FEED), so lines
-within the tolerance of the curve are as near to what it does as these. grblHAL's G5 and G5.1 are the same curves
+convert_spline and convert_nurbs of its interpreter (src/emc/rs274ngc/interp_convert.cc), and
+measured on 2.9: a control point of G5.2 counts from where the spline began in G91, L below 4 is 3,
+I J P Q are not halved in G7, and none holds for the next block but G5.2. The control itself cuts
+the curve into arcs through points of it (emccanon.cc, NURBS_FEED), so lines within the tolerance of
+the curve are as near to what it does as these. grblHAL's G5 and G5.1 are the same curves
 (motion_control.c, mc_cubic_b_spline; gcode.c makes a cubic one of G5.1).
 """
 
@@ -23,12 +25,22 @@ PLACE = {"X": "end", "Y": "end"}
 NEAR = 1e-9
 LEAST_ORDER, MOST_ORDER = 3, 30
 FORMS = {
-    CUBIC: Form("a cubic spline", {**PLACE, "I": "first pole, from the start", "J": "first pole, from the start",
-        "P": "second pole, from the end", "Q": "second pole, from the end"}),
-    QUADRATIC: Form("a quadratic spline", {**PLACE, "I": "pole, from the start", "J": "pole, from the start"}),
+    CUBIC: Form(
+        "a cubic spline",
+        {
+            **PLACE,
+            "I": "first pole, from the start",
+            "J": "first pole, from the start",
+            "P": "second pole, from the end",
+            "Q": "second pole, from the end",
+        },
+    ),
+    QUADRATIC: Form(
+        "a quadratic spline", {**PLACE, "I": "pole, from the start", "J": "pole, from the start"}
+    ),
     NURBS: Form("a NURBS", {"X": "pole", "Y": "pole", "P": "weight of the pole", "L": "order"}),
     NURBS_END: Form("the end of a NURBS"),
-}  # fmt: skip
+}
 
 
 class Splines:
@@ -38,10 +50,8 @@ class Splines:
         self.codes = (CUBIC, QUADRATIC, *((NURBS, NURBS_END) if nurbs else ()))
         self.poles: list[tuple[float, float, float]] = []
         self.order = LEAST_ORDER
-        self.last: tuple[float, float] = (
-            0.0,
-            0.0,
-        )  # I J of a G5 that does not name them: -P -Q of the last one
+        # I J of a G5 that does not name them: -P -Q of the last one
+        self.last: tuple[float, float] = (0.0, 0.0)
         self.scene: Scene | None = None
 
     @property
@@ -57,7 +67,8 @@ class Splines:
         return any(block.word(x) for x in "XYPL")
 
     def end(self) -> None:
-        """Another motion code behind G5.2: LinuxCNC drops the control points without a word. Raises ProgramError."""
+        """Another motion code behind G5.2: LinuxCNC drops the control points without a word. Raises
+        ProgramError."""
         if self.poles and self.scene is not None:
             raise self.scene.fault(
                 "a motion code between G5.2 and G5.3", "end the NURBS by G5.3 before"
@@ -87,7 +98,7 @@ class Splines:
         if scene.code("feed mode") == 930:
             raise scene.fault(f"{name} with inverse time feed (G93)", "write G94 before")
 
-    # -- G5, G5.1 ------------------------------------------------------------------------------------------------------
+    # -- G5, G5.1 ----------------------------------------------------------------------------------
 
     def _bezier(self, scene: Scene, block: Block, code: int) -> Curve:
         name = f"G{code / 10:g}"
@@ -106,7 +117,7 @@ class Splines:
         self.last = -p, -q
         return bezier((x, y), (x + i, y + j), (ex + p, ey + q), (ex, ey))
 
-    # -- G5.2, G5.3 ----------------------------------------------------------------------------------------------------
+    # -- G5.2, G5.3 --------------------------------------------------------------------------------
 
     def _pole(self, scene: Scene, block: Block) -> None:
         """A further control point; the start is the first one."""
@@ -159,20 +170,21 @@ class Splines:
 
 
 def lines_along(m: Moves, curve: Curve, axes: tuple[str, ...]) -> None:
-    """Straight lines along a curve whose coordinates are those of `axes` (X as a radius), within the scene's tolerance."""
+    """Straight lines along a curve whose coordinates are those of `axes` (X as a radius), within
+    the scene's tolerance."""
     scene = m.scene
-    factor = np.array([2.0 if x == "X" and scene.is_diameter("X") else 1.0 for x in axes])
+    factor = np.array([scene.double(x) if x == "X" else 1.0 for x in axes])
     for point in curve.points(scene.chord, len(axes)) * factor:
         m.move("G1", dict(zip(axes, map(float, point), strict=True)))
 
 
 def _start(scene: Scene) -> tuple[float, float]:
-    return scene.at("X") / (2.0 if scene.is_diameter("X") else 1.0), scene.at("Y")
+    return scene.at("X") / scene.double("X"), scene.at("Y")
 
 
 def _place(scene: Scene, block: Block) -> tuple[float, float]:
     """The place that X and Y name."""
-    start, half = _start(scene), 2.0 if scene.is_diameter("X") else 1.0
+    start, half = _start(scene), scene.double("X")
     place = []
     for letter, here, by in zip("XY", start, (half, 1.0), strict=True):
         value = block.get(letter)

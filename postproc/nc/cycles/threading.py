@@ -1,9 +1,9 @@
 """LinuxCNC's G76, threading in many passes, as its passes: G33 with the rapids between.
 
-LinuxCNC "G codes", G76; convert_threading_cycle of its interpreter, and measured on 2.9. All motions of a pass stay
-synchronised with the spindle from one G33 to the next, so a tapered entry or exit is a G33 of its own, with the pitch
-along the taper. Where X is a diameter the block stays as it is: 2.9 takes I, J and K for a quarter of what its manual
-says.
+LinuxCNC "G codes", G76; convert_threading_cycle of its interpreter, and measured on 2.9. All
+motions of a pass stay synchronised with the spindle from one G33 to the next, so a tapered entry or
+exit is a G33 of its own, with the pitch along the taper. Where X is a diameter the block stays as
+it is: 2.9 takes I, J and K for a quarter of what its manual says.
 """
 
 from __future__ import annotations
@@ -19,18 +19,27 @@ from postproc.nc.cycles.words import Form
 
 MOST_PASSES = 10_000
 WORDS = {
-    "X": "where the tool goes back to", "Z": "end of the drive line", "P": "pitch", "I": "thread's peak beside the drive line", "J": "depth of the first cut",
-    "K": "full depth", "R": "degression", "Q": "compound angle", "H": "spring passes", "L": "which ends are tapered",
+    "X": "where the tool goes back to",
+    "Z": "end of the drive line",
+    "P": "pitch",
+    "I": "thread's peak beside the drive line",
+    "J": "depth of the first cut",
+    "K": "full depth",
+    "R": "degression",
+    "Q": "compound angle",
+    "H": "spring passes",
+    "L": "which ends are tapered",
     "E": "length of the tapers",
-}  # fmt: skip
+}
 LETTERS = "".join(WORDS)
 ENTRY, EXIT = 1, 2  # bits of L
 
 
 @dataclass(frozen=True)
 class Thread:
-    """A thread, program's unit, X as a radius: from `start` to `end` (x, z); the peak lies `offset` beside the drive
-    line, +1 or -1 `out` of it; the first `cut`, the full `depth`; `angle` in radians; `taper` along Z."""
+    """A thread, program's unit, X as a radius: from `start` to `end` (x, z); the peak lies `offset`
+    beside the drive line, +1 or -1 `out` of it; the first `cut`, the full `depth`; `angle` in
+    radians; `taper` along Z."""
 
     start: tuple[float, float]
     end: tuple[float, float]
@@ -147,8 +156,16 @@ class LinuxcncThread:
             end[axis] = here if value is None else here + value if scene.incremental else value
         back = end["Z"] > scene.at("Z")
         return Thread(
-            start=(scene.at("X") / half, scene.at("Z")), end=(end["X"] / half, end["Z"]), offset=abs(i) / half,
-            out=1 if i > 0 else -1, cut=j / half, depth=k / half, pitch=pitch, degression=max(values["R"] or 1.0, 1.0),
-            angle=math.radians(values["Q"] or 0.0) * (-1 if back else 1), taper=-e if back else e,
-            ends=int(flags), springs=int(h),
-        )  # fmt: skip
+            start=(scene.at("X") / half, scene.at("Z")),
+            end=(end["X"] / half, end["Z"]),
+            offset=abs(i) / half,
+            out=1 if i > 0 else -1,
+            cut=j / half,
+            depth=k / half,
+            pitch=pitch,
+            degression=max(values["R"] or 1.0, 1.0),
+            angle=math.radians(values["Q"] or 0.0) * (-1 if back else 1),
+            taper=-e if back else e,
+            ends=int(flags),
+            springs=int(h),
+        )

@@ -1,61 +1,87 @@
 """G70 to G73 of Fanuc and Haas lathes, over a shape that stands in the program.
 
-Fanuc B-64304EN-1, "Multiple repetitive cycle"; the order of motions and which of them are rapids also in the lathe
-maker Robur's concise guide to Fanuc, pages 48 and 57.
+Fanuc B-64304EN-1, "Multiple repetitive cycle"; the order of motions and which of them are rapids
+also in the lathe maker Robur's concise guide to Fanuc, pages 48 and 57.
 
-Assumed: the depths of G71 and G72 count from the start point moved by the finishing allowances; the cut that would
-reach the depth of the shape's first point, or go beyond it, is left to the last one along the shape; the tool escapes
-at 45 degrees in rapid, and returns to the start point in one rapid. RETRACT stands for parameter 5133 where R does
-not say it.
+A roughing takes the first block with the number P behind it; the control keeps where P and Q are,
+so G70 with the same numbers means that shape ("Storing P and Q blocks"), whatever else has them.
 
-G41 G42 in the shape: G70 runs its blocks as they stand, so they hold there, and must end within it (G40). The roughing
-of Fanuc passes over them (P. Smid, CNC Programming Handbook, "Tool nose radius offset" of G71), which a notice says;
-B-64304EN-1 itself wants them before the cycle. Haas' roughs with them (lathe operator's manual, "TNC with a G71 Roughing
-Canned Cycle"): the last cut, along the shape, has them here, and the cuts before it end on the shape as programmed, which
-a notice says too. There a last block that rapids back along the cuts, as such shapes have it for G40, is no part of the
-shape; Fanuc's stops at it. R1 of Haas, and a first block in X and Z, choose type II: a shape without pockets is the same in
-both, and each cut begins on the first block. I K of G71 G72, the allowance of a rough finishing pass, and pockets are refused.
+Assumed: the depths of G71 and G72 count from the start point moved by the finishing allowances; the
+cut that would reach the depth of the shape's first point, or go beyond it, is left to the last one
+along the shape; the tool escapes at 45 degrees in rapid, and returns to the start point in one
+rapid. RETRACT stands for parameter 5133 where R does not say it.
+
+G41 G42 in the shape: G70 runs its blocks as they stand, so they hold there, and must end within it
+(G40). The roughing of Fanuc passes over them (P. Smid, CNC Programming Handbook, "Tool nose radius
+offset" of G71), which a notice says. G41 G42 before the cycle, as B-64304EN-1 wants them: they go
+on through G70 and through the last cut of a roughing, start in its first block, rest on the way
+back to the start point and hold behind it ("offset is temporarily canceled"). Haas' roughs with
+them (lathe operator's manual, "TNC with a G71 Roughing Canned Cycle"): the last cut, along the
+shape, has them here, and the cuts before it end on the shape as programmed, which a notice says
+too. There a last block that rapids back along the cuts, as such shapes have it for G40, is no part
+of the shape; Fanuc's stops at it. R1 of Haas, and a first block in X and Z, choose type II: a shape
+without pockets is the same in both, and each cut begins on the first block; with pockets:
+pockets_fanuc.py. I K of G71 G72, the allowance of a rough finishing pass, are refused.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from postproc.errors import Notice
-from postproc.nc.cycles.block import Block
+from postproc.errors import Notice, ProgramError
+from postproc.nc.cycles.block import Block, number_of
 from postproc.nc.cycles.drilling import UNDEFINED, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
-from postproc.nc.cycles.profile import NOSE, Element, Profile, find, shape
-from postproc.nc.cycles.scene import CLOCKWISE, Scene
+from postproc.nc.cycles.profile import NOSE, Element, Point, Profile, find, shape
+from postproc.nc.cycles.roughing_fanuc import MOST_PASSES, Pen, Roughing, draws_out
+from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
 
 RETRACT = {False: 0.5, True: 0.02}  # mm, inch, radius
-MOST_PASSES = 10_000
 OWN = "XZUWPQRDIK"
 KIND = "a turning cycle"
+OF_SHAPE = "the shape"  # in sentences on what the words of the shape lead to
 SHAPE = {"P": "first block of the shape", "Q": "last block of the shape"}
 ALLOWANCE = {"U": "allowance along X, a diameter", "W": "allowance along Z"}
 ESCAPE = {"R": "escape from a cut"}
+ALONG = (
+    "holds in the cut along the shape: those before it end on the shape as programmed, by"
+    " as much as the nose differs"
+)
 ROUGH_FINISH = "the allowance of a rough finishing pass"
 NOT_WRITTEN = {"I": ROUGH_FINISH, "K": ROUGH_FINISH}
-TYPE_II = {
-    True: {"R": "a type other than 1"},
-    False: {"R": "it chooses type II on a Haas"},
-}  # whether it is Haas'
+# whether it is Haas'
+TYPE_II = {True: {"R": "a type other than 1"}, False: {"R": "it chooses type II on a Haas"}}
+
+
+@dataclass(frozen=True)
+class Way:
+    """A shape, where the tool stands before the cycle, and what the finishing leaves: (z, x
+    radius)."""
+
+    pen: Pen
+    elements: list[Element]
+    start: Point
+    allowance: Point
 
 
 @dataclass
 class Repetitive:
-    """G70 to G73 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face, repeat."""
+    """G70 to G73 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face,
+    repeat."""
 
     roles: dict[int, str]
     haas: bool = False
     held: dict[str, dict[str, float]] = field(default_factory=dict)
+    shapes: dict[tuple[int, int], int] = field(default_factory=dict)  # P, Q: the line of P
     modal = False
 
     def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of one role: of the first of two blocks, and of the second one or of one alone."""
+        """The words of one role: of the first of two blocks, and of the second one or of one
+        alone."""
         role = self.roles[code]
+        if role == "finish" and self.haas:  # written beside those of G71 by hand: they say nothing
+            return (Form(KIND, SHAPE, zero="UW", idle="D"),)
         if role == "finish":
             return (Form(KIND, SHAPE),)
         first, second = "first of two blocks", "second block, or one alone"
@@ -90,30 +116,51 @@ class Repetitive:
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
-        role = self.roles[code]
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        role, before = self.roles[code], self._before(scene, code)
         own = own_words(block, OWN, {code})
         if role != "finish" and not any(block.word(x) for x in "PQ"):
             self._hold(scene, block, role)
             return Outcome(Moves(scene, own).finish())
         begin, end = (self._number(scene, block, code, x) for x in "PQ")
         after = 0 if role == "finish" else scene.source
-        profile = find(scene, scene.lines(), begin, end, after)
+        profile = find(scene, scene.lines(), begin, end, after, self.shapes.get((begin, end), 0))
+        self.shapes[begin, end] = profile.first
         m = Moves(scene, own)
+        if before and any(c in NOSE for b in profile.texts for c in b.codes):
+            raise scene.fault(
+                f"G40 G41 G42 in the shape, and{before} before G{code / 10:g}",
+                "the control stops there: name it in one of the two places",
+            )
         if role == "finish":
-            return self._finish(scene, block, profile, m)
-        nose = self._nose(scene, code, profile)
+            if block.word("D"):
+                said = "D in G70 is passed over: the cut along the shape has no depth"
+                scene.notices.append(Notice("depth of G70", said, scene.source))
+            return self._finish(scene, profile, m, before)
+        nose = self._nose(scene, code, profile, before)
         start = (scene.at("Z"), scene.at("X") / _half(scene))
         elements = shape(scene, profile, start, scene.code("motion"))
         allowance = (_word(scene, block, "W", "Z"), _word(scene, block, "U", "X") / _half(scene))
+        way = Way(Pen(scene, m), elements, start, allowance)
+        if before:
+            m.line(b"G40")
         if role == "repeat":
-            self._repeat(scene, block, elements, allowance, start, m)
+            self._repeat(block, way, nose)
         else:
-            self._rough(scene, block, role, elements, allowance, start, m, nose)
-        return Outcome(m.finish(), skip=(profile.first, profile.last), then=UNDEFINED)
+            self._rough(block, role, profile, way, nose)
+        texts = [*m.finish(), *([before.encode().strip()] if before else [])]
+        return Outcome(texts, skip=(profile.first, profile.last), then=UNDEFINED)
+
+    def _before(self, scene: Scene, code: int) -> str:
+        """G41 or G42 in force at the cycle, " G42", else ""."""
+        side = scene.code("cutter")
+        if side not in (410, 420):
+            return ""
+        if self.haas:
+            raise scene.fault(
+                f"G{code / 10:g} with G{side // 10} on",
+                f"write G40 before it, and G{side // 10} in the first block of the shape",
+            )
+        return f" G{side // 10}"
 
     def _number(self, scene: Scene, block: Block, code: int, letter: str) -> int:
         """P or Q, the number of a block."""
@@ -126,8 +173,12 @@ class Repetitive:
             )
         return int(word.value)
 
-    def _nose(self, scene: Scene, code: int, profile: Profile) -> str:
-        """G41 or G42 in the shape of a roughing, if the roughing goes by it; else ""."""
+    def _nose(self, scene: Scene, code: int, profile: Profile, before: str) -> str:
+        """G41 or G42 in the shape of a roughing or before it, if it goes by it; else ""."""
+        if before:
+            said = f"{before.strip()} before G{code / 10:g} {ALONG}"
+            scene.notices.append(Notice(f"nose {code}", said, scene.source))
+            return before
         side = next((c for b in profile.texts for c in b.codes if c in NOSE and c != 400), None)
         if side is None:
             return ""
@@ -137,10 +188,12 @@ class Repetitive:
                 name, "give the roughing a shape of its own without it, and G70 the one with it"
             )
         said = (
-            "holds in the cut along the shape: those before it end on the shape as programmed, by as much as the nose differs"
+            ALONG
             if self.haas
-            else "holds in G70 alone: the roughing is written out without it (newer controls stop there, and want it named "
-            "before the cycle)"
+            else (
+                "holds in G70 alone: the roughing is written out without it (newer controls stop"
+                " there, and want it named before the cycle)"
+            )
         )
         scene.notices.append(Notice(f"nose {code}", f"{name} {said}", scene.source))
         return f" G{side // 10}" if self.haas else ""
@@ -160,26 +213,25 @@ class Repetitive:
                     else scene.length(word, "X")
                 )
 
-    # -- G71 G72 -------------------------------------------------------------------------------------------------------
+    # -- G71 G72 -----------------------------------------------------------------------------------
 
-    def _rough(
-        self, scene: Scene, block: Block, role: str, elements: list[Element], allowance: tuple[float, float],
-        start: tuple[float, float], m: Moves, nose: str,
-    ) -> None:  # fmt: skip
+    def _rough(self, block: Block, role: str, profile: Profile, way: Way, nose: str) -> None:
         """Cuts parallel to Z (G71) or X (G72), then one along the shape."""
-        deep, along = (
-            (1, 0) if role == "rough" else (0, 1)
-        )  # which of (z, x) is gone down in, and which is cut along
+        scene, deep = way.pen.scene, 1 if role == "rough" else 0
         word = block.word("D")
         letter = "U" if role == "rough" else "W"
         depth = scene.counted(word, "X") if word else self.held.get(role, {}).get(letter, 0.0)
         escape = self.held.get(role, {}).get("R", RETRACT[scene.inch])
-        if depth <= 0:
+        if depth < 0:
+            raise scene.fault(
+                f"{letter} {depth:g} as the depth of a cut", "a depth has no sign: write it above 0"
+            )
+        if depth == 0:
             raise scene.fault(
                 f"the depth of cut is not in the program ({letter} in a block before)",
                 f"the control takes it from a parameter: write {letter} above 0",
             )
-        first, *rest = (e.moved(allowance) for e in elements)
+        first, *rest = (e.moved(way.allowance) for e in way.elements)
         if first.is_arc or first.start[deep] == first.end[deep]:
             raise scene.fault(
                 f"the first block of the shape does not go to its depth in {'ZX'[deep]}",
@@ -189,82 +241,23 @@ class Repetitive:
             raise scene.fault(
                 "the shape has one block", "it needs one to its first point, and the shape"
             )
-        if (
-            self.haas
-            and len(rest) > 1
-            and rest[-1].code == 0
-            and _turns([e.end[along] - e.start[along] for e in rest])
-        ):
-            rest.pop()  # it draws the tool out
-        self._monotonic(scene, rest, along)
-        if (rest[-1].end[deep] - rest[0].start[deep]) * (
-            first.end[deep] - first.start[deep]
-        ) > 1e-9:
-            raise scene.fault(
-                f"the shape goes deeper in {'ZX'[deep]} behind its first block",
-                "its first block must go to the greatest depth: other shapes, with pockets, are not written out",
-            )
-        c = [start[0] + allowance[0], start[1] + allowance[1]]
-        target = rest[0].start[deep]
-        sense = 1 if target > c[deep] else -1
-        side = 1 if rest[-1].end[along] > c[along] else -1
-        infeed = "G0" if first.code == 0 else "G1"
-        self._to(scene, m, "G0", c[0], c[1])
-        level = c[deep]
-        passes = int(abs(target - c[deep]) / depth) + 1
-        if passes > MOST_PASSES:
-            raise scene.fault(
-                f"{passes:,} cuts of {depth:g} (limit {MOST_PASSES:,})", "check the depth of cut"
-            )
-        for k in range(1, passes + 1):
-            level = c[deep] + sense * k * depth
-            if (target - level) * sense <= 1e-9:
-                break
-            stop = next(
-                (v for e in rest if (v := e.crossing(deep, level)) is not None), rest[-1].end[along]
-            )
-            begin = first.crossing(deep, level)  # on the first block, where it moves both axes too
-            assert begin is not None
-            self._to(scene, m, infeed, *((begin, level) if deep else (level, begin)))
-            self._axis(scene, m, "G1", along, stop)
-            out = [0.0, 0.0]
-            out[deep], out[along] = level - sense * escape, stop - side * escape
-            self._to(scene, m, "G0", *out)
-            self._axis(scene, m, "G0", along, begin)
-        self._to(scene, m, infeed + nose, *first.end)
-        for e in rest:
-            self._element(scene, m, e)
-        self._to(scene, m, "G0 G40" if nose else "G0", *start)
+        if self.haas and draws_out(rest, 1 - deep):
+            rest.pop()
+        named = {w.letter for w in profile.texts[0].words}
+        both = bool(named & {"X", "U"}) and bool(named & {"Z", "W"})
+        cut = Roughing(way.pen, first, rest, deep, way.start, way.allowance, depth, escape, nose)
+        try:
+            cut.write(both or block.get("R") == 1)
+        except ProgramError as error:
+            if OF_SHAPE in error.message:
+                error.advice = _pointless(scene, profile) or error.advice
+            raise
 
-    def _monotonic(self, scene: Scene, elements: list[Element], along: int) -> None:
-        """Type I: neither Z nor X turns back, also not in a last block that only draws the tool out."""
-        for axis in (0, 1):
-            ways = [e.end[axis] - e.start[axis] for e in elements]
-            if not _turns(ways):
-                continue
-            if axis == along and not _turns(ways[:-1]):
-                raise scene.fault(
-                    f"the last block of the shape takes {'ZX'[axis]} back",
-                    "that is no part of the contour: end the shape before it, the cycle goes back by itself",
-                )
-            raise scene.fault(
-                f"{'ZX'[axis]} turns back within the shape",
-                "such a shape (type II, pockets) is not written out",
-            )
-        if not all(e.monotonic for e in elements):
-            raise scene.fault(
-                "an arc of the shape goes beyond a quadrant",
-                "such a shape (type II) is not written out",
-            )
+    # -- G73 G70 -----------------------------------------------------------------------------------
 
-    # -- G73 G70 -------------------------------------------------------------------------------------------------------
-
-    def _repeat(
-        self, scene: Scene, block: Block, elements: list[Element], allowance: tuple[float, float],
-        start: tuple[float, float], m: Moves,
-    ) -> None:  # fmt: skip
+    def _repeat(self, block: Block, way: Way, nose: str) -> None:
         """The whole shape, nearer each time."""
-        kept = self.held.get("repeat", {})
+        scene, kept = way.pen.scene, self.held.get("repeat", {})
         words = [block.get(x) for x in "IKD"]
         x, z, times = (
             w if w is not None else kept.get(c) for w, c in zip(words, "UWR", strict=True)
@@ -276,19 +269,28 @@ class Repetitive:
             )
         for k in range(int(times)):
             share = (times - 1 - k) / (times - 1) if times > 1 else 0.0
-            by = (allowance[0] + share * (z or 0.0), allowance[1] + share * (x or 0.0))
-            self._to(scene, m, "G0", start[0] + by[0], start[1] + by[1])
-            for e in elements:
-                self._element(scene, m, e.moved(by))
-        self._to(scene, m, "G0", *start)
+            by = (way.allowance[0] + share * (z or 0.0), way.allowance[1] + share * (x or 0.0))
+            way.pen.to("G0", (way.start[0] + by[0], way.start[1] + by[1]))
+            for n, e in enumerate(way.elements):
+                way.pen.element(e.moved(by), "" if n else nose)
+            if nose:
+                way.pen.to("G0 G40", (way.start[0] + by[0], way.start[1] + by[1]))
+        way.pen.to("G0", way.start)
 
-    def _finish(self, scene: Scene, block: Block, profile: Profile, m: Moves) -> Outcome:
+    def _finish(self, scene: Scene, profile: Profile, m: Moves, before: str) -> Outcome:
         """G70: the blocks of the shape as they stand, and back to the start point."""
         start = {x: scene.at(x) for x in "XZ"}
         texts = [text for text in m.finish() if text.strip(b" \t\r/")]
         scene.forget()
-        texts += [b.text for b in profile.texts]
-        back = [b"G0", *(scene.text(x, value) for x, value in start.items())]
+        if profile.drawn(scene):
+            texts += self._drawn(scene, profile)
+        else:
+            texts += [b.text for b in profile.texts]
+        back = [
+            b"G0",
+            *([b"G40"] if before else []),
+            *(scene.text(x, value) for x, value in start.items()),
+        ]
         if scene.incremental or any(910 in b.codes for b in profile.texts):
             raise scene.fault(
                 "G70 in G91", "write the shape in absolute words: the way back is not known here"
@@ -300,22 +302,35 @@ class Repetitive:
                 "write G40 in its last block: controls differ on the way back with it",
             )
         motions = [c for b in profile.texts for c in b.codes if scene.group_of(c) == "motion"]
-        return Outcome([*texts, b" ".join(back)], then=motions[-1] if motions else None)
+        texts += [b" ".join(back), *([before.encode().strip()] if before else [])]
+        return Outcome(texts, then=motions[-1] if motions else None)
 
-    # -- motions -------------------------------------------------------------------------------------------------------
-
-    def _to(self, scene: Scene, m: Moves, code: str, z: float, x: float) -> None:
-        m.move(code, {"X": x * _half(scene), "Z": z})
-
-    def _axis(self, scene: Scene, m: Moves, code: str, axis: int, value: float) -> None:
-        m.move(code, {"X": value * _half(scene)} if axis else {"Z": value})
-
-    def _element(self, scene: Scene, m: Moves, e: Element) -> None:
-        to = {"X": e.end[1] * _half(scene), "Z": e.end[0]}
-        if e.is_arc:
-            m.move("G2" if e.code == CLOCKWISE else "G3", to, *e.words)
-        else:
-            m.move("G0" if e.code == 0 else "G1", to)
+    def _drawn(self, scene: Scene, profile: Profile) -> list[bytes]:
+        """The blocks of a shape with corners or angles, each with the ends of its own elements."""
+        half, here = _half(scene), (scene.at("Z"), scene.at("X") / _half(scene))
+        elements = shape(scene, profile, here, scene.code("motion"))
+        texts = []
+        for row, block in enumerate(profile.texts):
+            own = [e for e in elements if e.row == row]
+            letters = "XZUWCRAIK" if own else ""
+            out = {
+                i
+                for i, w in enumerate(block.words)
+                if w.letter in letters or number_of(w) in (0, 10, CLOCKWISE, COUNTER)
+            }
+            lines = [
+                b" ".join(
+                    [
+                        b"G%d" % (e.code // 10),
+                        scene.text("X", e.end[1] * half),
+                        scene.text("Z", e.end[0]),
+                        *e.words,
+                    ]
+                )
+                for e in own
+            ]
+            texts += [block.written(out, lines[0]), *lines[1:]] if own else [block.text]
+        return texts
 
 
 def _half(scene: Scene) -> float:
@@ -327,5 +342,14 @@ def _word(scene: Scene, block: Block, letter: str, axis: str) -> float:
     return scene.length(word, axis) if word else 0.0
 
 
-def _turns(ways: list[float]) -> bool:
-    return min(ways) < -1e-9 and max(ways) > 1e-9
+def _pointless(scene: Scene, profile: Profile) -> str:
+    """The way out where a place of the shape has no decimal point and counts least increments."""
+    words = (w for block in profile.texts for w in block.words if w.letter in "XZUW")
+    bare = next((w for w in words if w.value and "." not in w.raw), None)
+    if bare is None or not scene.tracker.counts:
+        return ""
+    said = f"{bare.letter}{bare.raw}"
+    return (
+        f"{said} has no decimal point and counts least increments here: write {said}., or say"
+        " --integers units"
+    )

@@ -1,10 +1,11 @@
 """LinuxCNC's G70, G71 and G72 over a shape in a subroutine, as measured on its interpreter 2.9.
 
-LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut ends on the shape,
-leaves it at 45 degrees by R (less where the cut is shorter than twice R), returns, and steps in; behind the last one
-the tool goes along the shape and out to the depth it started from, and stays there. D (G70: from D to E in P passes)
-keeps a distance and rounds outer corners. Pockets, and the codes that choose them (G71.1 G71.2 G72.1 G72.2): see
-pockets_linuxcnc.py. Refused: U and W.
+LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut
+ends on the shape, leaves it at 45 degrees by R (less where the cut is shorter than twice R),
+returns, and steps in; behind the last one the tool goes along the shape and out to the depth it
+started from, and stays there. D (G70: from D to E in P passes) keeps a distance and rounds outer
+corners. Pockets, and the codes that choose them (G71.1 G71.2 G72.1 G72.2): see pockets_linuxcnc.py.
+Refused: U and W.
 """
 
 from __future__ import annotations
@@ -151,9 +152,12 @@ class LinuxcncTurning:
         texts = []
         for text in lines[begin + 1 : end]:
             part = Block.of(text, scene.dialect.grammar)
+            if not part.plain and (worked := scene.tracker.rendered(text)) is not None:
+                part = Block.of(worked, scene.dialect.grammar)
             if not part.plain:
                 raise scene.fault(
-                    f"the shape has more than words and numbers: {text[:40].decode('latin-1')!r}",
+                    "the shape has more than words and numbers:"
+                    f" {text[:40].decode('latin-1').strip()!r}",
                     "write it out in the subroutine",
                 )
             self._followed(scene, part)
@@ -162,8 +166,8 @@ class LinuxcncTurning:
 
     @staticmethod
     def _followed(scene: Scene, part: Block) -> None:
-        """LinuxCNC passes over all words of the shape but those of its motions, and takes an arc without G2 or G3
-        for clockwise: all that is refused."""
+        """LinuxCNC passes over all words of the shape but those of its motions, and takes an arc
+        without G2 or G3 for clockwise: all that is refused."""
         strange = next(
             (w for w in part.words if w.letter not in "NGXZIKRFS" or _no_motion(w)), None
         )
@@ -183,7 +187,8 @@ class LinuxcncTurning:
     def _finish(self, scene: Scene, block: Block, elements: list[Element], m: Moves) -> None:
         """G70: along the shape, P times, from distance D to E."""
         p, d, e = (block.get(x) for x in "PDE")
-        times, d, e = 1.0 if p is None else p, d or 0.0, e or 0.0
+        times, e = 1.0 if p is None else p, e or 0.0
+        d = e if times == 1 else d or 0.0  # one pass goes along at E
         if times != int(times) or not 1 <= times <= MOST_PASSES:
             raise scene.fault(f"P{times:g} is no number of passes", "write a whole number")
         first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
@@ -195,9 +200,10 @@ class LinuxcncTurning:
         oblique = min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR
         if any(x.end[0] > x.start[0] + NEAR for x in elements) and (times > 1 or d or e or oblique):
             raise scene.fault(
-                "G70 along a shape that goes towards +Z", "only one pass is written out, without D and E, behind a first "
+                "G70 along a shape that goes towards +Z",
+                "only one pass is written out, without E, behind a first "
                 "block that moves X or Z alone",
-            )  # fmt: skip
+            )
         for k in range(int(times), 0, -1):
             path = self._at(scene, elements, (k - 1) * (d - e) / times + e, 0)
             self._to(m, "G0", path[0].start)
@@ -220,9 +226,8 @@ class LinuxcncTurning:
                 "LinuxCNC takes the wrong side of it: write it out",
             )
         side = 1 if elements[-1].end[along] > elements[0].start[along] else -1
-        if (
-            elements[0].end[along] - elements[0].start[along]
-        ) * side < 0:  # it begins beside its first point then
+        # it begins beside its first point then
+        if (elements[0].end[along] - elements[0].start[along]) * side < 0:
             begin = list(elements[0].start)
             begin[along] = elements[0].end[along]
             elements = [replace(elements[0], start=(begin[0], begin[1])), *elements[1:]]

@@ -75,7 +75,7 @@ class Turn:
             )
         if tapers:
             self.taper = scene.length(tapers[0], "Z" if self.facing else "X")
-        half = 2.0 if scene.is_diameter("X") else 1.0
+        half = scene.double("X")
         x, z = self.to["X"], self.to["Z"]
         if self.facing:
             m.move("G0", {"Z": z + self.taper})

@@ -25,7 +25,9 @@ class Form:
     `kind`: what it is, with its article; `name`: which of several ways ("" where there is one).
     `takes`: letter to what is done with it; `keeps`: letter to what a later cycle does with it.
     `refused`: letter to what the control means by it, where nobody follows that; those in `zero`
-    may stand with the value 0, those in `one` with 1. `axes`: words of the machine's other axes say the place too;
+    may stand with the value 0, those in `one` with 1, those in `idle` with any: they say nothing,
+    which a notice tells. `axes`: words of the machine's other axes say
+    the place too;
     `increments`: U V W H are distances, each beside its axis' own letter. `unless`: letters
     whose presence says that the block is written another way. `stays`: the block goes to the
     control as it is written; `never`: why it is refused, whatever its words are.
@@ -36,6 +38,7 @@ class Form:
     keeps: Mapping[str, str] = field(default_factory=lambda: NONE)
     refused: Mapping[str, str] = field(default_factory=lambda: NONE)
     zero: str = ""
+    idle: str = ""
     one: str = ""
     axes: bool = False
     increments: bool = False
@@ -79,6 +82,8 @@ class Form:
 
     def _idle(self, word: Word) -> bool:
         """Whether a word has the value with which it may stand."""
+        if word.letter in self.idle:
+            return True
         return (word.letter in self.zero and word.value == 0) or (
             word.letter in self.one and word.value == 1
         )
@@ -93,7 +98,8 @@ class Form:
             )
         return scene.fault(
             f"{word.letter}{word.raw} in {where}: {meaning}, which is not followed",
-            f"write the cycle without {word.letter}, or let the CAM program write it out as G0 G1 G2 G3",
+            f"write the cycle without {word.letter}, or let the CAM program write it out as G0 G1"
+            " G2 G3",
             word,
         )
 

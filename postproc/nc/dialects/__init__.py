@@ -25,13 +25,8 @@ from postproc.nc.codes import (
 from postproc.nc.lexer import PLAIN, Grammar
 
 NO_GROUP, UNKNOWN = -1, -2
-HOLES = (
-    "drill",
-    "tap",
-    "there and back",
-    "tap Z",
-    "tap X",
-)  # of CYCLE_KEYS; all but the first go with the spindle
+# of CYCLE_KEYS; all but the first go with the spindle
+HOLES = ("drill", "tap", "there and back", "tap Z", "tap X")
 NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
@@ -41,56 +36,72 @@ NOTHING = LARGEST_G - 1  # no code has this number
 class Dialect:
     """How one family of controls reads a program.
 
-    `codes`: the G codes it has. `m_codes`: M number to meaning; `m_refuses`: M number to the reason why not.
-    `plane`: G code in force at the start. `increments`: letter of an incremental word to its axis. `dwell`: letters
-    of the dwell time in a G4 block. `turns`: whether P counts full turns of an arc. `arc_tolerance_mm` and
-    `arc_tolerance_relative`: start and end radius of an arc may differ by the former, and by more only within the
-    latter, never by more than `arc_tolerance_most_mm`; `arc_tolerance_inch`: how many times as much, both, in blocks
-    under G20; a smaller radius than `radius_tolerance_mm` is none, and R
-    may be that much too short. `tool_offsets`: whether a T word selects an offset. `integer_notice`: what to tell
-    who writes coordinates without a decimal point. `one_code_per_group`: whether two codes of a modal group in one
-    block are an error (else the last one holds). `grammar`: how its text is cut into words. `language`: the module
-    of postproc.nc.expand that runs its variables and loops ("": it has none). `expand_decimals`: decimals beyond
-    the least increment that a written-out number may have. `integers`: a coordinate without a decimal point counts
-    "units" or "least increments". `carried`: axes that are no slides (E of a printer), carried along. `signs`:
-    regular expressions (upper case, ASCII) that tell its programs from others. `local_is_preset`: G52 is kept where
-    G92 is. `extended_by_p`: G10 L20 P and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external
-    one. `extended_name`: of the work offsets that a code chooses by a number, its letter last (G15 H of Okuma). `repeats`: letters that say how often a canned cycle is run. `letters`: further letters that are parameters
-    of codes. `motion`: ten times the motion code that holds before a program names one. `increments_travel_shifts`:
-    the first increment after TRANS goes along with the shift (SD42440 of Siemens). `exact_stops`: ten times the
-    codes that stop at the end of a motion (G61 G9 of Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
+    `codes`: the G codes it has. `m_codes`: M number to meaning; `m_refuses`: M number to the reason
+    why not.
+    `plane`: G code in force at the start. `increments`: letter of an incremental word to its axis.
+    `dwell`: letters of the dwell time in a G4 block. `turns`: whether P counts full turns of an
+    arc. `arc_tolerance_mm` and `arc_tolerance_relative`: start and end radius of an arc may differ
+    by the former, and by more only within the latter, never by more than `arc_tolerance_most_mm`;
+    `arc_tolerance_inch`: how many times as much, both, in blocks under G20; a smaller radius than
+    `radius_tolerance_mm` is none, and R may be that much too short. `tool_offsets`: whether a T
+    word selects an offset. `integer_notice`: what to tell who writes coordinates without a decimal
+    point. `one_code_per_group`: whether two codes of a modal group in one block are an error (else
+    the last one holds). `grammar`: how its text is cut into words. `language`: the module of
+    postproc.nc.expand that runs its variables and loops ("": it has none). `expand_decimals`:
+    decimals beyond the least increment that a written-out number may have. `integers`: a coordinate
+    without a decimal point counts "units" or "least increments". `carried`: axes that are no slides
+    (E of a printer), carried along. `signs`: regular expressions (upper case, ASCII) that tell its
+    programs from others. `local_is_preset`: G52 is kept where G92 is. `extended_by_p`: G10 L20 P
+    and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `extended_name`:
+    of the work offsets that a code chooses by a number, its letter last (G15 H of Okuma).
+    `repeats`: letters that say how often a canned cycle is run. `letters`: further letters that are
+    parameters of codes. `motion`: ten times the motion code that holds before a program names one.
+    `increments_travel_shifts`: the first increment after TRANS goes along with the shift (SD42440
+    of Siemens). `exact_stops`: ten times the codes that stop at the end of a motion (G61 G9 of
+    Fanuc, G61.1 of LinuxCNC); G64 takes a modal one back.
 
-    `threads_chained`: ten times the thread codes that go on in step with the spindle where one stands behind another, so
-    that a thread may be cut into blocks; `threads_under`: ten times the codes of the group "path" under which they do,
-    NONE for a program that names none. `thread_words`: letters of a thread's lead.
+    `threads_chained`: ten times the thread codes that go on in step with the spindle where one
+    stands behind another, so that a thread may be cut into blocks; `threads_under`: ten times the
+    codes of the group "path" under which they do, NONE for a program that names none.
+    `thread_words`: letters of a thread's lead.
 
-    `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs are looked for
-    outside of them. `excludes`: like `signs`: what its programs never have. `holes_written_out`: whether `--expand` writes
-    its canned cycles out (postproc.nc.cycles). `ends`: M codes after which nothing is read; `again`: so, without P, if no
-    `/` stands before it, as the program begins again. `modal_motion`: whether a block may leave its
-    motion code out; if not, every block and every added one must name it. `one_command`: a line is one command, its
-    first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an M word in its
-    line is that code's own affair (M92 X80, M204 P500), be it words, bare letters, lists or text; `m_text`: M
-    numbers behind which even a G or M begins no other command (M117 G1 is done). `bare_letters`: letters without a
-    number are legal (G28 X Y). `first_turn`: P of an arc that has no further turns. `arc_centre`: how I J K are
-    meant without G90.1 or G91.1: "incremental"; "pole": absolute, and kept from block to block. `length_letter`:
-    whose number names the tool's length offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain,
-    printers). `carried_codes`: M codes that make the carried axes absolute and incremental; `carried_by_distance`:
-    whether G90 and G91 do so too, the last one counts. `block_end`: a character that ends a block besides the
-    line's end (* of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
-    are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where it matters);
-    `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on (True) and off.
+    `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs
+    are looked for outside of them. `excludes`: like `signs`: what its programs never have.
+    `holes_written_out`: whether `--expand` writes its canned cycles out (postproc.nc.cycles).
+    `ends`: M codes after which nothing is read; `again`: so, without P, if no `/` stands before it,
+    as the program begins again. `modal_motion`: whether a block may leave its motion code out; if
+    not, every block and every added one must name it. `one_command`: a line is one command, its
+    first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an
+    M word in its line is that code's own affair (M92 X80, M204 P500), be it words, bare letters,
+    lists or text; `m_text`: M numbers behind which even a G or M begins no other command (M117 G1
+    is done). `bare_letters`: letters without a number are legal (G28 X Y). `first_turn`: P of an
+    arc that has no further turns. `arc_centre`: how I J K are meant without G90.1 or G91.1:
+    "incremental"; "pole": absolute, and kept from block to block. `length_letter`: whose number
+    names the tool's length offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain,
+    printers). `carried_codes`: M codes that make the carried axes absolute and incremental;
+    `carried_by_distance`: whether G90 and G91 do so too, the last one counts. `block_end`: a
+    character that ends a block besides the line's end (* of DIN/ISO). `tip_frame`: where the tables
+    stand while the axes of the tool point's frame are the machine's: "zero", "call" (as they stand
+    when it is called), "" (not said: asked for where it matters);
+    `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on
+    (True) and off.
 
-    `homes`: printers and routers: where homing left the slides is where they stand when a program begins, and feeds
-    before the axes have places pass as they are, counted. `home_z_over`: axes that homing Z may take to a place of its
-    own (above the bed's middle). `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word
-    outside of the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
-    code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them. `tools_move`: T runs macros that may move the tool.
-    `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the machine, or nothing.
-    `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial one).
-    `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a place).
+    `homes`: printers and routers: where homing left the slides is where they stand when a program
+    begins, and feeds before the axes have places pass as they are, counted. `home_z_over`: axes
+    that homing Z may take to a place of its own (above the bed's middle). `g_takes`: like
+    `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of the plane is
+    passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
+    code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them.
+    `tools_move`: T runs macros that may move the tool.
+    `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
+    machine, or nothing.
+    `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
+    one).
+    `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a
+    place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
-    `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees (feeds.py).
+    `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees
+    (feeds.py).
     """
 
     name: str
@@ -138,9 +149,8 @@ class Dialect:
     m_text: tuple[int, ...] = ()
     bare_letters: bool = False
     first_turn: int = 1
-    returns: int = (
-        -1
-    )  # ten times G98 or G99 that holds in cycles before either is named; -1: G98, and not said
+    # ten times G98 or G99 that holds in cycles before either is named; -1: G98, and not said
+    returns: int = -1
     arc_centre: str = "incremental"
     length_letter: str = "H"
     carried_codes: tuple[int, ...] = ()
@@ -174,7 +184,8 @@ class Dialect:
 
     @cached_property
     def group_of(self) -> np.ndarray:
-        """(LARGEST_G,) index of the modal group of G number / 10; NO_GROUP, or UNKNOWN for a code it has not."""
+        """(LARGEST_G,) index of the modal group of G number / 10; NO_GROUP, or UNKNOWN for a code
+        it has not."""
         table = np.full(LARGEST_G, UNKNOWN, dtype=np.int64)
         for code in self.codes:
             table[code.number] = self.groups.index(code.group) if code.group else NO_GROUP
@@ -190,14 +201,16 @@ class Dialect:
 
     @cached_property
     def refusing_groups(self) -> tuple[str, ...]:
-        """Modal groups, but for that of motions, in which a code can not be followed or takes the axis words."""
+        """Modal groups, but for that of motions, in which a code can not be followed or takes the
+        axis words."""
         of = {code.group for code in self.codes if (code.refuses and not code.does) or code.takes}
         return tuple(group for group in self.groups if group in of and group != "motion")
 
     @cached_property
     def meant(self) -> np.ndarray:
-        """(LARGEST_G,) the number that each written code counts as: another one where it is but another spelling, and
-        NOTHING where the control has no such code, though it may have one that is like it (G20 of Siemens)."""
+        """(LARGEST_G,) the number that each written code counts as: another one where it is but
+        another spelling, and NOTHING where the control has no such code, though it may have one
+        that is like it (G20 of Siemens)."""
         table = np.full(LARGEST_G, NOTHING)
         for code in self.codes:
             table[code_number(code.word)] = code.number
@@ -231,7 +244,8 @@ class Dialect:
 
     @cached_property
     def hole_axis(self) -> dict[int, str]:
-        """The axis of cycles, by number, that drill along the same one in every plane: those of lathes."""
+        """The axis of cycles, by number, that drill along the same one in every plane: those of
+        lathes."""
         return {
             code.number: code.does[-1] for code in self.codes if code.does in ("tap Z", "tap X")
         }
@@ -275,8 +289,8 @@ class Dialect:
 
     @cached_property
     def begins_segment(self) -> np.ndarray:
-        """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or cycles begin or
-        end."""
+        """(LARGEST_G,) codes, as written, whose block begins a segment: the shifts change there, or
+        cycles begin or end."""
         table = np.zeros(LARGEST_G, dtype=bool)
         cycles = any(code.does in HOLES for code in self.codes)
         for code in self.codes:
@@ -321,11 +335,17 @@ def _grammar(dialect: Dialect) -> Grammar:
         alone = "" if dialect.one_command else r"(?![^;\n]*[GM][ \t]*[0-9])"
         macros += (
             (
-                rf"^([ \t]*N[ \t]*[0-9]+)?[ \t]*G(?![ \t]*0*(?:{own})(?![0-9.]))[ \t]*[0-9.]+{alone}[^;\n]*",
+                (
+                    rf"^([ \t]*N[ \t]*[0-9]+)?[ \t]*G(?![ \t]*0*(?:{own})(?![0-9.]))["
+                    rf" \t]*[0-9.]+{alone}[^;\n]*"
+                ),
                 0,
             ),
         )
     return dialect.grammar._replace(
-        macros=macros, ignores=ignores, bare_letters=dialect.bare_letters, block_end=dialect.block_end,
+        macros=macros,
+        ignores=ignores,
+        bare_letters=dialect.bare_letters,
+        block_end=dialect.block_end,
         untold=dialect.language in ("linuxcnc", "fanuc"),
-    )  # fmt: skip
+    )

@@ -1,8 +1,10 @@
-"""Centroid mills (M-series, Acorn): Fanuc's words with `;` comments, M25 to retract the spindle, M99 at the end.
+"""Centroid mills (M-series, Acorn): Fanuc's words with `;` comments, M25 to retract the spindle,
+M99 at the end.
 
-Codes: what FreeCAD's centroid_post.py writes and says of them ("M25 is a centroid command to retract spindle": the place
-of Z behind it is the machine's own), and the words that are Fanuc's (Centroid M-series operator's manual, "CNC program
-codes" and "CNC macro M functions"). M99 ends the program, or returns from a subprogram; what follows it is not read.
+Codes: what FreeCAD's centroid_post.py writes and says of them ("M25 is a centroid command to
+retract spindle": the place of Z behind it is the machine's own), and the words that are Fanuc's
+(Centroid M-series operator's manual, "CNC program codes" and "CNC macro M functions"). M99 ends the
+program, or returns from a subprogram; what follows it is not read.
 """
 
 from postproc.nc import codes
@@ -30,7 +32,20 @@ DIALECT = Dialect(
     name="centroid",
     title="Centroid mill",
     codes=(
-        *COMMON, *UNITS, *NO_MOTION, *CUTTER, *LENGTH, *FEED_MODE, *DATA, *SET, *LOCAL, *PECKS, *DRILL, *BORE, *TAP, *RETURN,
+        *COMMON,
+        *UNITS,
+        *NO_MOTION,
+        *CUTTER,
+        *LENGTH,
+        *FEED_MODE,
+        *DATA,
+        *SET,
+        *LOCAL,
+        *PECKS,
+        *DRILL,
+        *BORE,
+        *TAP,
+        *RETURN,
         *rows("", {"9": "exact stop in this block"}),
         *rows("path", {"61": "exact stop", "64": "cutting mode"}),
         *rows("rotation", {"69": "no rotation"}),
@@ -39,7 +54,13 @@ DIALECT = Dialect(
         *rows("scaling", {"51": "scaling"}, refuses=codes.UNTURNED),
         *rows("", {"65": "macro call"}, takes=True, refuses=codes.INLINE),
     ),
-    m_codes={**codes.SPINDLE_AND_COOLANT, 10: "clamp on", 11: "clamp off", 25: "retract the spindle", 99: "end of program"},
+    m_codes={
+        **codes.SPINDLE_AND_COOLANT,
+        10: "clamp on",
+        11: "clamp off",
+        25: "retract the spindle",
+        99: "end of program",
+    },
     m_refuses={98: codes.INLINE},
     grammar=Grammar(macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),)),
     plane=170,
@@ -47,4 +68,4 @@ DIALECT = Dialect(
     ends=(2, 30, 99),
     signs=(r"^[ \t]*M25[ \t\r]*$", r"^[ \t]*G49[ \t]*H0\b"),
     remarks=(r"\bCENTROID",),
-)  # fmt: skip
+)

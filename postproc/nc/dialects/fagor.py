@@ -1,10 +1,13 @@
-"""Fagor mills, CNC 8055 M and 8058 to 8070: G70 G71 as units, holes by Z (reference plane) and I (bottom), lines of # and $.
+"""Fagor mills, CNC 8055 M and 8058 to 8070: G70 G71 as units, holes by Z (reference plane) and I
+(bottom), lines of # and $.
 
-Sources: Fagor CNC 8055 M & EN programming manual, pages 47 (coordinates), 58 (offsets and G92), 87 to 93 (arcs), 162 and 177
-(G81, G85); CNC 8065 quick reference, pages 45 (blocks) and 50 (G06 to G12); what Autodesk's `fagor.cps` writes for 8058, 8060,
-8065 and 8070. ( ) is a comment on the 8065 and a statement of the high-level language on the 8055: what begins like a
-statement is taken for one. What these controls mean differently (G53, G58, G59, G82, G93), and what no page was found of (G86, G89),
-is refused by its name, or is no code here (G20, G53). Tool lengths hold with D, at once, as on the 8065; where G43 calls them they do so too.
+Sources: Fagor CNC 8055 M & EN programming manual, pages 47 (coordinates), 58 (offsets and G92), 87
+to 93 (arcs), 162 and 177 (G81, G85); CNC 8065 quick reference, pages 45 (blocks) and 50 (G06 to
+G12); what Autodesk's `fagor.cps` writes for 8058, 8060, 8065 and 8070. ( ) is a comment on the 8065
+and a statement of the high-level language on the 8055: what begins like a statement is taken for
+one. What these controls mean differently (G53, G58, G59, G82, G93), and what no page was found of
+(G86, G89), is refused by its name, or is no code here (G20, G53). Tool lengths hold with D, at
+once, as on the 8065; where G43 calls them they do so too.
 """
 
 from postproc.nc import codes
@@ -23,9 +26,18 @@ from postproc.nc.rows import (
 )
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+[ \t]*)?"
-_STATEMENT = r"\([ \t]*(?:P\d+[ \t]*=|V\.|IF\b|GOTO\b|RPT\b|CALL\b|PCALL\b|MCALL\b|MEXEC\b|EXEC\b|PROBE\b|ORG|SUB\b|RET\b|MDOFF\b)"
-_QUIET = r"#[ \t]*(?:MSG|WARNING|ERROR|DGWZ|DGSPDL|FLUSH|HSC|ESBLK|DSBLK|KIN[ \t]+ID)\b[^;\n]*|#[ \t]*(?:RTCP|CS|ACS|MCS)[ \t]+OFF\b"
-_ELSE = r"(?![^;\n]*(?<![A-Z0-9])G[ \t]*0*(?:33|34|36|37|38|39|51|63|69|73|8\d)(?!\d))(?![^;\n]*M[ \t]*0*19(?!\d))"
+_STATEMENT = (
+    r"\([ \t]*(?:P\d+["
+    r" \t]*=|V\.|IF\b|GOTO\b|RPT\b|CALL\b|PCALL\b|MCALL\b|MEXEC\b|EXEC\b|PROBE\b|ORG|SUB\b|RET\b|MDOFF\b)"  # noqa: E501
+)
+_QUIET = (
+    r"#[ \t]*(?:MSG|WARNING|ERROR|DGWZ|DGSPDL|FLUSH|HSC|ESBLK|DSBLK|KIN[ \t]+ID)\b[^;\n]*|#["
+    r" \t]*(?:RTCP|CS|ACS|MCS)[ \t]+OFF\b"
+)
+_ELSE = (
+    r"(?![^;\n]*(?<![A-Z0-9])G[ \t]*0*(?:33|34|36|37|38|39|51|63|69|73|8\d)(?!\d))(?![^;\n]*M["
+    r" \t]*0*19(?!\d))"
+)
 _POLAR = (
     r"(?=[^;(\n]*(?<![A-Z])[RQ][ \t]*[-+.\d])(?![^;(\n]*(?<![A-Z])[XYZ][ \t]*[-+.\d])"
     + _ELSE
@@ -37,9 +49,18 @@ _CENTRE = (
 _ANOTHER_CIRCLE = (
     "its circle follows from other places: write the arc with its centre I J K or with R"
 )
-_DATUM = "it moves the datum, in ways in which these controls differ: program in G54 to G57, with --offset G54="
-_DIFFER = "the 8055 and the 8065 mean different cycles by it: let the CAM program write the hole out as G0 and G1"
-_UNSEEN = "how it goes out is in no text that was found: let the CAM program write the hole out as G0 and G1"
+_DATUM = (
+    "it moves the datum, in ways in which these controls differ: program in G54 to G57, with"
+    " --offset G54="
+)
+_DIFFER = (
+    "the 8055 and the 8065 mean different cycles by it: let the CAM program write the hole out as"
+    " G0 and G1"
+)
+_UNSEEN = (
+    "how it goes out is in no text that was found: let the CAM program write the hole out as G0"
+    " and G1"
+)
 _POLE = (
     "it sets a pole on one control and the feed on another: let the CAM program write X Y and G94"
 )
@@ -49,46 +70,112 @@ DIALECT = Dialect(
     name="fagor",
     title="Fagor mill",
     codes=(
-        *MOTION, *PLANE, *DISTANCE, *DWELL, *rows("", {"#MCS": "this block in machine coordinates"}, like="G53"),
-        *CUTTER, *NO_MOTION, *RETURN, *SPINDLE,
+        *MOTION,
+        *PLANE,
+        *DISTANCE,
+        *DWELL,
+        *rows("", {"#MCS": "this block in machine coordinates"}, like="G53"),
+        *CUTTER,
+        *NO_MOTION,
+        *RETURN,
+        *SPINDLE,
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("feed mode", {"94": "feed per minute", "95": "feed per turn"}),
         *rows("work offset", {str(n): f"work offset {n - 53}" for n in range(54, 58)}),
-        *rows("path", {"5": "round corner", "7": "square corner", "50": "controlled corner", "60": "square corner",
-              "61": "controlled corner"}),
+        *rows(
+            "path",
+            {
+                "5": "round corner",
+                "7": "square corner",
+                "50": "controlled corner",
+                "60": "square corner",
+                "61": "controlled corner",
+            },
+        ),
         *rows("", {"51": "look ahead", "501": "high speed cutting"}, takes=True, does="words"),
         *rows("tool length", {"43": "tool length"}),
-        *rows("tool length", {"44": "no tool length"},
-              refuses="it takes the length out of Z: write it where no motion follows, or leave the lengths on"),
+        *rows(
+            "tool length",
+            {"44": "no tool length"},
+            refuses=(
+                "it takes the length out of Z: write it where no motion follows, or leave the"
+                " lengths on"
+            ),
+        ),
         *rows("", {"6": "absolute centre in this block"}, refuses=_CENTRE),
-        *rows("motion", {"8": "tangential arc", "9": "arc through a point"}, refuses=_ANOTHER_CIRCLE),
+        *rows(
+            "motion", {"8": "tangential arc", "9": "arc through a point"}, refuses=_ANOTHER_CIRCLE
+        ),
         *rows("mirror", {"10": "no mirror"}),
-        *rows("mirror", {"11": "mirror of the first axis", "12": "mirror of the second axis", "13": "mirror of Z",
-              "14": "mirror"}, refuses=codes.UNTURNED),
+        *rows(
+            "mirror",
+            {
+                "11": "mirror of the first axis",
+                "12": "mirror of the second axis",
+                "13": "mirror of Z",
+                "14": "mirror",
+            },
+            refuses=codes.UNTURNED,
+        ),
         *rows("turned", {"72": "scaling", "73": "rotation"}, refuses=codes.UNTURNED),
         *rows("", {"16": "plane by two axes"}, takes=True, refuses=_AXES),
-        *rows("", {"36": "rounded corner", "37": "tangential approach", "38": "tangential departure", "39": "chamfer"},
-              refuses=codes.CORNER),
+        *rows(
+            "",
+            {
+                "36": "rounded corner",
+                "37": "tangential approach",
+                "38": "tangential departure",
+                "39": "chamfer",
+            },
+            refuses=codes.CORNER,
+        ),
         *rows("motion", {"33": "thread", "63": "rigid tapping"}, refuses=codes.THREADING),
-        *rows("datum", {"58": "further offset", "59": "further offset", "159": "offset by its number"}, refuses=_DATUM),
-        *rows("datum", {"92": "set coordinates", "158": "incremental offset"}, takes=True, refuses=_DATUM),
+        *rows(
+            "datum",
+            {"58": "further offset", "59": "further offset", "159": "offset by its number"},
+            refuses=_DATUM,
+        ),
+        *rows(
+            "datum",
+            {"92": "set coordinates", "158": "incremental offset"},
+            takes=True,
+            refuses=_DATUM,
+        ),
         *rows("feed mode", {"93": "feed as a time, or a pole"}, refuses=_POLE),
         *rows("", {"30": "pole"}, takes=True, refuses=_POLE),
         *rows("", {"74": "home search"}, takes=True),
         *rows("motion", {"75": "probing", "76": "probing"}, refuses=codes.PROBE),
-        *rows("motion", {"81": "drilling", "83": "deep hole drilling", "85": "reaming"}, refuses=codes.CYCLE),
+        *rows(
+            "motion",
+            {"81": "drilling", "83": "deep hole drilling", "85": "reaming"},
+            refuses=codes.CYCLE,
+        ),
         *rows("motion", {"82": "drilling with dwell, or with chip breaking"}, refuses=_DIFFER),
         *rows("motion", {"84": "tapping"}, refuses=codes.THREADING),
         *rows("motion", {"86": "boring", "89": "boring"}, refuses=_UNSEEN),
-        *rows("motion", {"69": "deep hole drilling, complex", "87": "rectangular pocket", "88": "circular pocket"},
-              refuses=codes.WRITE_OUT),
+        *rows(
+            "motion",
+            {
+                "69": "deep hole drilling, complex",
+                "87": "rectangular pocket",
+                "88": "circular pocket",
+            },
+            refuses=codes.WRITE_OUT,
+        ),
         *rows("", {"79": "changes a cycle"}, takes=True, refuses=codes.WRITE_OUT),
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
-        10: "air on", 11: "air through the tool on", 17: "end of a subprogram", 29: "end of a subprogram", 41: "gear", 42: "gear", 43: "gear",
-        44: "gear", 45: "live tool",
+        10: "air on",
+        11: "air through the tool on",
+        17: "end of a subprogram",
+        29: "end of a subprogram",
+        41: "gear",
+        42: "gear",
+        43: "gear",
+        44: "gear",
+        45: "live tool",
     },
     m_refuses={},
     grammar=Grammar(
@@ -109,7 +196,10 @@ DIALECT = Dialect(
         ),
     ),
     macro_refuses=(
-        codes.TOOL_POINT, codes.TILTED, codes.TRANSFORM, codes.INLINE,
+        codes.TOOL_POINT,
+        codes.TILTED,
+        codes.TRANSFORM,
+        codes.INLINE,
         "all blocks behind it are in machine coordinates: write #MCS in each of them",
         "what it does is not known here: take it out, or write what it does as blocks",
         "its value may stand for a place: write the numbers",
@@ -131,4 +221,4 @@ DIALECT = Dialect(
         r"G0?5[ \t]*G|G0?7[ \t]*G",
     ),
     remarks=(r"\bFAGOR\b",),
-)  # fmt: skip
+)

@@ -1,8 +1,10 @@
-"""Fanuc lathes and grinders in G-code system B: X in diameter, U W increments beside G90 G91, G4 with X, U or P.
+"""Fanuc lathes and grinders in G-code system B: X in diameter, U W increments beside G90 G91, G4
+with X, U or P.
 
-`;` is the end of block as Fanuc's manuals print it, so several blocks may stand in a line; comments are in ( ) alone.
-Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column B. A coordinate without a decimal
-point: parameter 3401 bit 0 (DPI), B-64310EN.
+`;` is the end of block as Fanuc's manuals print it, so several blocks may stand in a line; comments
+are in ( ) alone.
+Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column B. A coordinate
+without a decimal point: parameter 3401 bit 0 (DPI), B-64310EN.
 """
 
 from postproc.nc import codes
@@ -37,8 +39,13 @@ DIALECT = Dialect(
         *rows(
             "motion",
             {
-                "70": "finishing cycle", "71": "roughing cycle", "72": "facing cycle", "73": "pattern repeating",
-                "74": "end face pecking", "75": "grooving", "77": "turning cycle",
+                "70": "finishing cycle",
+                "71": "roughing cycle",
+                "72": "facing cycle",
+                "73": "pattern repeating",
+                "74": "end face pecking",
+                "75": "grooving",
+                "77": "turning cycle",
                 "79": "facing cycle",
             },
             refuses=codes.CYCLE,
@@ -76,8 +83,10 @@ DIALECT = Dialect(
     exact_stops=(90, 610),
     threads_chained=(320, 330),
     thread_words="FE",
-    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on "
-    "a control that reads them as least increments the program means something else",
+    integer_notice=(
+        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
+        " input); on a control that reads them as least increments the program means something else"
+    ),
     one_code_per_group=False,
     letters="E",
     signs=(
@@ -89,5 +98,6 @@ DIALECT = Dialect(
         r"G7[78][ \t]*X",
     ),
     remarks=(r"\bFANUC\b", r"\bSTUDER\b"),
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),  # Haas: O of five digits; a call within the program
-)  # fmt: skip
+    # Haas: O of five digits; a call within the program
+    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
+)

@@ -1,7 +1,8 @@
-"""Fanuc lathes in G-code system A: U W H V are increments, without G90 G91; G98 G99 are feed per minute and turn.
+"""Fanuc lathes in G-code system A: U W H V are increments, without G90 G91; G98 G99 are feed per
+minute and turn.
 
-Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column A; G90 G92 G94 are the cycles that
-systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
+Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column A; G90 G92 G94
+are the cycles that systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
 """
 
 from postproc.nc import codes
@@ -13,10 +14,14 @@ DIALECT = Dialect(
     name="fanuc-lathe-a",
     title="Fanuc lathe, G-code system A",
     codes=(
-        *FANUC_LATHE, *UNITS, *CUTTER,
+        *FANUC_LATHE,
+        *UNITS,
+        *CUTTER,
         *rows("feed mode", {"98": "feed per minute"}, like="G94"),
         *rows("feed mode", {"99": "feed per turn"}, like="G95"),
-        *rows("shift", {"50": "set coordinates, or speed limit"}, takes=True, does="set", like="G92"),
+        *rows(
+            "shift", {"50": "set coordinates, or speed limit"}, takes=True, does="set", like="G92"
+        ),
         *rows("shift", {"50.3": "no position shift"}, takes=True, does="set zero", like="G92.1"),
         *rows("motion", {"32": "thread"}, does="thread", like="G33"),
         *rows("motion", {"90": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
@@ -25,15 +30,30 @@ DIALECT = Dialect(
         *rows(
             "motion",
             {
-                "70": "finishing cycle", "71": "roughing cycle", "72": "facing cycle", "73": "pattern repeating",
-                "74": "end face pecking", "75": "grooving",
+                "70": "finishing cycle",
+                "71": "roughing cycle",
+                "72": "facing cycle",
+                "73": "pattern repeating",
+                "74": "end face pecking",
+                "75": "grooving",
             },
             refuses=codes.CYCLE,
         ),
         *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
     ),
-    m_codes={**codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on",
-             24: "chamfering off", 29: "rigid tapping", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear"},
+    m_codes={
+        **codes.SPINDLE_AND_COOLANT,
+        10: "chuck or clamp",
+        11: "chuck or clamp",
+        23: "chamfering on",
+        24: "chamfering off",
+        29: "rigid tapping",
+        40: "gear",
+        41: "gear",
+        42: "gear",
+        43: "gear",
+        44: "gear",
+    },
     again=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
@@ -49,8 +69,10 @@ DIALECT = Dialect(
     exact_stops=(90, 610),
     threads_chained=(330,),
     thread_words="FE",
-    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on "
-    "a control that reads them as least increments the program means something else",
+    integer_notice=(
+        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
+        " input); on a control that reads them as least increments the program means something else"
+    ),
     one_code_per_group=False,
     letters="E",
     signs=(
@@ -65,5 +87,6 @@ DIALECT = Dialect(
         r"G99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
     ),
     remarks=(r"\bFANUC\b",),
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),  # Haas: O of five digits; a call within the program
-)  # fmt: skip
+    # Haas: O of five digits; a call within the program
+    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
+)

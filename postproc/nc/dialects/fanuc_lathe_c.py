@@ -1,4 +1,5 @@
-"""Fanuc lathes in G-code system C: G70 G71 are inch and millimetre, G20 G21 G24 the turning cycles, G72-G78 the others.
+"""Fanuc lathes in G-code system C: G70 G71 are inch and millimetre, G20 G21 G24 the turning cycles,
+G72-G78 the others.
 
 Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column C.
 """
@@ -23,7 +24,13 @@ DIALECT = Dialect(
     name="fanuc-lathe-c",
     title="Fanuc lathe, G-code system C",
     codes=(
-        *FANUC_LATHE, *CUTTER, *DISTANCE, *FEED_MODE, *RETURN, *SET, *THREAD,
+        *FANUC_LATHE,
+        *CUTTER,
+        *DISTANCE,
+        *FEED_MODE,
+        *RETURN,
+        *SET,
+        *THREAD,
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),
@@ -38,8 +45,19 @@ DIALECT = Dialect(
         *rows("motion", {"77": "grooving"}, refuses=codes.CYCLE, like="G75"),
         *rows("", {"78": "threading in many passes"}, takes=True, does="thread cycle", like="G76"),
     ),
-    m_codes={**codes.SPINDLE_AND_COOLANT, 10: "chuck or clamp", 11: "chuck or clamp", 23: "chamfering on",
-             24: "chamfering off", 29: "rigid tapping", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear"},
+    m_codes={
+        **codes.SPINDLE_AND_COOLANT,
+        10: "chuck or clamp",
+        11: "chuck or clamp",
+        23: "chamfering on",
+        24: "chamfering off",
+        29: "rigid tapping",
+        40: "gear",
+        41: "gear",
+        42: "gear",
+        43: "gear",
+        44: "gear",
+    },
     again=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
@@ -55,8 +73,10 @@ DIALECT = Dialect(
     exact_stops=(90, 610),
     threads_chained=(330,),
     thread_words="FE",
-    integer_notice="coordinates without a decimal point are read as whole millimetres or inches (calculator input); on "
-    "a control that reads them as least increments the program means something else",
+    integer_notice=(
+        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
+        " input); on a control that reads them as least increments the program means something else"
+    ),
     one_code_per_group=False,
     letters="E",
     signs=(
@@ -70,5 +90,6 @@ DIALECT = Dialect(
         r"G7[01][ \t]*$",
     ),
     remarks=(r"\bFANUC\b",),
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),  # Haas: O of five digits; a call within the program
-)  # fmt: skip
+    # Haas: O of five digits; a call within the program
+    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
+)

@@ -1,4 +1,5 @@
-"""FluidNC: GRBL's words with M6, outputs, variables and O-word flow control; `;` and `( )` comments.
+"""FluidNC: GRBL's words with M6, outputs, variables and O-word flow control; `;` and `( )`
+comments.
 
 Codes: bdring/FluidNC, FluidNC/src/GCode.cpp (gc_execute_line), Flowcontrol.cpp, Expression.cpp.
 """
@@ -28,21 +29,51 @@ DIALECT = Dialect(
     name="fluidnc",
     title="FluidNC",
     codes=(
-        *COMMON, *UNITS, *PER_TIME, *NO_CUTTER, *NO_LENGTH, *LENGTH_WORDS, *DATA, *SET, *SET_ZERO, *STORE_REFERENCE,
-        *CENTRE_BY_START, *PROBE, *NO_MOTION, *rows("path", {"61": "exact path"}),
-        *rows("", {f"38.{n}": "probe, this block alone" for n in (6, 7, 8, 9)}, refuses=codes.PROBE),
+        *COMMON,
+        *UNITS,
+        *PER_TIME,
+        *NO_CUTTER,
+        *NO_LENGTH,
+        *LENGTH_WORDS,
+        *DATA,
+        *SET,
+        *SET_ZERO,
+        *STORE_REFERENCE,
+        *CENTRE_BY_START,
+        *PROBE,
+        *NO_MOTION,
+        *rows("path", {"61": "exact path"}),
+        *rows(
+            "", {f"38.{n}": "probe, this block alone" for n in (6, 7, 8, 9)}, refuses=codes.PROBE
+        ),
     ),
     m_codes={
-        0: "stop", 1: "optional stop", 2: "end of program", 3: "spindle clockwise or laser",
-        4: "spindle counter-clockwise or laser with the speed", 5: "spindle stop", 6: "tool change", 7: "mist coolant",
-        8: "coolant", 9: "coolant off", 30: "end of program, rewind", 56: "parking motion", 61: "set tool number",
-        62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input", 67: "analog output",
+        0: "stop",
+        1: "optional stop",
+        2: "end of program",
+        3: "spindle clockwise or laser",
+        4: "spindle counter-clockwise or laser with the speed",
+        5: "spindle stop",
+        6: "tool change",
+        7: "mist coolant",
+        8: "coolant",
+        9: "coolant off",
+        30: "end of program, rewind",
+        56: "parking motion",
+        61: "set tool number",
+        62: "output",
+        63: "output",
+        64: "output",
+        65: "output",
+        66: "wait for input",
+        67: "analog output",
         68: "analog output",
     },
     m_refuses={},
     language="linuxcnc",
     expand_decimals=4,
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports and unlocking; $J moves
+    # reports and unlocking; $J moves
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),
     plane=170,
     motion=0,
     homes=True,
@@ -53,6 +84,11 @@ DIALECT = Dialect(
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,
     letters="E",
-    signs=(r"^[ \t]*\$[HJXCIGNS#$/]", r"^[ \t]*\$(SD|LOCALFS|MACROS?)/", r"#\d+[ \t]*=", r"G38\.[6-9]\b"),
+    signs=(
+        r"^[ \t]*\$[HJXCIGNS#$/]",
+        r"^[ \t]*\$(SD|LOCALFS|MACROS?)/",
+        r"#\d+[ \t]*=",
+        r"G38\.[6-9]\b",
+    ),
     remarks=(r"\bFLUIDNC\b",),
-)  # fmt: skip
+)

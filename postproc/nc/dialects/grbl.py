@@ -1,8 +1,9 @@
-"""GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments, `$` lines are no
-program.
+"""GRBL 1.1: RS274/NGC without cycles, cutter radius, tool table, variables; `;` and `( )` comments,
+`$` lines are no program.
 
-Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line: a program begins in G0, as the state is cleared to; the
-words I J K of an arc are taken together, and those outside of the plane are not looked at); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
+Codes and arc check: gnea/grbl, grbl/gcode.c (gc_execute_line: a program begins in G0, as the state
+is cleared to; the words I J K of an arc are taken together, and those outside of the plane are not
+looked at); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """
 
 from postproc.nc.dialects import Dialect
@@ -31,16 +32,39 @@ DIALECT = Dialect(
     name="grbl",
     title="GRBL 1.1",
     codes=(
-        *COMMON, *UNITS, *PER_TIME, *NO_CUTTER, *NO_LENGTH, *LENGTH_WORDS, *DATA, *SET, *SET_ZERO, *STORE_REFERENCE,
-        *CENTRE_BY_START, *PROBE, *NO_MOTION, *rows("path", {"61": "exact path"}),
+        *COMMON,
+        *UNITS,
+        *PER_TIME,
+        *NO_CUTTER,
+        *NO_LENGTH,
+        *LENGTH_WORDS,
+        *DATA,
+        *SET,
+        *SET_ZERO,
+        *STORE_REFERENCE,
+        *CENTRE_BY_START,
+        *PROBE,
+        *NO_MOTION,
+        *rows("path", {"61": "exact path"}),
     ),
     m_codes={
-        0: "stop", 1: "optional stop", 2: "end of program", 3: "spindle clockwise or laser",
-        4: "spindle counter-clockwise or laser with the speed", 5: "spindle stop", 7: "mist coolant", 8: "coolant",
-        9: "coolant off", 30: "end of program, rewind", 56: "parking motion",
+        0: "stop",
+        1: "optional stop",
+        2: "end of program",
+        3: "spindle clockwise or laser",
+        4: "spindle counter-clockwise or laser with the speed",
+        5: "spindle stop",
+        7: "mist coolant",
+        8: "coolant",
+        9: "coolant off",
+        30: "end of program, rewind",
+        56: "parking motion",
     },
     m_refuses={},
-    grammar=Grammar(ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports, go on; $J moves
+    # reports, go on; $J moves
+    grammar=Grammar(
+        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)
+    ),
     plane=170,
     motion=0,
     homes=True,
@@ -51,4 +75,4 @@ DIALECT = Dialect(
     arc_tolerance_most_mm=0.5,
     signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"^[ \t]*\$\d+[ \t]*="),
     remarks=(r"(?<![A-Z])GRBL(?!HAL)\b",),
-)  # fmt: skip
+)

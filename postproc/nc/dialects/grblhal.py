@@ -1,6 +1,8 @@
-"""grblHAL: GRBL's words and much of LinuxCNC's: cycles, splines, scaling, tool table, lathe modes, P turns, variables.
+"""grblHAL: GRBL's words and much of LinuxCNC's: cycles, splines, scaling, tool table, lathe modes,
+P turns, variables.
 
-Codes: grblHAL/core, README.md (supported G-codes), gcode.c (gc_execute_block), wiki "Additional G- and M-codes".
+Codes: grblHAL/core, README.md (supported G-codes), gcode.c (gc_execute_block), wiki "Additional G-
+and M-codes".
 """
 
 from postproc.nc import codes
@@ -38,9 +40,29 @@ DIALECT = Dialect(
     name="grblhal",
     title="grblHAL",
     codes=(
-        *COMMON, *UNITS, *FEED_MODE, *SPINDLE, *NO_CUTTER, *LENGTH, *LENGTH_WORDS, *LENGTH_MORE, *DATA, *SET, *SET_ZERO,
-        *STORE_REFERENCE, *CENTRE_BY_START, *DIAMETER, *MORE_WORK, *PROBE, *SPLINE, *NO_MOTION, *PECKS, *DRILL, *BORE,
-        *RETURN, *THREAD,
+        *COMMON,
+        *UNITS,
+        *FEED_MODE,
+        *SPINDLE,
+        *NO_CUTTER,
+        *LENGTH,
+        *LENGTH_WORDS,
+        *LENGTH_MORE,
+        *DATA,
+        *SET,
+        *SET_ZERO,
+        *STORE_REFERENCE,
+        *CENTRE_BY_START,
+        *DIAMETER,
+        *MORE_WORK,
+        *PROBE,
+        *SPLINE,
+        *NO_MOTION,
+        *PECKS,
+        *DRILL,
+        *BORE,
+        *RETURN,
+        *THREAD,
         *rows("scaling", {"50": "no scaling"}),
         *rows("scaling", {"51": "scaling"}, refuses=codes.UNTURNED),
         *rows("", {"65": "macro call"}, takes=True, refuses=codes.INLINE),
@@ -52,14 +74,26 @@ DIALECT = Dialect(
     ),
     m_codes={
         **{n: m for n, m in codes.SPINDLE_AND_COOLANT.items() if n != 19},
-        50: "feed override", 51: "speed override", 53: "feed stop", 56: "parking motion", 61: "set tool number",
-        62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input", 67: "analog output",
-        68: "analog output", 70: "save modal state", 71: "forget modal state",
+        50: "feed override",
+        51: "speed override",
+        53: "feed stop",
+        56: "parking motion",
+        61: "set tool number",
+        62: "output",
+        63: "output",
+        64: "output",
+        65: "output",
+        66: "wait for input",
+        67: "analog output",
+        68: "analog output",
+        70: "save modal state",
+        71: "forget modal state",
     },
     m_refuses={72: codes.RESTORED, 73: codes.RESTORED, 98: codes.CALL, 99: codes.CALL},
     language="linuxcnc",
     expand_decimals=4,
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),  # reports and unlocking; $J moves
+    # reports and unlocking; $J moves
+    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),
     plane=170,
     motion=0,
     homes=True,
@@ -74,4 +108,4 @@ DIALECT = Dialect(
     signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"#\d+[ \t]*=", r"G65[ \t]*P\d"),
     holes_written_out=False,
     remarks=(r"\bGRBLHAL\b",),
-)  # fmt: skip
+)

@@ -1,9 +1,12 @@
-"""Klipper: printers. Marlin's commands, one a line, and commands with names: its own, and the printer's macros.
+"""Klipper: printers. Marlin's commands, one a line, and commands with names: its own, and the
+printer's macros.
 
-Commands: Klipper3d/klipper, klippy/gcode.py (a letter and a number, or a name with NAME=value behind it; case does not
-matter), klippy/extras/gcode_move.py (G0 G1 G20 G21 G90-G92 M82 M83 M114 M220 M221; E counts as incremental under G91
-or M83), homing.py (G28), gcode_arcs.py (G2 G3 G17-G19: centres by the two words of the plane; R and G91 are refused),
-firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other code and name is a macro of printer.cfg, if it is anything.
+Commands: Klipper3d/klipper, klippy/gcode.py (a letter and a number, or a name with NAME=value
+behind it; case does not matter), klippy/extras/gcode_move.py (G0 G1 G20 G21 G90-G92 M82 M83 M114
+M220 M221; E counts as incremental under G91 or M83), homing.py (G28), gcode_arcs.py (G2 G3 G17-G19:
+centres by the two words of the plane; R and G91 are refused), firmware_retraction.py (G10 G11),
+documentation in docs/G-Codes.md. Every other code and name is a macro of printer.cfg, if it is
+anything.
 """
 
 from postproc.nc import codes
@@ -37,8 +40,8 @@ _QUIET = (
     + _END
 )
 _NO_OFFSET = (
-    HEAD
-    + r"SET_GCODE_OFFSET(?:[ \t]+[XYZE](?:_ADJUST)?[ \t]*=[ \t]*[+-]?0*\.?0*(?![\d.])|[ \t]+MOVE(?:_SPEED)?=[\d.]+)+[ \t\r]*$"
+    HEAD + r"SET_GCODE_OFFSET(?:[ \t]+[XYZE](?:_ADJUST)?[ \t]*=[ \t]*[+-]?0*\.?0*(?![\d.])|["
+    r" \t]+MOVE(?:_SPEED)?=[\d.]+)+[ \t\r]*$"
 )
 _NO_INCH = "this control has no inches: let the slicer or CAM program write millimetres"
 
@@ -46,22 +49,57 @@ DIALECT = Dialect(
     name="klipper",
     title="Klipper",
     codes=(
-        *MOTION, *PLANE, *DISTANCE, *DWELL, *SET,
+        *MOTION,
+        *PLANE,
+        *DISTANCE,
+        *DWELL,
+        *SET,
         *rows("units", {"21": "millimetre"}),
         *rows("units", {"20": "inch"}, refuses=_NO_INCH),
         *rows("", {"10": "retract filament", "11": "recover filament"}, takes=True, does="words"),
         *rows("", {"28": "home"}, takes=True),
     ),
     m_codes={
-        18: "motors off", 20: "list files", 21: "media in", 23: "select a file", 24: "start printing", 25: "pause",
-        26: "set the file's place", 27: "report", 73: "progress", 82: "E absolute", 83: "E incremental", 84: "motors off",
-        104: "hotend temperature", 105: "report temperatures", 106: "fan on", 107: "fan off",
-        109: "hotend temperature, wait", 110: "line number", 112: "emergency stop", 114: "report the position",
-        115: "report the firmware", 117: "message", 118: "message to the host", 119: "report endstops",
-        140: "bed temperature", 141: "chamber temperature", 190: "bed temperature, wait",
-        191: "chamber temperature, wait", 201: "acceleration limits", 203: "feed limits", 204: "acceleration",
-        205: "jerk", 220: "feed percentage", 221: "flow percentage", 400: "finish motions",
-        500: "store settings", 502: "factory settings", 503: "report settings", 862: "printer check", 900: "pressure advance",
+        18: "motors off",
+        20: "list files",
+        21: "media in",
+        23: "select a file",
+        24: "start printing",
+        25: "pause",
+        26: "set the file's place",
+        27: "report",
+        73: "progress",
+        82: "E absolute",
+        83: "E incremental",
+        84: "motors off",
+        104: "hotend temperature",
+        105: "report temperatures",
+        106: "fan on",
+        107: "fan off",
+        109: "hotend temperature, wait",
+        110: "line number",
+        112: "emergency stop",
+        114: "report the position",
+        115: "report the firmware",
+        117: "message",
+        118: "message to the host",
+        119: "report endstops",
+        140: "bed temperature",
+        141: "chamber temperature",
+        190: "bed temperature, wait",
+        191: "chamber temperature, wait",
+        201: "acceleration limits",
+        203: "feed limits",
+        204: "acceleration",
+        205: "jerk",
+        220: "feed percentage",
+        221: "flow percentage",
+        400: "finish motions",
+        500: "store settings",
+        502: "factory settings",
+        503: "report settings",
+        862: "printer check",
+        900: "pressure advance",
     },
     m_refuses={},
     grammar=Grammar(
@@ -78,8 +116,12 @@ DIALECT = Dialect(
         ),
     ),
     macro_refuses=(
-        codes.RESTORED, _SHIFTS,
-        "it leans the axes against each other: take the squareness of machine.toml or the skew of Klipper, not both",
+        codes.RESTORED,
+        _SHIFTS,
+        (
+            "it leans the axes against each other: take the squareness of machine.toml or the skew"
+            " of Klipper, not both"
+        ),
     ),
     plane=170,
     dwell="PS",
@@ -98,5 +140,6 @@ DIALECT = Dialect(
     skips_centre=True,
     signs=(*PRINTS, NAMED, r"^[ \t]*[A-Z]+_[A-Z_]+[ \t]+[A-Z_]+="),
     remarks=(*SLICED, r"\bKLIPPER\b", r"GCODE_FLAVOR[ \t]*=[ \t]*KLIPPER"),
-    excludes=(SETS, r"M98[ \t]*P\"", r"M5(?:58|67|72|74)\b", r"M92\b|M300\b|M50[0-3]\b|M420\b"),  # it has none of these
-)  # fmt: skip
+    # it has none of these
+    excludes=(SETS, r"M98[ \t]*P\"", r"M5(?:58|67|72|74)\b", r"M92\b|M300\b|M50[0-3]\b|M420\b"),
+)

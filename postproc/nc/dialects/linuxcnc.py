@@ -1,7 +1,9 @@
-"""LinuxCNC (RS274/NGC): `;` and `( )` comments, incremental arc centres, P turns, G7 diameter, G8 radius.
+"""LinuxCNC (RS274/NGC): `;` and `( )` comments, incremental arc centres, P turns, G7 diameter, G8
+radius.
 
-Codes: LinuxCNC documentation, docs/src/gcode/g-code.adoc and m-code.adoc, quick reference tables. Arc tolerances:
-rs274ngc's constants of these names, measured on the interpreter (tests/linuxcnc/README.md).
+Codes: LinuxCNC documentation, docs/src/gcode/g-code.adoc and m-code.adoc, quick reference tables.
+Arc tolerances: rs274ngc's constants of these names, measured on the interpreter
+(tests/linuxcnc/README.md).
 """
 
 from postproc.nc import codes
@@ -45,22 +47,67 @@ DIALECT = Dialect(
     name="linuxcnc",
     title="LinuxCNC 2.8 and newer, RS274/NGC",
     codes=(
-        *COMMON, *UNITS, *SPINDLE, *CUTTER, *DYNAMIC_CUTTER, *FEED_MODE, *NO_MOTION, *ARC_CENTRE, *DIAMETER, *MORE_WORK,
-        *RETURN, *DATA, *LOCAL, *SET, *SET_ZERO, *SET_OFF, *STORE_REFERENCE, *LENGTH, *LENGTH_WORDS, *LENGTH_MORE,
-        *PROBE, *SPLINE, *NURBS, *PECKS, *DRILL, *BORE, *BORE_BY_HAND, *TAP, *BACK_BORE, *THREAD,
+        *COMMON,
+        *UNITS,
+        *SPINDLE,
+        *CUTTER,
+        *DYNAMIC_CUTTER,
+        *FEED_MODE,
+        *NO_MOTION,
+        *ARC_CENTRE,
+        *DIAMETER,
+        *MORE_WORK,
+        *RETURN,
+        *DATA,
+        *LOCAL,
+        *SET,
+        *SET_ZERO,
+        *SET_OFF,
+        *STORE_REFERENCE,
+        *LENGTH,
+        *LENGTH_WORDS,
+        *LENGTH_MORE,
+        *PROBE,
+        *SPLINE,
+        *NURBS,
+        *PECKS,
+        *DRILL,
+        *BORE,
+        *BORE_BY_HAND,
+        *TAP,
+        *BACK_BORE,
+        *THREAD,
         *rows("motion", {"33.1": "rigid tapping"}, does="there and back"),
         *rows("motion", {"76": "threading in many passes"}, refuses=codes.RADIUS_CYCLE),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
-        *rows("motion", dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"),
-            refuses=codes.CYCLE),
-        *rows("plane", {"17.1": "UV plane", "18.1": "WU plane", "19.1": "VW plane"}, refuses=codes.TRANSFORM),
+        *rows(
+            "motion",
+            dict.fromkeys(("71", "71.1", "71.2", "72", "72.1", "72.2"), "roughing cycle"),
+            refuses=codes.CYCLE,
+        ),
+        *rows(
+            "plane",
+            {"17.1": "UV plane", "18.1": "WU plane", "19.1": "VW plane"},
+            refuses=codes.TRANSFORM,
+        ),
         *rows("path", {"61": "exact path", "61.1": "exact stop", "64": "path within a tolerance"}),
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
-        50: "feed override", 51: "speed override", 52: "adaptive feed", 53: "feed stop", 61: "set tool number",
-        62: "output", 63: "output", 64: "output", 65: "output", 66: "wait for input", 67: "analog output",
-        68: "analog output", 70: "save modal state", 71: "forget modal state",
+        50: "feed override",
+        51: "speed override",
+        52: "adaptive feed",
+        53: "feed stop",
+        61: "set tool number",
+        62: "output",
+        63: "output",
+        64: "output",
+        65: "output",
+        66: "wait for input",
+        67: "analog output",
+        68: "analog output",
+        70: "save modal state",
+        71: "forget modal state",
     },
     m_refuses={72: codes.BROUGHT_BACK, 73: codes.BROUGHT_BACK, 98: codes.CALL, 99: codes.CALL},
     grammar=Grammar(ignores=(r"\$[ \t]*-?[0-9]+",)),  # $0 names a spindle, $-1 all
@@ -74,14 +121,18 @@ DIALECT = Dialect(
     arc_tolerance_most_mm=2 * 2**0.5,
     arc_tolerance_inch=2.54,  # CENTER_ARC_RADIUS_TOLERANCE_INCH, 2 * 0.001 * sqrt(2) inches
     radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
-    returns=990, local_is_preset=True,
+    returns=990,
+    local_is_preset=True,
     exact_stops=(611,),
     feed_along_first=True,
     threads_chained=(330,),
     thread_words="K",
     letters="E",
     signs=(
-        r"^[ \t]*O[ \t]*(<[^>\n]+>|\d+)[ \t]*((END)?(SUB|IF|WHILE|REPEAT)|ELSE(IF)?|DO|CALL|RETURN)\b",
+        (
+            r"^[ \t]*O[ \t]*(<[^>\n]+>|\d+)["
+            r" \t]*((END)?(SUB|IF|WHILE|REPEAT)|ELSE(IF)?|DO|CALL|RETURN)\b"
+        ),
         r"#<_?[A-Z]",
         r"#\d+[ \t]*=",
         r"G33\.1\b",
@@ -92,4 +143,4 @@ DIALECT = Dialect(
         r"M6[67][ \t]*[EP]\d",
     ),
     remarks=(r"\bLINUXCNC\b", r"\bEMC2\b", r"\([ \t]*(DEBUG|PRINT|LOG|LOGOPEN)[ \t]*,"),
-)  # fmt: skip
+)

@@ -1,8 +1,9 @@
 """Mach3 and Mach4 mills and routers: RS274/NGC with G70 and G71 as units; `( )` and `;` comments.
 
-Codes: ArtSoft, Using Mach3Mill (the manual), "Mach 2.0 G- and M-code reference", tables of G and M codes; Mach4 has the same and G44. G28.1
-runs the axes to their switches, it stores nothing. G52 and G92 share one mechanism and may not be used together. G59 P7
-to P254 name further fixtures. Which return holds before G98 or G99, and how far a peck backs off, are settings.
+Codes: ArtSoft, Using Mach3Mill (the manual), "Mach 2.0 G- and M-code reference", tables of G and M
+codes; Mach4 has the same and G44. G28.1 runs the axes to their switches, it stores nothing. G52 and
+G92 share one mechanism and may not be used together. G59 P7 to P254 name further fixtures. Which
+return holds before G98 or G99, and how far a peck backs off, are settings.
 """
 
 from postproc.nc import codes
@@ -36,17 +37,38 @@ DIALECT = Dialect(
     name="mach3",
     title="Mach3 and Mach4",
     codes=(
-        *(code for code in COMMON if code.word != "G59"), *UNITS, *FEED_MODE, *SPINDLE, *CUTTER, *LENGTH, *LENGTH_MINUS,
-        *DATA, *LOCAL, *SET, *SET_ZERO, *SET_OFF, *ARC_CENTRE, *NO_MOTION, *RETURN, *PECKS, *DRILL, *BORE, *BORE_BY_HAND,
-        *TAP, *BACK_BORE,
+        *(code for code in COMMON if code.word != "G59"),
+        *UNITS,
+        *FEED_MODE,
+        *SPINDLE,
+        *CUTTER,
+        *LENGTH,
+        *LENGTH_MINUS,
+        *DATA,
+        *LOCAL,
+        *SET,
+        *SET_ZERO,
+        *SET_OFF,
+        *ARC_CENTRE,
+        *NO_MOTION,
+        *RETURN,
+        *PECKS,
+        *DRILL,
+        *BORE,
+        *BORE_BY_HAND,
+        *TAP,
+        *BACK_BORE,
         *rows("work offset", {"59": "work offset 6, or P"}, does="numbered"),
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("path", {"61": "exact stop", "64": "constant velocity"}),
         *rows("", {"28.1": "reference the axes"}, takes=True),
         *rows("motion", {"31": "probe"}, refuses=codes.PROBE),
-        *rows("motion", {"12": "circular pocket, clockwise", "13": "circular pocket, counter-clockwise"},
-            refuses=codes.WRITE_OUT),
+        *rows(
+            "motion",
+            {"12": "circular pocket, clockwise", "13": "circular pocket, counter-clockwise"},
+            refuses=codes.WRITE_OUT,
+        ),
         *rows("polar words", {"15": "no polar coordinates"}),
         *rows("polar words", {"16": "polar coordinates"}, refuses=codes.UNTURNED),
         *rows("scaling", {"50": "no scaling"}),
@@ -56,8 +78,13 @@ DIALECT = Dialect(
     ),
     m_codes={
         **{n: m for n, m in codes.SPINDLE_AND_COOLANT.items() if n != 60},
-        10: "output on, with the motion", 11: "output off, with the motion", 62: "output on, with the motion",
-        63: "output off, with the motion", 64: "output on", 65: "output off", 66: "wait for input",
+        10: "output on, with the motion",
+        11: "output off, with the motion",
+        62: "output on, with the motion",
+        63: "output off, with the motion",
+        64: "output on",
+        65: "output off",
+        66: "wait for input",
     },
     m_refuses={47: codes.INLINE, 98: codes.CALL, 99: codes.CALL},
     language="linuxcnc",
@@ -70,4 +97,4 @@ DIALECT = Dialect(
     signs=(r"G59[ \t]*P\d", r"M1[01][ \t]*P\d", r"G7[01][ \t]*G9[01]\.1"),
     holes_written_out=False,
     remarks=(r"\bMACH[ \t]*[234](MILL)?\b",),
-)  # fmt: skip
+)

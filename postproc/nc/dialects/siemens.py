@@ -1,9 +1,11 @@
-"""Sinumerik 840D sl, 828D and their kin in Siemens' own language: `;` comments, keywords, CR= for radii, TRANS, cycles.
+"""Sinumerik 840D sl, 828D and their kin in Siemens' own language: `;` comments, keywords, CR= for
+radii, TRANS, cycles.
 
-G groups and reset states: SINUMERIK NC Programming Manual, "G functions" (groups 1-62) and "Frame instructions"; G58
-G59 G74 G75 G110-G112, G331 G332, G4 F, DIAM90, G500, SUPA and the feed type of G96 as described there. Arc check:
-MD21000 CIRCLE_ERROR_CONST, MD21010 CIRCLE_ERROR_FACTOR. TURN= counts the circles beyond the arc itself. Tool lengths
-come with D, at once. R is a variable here (R1=5), never a radius; ( ) are arguments, never comments.
+G groups and reset states: SINUMERIK NC Programming Manual, "G functions" (groups 1-62) and "Frame
+instructions"; G58 G59 G74 G75 G110-G112, G331 G332, G4 F, DIAM90, G500, SUPA and the feed type of
+G96 as described there. Arc check: MD21000 CIRCLE_ERROR_CONST, MD21010 CIRCLE_ERROR_FACTOR. TURN=
+counts the circles beyond the arc itself. Tool lengths come with D, at once. R is a variable here
+(R1=5), never a radius; ( ) are arguments, never comments.
 """
 
 from postproc.nc import codes
@@ -22,122 +24,285 @@ from postproc.nc.rows import (
 )
 
 _QUIET = (
-    "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON CDOF CDOF2 "
-    "STARTFIFO STOPFIFO FIFOCTRL WALIMON WALIMOF RMB RMI RME RMN ORIC ORID FNORM FLIN FCUB LFON LFOF LFTXT LFWP "
-    "LFPOS CPRECON CPRECOF CUTCONON CUTCONOF DYNNORM DYNPOS DYNROUGH DYNSEMIFIN DYNFINISH DYNPREC FENDNORM "
-    "DIAMCYCOF UPATH SPATH PDELAYON PDELAYOF SPOF SPON PON CUT2D CUT2DF STOPRE DISPLOF DISPLON SBLOF SBLON COMPON "
-    "COMPCURV COMPCAD COMPSURF COMPPATH BNAT BTAN BAUTO ENAT ETAN EAUTO ORIWKS ORIMKS ORIAXES ORIVECT ORIEULER "
-    "ORIRPY ORIRPY2 OSOF OSC OSS OSSE OSD OST NEWCONF"
+    "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON"
+    " CDOF CDOF2 STARTFIFO STOPFIFO FIFOCTRL WALIMON WALIMOF RMB RMI RME RMN ORIC ORID FNORM FLIN"
+    " FCUB LFON LFOF LFTXT LFWP LFPOS CPRECON CPRECOF CUTCONON CUTCONOF DYNNORM DYNPOS DYNROUGH"
+    " DYNSEMIFIN DYNFINISH DYNPREC FENDNORM DIAMCYCOF UPATH SPATH PDELAYON PDELAYOF SPOF SPON PON"
+    " CUT2D CUT2DF STOPRE DISPLOF DISPLON SBLOF SBLON COMPON COMPCURV COMPCAD COMPSURF COMPPATH"
+    " BNAT BTAN BAUTO ENAT ETAN EAUTO ORIWKS ORIMKS ORIAXES ORIVECT ORIEULER ORIRPY ORIRPY2 OSOF"
+    " OSC OSS OSSE OSD OST NEWCONF"
 )
 _CYCLES = (
-    "MCALL CYCLE60 CYCLE61 CYCLE62 CYCLE63 CYCLE64 CYCLE70 CYCLE72 CYCLE76 CYCLE77 CYCLE78 CYCLE79 CYCLE81 CYCLE82 "
-    "CYCLE83 CYCLE84 CYCLE840 CYCLE85 CYCLE86 CYCLE87 CYCLE88 CYCLE89 CYCLE90 CYCLE92 CYCLE93 CYCLE94 CYCLE95 "
-    "CYCLE96 CYCLE97 CYCLE98 CYCLE99 CYCLE801 CYCLE802 CYCLE899 CYCLE930 CYCLE940 CYCLE951 CYCLE952 HOLES1 HOLES2 "
-    "POCKET1 POCKET2 POCKET3 POCKET4 SLOT1 SLOT2 LONGHOLE"
+    "MCALL CYCLE60 CYCLE61 CYCLE62 CYCLE63 CYCLE64 CYCLE70 CYCLE72 CYCLE76 CYCLE77 CYCLE78 CYCLE79"
+    " CYCLE81 CYCLE82 CYCLE83 CYCLE84 CYCLE840 CYCLE85 CYCLE86 CYCLE87 CYCLE88 CYCLE89 CYCLE90"
+    " CYCLE92 CYCLE93 CYCLE94 CYCLE95 CYCLE96 CYCLE97 CYCLE98 CYCLE99 CYCLE801 CYCLE802 CYCLE899"
+    " CYCLE930 CYCLE940 CYCLE951 CYCLE952 HOLES1 HOLES2 POCKET1 POCKET2 POCKET3 POCKET4 SLOT1 SLOT2"
+    " LONGHOLE"
 )
-_DRILLED = ("MCALL", "CYCLE81", "CYCLE82", "CYCLE83", "CYCLE85")  # --expand writes these out
+_DRILLED = (  # --expand writes these out
+    *("MCALL", "CYCLE81", "CYCLE82", "CYCLE83", "CYCLE85"),
+    *("HOLES1", "HOLES2", "CYCLE801", "CYCLE802"),
+)
 _FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
-_PARAMETERS = "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL"  # words that move no slide
+_PARAMETERS = (
+    # words that move no slide
+    "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL"
+)
 _KEYWORDS = (
-    "TRANS", "ATRANS", *_FRAMES.split(), "SUPA", "DIAMON", "DIAMOF", "DIAM90", "CIP", "CT", "INVCW", "INVCCW", "POLY",
-    "ASPLINE", "BSPLINE", "CSPLINE", "REPOSL", "REPOSQ", "REPOSH", "TRAFOOF", "TRANSMIT", "TRACYL", "TRAANG", "TRAORI",
-    "CYCLE800", "CYCLE832", "SETMS", "MEAS", "MEAW", *_CYCLES.split(), *_QUIET.split(),
-)  # fmt: skip
+    "TRANS",
+    "ATRANS",
+    *_FRAMES.split(),
+    "SUPA",
+    "DIAMON",
+    "DIAMOF",
+    "DIAM90",
+    "CIP",
+    "CT",
+    "INVCW",
+    "INVCCW",
+    "POLY",
+    "ASPLINE",
+    "BSPLINE",
+    "CSPLINE",
+    "REPOSL",
+    "REPOSQ",
+    "REPOSH",
+    "TRAFOOF",
+    "TRANSMIT",
+    "TRACYL",
+    "TRAANG",
+    "TRAORI",
+    "CYCLE800",
+    "CYCLE832",
+    "SETMS",
+    "MEAS",
+    "MEAW",
+    *_CYCLES.split(),
+    *_QUIET.split(),
+)
 
 DIALECT = Dialect(
     name="siemens",
     title="Sinumerik 840D sl and kin, Siemens' language",
     codes=(
-        *MOTION, *PLANE, *DISTANCE, *FEED_MODE, *CUTTER, *MACHINE_FRAME, *DWELL, *THREAD,
-        *rows("motion", {"34": "thread of growing lead", "35": "thread of shrinking lead"}, does="thread"),
+        *MOTION,
+        *PLANE,
+        *DISTANCE,
+        *FEED_MODE,
+        *CUTTER,
+        *MACHINE_FRAME,
+        *DWELL,
+        *THREAD,
+        *rows(
+            "motion",
+            {"34": "thread of growing lead", "35": "thread of shrinking lead"},
+            does="thread",
+        ),
         *rows("motion", {"331": "rigid tapping, in", "332": "rigid tapping, out"}, does="thread"),
-        *rows("motion", {"335": "thread along an arc", "336": "thread along an arc"}, refuses=codes.CURVE),
-        *rows("motion", {"CIP": "arc through a point", "CT": "tangential arc"}, refuses="its circle follows from other "
-              "places: write the arc with its centre I J K or with CR="),
-        *rows("motion", {"INVCW": "involute", "INVCCW": "involute", "ASPLINE": "Akima spline",
-              "BSPLINE": "B spline", "CSPLINE": "cubic spline"}, refuses=codes.CURVE),
+        *rows(
+            "motion",
+            {"335": "thread along an arc", "336": "thread along an arc"},
+            refuses=codes.CURVE,
+        ),
+        *rows(
+            "motion",
+            {"CIP": "arc through a point", "CT": "tangential arc"},
+            refuses=(
+                "its circle follows from other "
+                "places: write the arc with its centre I J K or with CR="
+            ),
+        ),
+        *rows(
+            "motion",
+            {
+                "INVCW": "involute",
+                "INVCCW": "involute",
+                "ASPLINE": "Akima spline",
+                "BSPLINE": "B spline",
+                "CSPLINE": "cubic spline",
+            },
+            refuses=codes.CURVE,
+        ),
         *rows("motion", {"POLY": "polynomial"}, refuses=codes.SPLINE),
-        *rows("", {"63": "tapping with a compensating chuck"},
-            refuses="it ends where the chuck lets it: write G331 and G332"),
+        *rows(
+            "",
+            {"63": "tapping with a compensating chuck"},
+            refuses="it ends where the chuck lets it: write G331 and G332",
+        ),
         *rows("", {"74": "to the reference point", "75": "to a fixed point"}, takes=True),
-        *rows("", {"REPOSL": "back to the contour", "REPOSQ": "back to the contour", "REPOSH": "back to the contour"},
-              takes=True, refuses=codes.WRITE_OUT),
-        *rows("", {"147": "soft approach, straight", "148": "soft departure, straight", "247": "soft approach, quarter",
-              "248": "soft departure, quarter", "347": "soft approach, half", "348": "soft departure, half"},
-              refuses=codes.WRITE_OUT),
+        *rows(
+            "",
+            {
+                "REPOSL": "back to the contour",
+                "REPOSQ": "back to the contour",
+                "REPOSH": "back to the contour",
+            },
+            takes=True,
+            refuses=codes.WRITE_OUT,
+        ),
+        *rows(
+            "",
+            {
+                "147": "soft approach, straight",
+                "148": "soft departure, straight",
+                "247": "soft approach, quarter",
+                "248": "soft departure, quarter",
+                "347": "soft approach, half",
+                "348": "soft departure, half",
+            },
+            refuses=codes.WRITE_OUT,
+        ),
         *rows("units", {"70": "inch", "700": "inch, feeds too"}, like="G20"),
         *rows("units", {"71": "millimetre", "710": "millimetre, feeds too"}, like="G21"),
         *rows("work offset", {str(n): f"work offset {n - 53}" for n in range(54, 58)}),
         *rows("work offset", {str(n): f"work offset {n - 500}" for n in range(505, 600)}),
         *rows("work offset", {"500": "no work offset"}),
-        *rows("", {"153": "this block without base offsets", "SUPA": "this block without any offset"}, like="G53"),
+        *rows(
+            "",
+            {"153": "this block without base offsets", "SUPA": "this block without any offset"},
+            like="G53",
+        ),
         *rows("frame", {"TRANS": "shift"}, takes=True, does="trans"),
         *rows("", {"ATRANS": "further shift"}, takes=True, does="atrans"),
-        *rows("frame", dict.fromkeys(_FRAMES.split(), "turned, scaled or mirrored"), takes=True, does="frame",
-              refuses=codes.FRAME),
-        *rows("axis shift", {"58": "shift of single axes", "59": "further shift of single axes"}, takes=True,
-              refuses="it replaces a part of the shift: write TRANS and ATRANS"),
+        *rows(
+            "frame",
+            dict.fromkeys(_FRAMES.split(), "turned, scaled or mirrored"),
+            takes=True,
+            does="frame",
+            refuses=codes.FRAME,
+        ),
+        *rows(
+            "axis shift",
+            {"58": "shift of single axes", "59": "further shift of single axes"},
+            takes=True,
+            refuses="it replaces a part of the shift: write TRANS and ATRANS",
+        ),
         *rows("", {"25": "lower limits", "26": "upper limits"}, takes=True, does="words"),
-        *rows("", {"110": "pole from the last place", "111": "pole", "112": "pole from the last pole"}, takes=True,
-            does="words"),
+        *rows(
+            "",
+            {"110": "pole from the last place", "111": "pole", "112": "pole from the last pole"},
+            takes=True,
+            does="words",
+        ),
         *rows("diameter", {"DIAMON": "X is a diameter"}, like="G7"),
         *rows("diameter", {"DIAMOF": "X is a radius"}, like="G8"),
         *rows("diameter", {"DIAM90": "X is a diameter in G90, a radius in G91"}),
-        *rows("feed mode", {"96": "constant surface speed, feed per turn",
-            "961": "constant surface speed, feed per minute",
-              "962": "constant surface speed", "97": "constant spindle speed, feed per turn",
-              "971": "constant spindle speed, feed per minute", "972": "constant spindle speed",
-                  "973": "constant spindle speed",
-              "942": "feed per minute, speed frozen", "952": "feed per turn, speed frozen"}),
-        *rows("feed mode", {"931": "feed as the time of the motion"},
-            refuses="a block's feed is its time: write G93 or G94"),
-        *rows("path", {"60": "exact stop", "64": "continuous path", "641": "rounded by ADIS",
-            "642": "rounded within tolerances",
-              "643": "rounded within the block", "644": "rounded by dynamics", "645": "rounded, tangential too"}),
+        *rows(
+            "feed mode",
+            {
+                "96": "constant surface speed, feed per turn",
+                "961": "constant surface speed, feed per minute",
+                "962": "constant surface speed",
+                "97": "constant spindle speed, feed per turn",
+                "971": "constant spindle speed, feed per minute",
+                "972": "constant spindle speed",
+                "973": "constant spindle speed",
+                "942": "feed per minute, speed frozen",
+                "952": "feed per turn, speed frozen",
+            },
+        ),
+        *rows(
+            "feed mode",
+            {"931": "feed as the time of the motion"},
+            refuses="a block's feed is its time: write G93 or G94",
+        ),
+        *rows(
+            "path",
+            {
+                "60": "exact stop",
+                "64": "continuous path",
+                "641": "rounded by ADIS",
+                "642": "rounded within tolerances",
+                "643": "rounded within the block",
+                "644": "rounded by dynamics",
+                "645": "rounded, tangential too",
+            },
+        ),
         *rows("stop", {"601": "stop fine", "602": "stop coarse", "603": "stop by setpoint"}),
         *rows("", {"9": "exact stop in this block"}),
         *rows("corner", {"450": "round outer corners", "451": "sharp outer corners"}),
-        *rows("approach", {"140": "approach side", "141": "approach left", "142": "approach right",
-            "143": "approach by tangent",
-              "340": "approach in space", "341": "approach in plane"}),
-        *rows("collision", {"460": "approach check", "461": "approach by arc", "462": "approach by straight line"}),
+        *rows(
+            "approach",
+            {
+                "140": "approach side",
+                "141": "approach left",
+                "142": "approach right",
+                "143": "approach by tangent",
+                "340": "approach in space",
+                "341": "approach in plane",
+            },
+        ),
+        *rows(
+            "collision",
+            {"460": "approach check", "461": "approach by arc", "462": "approach by straight line"},
+        ),
         *rows("override", {"62": "corner override", "621": "corner override everywhere"}),
         *rows("language", {"290": "Siemens' language"}),
-        *rows("language", {"291": "ISO language"},
-            refuses="the words mean other things from here on: take the ISO part into a "
-              "program of its own and choose its --dialect"),
+        *rows(
+            "language",
+            {"291": "ISO language"},
+            refuses=(
+                "the words mean other things from here on: take the ISO part into a "
+                "program of its own and choose its --dialect"
+            ),
+        ),
         *rows("transformation", {"TRAFOOF": "no transformation"}, does="tip off"),
-        *rows("transformation", {"TRANSMIT": "end face in X and Y", "TRACYL": "cylinder in X and Y",
-            "TRAANG": "inclined axis"},
-              refuses=codes.TRANSFORM),
+        *rows(
+            "transformation",
+            {
+                "TRANSMIT": "end face in X and Y",
+                "TRACYL": "cylinder in X and Y",
+                "TRAANG": "inclined axis",
+            },
+            refuses=codes.TRANSFORM,
+        ),
         *rows("transformation", {"TRAORI": "tool centre point"}, does="tip on"),
         *rows("", {"CYCLE800": "tilted plane"}, does="swivel"),
         *rows("", dict.fromkeys(_DRILLED, "cycle"), refuses=codes.CYCLE),
-        *rows("", {name: "cycle" for name in _CYCLES.split() if name not in _DRILLED}, refuses=codes.WRITE_OUT),
+        *rows(
+            "",
+            {name: "cycle" for name in _CYCLES.split() if name not in _DRILLED},
+            refuses=codes.WRITE_OUT,
+        ),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
         *rows("", {"CYCLE832": "tolerance and dynamics", "SETMS": "master spindle"}),
         *rows("", dict.fromkeys(_QUIET.split(), "a way of moving, no place")),
     ),
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
-        17: "end of subprogram", 40: "gear", 41: "gear", 42: "gear", 43: "gear", 44: "gear", 45: "gear",
-            70: "spindle as axis",
+        17: "end of subprogram",
+        40: "gear",
+        41: "gear",
+        42: "gear",
+        43: "gear",
+        44: "gear",
+        45: "gear",
+        70: "spindle as axis",
     },
     m_refuses={},
     grammar=Grammar(
         parentheses=False,
         keywords=_KEYWORDS,
         spellings=(
-            ("CR", "R"), ("TURN", "P"),
-            ("RND", "R"), ("CHF", "R"), ("CHR", "R"),  # refused in a straight motion, and beside CR= in an arc
+            ("CR", "R"),
+            ("TURN", "P"),
+            # refused in a straight motion, and beside CR= in an arc
+            ("RND", "R"),
+            ("CHF", "R"),
+            ("CHR", "R"),
             *((name, "") for name in _PARAMETERS.split()),
         ),
         ignores=(
             r"\bMSG[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
             r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
             r"\b(CYCLE832|SETMS|TRAORI|TRANSMIT|TRACYL|TRAANG)[ \t]*\([^()\n]*\)",
-            r"\b(" + "|".join(_CYCLES.split()[1:]) + r"|CYCLE800)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\)",
-            r"\b(?:SETAL|SETM|CLEARM|WAITM|WAITMC|WORKPIECE|GROUP_BEGIN|GROUP_END|GROUP_ADDEND)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
+            r"\b("
+            + "|".join(_CYCLES.split()[1:])
+            + r"|CYCLE800)[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\)",
+            (
+                r"\b(?:SETAL|SETM|CLEARM|WAITM|WAITMC|WORKPIECE|GROUP_BEGIN|GROUP_END|GROUP_ADDEND)["
+                r" \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)"
+            ),
             r"^[ \t]*%_N_[^\n]*",
         ),
         assigns=True,
@@ -175,7 +340,10 @@ DIALECT = Dialect(
         r"\b(SUPA|DIAMON|DIAMOF|DIAM90|STOPRE|SETMS|SOFT|BRISK|FFWON|TRAORI|TRAFOOF|CIP|COMPCAD)\b",
         r"\b[XYZABCUVWEF]\d?[ \t]*=[ \t]*[-+\dA-Z(\[$]",
         r"=[ \t]*(IC|AC|DC|ACP|ACN)\b",
-        r"^[ \t]*(IF|WHILE|FOR|UNTIL|REPEAT|LOOP|ENDIF|ENDWHILE|ENDFOR|ENDLOOP|CASE|PROC)\b(?![ \t]*\[)",
+        (
+            r"^[ \t]*(IF|WHILE|FOR|UNTIL|REPEAT|LOOP|ENDIF|ENDWHILE|ENDFOR|ENDLOOP|CASE|PROC)\b(?!["
+            r" \t]*\[)"
+        ),
         r"\b[ABC]SPLINE\b",
         r"\$(AA?|P|TC|MC|SC|MN|SN)_",
         r"\bT[ \t]*=[ \t]*\"",
@@ -183,4 +351,4 @@ DIALECT = Dialect(
         r"^[ \t]*[A-Z_]{2}\w*[ \t]*=[ \t]*[-+\w($\"]",
     ),
     remarks=(r"\bSINUMERIK\b", r"^[ \t]*;[ \t]*\$PATH=", r"\b840 ?D\b"),
-)  # fmt: skip
+)

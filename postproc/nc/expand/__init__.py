@@ -1,9 +1,10 @@
-"""Programs whose text runs at several places, written out: loops, subprograms, variables and expressions become plain blocks.
+"""Programs whose text runs at several places, written out: loops, subprograms, variables and
+expressions become plain blocks.
 
-A language is a module here, found by its name (Dialect.language). It reads the whole program, runs its control
-structures, and gives one plain line after the other, in the order in which the control would execute them, with a number
-in the place of every expression and all other text as it stood. It knows nothing of machines, and of positions only what
-the tracker tells it.
+A language is a module here, found by its name (Dialect.language). It reads the whole program, runs
+its control structures, and gives one plain line after the other, in the order in which the control
+would execute them, with a number in the place of every expression and all other text as it stood.
+It knows nothing of machines, and of positions only what the tracker tells it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from postproc.nc.expand.tracker import Tracker
 
 
 class Line(NamedTuple):
-    """A plain line without its line end, the line it came from (from 1), and the file ("": the main program)."""
+    """A plain line without its line end, the line it came from (from 1), and the file ("": the main
+    program)."""
 
     text: bytes
     source: int
@@ -35,8 +37,8 @@ class Limits:
 
 @dataclass(frozen=True)
 class Program:
-    """A program's whole text, and where others are found: `library` takes a subprogram's name or number as the program
-    writes it and gives its text, or None."""
+    """A program's whole text, and where others are found: `library` takes a subprogram's name or
+    number as the program writes it and gives its text, or None."""
 
     name: str
     text: bytes
@@ -58,5 +60,6 @@ def fault(
 
 
 def lines_of(language: str, program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
-    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the limits."""
+    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the
+    limits."""
     return importlib.import_module(f"{__name__}.{language}").lines(program, tracker, limits)

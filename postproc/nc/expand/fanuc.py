@@ -1,15 +1,17 @@
 """Fanuc and Haas programs, written out: custom macro B, subprograms, macro calls.
 
-Runs M98, M97 (Haas), M198, M99, G65, G66, G67, GOTO, IF, WHILE DO END and assignments; what is left are plain blocks with
-numbers in the place of expressions. Programs are found by their O number in the same text, then through the library.
+Runs M98, M97 (Haas), M198, M99, G65, G66, G67, GOTO, IF, WHILE DO END and assignments; what is left
+are plain blocks with numbers in the place of expressions. Programs are found by their O number in
+the same text, then through the library.
 
-Left out of what is given: lines for a printer (POPEN DPRNT BPRNT PCLOS) and SETVN, which move nothing. #3006 leaves its
-comment; #3000 ends with its text as the reason. Not run: G66.1, codes that parameters turn into macro calls, names of
-variables. Floats are compared as Series 30i does it; a control with shorter numbers may run a loop once more or less that
-counts in fractions. Calls are nested as deep as the limits say; the control itself allows 4 macros and 10 subprograms.
+Left out of what is given: lines for a printer (POPEN DPRNT BPRNT PCLOS) and SETVN, which move
+nothing. #3006 leaves its comment; #3000 ends with its text as the reason. Not run: G66.1, codes
+that parameters turn into macro calls, names of variables. Floats are compared as Series 30i does
+it; a control with shorter numbers may run a loop once more or less that counts in fractions. Calls
+are nested as deep as the limits say; the control itself allows 4 macros and 10 subprograms.
 
-Sources: B-64304EN (0i) and B-64484EN (30i), "Custom macro", "Subprogram (M98, M99)"; order of nested modal calls:
-"Modal call (G66)", sample program; Haas 96-8000 and 96-8210, "Macros", "M97".
+Sources: B-64304EN (0i) and B-64484EN (30i), "Custom macro", "Subprogram (M98, M99)"; order of
+nested modal calls: "Modal call (G66)", sample program; Haas 96-8000 and 96-8210, "Macros", "M97".
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from collections.abc import Iterator, Sequence
 
 from postproc.errors import BlockFault
 from postproc.nc.expand import Limits, Line, Program
-from postproc.nc.expand.fanuc_blocks import Block, Kind
+from postproc.nc.expand.fanuc_blocks import Block, BlockReader, Kind
 from postproc.nc.expand.fanuc_calls import (
     Frame,
     Library,
@@ -43,8 +45,8 @@ RETURNS = (280, 300)  # G28 and G30 take their words away from the path, but mov
 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
-    """The plain lines of a program in the order of execution. Raises ProgramError where it can not be run, or runs beyond
-    the limits."""
+    """The plain lines of a program in the order of execution. Raises ProgramError where it can not
+    be run, or runs beyond the limits."""
     return Runner(program, tracker, limits).run()
 
 
@@ -54,6 +56,7 @@ class Runner:
     def __init__(self, program: Program, tracker: Tracker, limits: Limits):
         self.program, self.tracker, self.limits = program, tracker, limits
         self.variables = Variables(tracker)
+        tracker.rendered = self._rendered
         self.semicolon = tracker.dialect.grammar.semicolon
         self.source = Source(program, self.semicolon, self.variables.haas)
         self.library = Library(program, self.semicolon, self.variables.haas)
@@ -111,7 +114,7 @@ class Runner:
                 yield Line(plain, source.numbers[at], source.file)
         yield from self._tail()
 
-    # -- one block -----------------------------------------------------------------------------------------------------
+    # -- one block ---------------------------------------------------------------------------------
 
     def _step(self, frame: Frame, at: int) -> bytes | None:
         """Execute an entry; the plain text that it leaves, if any."""
@@ -189,6 +192,16 @@ class Runner:
             )
         return text
 
+    def _rendered(self, raw: bytes) -> bytes | None:
+        """A block of words with numbers in place of its expressions; None: it is more than that."""
+        try:
+            block = BlockReader(raw, self.semicolon, self.variables.haas).block()
+            if block.kind is not Kind.WORDS:
+                return None
+            return rendered(raw, block.words, self.variables, 0)[0]
+        except Misread:
+            return None
+
     def _rest(self, block: Block, leave: Sequence[Word]) -> bytes | None:
         """The text of a call's block without the words of the call; None where nothing is left."""
         text, words = rendered(block.raw, block.words, self.variables, block.first, leave)
@@ -221,15 +234,17 @@ class Runner:
         if number == 3000:
             text = block.comment.strip(b"()").decode("latin-1")
             raise Misread(
-                f"the program stops itself with the alarm #3000={value or 0:g}: {text or 'without a text'}",
-                "it found something that is not as it expects: look at the condition before this block",
+                f"the program stops itself with the alarm #3000={value or 0:g}:"
+                f" {text or 'without a text'}",
+                "it found something that is not as it expects: look at the condition before this"
+                " block",
             )
         if number == 3006:
             return block.comment or None
         self.variables.write(number, value)
         return None
 
-    # -- where control goes --------------------------------------------------------------------------------------------
+    # -- where control goes ------------------------------------------------------------------------
 
     def _subprogram(self, frame: Frame, at: int, block: Block) -> bytes | None:
         """M98, M198 and M97."""
@@ -317,8 +332,8 @@ class Runner:
         return text
 
     def _ends_at(self, at: int) -> bool:
-        """Whether M99 in the main program can end what is written out, since the control begins that again as it stands: it
-        may if the second time is the same text."""
+        """Whether M99 in the main program can end what is written out, since the control begins
+        that again as it stands: it may if the second time is the same text."""
         frame = self.frames[0]
         if DELETED.match(frame.source.texts[at]):
             return False
@@ -331,11 +346,14 @@ class Runner:
     def _varies(self) -> bool:
         return any(source.mentions(VARIABLE) for source in (self.source, *self.library.sources()))
 
-    # -- programs ------------------------------------------------------------------------------------------------------
+    # -- programs ----------------------------------------------------------------------------------
 
     def _enter(self, frame: Frame, place: tuple[int, int] = (0, 0)) -> None:
         if len(self.frames) > self.limits.depth:
-            advice = "does a program call itself? --max-depth sets the limit (a control: 4 macros, 10 subprograms)"
+            advice = (
+                "does a program call itself? --max-depth sets the limit (a control: 4 macros, 10"
+                " subprograms)"
+            )
             raise Misread(
                 f"calls nested {len(self.frames)} deep (limit {self.limits.depth})", advice, *place
             )
@@ -373,7 +391,7 @@ class Runner:
             )
         return found
 
-    # -- the end -------------------------------------------------------------------------------------------------------
+    # -- the end -----------------------------------------------------------------------------------
 
     def _runs_out(self, frame: Frame) -> None:
         """Behind the last block: the main program may end here, others may not."""

@@ -1,13 +1,15 @@
-"""Blocks of Fanuc's custom macro B: what one says, ready to be executed as often as control comes by.
+"""Blocks of Fanuc's custom macro B: what one says, ready to be executed as often as control comes
+by.
 
     block     = { "/" [ digit ] | "N" number | "O" number } ( statement | { word } )
     statement = variable "=" expression | "GOTO" number | "IF" condition ( "GOTO" number | "THEN" statement )
               | [ "WHILE" condition ] "DO" digit | "END" digit
     word      = letter [ sign ] ( number | variable | "[" expression "]" )
 
-Blanks may stand anywhere, as in the lexer. A block is cut only where something must be calculated; all between stays as it
-is. Lines for a printer (POPEN DPRNT BPRNT PCLOS) and names of variables (SETVN) move nothing: they are left out.
-"""
+Blanks may stand anywhere, as in the lexer. A block is cut only where something must be calculated;
+all between stays as it is. Lines for a printer (POPEN DPRNT BPRNT PCLOS) and names of variables
+(SETVN) move nothing: they are left out.
+"""  # noqa: E501
 
 from __future__ import annotations
 
@@ -20,8 +22,9 @@ from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.expand.fanuc_words import Word
 from postproc.nc.lexer import COMMENTS
 
-# What a block must have to be more than a plain one. E N for END; O for GOTO, DO and O numbers; G20 and G21 change how
-# numbers are written. It begins with one set of characters, because such a search is three times as fast.
+# What a block must have to be more than a plain one. E N for END; O for GOTO, DO and O numbers; G20
+# and G21 change how numbers are written. It begins with one set of characters, because such a
+# search is three times as fast.
 SPECIAL = re.compile(
     rb"[#\[%:OoEeGgMm](?:(?<=[#\[%:Oo])|(?<=[Ee])[ \t]*[Nn]|"
     rb"(?<=[Gg])[ \t0]*(?:6[ \t]*[567]|2[ \t]*[01](?![ \t]*[0-9]))|"
@@ -57,10 +60,12 @@ class Kind(Enum):
 
 @dataclass
 class Block:
-    """A block. at: offsets into `raw` of each character of its code; first: where its text begins, behind: where what
-    stands behind N and O numbers begins; code: the G or M number of a call; label, program: its N and O number, -1: none;
+    """A block. at: offsets into `raw` of each character of its code; first: where its text begins,
+    behind: where what stands behind N and O numbers begins; code: the G or M number of a call;
+    label, program: its N and O number, -1: none;
     ends: whether the program ends here; units: whether it
-    changes them or may: 2 for G20; place: what to show of it where it is wrong, offsets into the code."""
+    changes them or may: 2 for G20; place: what to show of it where it is wrong, offsets into the
+    code."""
 
     kind: Kind
     raw: bytes
@@ -87,7 +92,8 @@ class Block:
 
 
 def bare(raw: bytes, semicolon: str) -> tuple[str, list[int]]:
-    """The code of a block without blanks, comments and the end of block, in upper case, and the offset of each character."""
+    """The code of a block without blanks, comments and the end of block, in upper case, and the
+    offset of each character."""
     text = (
         COMMENTS[semicolon].sub(lambda found: b" " * len(found[0]), raw)
         if b"(" in raw or b";" in raw
@@ -196,10 +202,14 @@ class BlockReader:
         condition = reader.bracketed()
         found = LOOP.match(self.code[reader.at :])
         if not found or found[1] != "DO":
+            if found := re.match(r"DO[1-9]", self.code[reader.at :]):
+                raise reader.fault(
+                    f"more than {found[0]} behind WHILE", "write it in a block of its own"
+                )
             raise reader.fault("WHILE without DO1, DO2 or DO3", "WHILE[#1 LE 10]DO1 ... END1")
         return self._made(Kind.DO, start, formula=condition, loop=int(found[2]))
 
-    # -- words -----------------------------------------------------------------------------------------------------------
+    # -- words -------------------------------------------------------------------------------------
 
     def _words(self, start: int) -> Block:
         calculated = "#" in self.code or "[" in self.code

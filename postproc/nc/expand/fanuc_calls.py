@@ -1,7 +1,7 @@
 """Calls of Fanuc's subprograms and macros: what they say, what they hand over, and what runs then.
 
-Sources: B-64304EN and B-64484EN, "Custom macro", "Simple call (G65)", "Modal call (G66)"; "Subprogram (M98, M99)"; Haas
-96-8000, "Macros", "M97".
+Sources: B-64304EN and B-64484EN, "Custom macro", "Simple call (G65)", "Modal call (G66)";
+"Subprogram (M98, M99)"; Haas 96-8000, "Macros", "M97".
 """
 
 from __future__ import annotations
@@ -17,16 +17,33 @@ from postproc.nc.expand.fanuc_words import Word
 
 # Argument assignment I: letter to local variable. Of I, J, K further sets follow: assignment II.
 ARGUMENTS = {
-    "A": 1, "B": 2, "C": 3, "D": 7, "E": 8, "F": 9, "H": 11, "M": 13, "Q": 17, "R": 18, "S": 19, "T": 20, "U": 21, "V": 22,
-    "W": 23, "X": 24, "Y": 25, "Z": 26,
-}  # fmt: skip
+    "A": 1,
+    "B": 2,
+    "C": 3,
+    "D": 7,
+    "E": 8,
+    "F": 9,
+    "H": 11,
+    "M": 13,
+    "Q": 17,
+    "R": 18,
+    "S": 19,
+    "T": 20,
+    "U": 21,
+    "V": 22,
+    "W": 23,
+    "X": 24,
+    "Y": 25,
+    "Z": 26,
+}
 COUNTS = "DEFHMST"  # arguments that are no lengths: without a decimal point they count units
 
 
 @dataclass
 class Frame:
-    """A program that runs. at: the entry next in turn; start: where each run of it begins; left: further runs; local: its
-    variables #1 to #33; modal: the modal calls to go back to behind it, None: those in force then."""
+    """A program that runs. at: the entry next in turn; start: where each run of it begins; left:
+    further runs; local: its variables #1 to #33; modal: the modal calls to go back to behind it,
+    None: those in force then."""
 
     source: Source
     section: Section
@@ -48,7 +65,8 @@ class Modal:
 
 
 class Library:
-    """Finds programs by their O number: in the texts at hand, then where the caller's library finds them."""
+    """Finds programs by their O number: in the texts at hand, then where the caller's library finds
+    them."""
 
     def __init__(self, program: Program, semicolon: str, haas: bool):
         self.program, self.semicolon, self.haas = program, semicolon, haas
@@ -82,10 +100,12 @@ class Library:
 
 
 def arguments(words: list[Word], variables: Variables) -> dict[int, Value]:
-    """Local variables that the words behind G65 or G66 set: assignment I, and II where I, J, K come again.
+    """Local variables that the words behind G65 or G66 set: assignment I, and II where I, J, K come
+    again.
 
-    A vacant argument leaves its variable vacant. Without a decimal point a length counts least increments where the
-    control reads coordinates so (B-63684EN, "Position of the decimal point")."""
+    A vacant argument leaves its variable vacant. Without a decimal point a length counts least
+    increments where the control reads coordinates so (B-63684EN, "Position of the decimal
+    point")."""
     local: dict[int, Value] = {}
     sets, last = 0, "K"
     for word in words:
@@ -106,11 +126,7 @@ def arguments(words: list[Word], variables: Variables) -> dict[int, Value]:
             )
         value = word.worth(variables)
         pointed = not word.digits or "." in word.digits or word.letter in COUNTS
-        if (
-            value is not None
-            and not pointed
-            and variables.tracker.dialect.integers == "least increments"
-        ):
+        if value is not None and not pointed and variables.tracker.counts:
             value = float(f"{value:.0f}e-{variables.places(word.letter)}")
         local[variable] = value
     return local
@@ -153,7 +169,8 @@ def subprogram(
     place: tuple[int, int],
     exists: Callable[[int], bool],
 ) -> tuple[int, int]:
-    """Number of the program that M98 calls, and how often: L, or on a Fanuc the digits before the last four of P."""
+    """Number of the program that M98 calls, and how often: L, or on a Fanuc the digits before the
+    last four of P."""
     number, count = called(words, "P", variables, what, place), times(words, variables)
     if number > 9999 and not variables.haas and word_of(words, "L") is None and not exists(number):
         count, number = divmod(number, 10000)

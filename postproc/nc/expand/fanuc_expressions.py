@@ -5,12 +5,14 @@
     product    = factor { ("*" | "/" | "AND" | "MOD") factor }
     factor     = { "+" | "-" } operand
     operand    = number | variable | "[" expression "]" | function
-    function   = name "[" expression { "," expression } "]" | "ATAN" "[" expression "]" "/" "[" expression "]"
+    function   = name "[" expression { "," expression } "]" | "ATAN" "[" expression "]" "/" "["
+               expression "]"
     variable   = "#" ( digits | variable | "[" expression "]" )
 
-None is the vacant variable: 0 in arithmetic and in GT GE LT LE, equal to nothing but itself in EQ and NE. A comparison
-gives 1 or 0, so that AND and OR join conditions. Sources: B-64304EN and B-64484EN, "Custom macro"; Haas 96-8000, "Macros":
-ROUND in a word rounds to what the address resolves.
+None is the vacant variable: 0 in arithmetic and in GT GE LT LE, equal to nothing but itself in EQ
+and NE. A comparison gives 1 or 0, so that AND and OR join conditions. Sources: B-64304EN and
+B-64484EN, "Custom macro"; Haas 96-8000, "Macros": ROUND in a word rounds to what the address
+resolves.
 """
 
 from __future__ import annotations
@@ -55,9 +57,11 @@ Formula = Callable[[Memory], Value]
 
 
 class Reader:
-    """Reads expressions out of a block's code (upper case, without blanks and comments), from `at` on.
+    """Reads expressions out of a block's code (upper case, without blanks and comments), from `at`
+    on.
 
-    letter: the address whose value is read, "" in a macro statement: ROUND differs. haas: Haas' own readings."""
+    letter: the address whose value is read, "" in a macro statement: ROUND differs. haas: Haas' own
+    readings."""
 
     def __init__(self, code: str, at: int = 0, letter: str = "", haas: bool = False):
         self.code, self.at, self.letter, self.haas, self.depth = code, at, letter, haas, 0
@@ -129,9 +133,8 @@ class Reader:
             )
         if name in ("EQ", "NE"):
             wanted = name == "EQ"
-            return lambda m: float(
-                (left(m) == right(m)) is wanted
-            )  # the vacant one equals itself alone
+            # the vacant one equals itself alone
+            return lambda m: float((left(m) == right(m)) is wanted)
         return applied(name, ARITHMETIC[name], [left, right], (start, self.at))
 
     def _inside(self) -> Formula:

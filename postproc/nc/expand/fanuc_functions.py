@@ -1,7 +1,9 @@
-"""Numbers of Fanuc's custom macro B: what its operators and functions make of them, and what has no value.
+"""Numbers of Fanuc's custom macro B: what its operators and functions make of them, and what has no
+value.
 
-Numbers are IEEE doubles, as in Series 30i and 0i-F. Sources: B-64304EN and B-64484EN, "Custom macro", "Arithmetic and
-logic operation"; angles as with parameter 6004 bit 0 (NAT) at 0: ASIN from 270 to 90 degrees, ATAN of two sides from 0 to
+Numbers are IEEE doubles, as in Series 30i and 0i-F. Sources: B-64304EN and B-64484EN, "Custom
+macro", "Arithmetic and logic operation"; angles as with parameter 6004 bit 0 (NAT) at 0: ASIN from
+270 to 90 degrees, ATAN of two sides from 0 to
 360. ADP and PRM are left out: they depend on parameters of the control.
 """
 
@@ -15,7 +17,8 @@ ALARM = "the control stops here as well: look what the variables hold"
 
 
 class Misread(Exception):
-    """What is wrong with a block: start and stop are offsets into its code (0, 0: the whole of it)."""
+    """What is wrong with a block: start and stop are offsets into its code (0, 0: the whole of
+    it)."""
 
     def __init__(self, message: str, advice: str = "", start: int = 0, stop: int = 0):
         super().__init__(message)
@@ -45,7 +48,7 @@ def index(value: Value) -> int:
     return int(nearest(number))
 
 
-# -- what operators and functions do ---------------------------------------------------------------------------------------
+# -- what operators and functions do ---------------------------------------------------------------
 
 
 def _mod(a: float, b: float) -> float:
@@ -65,16 +68,24 @@ def _bits(name: str) -> Callable[[float, float], float]:
 
 
 ARITHMETIC: dict[str, Callable[[float, float], float]] = {
-    "+": lambda a, b: a + b, "-": lambda a, b: a - b, "*": lambda a, b: a * b, "/": lambda a, b: a / b, "MOD": _mod,
-    "AND": _bits("AND"), "OR": _bits("OR"), "XOR": _bits("XOR"), "GT": lambda a, b: float(a > b),
-    "GE": lambda a, b: float(a >= b), "LT": lambda a, b: float(a < b), "LE": lambda a, b: float(a <= b),
-}  # fmt: skip
+    "+": lambda a, b: a + b,
+    "-": lambda a, b: a - b,
+    "*": lambda a, b: a * b,
+    "/": lambda a, b: a / b,
+    "MOD": _mod,
+    "AND": _bits("AND"),
+    "OR": _bits("OR"),
+    "XOR": _bits("XOR"),
+    "GT": lambda a, b: float(a > b),
+    "GE": lambda a, b: float(a >= b),
+    "LT": lambda a, b: float(a < b),
+    "LE": lambda a, b: float(a <= b),
+}
 
 
 def _sin(degrees: float) -> float:
-    return round(
-        math.sin(math.radians(math.fmod(degrees, 360))), 15
-    )  # so that SIN[30] is 0.5 and SIN[180] is 0
+    # so that SIN[30] is 0.5 and SIN[180] is 0
+    return round(math.sin(math.radians(math.fmod(degrees, 360))), 15)
 
 
 def _cos(degrees: float) -> float:
@@ -96,7 +107,8 @@ def _bin(value: float) -> float:
 
 
 def turn(y: float, x: float, full: float = 360) -> float:
-    """Degrees of the direction with the sides y and x: from 0 to `full`, or with 0 from -180 to 180."""
+    """Degrees of the direction with the sides y and x: from 0 to `full`, or with 0 from -180 to
+    180."""
     if not x and not y:
         raise ValueError
     angle = math.degrees(math.atan2(y, x))
@@ -104,14 +116,44 @@ def turn(y: float, x: float, full: float = 360) -> float:
 
 
 FUNCTIONS: dict[str, Callable[..., float]] = {
-    "SIN": _sin, "COS": _cos, "TAN": lambda x: _sin(x) / _cos(x), "ASIN": lambda x: math.degrees(math.asin(x)) % 360,
-    "ACOS": lambda x: math.degrees(math.acos(x)), "ATAN": lambda x: math.degrees(math.atan(x)), "SQRT": math.sqrt,
-    "ABS": abs, "ROUND": nearest, "FIX": lambda x: float(math.trunc(x)), "LN": math.log, "EXP": math.exp, "BIN": _bin,
-    "FUP": lambda x: math.copysign(math.ceil(abs(x)), x), "BCD": _bcd, "POW": math.pow,
+    "SIN": _sin,
+    "COS": _cos,
+    "TAN": lambda x: _sin(x) / _cos(x),
+    "ASIN": lambda x: math.degrees(math.asin(x)) % 360,
+    "ACOS": lambda x: math.degrees(math.acos(x)),
+    "ATAN": lambda x: math.degrees(math.atan(x)),
+    "SQRT": math.sqrt,
+    "ABS": abs,
+    "ROUND": nearest,
+    "FIX": lambda x: float(math.trunc(x)),
+    "LN": math.log,
+    "EXP": math.exp,
+    "BIN": _bin,
+    "FUP": lambda x: math.copysign(math.ceil(abs(x)), x),
+    "BCD": _bcd,
+    "POW": math.pow,
     "ATAN2": lambda y, x: turn(y, x, 0),
-}  # fmt: skip
-SHORT = {name[:2]: name for name in ("SIN", "ASIN", "COS", "ACOS", "TAN", "ATAN", "SQRT", "ABS", "BIN", "BCD", "ROUND",
-                                     "FIX", "FUP", "EXP", "POW")} | {"SQR": "SQRT", "RND": "ROUND"}  # fmt: skip
+}
+SHORT = {
+    name[:2]: name
+    for name in (
+        "SIN",
+        "ASIN",
+        "COS",
+        "ACOS",
+        "TAN",
+        "ATAN",
+        "SQRT",
+        "ABS",
+        "BIN",
+        "BCD",
+        "ROUND",
+        "FIX",
+        "FUP",
+        "EXP",
+        "POW",
+    )
+} | {"SQR": "SQRT", "RND": "ROUND"}
 
 
 def to_places(value: float, places: int) -> float:
@@ -122,7 +164,8 @@ def to_places(value: float, places: int) -> float:
 def computed(
     name: str, function: Callable[..., float], values: Sequence[float], place: tuple[int, int]
 ) -> float:
-    """What a function or an operator makes of numbers; what has no value is a Misread at `place`."""
+    """What a function or an operator makes of numbers; what has no value is a Misread at
+    `place`."""
     try:
         result = function(*values)
     except (ValueError, OverflowError, ZeroDivisionError):

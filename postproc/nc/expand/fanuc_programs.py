@@ -1,7 +1,8 @@
 """The programs that a Fanuc text holds, and where control goes within each.
 
-A text holds one program or several, each begun by its O number; GOTO finds N numbers within a program, DO and END are paired
-by it. Sources: B-64304EN and B-64484EN, "Custom macro", "Branch and repetition"; "Subprogram (M98, M99)".
+A text holds one program or several, each begun by its O number; GOTO finds N numbers within a
+program, DO and END are paired by it. Sources: B-64304EN and B-64484EN, "Custom macro", "Branch and
+repetition"; "Subprogram (M98, M99)".
 """
 
 from __future__ import annotations
@@ -17,9 +18,12 @@ from postproc.nc.expand.fanuc_blocks import LOOP, SPECIAL, Block, BlockReader, b
 from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.lexer import COMMENTS
 
-MACRO = re.compile(  # what makes a text one that must be executed: not O numbers, and not the end of the program
-    rb"[#\[MmGgDdOoEe](?:(?<=[#\[])|(?<=[Mm])[ \t0]*(?:9[ \t]*[789]|1[ \t]*9[ \t]*8)(?![ \t]*[0-9])|"
-    rb"(?<=[Gg])(?:[ \t0]*6[ \t]*[567]|[ \t]*[Oo])|(?<=[Dd])[ \t]*[Oo]|(?<=[Oo])(?![ \t]*[0-9])|(?<=[Ee])[ \t]*[Nn])"
+# what makes a text one that must be executed: not O numbers, and not the end of the program
+MACRO = re.compile(
+    rb"[#\[MmGgDdOoEe](?:(?<=[#\[])|(?<=[Mm])[ \t0]*(?:9[ \t]*[789]|1[ \t]*9[ \t]*8)(?!["
+    rb" \t]*[0-9])|"
+    rb"(?<=[Gg])(?:[ \t0]*6[ \t]*[567]|[ \t]*[Oo])|(?<=[Dd])[ \t]*[Oo]|(?<=[Oo])(?!["
+    rb" \t]*[0-9])|(?<=[Ee])[ \t]*[Nn])"
 )
 MODAL = re.compile(rb"[Gg][ \t0]*6[ \t]*6")
 PROGRAM_HEAD = re.compile(rb"[ \t]*(?:/[1-9]?[ \t]*)?[Oo:][ \t]*([0-9][0-9 \t]*)")
@@ -29,8 +33,10 @@ SECOND_LABEL = re.compile(rb";(?:[ \t]|/[1-9]?)*[Nn][ \t]*[0-9]")
 
 @dataclass
 class Section:
-    """One program of a text: entries start to stop - 1. number: its O number, -1: none. labels: N number to entries;
-    partner: entry of a DO to that of its END and back; broken: entries of DO and END that are not paired, and why."""
+    """One program of a text: entries start to stop - 1. number: its O number, -1: none. labels: N
+    number to entries;
+    partner: entry of a DO to that of its END and back; broken: entries of DO and END that are not
+    paired, and why."""
 
     start: int
     stop: int
@@ -41,10 +47,11 @@ class Section:
 
 
 class Source:
-    """A text cut into entries: lines, or blocks where several stand in a line and one must be met alone.
+    """A text cut into entries: lines, or blocks where several stand in a line and one must be met
+    alone.
 
-    file: "" for the main program. special: whether an entry may be more than a plain block; closing: the entry of the "%"
-    that ends it, -1: none."""
+    file: "" for the main program. special: whether an entry may be more than a plain block;
+    closing: the entry of the "%" that ends it, -1: none."""
 
     def __init__(self, program: Program, semicolon: str, haas: bool, file: str = ""):
         self.program, self.semicolon, self.haas, self.file = program, semicolon, haas, file
@@ -82,7 +89,8 @@ class Source:
             at = self.special.find(1, at + 1)
 
     def _cut(self, all_of_them: bool, labels: bool) -> None:
-        """Take lines of several blocks apart, where a block of them is special or may be jumped to."""
+        """Take lines of several blocks apart, where a block of them is special or may be jumped
+        to."""
         apart = set(self._flagged())
         if all_of_them or labels:
             apart |= {
@@ -102,7 +110,8 @@ class Source:
             self.special = special + self.special[at:]
 
     def _tapes(self) -> int:
-        """The first "%" opens the program if no code stands before it; the next one ends it, and all behind is cut off."""
+        """The first "%" opens the program if no code stands before it; the next one ends it, and
+        all behind is cut off."""
         tapes = [i for i in self._flagged() if self.texts[i].lstrip().startswith(b"%")][:2]
         if tapes and not any(self.code(i) for i in range(tapes[0])):
             tapes.pop(0)
@@ -146,10 +155,11 @@ class Source:
         """The program with this O number."""
         return next((section for section in self.sections if section.number == number), None)
 
-    # -- where control goes --------------------------------------------------------------------------------------------
+    # -- where control goes ------------------------------------------------------------------------
 
     def find(self, section: Section, label: int, behind: int) -> int:
-        """The entry of an N number: searched from the entry behind `behind` to the end, then from the top; -1: none."""
+        """The entry of an N number: searched from the entry behind `behind` to the end, then from
+        the top; -1: none."""
         if section.labels is None:
             section.labels = {}
             for i in range(section.start, section.stop):
@@ -187,7 +197,8 @@ class Source:
         return found
 
     def jump(self, section: Section, source: int, label: int, place: tuple[int, int]) -> int:
-        """The entry to which a jump from `source` to an N number leads. Raises Misread where it must not, or there is none."""
+        """The entry to which a jump from `source` to an N number leads. Raises Misread where it
+        must not, or there is none."""
         target = self.find(section, label, source)
         if target < 0:
             raise Misread(
@@ -228,7 +239,8 @@ def _special(code: bytes, lines: int) -> bytearray:
 
 
 def _pieces(text: bytes) -> list[bytes]:
-    """The blocks of a line, each with its end of block; what holds no code stays with the one before."""
+    """The blocks of a line, each with its end of block; what holds no code stays with the one
+    before."""
     masked = COMMENTS["end of block"].sub(lambda found: b" " * len(found[0]), text)
     pieces, at = [], 0
     while (stop := masked.find(b";", at) + 1) and masked[stop:].strip(b" \t\r;"):

@@ -1,8 +1,10 @@
-"""The variables of Fanuc's custom macro B: local, common, and of the system variables those that the program itself decides.
+"""The variables of Fanuc's custom macro B: local, common, and of the system variables those that
+the program itself decides.
 
-What only the machine knows (timers, signals, tool offsets, what #500 and up kept from an earlier day) is refused and never
-guessed. Lengths are in the unit that the program is in, X of a lathe in diameter. Sources: B-64304EN and B-64484EN, "Custom
-macro", "System variables"; groups of G codes: the G code lists of B-64304EN-1 (lathe) and -2 (mill); Haas 96-8000, "Macros".
+What only the machine knows (timers, signals, tool offsets, what #500 and up kept from an earlier
+day) is refused and never guessed. Lengths are in the unit that the program is in, X of a lathe in
+diameter. Sources: B-64304EN and B-64484EN, "Custom macro", "System variables"; groups of G codes:
+the G code lists of B-64304EN-1 (lathe) and -2 (mill); Haas 96-8000, "Macros".
 """
 
 from __future__ import annotations
@@ -17,13 +19,30 @@ from postproc.nc.expand.tracker import Tracker
 
 LETTERS = "XYZABCUVW"  # axes in the order in which controls number them
 MILL = {
-    1: "motion", 2: "plane", 3: "distance", 5: "feed mode", 6: "units", 7: "cutter", 8: "tool length", 10: "return",
-    11: "scaling", 13: "spindle mode", 14: "work offset", 16: "rotation",
-}  # fmt: skip
+    1: "motion",
+    2: "plane",
+    3: "distance",
+    5: "feed mode",
+    6: "units",
+    7: "cutter",
+    8: "tool length",
+    10: "return",
+    11: "scaling",
+    13: "spindle mode",
+    14: "work offset",
+    16: "rotation",
+}
 LATHE = {
-    1: "motion", 2: "spindle mode", 3: "distance", 5: "feed mode", 6: "units", 7: "cutter", 11: "return",
-    14: "work offset", 16: "plane",
-}  # fmt: skip
+    1: "motion",
+    2: "spindle mode",
+    3: "distance",
+    5: "feed mode",
+    6: "units",
+    7: "cutter",
+    11: "return",
+    14: "work offset",
+    16: "plane",
+}
 HAAS = {**{n: group for n, group in MILL.items() if n < 12}, 12: "work offset", 16: "rotation"}
 ADDRESSES = {
     4102: "B", 4107: "D", 4108: "E", 4111: "H", 4113: "M", 4114: "N", 4119: "S", 4130: "P",
@@ -35,17 +54,23 @@ SIGNAL = "an interface signal: only the machine knows it"
 MACHINE = "only the machine knows it"
 SAY = "write the number itself, or set a common variable (#100) to it at the top of the program"
 FOREIGN = (  # first, last, what it is
-    (1000, 1999, SIGNAL), (2000, 2999, "a tool offset: " + MACHINE), (3001, 3002, "a timer: " + MACHINE),
-    (3003, 3099, "a state of the control: " + MACHINE), (3901, 3902, "a count of parts: " + MACHINE),
-    (5061, 5080, "a place found by a probe: " + MACHINE), (5081, 5120, "a tool offset: " + MACHINE),
+    (1000, 1999, SIGNAL),
+    (2000, 2999, "a tool offset: " + MACHINE),
+    (3001, 3002, "a timer: " + MACHINE),
+    (3003, 3099, "a state of the control: " + MACHINE),
+    (3901, 3902, "a count of parts: " + MACHINE),
+    (5061, 5080, "a place found by a probe: " + MACHINE),
+    (5081, 5120, "a tool offset: " + MACHINE),
     (10001, 13999, "a tool offset: " + MACHINE),
-)  # fmt: skip
+)
 
 
 class Variables:
-    """Memory of a program while it runs. local: #1 to #33 of the level in force; program: number of the one that runs;
-    mentions: whether a block of the texts matches (canned cycles and turned coordinates are written out behind this, so the
-    tracker does not hear of them); modal: whether a modal macro call is in force; spare: decimals more than the unit so far needs."""
+    """Memory of a program while it runs. local: #1 to #33 of the level in force; program: number of
+    the one that runs;
+    mentions: whether a block of the texts matches (canned cycles and turned coordinates are written
+    out behind this, so the tracker does not hear of them); modal: whether a modal macro call is in
+    force; spare: decimals more than the unit so far needs."""
 
     def __init__(self, tracker: Tracker):
         self.tracker = tracker
@@ -63,14 +88,15 @@ class Variables:
         lathe = bool(tracker.dialect.increments) or tracker.dialect.tool_offsets
         self.groups = HAAS if self.haas else LATHE if lathe else MILL
 
-    # -- what the letters of words resolve -----------------------------------------------------------------------------
+    # -- what the letters of words resolve ---------------------------------------------------------
 
     def forget_units(self) -> None:
         """The program may have changed its unit."""
         self._decimals, self._places = {}, {}
 
     def decimals(self, letter: str) -> int:
-        """Decimals that a number behind this letter is written with; asked for once, because the tracker must catch up."""
+        """Decimals that a number behind this letter is written with; asked for once, because the
+        tracker must catch up."""
         if letter not in self._decimals:
             self._decimals[letter] = self.tracker.decimals(letter)
         return self._decimals[letter] + self.spare
@@ -89,7 +115,7 @@ class Variables:
             )
         return self._places[letter]
 
-    # -- reading and writing -------------------------------------------------------------------------------------------
+    # -- reading and writing -----------------------------------------------------------------------
 
     def read(self, number: int) -> Value:
         """The value of a variable, None: vacant. Raises Misread where only the machine knows it."""
@@ -106,7 +132,8 @@ class Variables:
         return self._known(number)
 
     def write(self, number: int, value: Value) -> None:
-        """Set a variable. Raises Misread for one that a program can not set, or whose setting would be lost."""
+        """Set a variable. Raises Misread for one that a program can not set, or whose setting would
+        be lost."""
         if number and number <= 33:
             self.local[number] = value
         elif self._is_common(number):
@@ -193,7 +220,8 @@ class Variables:
         return self.axes[index]
 
     def _place(self, number: int) -> float:
-        """#5001 the end of the last block, #5021 the machine's coordinates, #5041 the place now; one per axis."""
+        """#5001 the end of the last block, #5021 the machine's coordinates, #5041 the place now;
+        one per axis."""
         row, index = divmod(number - 5001, 20)
         axis, tracker = self._axis(number, index), self.tracker
         if row != 1 and self.mentions(TURNS):
@@ -206,7 +234,10 @@ class Variables:
         else:
             place = tracker.work(axis)
         if place is None:
-            advice = f"say where it stands and the offsets in force: --start {axis}0, --offset G54={axis}0 (mm, radius)"
+            advice = (
+                f"say where it stands and the offsets in force: --start {axis}0, --offset"
+                f" G54={axis}0 (mm, radius)"
+            )
             self._unknown(number, f"where {axis} stands is not known", advice)
         if row == 2 and self._tool_shifts(axis):
             why = "a tool's length is in force, and controls differ on whether it counts here"

@@ -1,7 +1,8 @@
 """Words of a macro block: what their value is, and how it is written as a plain number.
 
-A value behind an address is rounded to what the address resolves, whole numbers to the nearest (B-64484EN, "Custom macro",
-"Referencing variables"). Lengths get a decimal point: from a macro X#1 means #1 millimetres or inches on every control.
+A value behind an address is rounded to what the address resolves, whole numbers to the nearest
+(B-64484EN, "Custom macro", "Referencing variables"). Lengths get a decimal point: from a macro X#1
+means #1 millimetres or inches on every control.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ CALLS = {"M": ("97", "98", "99", "198", "2", "30"), "G": ("65", "66", "66.1", "6
 
 @dataclass(frozen=True)
 class Word:
-    """A word: offsets into the raw text of its begin, of its number and behind it; digits: as written, "" where it must
-    be calculated; place: offsets into the code."""
+    """A word: offsets into the raw text of its begin, of its number and behind it; digits: as
+    written, "" where it must be calculated; place: offsets into the code."""
 
     letter: str
     start: int
@@ -64,7 +65,8 @@ class Word:
 
 
 def written(letter: str, value: float, variables: Variables, pointed: bool) -> str:
-    """A value as the number behind an address; pointed: P is a factor here. Raises Misread for what no control would take."""
+    """A value as the number behind an address; pointed: P is a factor here. Raises Misread for what
+    no control would take."""
     tracker = variables.tracker
     if abs(value) >= LARGEST:
         raise Misread(
@@ -92,12 +94,11 @@ def written(letter: str, value: float, variables: Variables, pointed: bool) -> s
 def rendered(
     raw: bytes, words: list[Word], variables: Variables, first: int, leave: Sequence[Word] = ()
 ) -> tuple[bytes, list[Word]]:
-    """The text of a block from offset `first` on, with numbers in the place of expressions, and the words that are left:
-    one whose variable is vacant goes, and so do those of `leave`."""
+    """The text of a block from offset `first` on, with numbers in the place of expressions, and the
+    words that are left: one whose variable is vacant goes, and so do those of `leave`."""
     out, at, kept = [], first, []
-    scales = any(
-        word.letter == "G" and word.digits in ("51", "051") for word in words
-    )  # P is a factor there
+    # P is a factor there
+    scales = any(word.letter == "G" and word.digits in ("51", "051") for word in words)
     for word in words:
         if word in leave:
             text = None

@@ -1,15 +1,18 @@
-"""LinuxCNC programs (RS274/NGC), written out: O-words, parameters and expressions become plain lines.
+"""LinuxCNC programs (RS274/NGC), written out: O-words, parameters and expressions become plain
+lines.
 
-LinuxCNC reads line by line and looks for labels where it must skip or go back; so does this module, so that programs with
-computed labels, loops left in the middle and subs behind the end run as they do there. Its peculiarities, as measured on
-2.9: a repeat that is left by return goes on counting at the next call; a while loop left by break makes the next do loop
-run once; break and continue are for while and do only. A call looks for a sub that has been read, then for a file of its
-name, then further down. M98 and M99 call Fanuc-style programs (O100 alone in a line).
+LinuxCNC reads line by line and looks for labels where it must skip or go back; so does this module,
+so that programs with computed labels, loops left in the middle and subs behind the end run as they
+do there. Its peculiarities, as measured on 2.9: a repeat that is left by return goes on counting at
+the next call; a while loop left by break makes the next do loop run once; break and continue are
+for while and do only. A call looks for a sub that has been read, then for a file of its name, then
+further down. M98 and M99 call Fanuc-style programs (O100 alone in a line).
 
-Refused beyond what LinuxCNC refuses: a do label used twice (it goes back to the first), M99 in the main program (it begins
-again, for ever), and subs within called subs.
+Refused beyond what LinuxCNC refuses: a do label used twice (it goes back to the first), M99 in the
+main program (it begins again, for ever), and subs within called subs.
 
-Sources: LinuxCNC documentation, "O codes"; measured on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
+Sources: LinuxCNC documentation, "O codes"; measured on LinuxCNC 2.9
+(tests/expand/test_linuxcnc.py).
 """
 
 from __future__ import annotations
@@ -28,12 +31,13 @@ from postproc.nc.expand.linuxcnc_states import States
 from postproc.nc.expand.tracker import Tracker
 
 CONTROL = re.compile(rb"[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?(?:[Oo]|[Mm][ \t]*9[ \t]*[89])")
+LOCAL_NAME = re.compile(rb"#[ \t]*<[ \t]*(?!_)")
 ENDS, STATES, CALLS = (2, 30), (70, 71, 72, 73), (98, 99)
 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
-    """The plain lines of a program in the order of execution. Raises ProgramError where it can not be run, or runs beyond
-    the limits."""
+    """The plain lines of a program in the order of execution. Raises ProgramError where it can not
+    be run, or runs beyond the limits."""
     return Run(program, tracker, limits).lines()
 
 
@@ -45,6 +49,7 @@ class Run:
         self.memory = Memory(tracker)
         self.flow = Flow(program, self.memory, limits.depth)
         self.states = States(tracker, program.text)
+        tracker.rendered = self._rendered
         self.main = self.flow.file
         first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
@@ -53,9 +58,8 @@ class Run:
     def lines(self) -> Iterator[Line]:
         """Execute it."""
         flow, steps = self.flow, 0
-        most = self.limits.steps + len(
-            self.main.lines
-        )  # a program without loops may be as long as it likes
+        # a program without loops may be as long as it likes
+        most = self.limits.steps + len(self.main.lines)
         while True:
             file, at = flow.file, flow.at
             special = file.special.find(1, at)
@@ -95,14 +99,13 @@ class Run:
                 for line in plain.split(b"\n"):
                     yield Line(line, at + 1, file.name)
                 if at == self.opening and file is self.main:
-                    _ = (
-                        self.tracker.state
-                    )  # read alone: of what stands behind "%" in the same text, nothing is read
+                    # read alone: of what stands behind "%" in the same text, nothing is read
+                    _ = self.tracker.state
             if self.ended:
                 yield from self._closing(file, at)
                 return
 
-    # -- one line ------------------------------------------------------------------------------------------------------
+    # -- one line ----------------------------------------------------------------------------------
 
     def _step(self, file: File, at: int, text: bytes) -> bytes | None:
         """Execute a line; the plain text that it leaves, if any. Raises Refusal."""
@@ -147,6 +150,19 @@ class Run:
             return right_angled(outcome.text, codes, outcome.letters, memory)
         return outcome.text
 
+    def _rendered(self, raw: bytes) -> bytes | None:
+        """A block of a cycle's shape with the values of its parameters as they are now. None: it
+        sets parameters, or asks for named ones that a subroutine does not see."""
+        found = read(raw)
+        if isinstance(found, Control) or LOCAL_NAME.search(raw):
+            return None
+        if not all(edit.letter for edit in found.edits):
+            return None
+        try:
+            return found.run(self.memory).text
+        except Refusal as e:
+            raise BlockFault(0, e.message, e.advice) from None
+
     def _mark(self, file: File, at: int) -> bytes | None:
         """A line "%": the first one of a program opens it, the next one ends it. Raises Refusal."""
         if file is not self.main:
@@ -161,7 +177,7 @@ class Run:
             self.ended = True
         return file.lines[at]
 
-    # -- the end -------------------------------------------------------------------------------------------------------
+    # -- the end -----------------------------------------------------------------------------------
 
     def _closing(self, file: File, at: int) -> Iterator[Line]:
         """Behind M2 or M30: the "%" that closes the program, if it has been opened by one."""

@@ -3,10 +3,12 @@
     control = [ "/" ] [ N number ] ( O label keyword values | O label | M98 P value [ L value ] | M99 )
     block   = [ "/" ] [ N number ] { letter value | "#" parameter "=" value | comment }
 
-Values read by a block are those before it; its assignments hold behind it. Text that is no expression stays as it is.
+Values read by a block are those before it; its assignments hold behind it. Text that is no
+expression stays as it is.
 
-Sources: LinuxCNC documentation, "O codes" and "G-code overview"; measured on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
-"""
+Sources: LinuxCNC documentation, "O codes" and "G-code overview"; measured on LinuxCNC 2.9
+(tests/expand/test_linuxcnc.py).
+"""  # noqa: E501
 
 from __future__ import annotations
 
@@ -29,16 +31,21 @@ from postproc.nc.expand.linuxcnc_expressions import (
 from postproc.nc.expand.linuxcnc_parameters import LOCAL, Memory
 from postproc.nc.expand.tracker import number
 
-# What makes a line more than plain words: expressions, signs in a row, the end, M70-M73 M98 M99, what parameters and written
-# numbers depend on (M61, G10, G20, G28.1, cycles), comments that act; at the start of a line, an O-word or "%".
+# What makes a line more than plain words: expressions, signs in a row, the end, M70-M73 M98 M99,
+# what parameters and written numbers depend on (M61, G10, G20, G28.1, cycles), comments that act;
+# at the start of a line, an O-word or "%".
 SPECIAL = re.compile(
-    rb"[\[#@^+\-MmGg(;](?:(?<=[\[#@^])|(?<=[+-])[ \t]*[+-]|(?<=\()[ \t]*(?:[Aa][Bb]|[Pp][Yy])|(?<=;)[Pp][Yy],"
-    rb"|(?<=[Mm])[ \t0]*(?:2|3[ \t]*0|6[ \t]*1|7[ \t]*[0-3]|9[ \t]*[89])(?![ \t]*\d)|(?<=[Gg])[ \t0]*"
-    rb"(?:(?:1[ \t]*0|2[ \t]*[01]|7[ \t]*[346]|8[ \t]*[1-9])(?![ \t]*\d)|(?:2[ \t]*8|3[ \t]*0)[ \t]*\.))"
+    rb"[\[#@^+\-MmGg(;](?:(?<=[\[#@^])|(?<=[+-])[ \t]*[+-]|(?<=\()["
+    rb" \t]*(?:[Aa][Bb]|[Pp][Yy])|(?<=;)[Pp][Yy],"
+    rb"|(?<=[Mm])[ \t0]*(?:2|3[ \t]*0|6[ \t]*1|7[ \t]*[0-3]|9[ \t]*[89])(?![ \t]*\d)|(?<=[Gg])["
+    rb" \t0]*"
+    rb"(?:(?:1[ \t]*0|2[ \t]*[01]|7[ \t]*[346]|8[ \t]*[1-9])(?![ \t]*\d)|(?:2[ \t]*8|3[ \t]*0)["
+    rb" \t]*\.))"
 )
 SPECIAL_START = re.compile(rb"\n[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?[Oo%]")
 KEYWORD = re.compile(
-    "sub|endsub|call|do|while|repeat|if|elseif|else|endif|break|continue|endwhile|endrepeat|return"  # in LinuxCNC's order
+    # in LinuxCNC's order
+    "sub|endsub|call|do|while|repeat|if|elseif|else|endif|break|continue|endwhile|endrepeat|return"
 )
 SEQUENCE = re.compile(r"n\d+(?:\.\d+)?", re.ASCII)
 FANUC = re.compile(r"m9[89](?![\d.])", re.ASCII)
@@ -46,9 +53,8 @@ LETTERS = "abcdefghijklmpqrstuvwxyz@^$"
 WHOLE_WORDS, WHOLE_IF_WHOLE = "mthl$", "dp"
 LEAST_WHOLE = 1e-6
 MOST_DIGITS = 17
-ACTIVE = re.compile(
-    rb"\(\s*(?:msg|print|debug|log\w*|probe(?:open|close))\s*[,)]"
-)  # comments that do something
+# comments that do something
+ACTIVE = re.compile(rb"\(\s*(?:msg|print|debug|log\w*|probe(?:open|close))\s*[,)]")
 STOPS = re.compile(rb"\(\s*abort\s*,\s*([^)]*)\)")
 PYTHON = re.compile(rb"\(\s*py(?:run|reload)?\s*[,)]|;py,")
 
@@ -66,8 +72,8 @@ def special_lines(text: bytes, lines: int) -> bytearray:
 
 
 class Edit(NamedTuple):
-    """A piece of a line that does not stay: bytes start to stop. letter: of the word whose value it is, "": an assignment
-    to the parameter `target` (a name, or what gives its number)."""
+    """A piece of a line that does not stay: bytes start to stop. letter: of the word whose value it
+    is, "": an assignment to the parameter `target` (a name, or what gives its number)."""
 
     start: int
     stop: int
@@ -77,7 +83,8 @@ class Edit(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What a block leaves: its plain text, None if nothing; the numbers of its G and M words; its letters."""
+    """What a block leaves: its plain text, None if nothing; the numbers of its G and M words; its
+    letters."""
 
     text: bytes | None
     g: list[float]
@@ -87,7 +94,8 @@ class Outcome(NamedTuple):
 
 @dataclass
 class Block:
-    """A line of words and assignments. codes: letter and value of each G and M word; letters: of all words."""
+    """A line of words and assignments. codes: letter and value of each G and M word; letters: of
+    all words."""
 
     line: bytes
     edits: list[Edit] = field(default_factory=list)
@@ -136,8 +144,8 @@ class Block:
 
 
 def only_of_the_machine(value: bytes) -> bool:
-    """Whether all that an expression reads are HAL pins and settings of the machine: it can stand in a plain line then, as
-    value of an F or an S, which move nothing."""
+    """Whether all that an expression reads are HAL pins and settings of the machine: it can stand
+    in a plain line then, as value of an F or an S, which move nothing."""
     read = re.findall(rb"#\s*(<\s*_\s*(?:[Hh]\s*[Aa]\s*[Ll]|[Ii]\s*[Nn]\s*[Ii])\s*\[)?", value)
     return bool(read) and all(read)
 
@@ -169,8 +177,9 @@ def written(letter: str, value: float, memory: Memory) -> str:
 
 @dataclass
 class Control:
-    """A line that says what runs next. kind: its keyword, "m98", "m99", or "" for an O number alone; plain: it is only
-    that; label: what gives its name. What follows is read when it is asked for: of what is skipped, nothing is."""
+    """A line that says what runs next. kind: its keyword, "m98", "m99", or "" for an O number
+    alone; plain: it is only that; label: what gives its name. What follows is read when it is asked
+    for: of what is skipped, nothing is."""
 
     kind: str
     code: Code
@@ -180,7 +189,8 @@ class Control:
     _values: list[Node] | None = None
 
     def values(self) -> list[Node]:
-        """What stands behind the keyword: the condition, the arguments, the value to return; M98: P and L."""
+        """What stands behind the keyword: the condition, the arguments, the value to return; M98: P
+        and L."""
         if self._values is None:
             self._values = self._called() if self.kind == "m98" else self._bracketed()
         return self._values
@@ -274,7 +284,8 @@ def _o_word(reader: Reader) -> Control:
     if reader.next not in ("", "("):
         raise Refusal(
             "this O-word has no keyword that LinuxCNC knows",
-            "they are sub endsub call return if elseif else endif while endwhile do repeat endrepeat break continue",
+            "they are sub endsub call return if elseif else endif while endwhile do repeat"
+            " endrepeat break continue",
             *reader.code.span(start, reader.at + 1),
         )
     return Control("", reader.code, reader.at, label, plain)

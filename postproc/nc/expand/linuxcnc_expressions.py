@@ -1,16 +1,19 @@
 """RS274/NGC expressions: a line's code to callables that give numbers.
 
-    value      = number | { "+" | "-" } value | "[" expression "]" | "#" parameter | function "[" expression "]" |
+    value      = number | { "+" | "-" } value | "[" expression "]" | "#" parameter | function "["
+               expression "]" |
                  "ATAN" "[" expression "]" "/" "[" expression "]" | "EXISTS" "[" "#" parameter "]"
-    expression = value { operator value }          ** before * / MOD before + - before EQ NE GT GE LT LE before AND OR XOR
+    expression = value { operator value }          ** before * / MOD before + - before EQ NE GT GE
+                                                   LT LE before AND OR XOR
     parameter  = value | "<" name ">"              a value here must be a whole number
 
-Equal operators are taken from left to right, also ** (2**3**2 is 64). A sign belongs to the value behind it (-2**2 is 4).
-Blanks and capital letters mean nothing. Angles are degrees; sines and the like are worked out in long double, as LinuxCNC
-does, so that FIX[SIN[30]*2] is 1.
+Equal operators are taken from left to right, also ** (2**3**2 is 64). A sign belongs to the value
+behind it (-2**2 is 4). Blanks and capital letters mean nothing. Angles are degrees; sines and the
+like are worked out in long double, as LinuxCNC does, so that FIX[SIN[30]*2] is 1.
 
-Sources: LinuxCNC documentation, "G-code overview", sections "Expressions", "Binary operators", "Functions"; tolerances and
-everything at the edges as measured on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
+Sources: LinuxCNC documentation, "G-code overview", sections "Expressions", "Binary operators",
+"Functions"; tolerances and everything at the edges as measured on LinuxCNC 2.9
+(tests/expand/test_linuxcnc.py).
 """
 
 from __future__ import annotations
@@ -37,7 +40,8 @@ SYNTAX = 'LinuxCNC\'s manual, "G-code overview", says how expressions are writte
 
 
 class Refusal(Exception):
-    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0: the whole of it)."""
+    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0:
+    the whole of it)."""
 
     def __init__(self, message: str, advice: str, start: int = 0, stop: int = 0):
         super().__init__(message)
@@ -62,8 +66,9 @@ Node = Callable[[Scope], float]
 
 @dataclass(frozen=True)
 class Code:
-    """A line as LinuxCNC reads it: lower case, no blanks, "(" for each comment. Character i of `text` is bytes starts[i] to
-    stops[i] of the line; comments: where each one, and one behind ";", begins and ends."""
+    """A line as LinuxCNC reads it: lower case, no blanks, "(" for each comment. Character i of
+    `text` is bytes starts[i] to stops[i] of the line; comments: where each one, and one behind ";",
+    begins and ends."""
 
     text: str
     starts: list[int]
@@ -105,7 +110,8 @@ def compact(line: bytes) -> Code:
 
 
 def whole(value: float, what: str) -> int:
-    """The whole number that a value is. Raises Refusal where it is more than 0.0001 above one, as LinuxCNC does."""
+    """The whole number that a value is. Raises Refusal where it is more than 0.0001 above one, as
+    LinuxCNC does."""
     low = math.floor(value)
     if value - low > 1 - WHOLE:
         return low + 1
@@ -114,7 +120,7 @@ def whole(value: float, what: str) -> int:
     return low
 
 
-# -- operators and functions --------------------------------------------------------------------------------------------
+# -- operators and functions -----------------------------------------------------------------------
 
 
 def _divide(a: float, b: float) -> float:
@@ -160,25 +166,43 @@ def _degrees(radians: float) -> float:
 
 BINARY: dict[str, tuple[int, Callable[[float, float], float]]] = {
     "**": (5, _power),
-    "*": (4, lambda a, b: a * b), "/": (4, _divide), "mod": (4, _modulo),
-    "+": (3, lambda a, b: a + b), "-": (3, lambda a, b: a - b),
-    "eq": (2, lambda a, b: float(abs(a - b) < EQUAL)), "ne": (2, lambda a, b: float(abs(a - b) >= EQUAL)),
-    "gt": (2, lambda a, b: float(a > b)), "ge": (2, lambda a, b: float(a >= b)),
-    "lt": (2, lambda a, b: float(a < b)), "le": (2, lambda a, b: float(a <= b)),
-    "and": (1, lambda a, b: float(a != 0 and b != 0)), "or": (1, lambda a, b: float(a != 0 or b != 0)),
+    "*": (4, lambda a, b: a * b),
+    "/": (4, _divide),
+    "mod": (4, _modulo),
+    "+": (3, lambda a, b: a + b),
+    "-": (3, lambda a, b: a - b),
+    "eq": (2, lambda a, b: float(abs(a - b) < EQUAL)),
+    "ne": (2, lambda a, b: float(abs(a - b) >= EQUAL)),
+    "gt": (2, lambda a, b: float(a > b)),
+    "ge": (2, lambda a, b: float(a >= b)),
+    "lt": (2, lambda a, b: float(a < b)),
+    "le": (2, lambda a, b: float(a <= b)),
+    "and": (1, lambda a, b: float(a != 0 and b != 0)),
+    "or": (1, lambda a, b: float(a != 0 or b != 0)),
     "xor": (1, lambda a, b: float((a != 0) != (b != 0))),
-}  # fmt: skip
+}
 FUNCTIONS: dict[str, Callable[[float], float]] = {
-    "abs": abs, "acos": _within("ACOS", lambda a: _degrees(math.acos(a)), -1, 1),
-    "asin": _within("ASIN", lambda a: _degrees(math.asin(a)), -1, 1), "cos": _of_degrees(np.cos),
-    "exp": _within("EXP", math.exp, -math.inf, 709.7), "fix": lambda a: float(math.floor(a)),
-    "fup": lambda a: float(math.ceil(a)), "ln": _within("LN", math.log, 5e-324, math.inf),
-    "round": _within("ROUND", lambda a: float(math.trunc(a + math.copysign(0.5, a))), -LARGEST_ROUND, LARGEST_ROUND),
-    "sin": _of_degrees(np.sin), "sqrt": _within("SQRT", math.sqrt, 0, math.inf), "tan": _of_degrees(np.tan),
-}  # fmt: skip
+    "abs": abs,
+    "acos": _within("ACOS", lambda a: _degrees(math.acos(a)), -1, 1),
+    "asin": _within("ASIN", lambda a: _degrees(math.asin(a)), -1, 1),
+    "cos": _of_degrees(np.cos),
+    "exp": _within("EXP", math.exp, -math.inf, 709.7),
+    "fix": lambda a: float(math.floor(a)),
+    "fup": lambda a: float(math.ceil(a)),
+    "ln": _within("LN", math.log, 5e-324, math.inf),
+    "round": _within(
+        "ROUND",
+        lambda a: float(math.trunc(a + math.copysign(0.5, a))),
+        -LARGEST_ROUND,
+        LARGEST_ROUND,
+    ),
+    "sin": _of_degrees(np.sin),
+    "sqrt": _within("SQRT", math.sqrt, 0, math.inf),
+    "tan": _of_degrees(np.tan),
+}
 
 
-# -- reading ------------------------------------------------------------------------------------------------------------
+# -- reading ---------------------------------------------------------------------------------------
 
 
 class Reader:

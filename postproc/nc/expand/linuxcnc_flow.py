@@ -1,10 +1,12 @@
 """What runs next in a LinuxCNC program: labels, branches, loops, subs.
 
-LinuxCNC keeps one table of labels, skips lines until it meets the label that it waits for, and has one flag each for "a
-branch was taken", "break" and "continue"; all of this is done here as there. A label of a branch or a loop belongs to the
-sub in which it stands, the label of a sub to the whole run.
+LinuxCNC keeps one table of labels, skips lines until it meets the label that it waits for, and has
+one flag each for "a branch was taken", "break" and "continue"; all of this is done here as there. A
+label of a branch or a loop belongs to the sub in which it stands, the label of a sub to the whole
+run.
 
-Sources: LinuxCNC documentation, "O codes"; measured on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
+Sources: LinuxCNC documentation, "O codes"; measured on LinuxCNC 2.9
+(tests/expand/test_linuxcnc.py).
 """
 
 from __future__ import annotations
@@ -29,8 +31,8 @@ MOST_REPEATS = 2**31
 
 @dataclass
 class File:
-    """A program's lines. name: "" for the main program. special: which lines may be more than plain words; met: which of
-    them have been looked at; read: what those are that were met again."""
+    """A program's lines. name: "" for the main program. special: which lines may be more than plain
+    words; met: which of them have been looked at; read: what those are that were met again."""
 
     name: str
     program: Program
@@ -45,7 +47,8 @@ class File:
 
 @dataclass
 class Place:
-    """A line that can be gone to: what its label stands for, and the rest of a repeat's count (-1: begins anew)."""
+    """A line that can be gone to: what its label stands for, and the rest of a repeat's count (-1:
+    begins anew)."""
 
     kind: str
     file: File
@@ -59,7 +62,8 @@ class Place:
 
 @dataclass
 class Call:
-    """A sub that runs. back: where to go on; numbers: #1 to #30 as they were, None: called by M98, which keeps them."""
+    """A sub that runs. back: where to go on; numbers: #1 to #30 as they were, None: called by M98,
+    which keeps them."""
 
     name: str
     back: Place
@@ -80,14 +84,12 @@ class Flow:
         self.at = 0  # the line that is read next
         self.labels: dict[str, Place] = {}
         self.calls: list[Call] = []
-        self.left = [
-            -1
-        ]  # how often M98 with L runs its program once more, for each level of calls (-1: none runs)
+        # how often M98 with L runs its program once more, for each level of calls (-1: none runs)
+        self.left = [-1]
         self.skip: str | None = None  # the label up to which lines are skipped
         self.seek = False  # it is a sub to call
-        self.since: tuple[Place, Refusal] | None = (
-            None  # where skipping began, and what to say if it never ends
-        )
+        # where skipping began, and what to say if it never ends
+        self.since: tuple[Place, Refusal] | None = None
         self.defining = ""  # the sub whose definition is skipped
         self.was_true, self.breaking, self.continuing = True, False, False
 
@@ -238,7 +240,7 @@ class Flow:
                 place.count = -1
                 self._skip_to(name, place, "repeat")
 
-    # -- subs ----------------------------------------------------------------------------------------------------------
+    # -- subs --------------------------------------------------------------------------------------
 
     def _sub_begins(self, control: Control, name: str, place: Place) -> None:
         """sub, or an O number alone: called, sought or defined."""
@@ -271,8 +273,10 @@ class Flow:
         known = self.labels.get(name)
         if known:
             raise Refusal(
-                f"sub o{shown(name)} is met again: it was read or called before, line {known.at + 1}",
-                "each sub has its own name; one that is called before its definition stands behind M2",
+                f"sub o{shown(name)} is met again: it was read or called before, line"
+                f" {known.at + 1}",
+                "each sub has its own name; one that is called before its definition stands"
+                " behind M2",
             )
         self.labels[name] = place
 

@@ -1,12 +1,14 @@
-"""RS274/NGC parameters: numbered and named ones, and those by which LinuxCNC tells where and how it stands.
+"""RS274/NGC parameters: numbered and named ones, and those by which LinuxCNC tells where and how it
+stands.
 
-What only the machine knows while it runs (probe results, inputs, HAL pins, INI values) is refused, never guessed. Lengths
-that are kept between programs (#5161, #5211, #5221, #5401 and on) are millimetres, whatever G20 says, as on a machine that
-counts in millimetres; where the machine stands (#5420 and on, #<_x>) is in the program's unit, X always a radius.
+What only the machine knows while it runs (probe results, inputs, HAL pins, INI values) is refused,
+never guessed. Lengths that are kept between programs (#5161, #5211, #5221, #5401 and on) are
+millimetres, whatever G20 says, as on a machine that counts in millimetres; where the machine stands
+(#5420 and on, #<_x>) is in the program's unit, X always a radius.
 
-Sources: LinuxCNC documentation, "G-code overview", sections "Numbered parameters", "Subroutine parameters", "Named
-parameters", "Predefined named parameters", "System parameters"; values measured on LinuxCNC 2.9
-(tests/expand/test_linuxcnc.py).
+Sources: LinuxCNC documentation, "G-code overview", sections "Numbered parameters", "Subroutine
+parameters", "Named parameters", "Predefined named parameters", "System parameters"; values measured
+on LinuxCNC 2.9 (tests/expand/test_linuxcnc.py).
 """
 
 from __future__ import annotations
@@ -35,12 +37,16 @@ PRESET, WORK, INPUT, TOOL, TOOL_SHAPE = (
 )
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
 SAY = "say it with --start or --offset, or write the value itself in its place"
-WRITE_VALUE = "write the value itself in its place: gcomp knows the program, not what the machine finds while it runs"
+WRITE_VALUE = (
+    "write the value itself in its place: gcomp knows the program, not what the machine finds while"
+    " it runs"
+)
 
 
 class Memory:
-    """All parameters of a run. `locals` has a dictionary per call, the program's own first, which also holds the names
-    that begin with an underscore; value and value_returned: what the last subprogram gave back; line: that of the program.
+    """All parameters of a run. `locals` has a dictionary per call, the program's own first, which
+    also holds the names that begin with an underscore; value and value_returned: what the last
+    subprogram gave back; line: that of the program.
     noticed: kinds of codes after which the tracker no longer tells what LinuxCNC would."""
 
     def __init__(self, tracker: Tracker):
@@ -66,7 +72,8 @@ class Memory:
             self._decimals.clear()
 
     def decimals(self, letter: str) -> int:
-        """How many decimals a number behind this letter is written with; the tracker is asked once per unit."""
+        """How many decimals a number behind this letter is written with; the tracker is asked once
+        per unit."""
         if letter not in self._decimals:
             self._decimals[letter] = self.tracker.decimals(letter)
         return self._decimals[letter]
@@ -85,12 +92,17 @@ class Memory:
         return self.numbers.get(index, 1.0 if index == DEBUG else 0.0)
 
     def named(self, name: str) -> float:
-        """#<name>, in small letters without blanks. Raises Refusal where it has no value, or nobody knows it."""
+        """#<name>, in small letters without blanks. Raises Refusal where it has no value, or nobody
+        knows it."""
         names = self._names(name)
         if name in names:
             return names[name]
-        own = {"_value": self.value, "_value_returned": self.value_returned, "_line": float(self.line),
-               "_call_level": len(self.locals) - 1.0}.get(name)  # fmt: skip
+        own = {
+            "_value": self.value,
+            "_value_returned": self.value_returned,
+            "_line": float(self.line),
+            "_call_level": len(self.locals) - 1.0,
+        }.get(name)
         if own is not None:
             if math.isnan(own):
                 raise Refusal(
@@ -143,7 +155,8 @@ class Memory:
     # -- writing
 
     def declare(self, name: str) -> None:
-        """A line gives #<name> a value; until it is read to its end, a new name is worth 0. Raises Refusal."""
+        """A line gives #<name> a value; until it is read to its end, a new name is worth 0. Raises
+        Refusal."""
         if _is_predefined(name) or name.startswith(("_hal[", "_ini[")):
             raise Refusal(f"#<{name}> can be read only", "use another name")
         self._names(name).setdefault(name, 0.0)
@@ -153,14 +166,16 @@ class Memory:
         self._names(name)[name] = value
 
     def check_writable(self, index: int) -> None:
-        """Raises Refusal for a number that a program can not write, or whose effect plain lines can not have."""
+        """Raises Refusal for a number that a program can not write, or whose effect plain lines can
+        not have."""
         _check(index)
         for numbers, advice in NOT_WRITTEN:
             if index in numbers:
                 raise Refusal(f"#{index} belongs to the control", advice)
 
     def give_back(self, values: list[Node], defining: bool = False) -> None:
-        """endsub or return is read, perhaps with a value; LinuxCNC reads it in a definition too: unset names are 0 then."""
+        """endsub or return is read, perhaps with a value; LinuxCNC reads it in a definition too:
+        unset names are 0 then."""
         self.defining = defining
         try:
             self.value = values[0](self) if values else 0.0
@@ -173,7 +188,8 @@ class Memory:
         self.value_returned = float(bool(values))
 
     def enter(self, values: list[float] | None) -> list[float] | None:
-        """A call begins, with names of its own, and values for #1 to #30 unless None; gives what these were."""
+        """A call begins, with names of its own, and values for #1 to #30 unless None; gives what
+        these were."""
         self.locals.append({})
         if values is None:
             return None
@@ -201,7 +217,7 @@ def _is_predefined(name: str) -> bool:
     )
 
 
-# -- what the control tells of itself --------------------------------------------------------------------------------------
+# -- what the control tells of itself --------------------------------------------------------------
 
 
 def _frame(tracker: Tracker) -> Frame:
@@ -245,7 +261,8 @@ def _preset(tracker: Tracker, index: int) -> float | None:
 
 
 def _work_offset(tracker: Tracker, index: int) -> float | None:
-    """#5220: the work offset in force, 1 is G54; #5221 on: nine axes and the angle of each, mm and degrees."""
+    """#5220: the work offset in force, 1 is G54; #5221 on: nine axes and the angle of each, mm and
+    degrees."""
     number, place = divmod(index - 5220, 20)
     if index == 5220:
         word = tracker.dialect.by_number.get(tracker.code("work offset"))
@@ -317,16 +334,30 @@ NOT_WRITTEN = (
     (CHANGER, "the tool changer sets it: use another number"),
 )
 PREDEFINED: dict[str, Callable[[Tracker], float | None]] = {
-    "_motion_mode": _code("motion", 800), "_plane": _code("plane", 170),
-    "_ccomp": lambda tracker: {-1: 400.0, 411: 410.0, 421: 420.0}.get(code := tracker.code("cutter"), float(code)),
-    "_metric": _is("units", 210, 210), "_imperial": _is("units", 200, 210),
-    "_absolute": _is("distance", 900, 900), "_incremental": _is("distance", 910, 900),
-    "_inverse_time": _is("feed mode", 930, 940), "_units_per_minute": _is("feed mode", 940, 940),
+    "_motion_mode": _code("motion", 800),
+    "_plane": _code("plane", 170),
+    "_ccomp": (
+        lambda tracker: {-1: 400.0, 411: 410.0, 421: 420.0}.get(
+            code := tracker.code("cutter"), float(code)
+        )
+    ),
+    "_metric": _is("units", 210, 210),
+    "_imperial": _is("units", 200, 210),
+    "_absolute": _is("distance", 900, 900),
+    "_incremental": _is("distance", 910, 900),
+    "_inverse_time": _is("feed mode", 930, 940),
+    "_units_per_minute": _is("feed mode", 940, 940),
     "_units_per_rev": _is("feed mode", 950, 940),
-    "_coord_system": lambda tracker: float(code) if (code := tracker.code("work offset")) >= 0 else None,
-    "_tool_offset": lambda tracker: None if "length" in (f := _frame(tracker)).unknown else float(f.length.any()),
-    "_retract_r_plane": _is("return", 990, 990), "_retract_old_z": _is("return", 980, 990),
-    "_spindle_rpm_mode": _is("spindle mode", 970, 970), "_spindle_css_mode": _is("spindle mode", 960, 970),
+    "_coord_system": lambda tracker: (
+        float(code) if (code := tracker.code("work offset")) >= 0 else None
+    ),
+    "_tool_offset": lambda tracker: (
+        None if "length" in (f := _frame(tracker)).unknown else float(f.length.any())
+    ),
+    "_retract_r_plane": _is("return", 990, 990),
+    "_retract_old_z": _is("return", 980, 990),
+    "_spindle_rpm_mode": _is("spindle mode", 970, 970),
+    "_spindle_css_mode": _is("spindle mode", 960, 970),
     "_ijk_absolute_mode": _is("arc centre", 901, 911),
     "_lathe_diameter_mode": lambda tracker: float(tracker.is_diameter("X")),
     "_lathe_radius_mode": lambda tracker: float(not tracker.is_diameter("X")),
@@ -337,7 +368,7 @@ PREDEFINED: dict[str, Callable[[Tracker], float | None]] = {
     "_task": lambda tracker: 1.0,
     **{f"_{x.lower()}": partial(_work, axis=x) for x in AXES},
     **{f"_abs_{x.lower()}": partial(_machine, axis=x) for x in AXES},
-}  # fmt: skip
+}
 NOTICED = {"cycle": {730, 740, 760, *range(810, 900, 10)}, "G28": {281}, "G30": {301}}
 STALE: tuple[tuple[str, Container[int | str], str], ...] = (
     ("turned", (5420, 5421, *range(5230, 5391, 20), "_x", "_y"), "G10 R has turned coordinates"),
@@ -347,6 +378,17 @@ STALE: tuple[tuple[str, Container[int | str], str], ...] = (
     ("G30", SECOND_REFERENCE, "G30.1 has changed it"),
 )
 UNKNOWN = (
-    "_vmajor", "_vminor", "_rpm", "_spindle_on", "_spindle_cw", "_mist", "_flood", "_speed_override", "_feed_override",
-    "_adaptive_feed", "_feed_hold", "_selected_pocket", "_current_pocket",
-)  # fmt: skip
+    "_vmajor",
+    "_vminor",
+    "_rpm",
+    "_spindle_on",
+    "_spindle_cw",
+    "_mist",
+    "_flood",
+    "_speed_override",
+    "_feed_override",
+    "_adaptive_feed",
+    "_feed_hold",
+    "_selected_pocket",
+    "_current_pocket",
+)

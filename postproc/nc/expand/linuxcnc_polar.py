@@ -1,7 +1,9 @@
-"""@ and ^ of LinuxCNC: radius and angle of a place in XY, about the zero of the program, as X and Y.
+"""@ and ^ of LinuxCNC: radius and angle of a place in XY, about the zero of the program, as X and
+Y.
 
-LinuxCNC documentation, "Polar coordinates"; measured on 2.9 (tests/expand/test_polar.py). One that is left out is that of the
-place where the tool stands; in G91 both are added to it. Motions in G17 alone, without X or Y and without G53.
+LinuxCNC documentation, "Polar coordinates"; measured on 2.9 (tests/expand/test_polar.py). One that
+is left out is that of the place where the tool stands; in G91 both are added to it. Motions in G17
+alone, without X or Y and without G53.
 """
 
 from __future__ import annotations
@@ -14,25 +16,14 @@ from postproc.nc.expand.linuxcnc_parameters import SAY, Memory
 from postproc.nc.expand.tracker import number
 
 WORD = re.compile(rb"\([^()]*\)|;.*|([@^])[ \t]*([-+]?[ \t]*[\d.][\d. \t]*)", re.DOTALL)
-NO_MOTION = {
-    40,
-    100,
-    280,
-    281,
-    300,
-    301,
-    520,
-    920,
-    921,
-    922,
-    923,
-    431,
-}  # codes that take the axis words, or have none
+# codes that take the axis words, or have none
+NO_MOTION = {40, 100, 280, 281, 300, 301, 520, 920, 921, 922, 923, 431}
 UNITS, DISTANCE = {200: True, 210: False}, {900: False, 910: True}
 
 
 def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> bytes:
-    """A plain line with X and Y in the place of @ and ^. codes: ten times its G numbers. Raises Refusal."""
+    """A plain line with X and Y in the place of @ and ^. codes: ten times its G numbers. Raises
+    Refusal."""
     found = {m[1]: float(re.sub(rb"[ \t]", b"", m[2])) for m in WORD.finditer(text) if m[1]}
     if letters.count("@") > 1 or letters.count("^") > 1:
         raise Refusal("a radius or an angle stands twice in the line", "keep one")
@@ -82,8 +73,10 @@ def _diameter(codes: set[int], memory: Memory) -> bool:
 def _here(codes: set[int], memory: Memory) -> tuple[float, float]:
     """Where the tool stands, X as a radius. Raises Refusal."""
     if codes & set(UNITS) or "turned" in memory.noticed or any(540 <= c <= 593 for c in codes):
-        raise Refusal("@ and ^ from where the tool stands, with units or a turned zero that change there",
-            "name both in G90, or write X and Y")  # fmt: skip
+        raise Refusal(
+            "@ and ^ from where the tool stands, with units or a turned zero that change there",
+            "name both in G90, or write X and Y",
+        )
     place = []
     for axis in "XY":
         value = memory.tracker.work(axis)

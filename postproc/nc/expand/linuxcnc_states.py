@@ -1,10 +1,11 @@
 """M70 to M73 of LinuxCNC: modes that are kept, and the plain codes that bring them back.
 
-LinuxCNC documentation, "M70 Save Modal State" and on; measured on 2.9 (tests/linuxcnc/README.md). What M72 brings back: plane,
-units, distances, feed mode and F, work offset, arc centres, diameters, return of cycles; not the motion code. M73 does it at
-the end of its sub. Each call has one state of its own. Speed, spindle and coolant come back where the program has named them before
-(the documentation's list of M70). What else it touches (tool length, G92, cutter radius, path mode, overrides) must stand
-as it stood: which codes say that is not certain.
+LinuxCNC documentation, "M70 Save Modal State" and on; measured on 2.9 (tests/linuxcnc/README.md).
+What M72 brings back: plane, units, distances, feed mode and F, work offset, arc centres, diameters,
+return of cycles; not the motion code. M73 does it at the end of its sub. Each call has one state of
+its own. Speed, spindle and coolant come back where the program has named them before (the
+documentation's list of M70). What else it touches (tool length, G92, cutter radius, path mode,
+overrides) must stand as it stood: which codes say that is not certain.
 """
 
 from __future__ import annotations
@@ -22,30 +23,36 @@ from postproc.nc.state import ModalState
 
 # Modal groups that come back, with the code in force where none was named.
 GROUPS = {
-    "plane": 170, "units": 210, "distance": 900, "feed mode": 940, "arc centre": 911, "diameter": 80, "return": 990,
+    "plane": 170,
+    "units": 210,
+    "distance": 900,
+    "feed mode": 940,
+    "arc centre": 911,
+    "diameter": 80,
+    "return": 990,
     "work offset": -1,
-}  # fmt: skip
+}
 STILL = {
     "cutter": "cutter radius compensation",
     "tool length": "the tool length",
     "spindle mode": "G96 or G97",
 }
 TOUCHES = re.compile(
-    rb"M[ \t0]*(?P<m>[345789]|4[ \t]*[89]|5[ \t]*[0-3])(?![ \t]*\d)|(?<![A-Za-z<_])S[ \t]*(?P<s>[-+\d. \t]*[\d.]|(?=[\[#]))"
+    rb"M[ \t0]*(?P<m>[345789]|4[ \t]*[89]|5[ \t]*[0-3])(?![ \t]*\d)|(?<![A-Za-z<_])S["
+    rb" \t]*(?P<s>[-+\d. \t]*[\d.]|(?=[\[#]))"
     rb"|G[ \t0]*6[ \t]*[14]",
     re.IGNORECASE,
 )
 TURNS = {b"3": "spindle", b"4": "spindle", b"5": "spindle", b"7": "mist", b"8": "flood"}
-BEGINS = re.compile(
-    rb"(?<![A-Za-z<_])M[ \t0]*7[ \t]*[0-3](?![ \t]*\d)", re.IGNORECASE
-)  # a program that keeps modes
+# a program that keeps modes
+BEGINS = re.compile(rb"(?<![A-Za-z<_])M[ \t0]*7[ \t]*[0-3](?![ \t]*\d)", re.IGNORECASE)
 WRITE = "write the codes that hold, and those that come back"
 
 
 @dataclass
 class Kept:
-    """A state: codes by group, the feed, shifts; what spindle and coolant were told; `own`: M73, so it comes back with its sub; `touched`: what was named
-    since that is not brought back here."""
+    """A state: codes by group, the feed, shifts; what spindle and coolant were told; `own`: M73, so
+    it comes back with its sub; `touched`: what was named since that is not brought back here."""
 
     codes: dict[str, int]
     feed: float
@@ -80,9 +87,8 @@ class States:
                 or found["s"] == b""
                 or not (found["s"] or number in TURNS or number == b"9")
             ):
-                for kept in (
-                    self.levels
-                ):  # a spindle of several, a speed that is worked out, or what does not come back
+                # a spindle of several, a speed that is worked out, or what does not come back
+                for kept in self.levels:
                     if kept is not None:
                         kept.touched.add(found[0].strip().upper())
             elif found["s"]:
@@ -93,7 +99,8 @@ class States:
                 self.machine[TURNS[number]] = b"M" + number
 
     def called(self, depth: int) -> list[bytes]:
-        """The level of calls behind a line: the lines that bring back what M73 has kept. Raises Refusal."""
+        """The level of calls behind a line: the lines that bring back what M73 has kept. Raises
+        Refusal."""
         lines: list[bytes] = []
         while len(self.levels) <= depth:
             self.levels.append(None)
@@ -167,7 +174,8 @@ class States:
         return lines
 
     def _turned(self, kept: Kept, word: str) -> list[bytes]:
-        """The lines that bring speed, spindle and coolant back. Raises Refusal where nothing was named before."""
+        """The lines that bring speed, spindle and coolant back. Raises Refusal where nothing was
+        named before."""
         changed = [name for name, now in self.machine.items() if kept.machine.get(name) != now]
         new = next((self.machine[name] for name in changed if name not in kept.machine), None)
         if new is not None:

@@ -1,8 +1,10 @@
-"""The last stage of expansion: canned cycles and turned, scaled or mirrored coordinates become plain blocks.
+"""The last stage of expansion: canned cycles and turned, scaled or mirrored coordinates become
+plain blocks.
 
-Lines come in the order in which the control executes them, with plain numbers. One that has nothing of all this
-passes by a single search; the positions that cycles need are asked of the tracker, which hears every line that
-leaves. A cycle is written out first, in the coordinates of the program; then the frame turns its lines.
+Lines come in the order in which the control executes them, with plain numbers. One that has nothing
+of all this passes by a single search; the positions that cycles need are asked of the tracker,
+which hears every line that leaves. A cycle is written out first, in the coordinates of the program;
+then the frame turns its lines.
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from postproc.nc.expand import Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
 
 PLAIN_MOTIONS = (0, 10, 20, 30)
-# Modal groups whose codes may stand in a cycle's own block; behind others the tracker is asked anew.
+# Modal groups whose codes may stand in a cycle's own block; behind others the tracker is asked
+# anew.
 QUIET = (
     "motion",
     "cycle",
@@ -36,15 +39,14 @@ QUIET = (
     "arc centre",
     "cutter",
 )
-READABLE = re.compile(
-    rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)"
-)  # no motion: a tape mark, a program number
+# no motion: a tape mark, a program number
+READABLE = re.compile(rb"[ \t\r]*(%.*|:?[0-9]*|[oO][0-9]+[ \t\r]*)")
 
 
 class Resolver:
-    """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests alone. `keeps`:
-    whether a drilling cycle's block can stay, by what it drills (None: never). `tolerance`: mm, by which the lines of a
-    spline may leave it."""
+    """Writes cycles and frames out. `synchronised`: tapping is written as feeds, which is for tests
+    alone. `keeps`: whether a drilling cycle's block can stay, by what it drills (None: never).
+    `tolerance`: mm, by which the lines of a spline may leave it."""
 
     def __init__(
         self,
@@ -85,9 +87,9 @@ class Resolver:
         )
 
     def take(self, line: Line) -> list[Line]:
-        """The plain lines that stand for this one; [line] itself when nothing in it concerns us. Raises
-        ProgramError."""
-        if self.before_it is None or not self.before_it.wants(line):
+        """The plain lines that stand for this one; [line] itself when nothing in it concerns us.
+        Raises ProgramError."""
+        if self.before_it is None or self._over(line) or not self.before_it.wants(line):
             return self._take(line)
         self.line, self.scene.source = line, line.source
         try:
@@ -108,7 +110,7 @@ class Resolver:
         if self.control is not None and self.control.frames.factor() not in (1.0, -1.0):
             self.scene.block = Block.of(line.text, self.grammar)
             raise self.scene.fault(
-                f"RND or CHF within {self.control.frames.why}",
+                f"a rounded or chamfered corner within {self.control.frames.why}",
                 "a corner does not keep its size: write it out",
             )
 
@@ -117,12 +119,19 @@ class Resolver:
         at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else self.line
         return fault(at.file or self.program.name, at.source, at.text, error.message, error.advice)
 
+    def _over(self, line: Line) -> bool:
+        """Whether the control steps over a line."""
+        if self.skip is None:
+            return False
+        file, first, last = self.skip
+        return line.file == file and first <= line.source <= last
+
     def _take(self, line: Line) -> list[Line]:
         """A line without corners."""
         if self.skip is not None:
-            file, first, last = self.skip
-            if line.file == file and first <= line.source <= last:
+            if self._over(line):
                 return []
+            file, _, last = self.skip
             if line.file != file or line.source > last:
                 self.skip = None
         idle = not (
@@ -150,7 +159,7 @@ class Resolver:
     def _turned(self) -> bool:
         return self.control is not None and self.control.active
 
-    # -- one block -----------------------------------------------------------------------------------------------------
+    # -- one block ---------------------------------------------------------------------------------
 
     def _block(self, text: bytes) -> list[bytes]:
         block = Block.of(text, self.grammar)
@@ -191,9 +200,8 @@ class Resolver:
             and not self._taken(codes)
             and any(w.letter in AXES for w in block.words)
         ):
-            lead, block = self._apart(
-                block
-            )  # where the axes stand in the new coordinates, only the tracker knows
+            # where the axes stand in the new coordinates, only the tracker knows
+            lead, block = self._apart(block)
             scene.block = block
         return lead + self._out([block.text], self._loud(block, codes))
 
@@ -205,9 +213,11 @@ class Resolver:
         )
         if by is not None:
             raise self.scene.fault(
-                f"{by.letter}{by.raw} counts from where the cycle left {self.loose}, and that is not certain",
-                f"write {self.loose} as a place", by,
-            )  # fmt: skip
+                f"{by.letter}{by.raw} counts from where the cycle left {self.loose}, and that is"
+                " not certain",
+                f"write {self.loose} as a place",
+                by,
+            )
         if block.word(self.loose) is not None:
             self.loose = ""
 
@@ -217,7 +227,8 @@ class Resolver:
         return self.family.restores and any(c in PLAIN_MOTIONS for c in later)
 
     def _taken(self, codes: list[int]) -> bool:
-        """Whether another code takes the axis words (G10 G28 G68 G92), or changes what they mean (G53)."""
+        """Whether another code takes the axis words (G10 G28 G68 G92), or changes what they mean
+        (G53)."""
         takers = self.control.takers if self.control else ()
         return any(
             c == 530 or c in takers or (c in self.scene.table and self.scene.table[c].takes)
@@ -225,7 +236,8 @@ class Resolver:
         )
 
     def _idle(self, block: Block) -> None:
-        """A block in a cycle that runs nothing must hold none of the cycle's words. Raises ProgramError."""
+        """A block in a cycle that runs nothing must hold none of the cycle's words. Raises
+        ProgramError."""
         assert self.active is not None
         own = form_of(self.active.forms(self.code), block)
         letters = {
@@ -281,7 +293,7 @@ class Resolver:
         at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), len(block.words))
         return Block.of(block.written(set(), f"G{code // 10}".encode(), at), self.grammar)
 
-    # -- a block of a cycle --------------------------------------------------------------------------------------------
+    # -- a block of a cycle ------------------------------------------------------------------------
 
     def _cycle(self, block: Block, code: int, codes: list[int]) -> list[bytes]:
         scene, cycle = self.scene, self.family.cycles[code]
@@ -304,9 +316,8 @@ class Resolver:
             self.active.end()
         self.missing = None
         lead: list[bytes] = []
-        if self._loud(
-            block, codes
-        ):  # G54, G20, T0101: they hold first, and the tracker says what they do
+        # G54, G20, T0101: they hold first, and the tracker says what they do
+        if self._loud(block, codes):
             lead, block = self._apart(block)
         scene.note(block)
         scene.block = block
@@ -364,7 +375,8 @@ class Resolver:
         ) and not (self.control is not None and all(c in self.control.codes for c in codes))
 
     def _apart(self, block: Block) -> tuple[list[bytes], Block]:
-        """The codes that change the coordinates in a line of their own, and the block without them."""
+        """The codes that change the coordinates in a line of their own, and the block without
+        them."""
         scene = self.scene
         first = {
             i
@@ -387,11 +399,11 @@ class Resolver:
             self.control is not None and code in self.control.codes
         )
 
-    # -- what leaves ---------------------------------------------------------------------------------------------------
+    # -- what leaves -------------------------------------------------------------------------------
 
     def _out(self, texts: list[bytes], loud: bool, places: bool = False) -> list[bytes]:
-        """Lines in the coordinates of the program, in those beneath. `loud`: the tracker must be asked anew behind
-        them; `places`: the scene has been told where the axes stand."""
+        """Lines in the coordinates of the program, in those beneath. `loud`: the tracker must be
+        asked anew behind them; `places`: the scene has been told where the axes stand."""
         control, lines = self.control, []
         for text in texts:
             block = Block.of(text, self.grammar)
@@ -461,7 +473,8 @@ def _polar(block: Block) -> bool:
 
 
 def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
-    """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned), a tool's offset."""
+    """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned),
+    a tool's offset."""
     codes, names = (
         [],
         [

@@ -1,8 +1,10 @@
-"""Sinumerik 840D programs written out: R parameters, variables, control structures, jumps, subprograms.
+"""Sinumerik 840D programs written out: R parameters, variables, control structures, jumps,
+subprograms.
 
-Lines come in the order in which the control executes them, with a number in the place of every expression; definitions,
-assignments, labels and control lines vanish. What only the control knows (system variables, variables of its memory, R
-parameters that the program has not set, subprograms that are not beside it) is refused by name and never guessed.
+Lines come in the order in which the control executes them, with a number in the place of every
+expression; definitions, assignments, labels and control lines vanish. What only the control knows
+(system variables, variables of its memory, R parameters that the program has not set, subprograms
+that are not beside it) is refused by name and never guessed.
 
 Source: Siemens "SINUMERIK 840D sl / 828D", programming manuals "Fundamentals" and "Job Planning".
 """
@@ -11,18 +13,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.siemens_blocks import Call, Jump, Statement, Target, assign
-from postproc.nc.expand.siemens_drilling import FEED, NAMES, Drilling, moves
+from postproc.nc.expand.siemens_drilling import Drilling
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, Source, read
+from postproc.nc.expand.siemens_frames import Frame, Repeat
+from postproc.nc.expand.siemens_holes import NAMES, Holes, missing
 from postproc.nc.expand.siemens_values import (
     EMPTY,
     LARGEST_ARRAY,
     Refusal,
     Scope,
+    Value,
     Variable,
     converted,
     equal,
@@ -33,65 +37,23 @@ from postproc.nc.expand.siemens_values import (
 )
 from postproc.nc.expand.tracker import Tracker
 
-# Words with a number, and a comment: nothing to execute. R and L are variables and calls, M2 M17 M30 end the program, and
-# codes for inch and millimetre change how numbers are written.
+# Words with a number, and a comment: nothing to execute. R and L are variables and calls, M2 M17
+# M30 end the program, and codes for inch and millimetre change how numbers are written.
 PLAIN = re.compile(
     rb"""[ \t]*+(?:(?:[A-FH-KNOPQS-Z](?:\d{0,2}+[ \t]*+=(?!=))?[ \t]*+[+-]?(?>\d++\.?\d*+|\.\d++)
     |G(?!0*(?:20|21|70|71|700|710)(?!\d))\d++(?:\.\d++)?|M(?!0*(?:2|17|30)(?!\d))\d++|CR[ \t]*+=[ \t]*+[+-]?(?>\d++\.?\d*+|\.\d++)
-    )[ \t]*+)*+(?:;.*+)?""",
+    )[ \t]*+)*+(?:;.*+)?""",  # noqa: E501
     re.VERBOSE | re.IGNORECASE,
 )
 UNITS = re.compile(r"(?<![A-Z_])G[ \t]*(?:=|0*(?:20|21|70|71|700|710)(?!\d))", re.IGNORECASE)
 FILE_NAME = re.compile(r"(?:.*/)?(?:_N_)?(.*?)(?:[_.](?:SPF|MPF|CYC))?", re.IGNORECASE | re.DOTALL)
 MOST_KEPT = 5_000  # lines of a program that are kept as they were understood
 MOST_PASSES = 9999
-NOT_HERE = "put its text beside the program (NAME.SPF or NAME.MPF), or write its motions out: it could move an axis"
-
-
-@dataclass
-class Repeat:
-    """A part of a program that runs again: first and last line, how often still, the line of the REPEAT."""
-
-    start: int
-    stop: int
-    left: int
-    back: int
-
-
-@dataclass
-class Frame:
-    """A program that is being executed: its lines, the next of them, its variables; how often it is to run again."""
-
-    source: Source
-    scope: Scope
-    at: int = 0
-    repeats: list[Repeat] = field(default_factory=list)
-    ends: dict[int, float] = field(
-        default_factory=dict
-    )  # end values of the FOR loops that run, by line
-    passes: int = 1
-    again: Callable[[], Scope] | None = None
-
-    def go(self, at: int, to: int) -> None:
-        """Control goes from line `at` to line `to`, or back to the begin of what is repeated."""
-        while self.repeats:
-            top = self.repeats[-1]
-            if at == top.stop and to == at + 1:
-                top.left -= 1
-                if top.left > 0:
-                    to = top.start
-                    break
-                self.repeats.pop()
-                at, to = top.back, top.back + 1
-            elif top.start <= to <= top.stop:
-                break
-            else:
-                self.repeats.pop()
-        self.at = to
 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
-    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the limits."""
+    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the
+    limits."""
     return Run(program, tracker, limits).lines()
 
 
@@ -106,9 +68,7 @@ class Run:
         self.scope = Scope(tracker, {}, {})
         main = Source(program.name, "", _without_end(program.lines()), self.skips)
         self.frames = [Frame(main, self.scope)]
-        self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.feed = b""  # the last F word that has left
-        self.hole: Drilling | None = None  # one that is to be drilled behind this line
+        self.holes = Holes(tracker)
 
     def lines(self) -> Iterator[Line]:
         """The plain lines."""
@@ -137,43 +97,37 @@ class Run:
                 text = self.execute(frame, raw)
             except Refusal as e:
                 raise self.fault(frame, at, raw, e) from None
-            except (
-                BlockFault
-            ) as e:  # the tracker has followed the lines up to here only when it was asked
+            # the tracker has followed the lines up to here only when it was asked
+            except BlockFault as e:
                 refusal = Refusal(
                     f"a line before this one can not be followed: {e.message}", e.advice
                 )
                 raise self.fault(frame, at, raw, refusal) from None
-            if text is not None or self.hole:
+            if text is not None or self.holes.called:
                 yield from self.drilled(
                     frame, Line(text or b"", at + 1, source.file), text is not None
                 )
 
     def drilled(self, frame: Frame, line: Line, own: bool = True) -> Iterator[Line]:
-        """A line, and the hole that is drilled behind it. own: whether the line itself is to be written."""
+        """A line, and the hole that is drilled behind it. own: whether the line itself is to be
+        written."""
         if own:
             yield line
-            self.feed = next((f[1] for f in FEED.finditer(line.text.split(b";")[0])), self.feed)
-        hole, self.hole = self.hole, None
-        if self.modal and self.modal[0] is frame and own and moves(line.text):
-            hole = self.modal[1]
-        if hole is None:
-            return
         try:
-            texts = hole.lines(self.tracker, self.feed)
+            for text in self.holes.behind(frame, line.text, own):
+                yield Line(text, line.source, line.file)
         except Refusal as e:
             raise self.fault(
                 frame, line.source - 1, frame.source.lines[line.source - 1], e
             ) from None
-        for text in texts:
-            yield Line(text, line.source, line.file)
 
     def fault(self, frame: Frame, at: int, raw: bytes, e: Refusal) -> ProgramError:
         """The error that a user meets."""
         return fault(frame.source.name, at + 1, raw, e.message, e.advice, e.start, e.stop)
 
     def execute(self, frame: Frame, raw: bytes) -> bytes | None:
-        """Execute the line at which the frame stands: its plain text, if any, and where control goes."""
+        """Execute the line at which the frame stands: its plain text, if any, and where control
+        goes."""
         at, scope = frame.at, frame.scope
         if self.skips and raw.lstrip(b" \t").startswith(b"/"):
             frame.go(at, at + 1)
@@ -207,7 +161,7 @@ class Run:
             self.jump(frame, statement.jumps)
         return None if text is None else raw if text == statement.text else text.encode("latin-1")
 
-    # -- where control goes ---------------------------------------------------------------------------------------------
+    # -- where control goes ------------------------------------------------------------------------
 
     def jump(self, frame: Frame, jumps: list[Jump]) -> None:
         """Go where the first jump leads whose condition is true; else to the next line."""
@@ -269,7 +223,7 @@ class Run:
         found = FILE_NAME.fullmatch(name)
         name = found[1] if found else name
         if name.upper() in NAMES and self.library(name) is None:
-            self.hole = self.drilling(frame, call)
+            self.holes.call(name.upper(), self.values(frame, call))
             frame.go(frame.at, frame.at + 1)
             return
         passes = 1 if call.count is None else rounded(call.count(frame.scope))
@@ -282,8 +236,7 @@ class Run:
             )
         source = self.library(name)
         if source is None:
-            message = f"{name} is neither a command that gcomp knows nor a subprogram that it has"
-            raise Refusal(message, NOT_HERE.replace("NAME", name), call.start, call.stop)
+            raise missing(name, call)
         self.nested(frame)
         if passes == 0:
             frame.go(frame.at, frame.at + 1)
@@ -304,7 +257,10 @@ class Run:
                 if parameter.reference and entry:
                     alias = outer.variables.get(entry.name)
                     if alias is None or alias.kind != parameter.kind:
-                        message = f"{parameter.name} of {name} takes a variable of type {parameter.kind} by its name"
+                        message = (
+                            f"{parameter.name} of {name} takes a variable of type {parameter.kind}"
+                            " by its name"
+                        )
                         raise Refusal(
                             message, "define one and give its name", entry.start, entry.stop
                         )
@@ -320,15 +276,15 @@ class Run:
 
         self.frames.append(Frame(source, scope(), passes=passes, again=scope))
 
-    def drilling(self, frame: Frame, call: Call) -> Drilling:
-        """A drilling cycle of the control with its values."""
-        return Drilling.of(
-            call.name.upper(), [entry.node(frame.scope) if entry else None for entry in call.values]
-        )
+    def values(self, frame: Frame, call: Call) -> list[Value | None]:
+        """What a call hands over, None: left out."""
+        return [entry.node(frame.scope) if entry else None for entry in call.values]
 
     def modal_call(self, frame: Frame, statement: Statement) -> None:
         """MCALL."""
-        self.modal = (frame, self.drilling(frame, statement.call)) if statement.call else None
+        call = statement.call
+        cycle = Drilling.of(call.name.upper(), self.values(frame, call)) if call else None
+        self.holes.modal = (frame, cycle) if cycle else None
         frame.go(frame.at, frame.at + 1)
 
     def library(self, name: str) -> Source | None:
@@ -354,7 +310,7 @@ class Run:
                     ) from None
         return ()
 
-    # -- control lines --------------------------------------------------------------------------------------------------
+    # -- control lines -----------------------------------------------------------------------------
 
     def nothing(self, frame: Frame, statement: Statement) -> None:
         """Lines that only mark a place."""
@@ -413,7 +369,8 @@ class Run:
         self.pass_on(frame, frame.at, target)
 
     def count_on(self, frame: Frame, statement: Statement) -> None:
-        """ENDFOR: the counter goes up by one, and the next pass begins while it is not above the end."""
+        """ENDFOR: the counter goes up by one, and the next pass begins while it is not above the
+        end."""
         begin = frame.source.partner(frame.at)
         target, _, last = self.counting(frame, begin).parts
         end = frame.ends.get(begin)
@@ -467,11 +424,22 @@ class Run:
 
 
 CONTROL: dict[str, Callable[[Run, Frame, Statement], None]] = {
-    **dict.fromkeys(("PROC", "EXTERN", "ENDIF", "LOOP"), Run.nothing), "REPEAT": Run.nothing, "DEF": Run.define,
-    "IF": Run.test, "WHILE": Run.test, "ELSE": Run.to_partner, "ENDLOOP": Run.to_partner, "ENDWHILE": Run.to_partner,
-    "UNTIL": Run.until, "FOR": Run.count, "ENDFOR": Run.count_on, "CASE": Run.case, "REPEAT SECTION": Run.repeat,
-    "REPEATB": Run.repeat, "MCALL": Run.modal_call,
-}  # fmt: skip
+    **dict.fromkeys(("PROC", "EXTERN", "ENDIF", "LOOP"), Run.nothing),
+    "REPEAT": Run.nothing,
+    "DEF": Run.define,
+    "IF": Run.test,
+    "WHILE": Run.test,
+    "ELSE": Run.to_partner,
+    "ENDLOOP": Run.to_partner,
+    "ENDWHILE": Run.to_partner,
+    "UNTIL": Run.until,
+    "FOR": Run.count,
+    "ENDFOR": Run.count_on,
+    "CASE": Run.case,
+    "REPEAT SECTION": Run.repeat,
+    "REPEATB": Run.repeat,
+    "MCALL": Run.modal_call,
+}
 
 
 def _without_end(found: list[bytes]) -> list[bytes]:

@@ -1,9 +1,11 @@
 """Sinumerik lines: what one says, ready to be executed as often as control comes by.
 
-    line = [ "/" digit ] [ "N" number ] [ label ":" ] { word | assignment | call | jump } [ ";" comment ]
+    line = [ "/" digit ] [ "N" number ] [ label ":" ] { word | assignment | call | jump } [ ";"
+    comment ]
 
-A line is cut only where something must be calculated; all between stays as it is. Commands of the language that are no
-subprograms (COMMANDS) pass as text: whether they can be followed is for the dialect to say.
+A line is cut only where something must be calculated; all between stays as it is. Commands of the
+language that are no subprograms (COMMANDS) pass as text: whether they can be followed is for the
+dialect to say.
 """
 
 from __future__ import annotations
@@ -34,9 +36,8 @@ WORD = re.compile(
     r"[ \t]*([A-Z])[ \t]*([+-]?(?>\d+\.?\d*|\.\d+))(EX[+-]?\d+)?(?![ \t]*(?:=(?!=)|\[|\())",
     re.IGNORECASE | re.ASCII,
 )
-NUMBERED = re.compile(
-    r"[ \t]*(L\d+)(?=[ \t]*\()", re.IGNORECASE | re.ASCII
-)  # L140(2): a subprogram with values
+# L140(2): a subprogram with values
+NUMBERED = re.compile(r"[ \t]*(L\d+)(?=[ \t]*\()", re.IGNORECASE | re.ASCII)
 PLAIN_VALUE = re.compile(r'[+-]?[ \t]*(?:\d+\.?\d*|\.\d+)|"[^"]*"', re.ASCII)
 DESTINATION = re.compile(
     r"[ \t]*:?([A-Z0-9_]+)(?![A-Z0-9_]|[ \t]*(?:<<|\[))", re.IGNORECASE | re.ASCII
@@ -53,8 +54,10 @@ JUMPS = ("GOTOF", "GOTOB", "GOTO", "GOTOC", "GOTOS")
 
 @dataclass(frozen=True)
 class Entry:
-    """A value within a line: its place, and how to calculate it. plain: it is a number or string and stays as it stands.
-    name: it is one name only, which is calculated if it is a variable. wrapped: it stands in IC( ), AC( ) ..."""
+    """A value within a line: its place, and how to calculate it. plain: it is a number or string
+    and stays as it stands.
+    name: it is one name only, which is calculated if it is a variable. wrapped: it stands in IC( ),
+    AC( ) ..."""
 
     start: int
     stop: int
@@ -80,7 +83,8 @@ class Target:
 
 @dataclass(frozen=True)
 class Right:
-    """What stands right of "=": one value, or a list for an array; kind: "", "SET" or "REP"; None: a gap in the list."""
+    """What stands right of "=": one value, or a list for an array; kind: "", "SET" or "REP"; None:
+    a gap in the list."""
 
     entries: list[Entry | None]
     kind: str = ""
@@ -88,7 +92,8 @@ class Right:
 
 @dataclass(frozen=True)
 class Jump:
-    """GOTOF and its kin: where to (a label or block number, or an expression that gives one), and on which condition."""
+    """GOTOF and its kin: where to (a label or block number, or an expression that gives one), and
+    on which condition."""
 
     kind: str
     target: str
@@ -112,8 +117,9 @@ class Call:
 
 @dataclass
 class Statement:
-    """A line. `pieces`: what is executed in this order, and the text that stands in its place then ("": none). `ends`: M2,
-    M17, M30. `control`: the keyword of a control line, and `parts` what belongs to it."""
+    """A line. `pieces`: what is executed in this order, and the text that stands in its place then
+    ("": none). `ends`: M2, M17, M30. `control`: the keyword of a control line, and `parts` what
+    belongs to it."""
 
     text: str
     code: int  # offset where the code ends and the comment begins
@@ -125,7 +131,8 @@ class Statement:
     parts: tuple = ()
 
     def written(self, scope: Scope) -> str | None:
-        """The line with numbers in it; None where nothing is left to write. Executes its assignments."""
+        """The line with numbers in it; None where nothing is left to write. Executes its
+        assignments."""
         if self.call or not self.pieces:
             return None if self.call else self.text
         out, at, removed = [], 0, False
@@ -200,7 +207,7 @@ def assign(scope: Scope, target: Target, right: Right) -> None:
             variable.values[place + i] = converted(variable.kind, value)
 
 
-# -- reading ------------------------------------------------------------------------------------------------------------
+# -- reading ---------------------------------------------------------------------------------------
 
 
 class Words(Parser):
@@ -375,7 +382,8 @@ class Words(Parser):
                 return found
 
     def index_entries(self, empty: bool = False) -> list[Entry]:
-        """What stands between brackets, if brackets follow; `empty`: nothing may (PO[ ], the denominator)."""
+        """What stands between brackets, if brackets follow; `empty`: nothing may (PO[ ], the
+        denominator)."""
         found: list[Entry] = []
         if self.taken("["):
             if empty and self.taken("]"):
@@ -391,7 +399,8 @@ class Words(Parser):
         return [e and self.free(e) for e in self.listed()] if self.taken("(") else []
 
     def free(self, entry: Entry) -> Entry:
-        """The same, but a number, a string or a lone name that is no variable stays as it stands."""
+        """The same, but a number, a string or a lone name that is no variable stays as it
+        stands."""
         token = TOKEN.fullmatch(self.text, entry.start, entry.stop)
         name = (token["name"] or "").upper() if token else ""
         return (
@@ -418,7 +427,10 @@ class Words(Parser):
         """A subprogram call with its values and passes; it stands alone in its line."""
         self.at = stop
         if others:
-            message = f"{name} is no word that gcomp knows, and a subprogram call stands alone in its line"
+            message = (
+                f"{name} is no word that gcomp knows, and a subprogram call stands alone in its"
+                " line"
+            )
             raise Refusal(
                 message, "correct the word, or put the call into a line of its own", start, stop
             )

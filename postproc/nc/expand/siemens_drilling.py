@@ -1,8 +1,10 @@
-"""Sinumerik's drilling cycles, called alone or behind every motion by MCALL: CYCLE81, CYCLE82, CYCLE83, CYCLE85.
+"""Sinumerik's drilling cycles, called alone or behind every motion by MCALL: CYCLE81, CYCLE82,
+CYCLE83, CYCLE85.
 
-Source: Siemens "SINUMERIK 840D sl / 828D", Programming Guide Cycles, "Drilling cycles" (sequence of operations, and for
-CYCLE83 "first drilling depth, degression"), and Programming Manual Job Planning, "Modal subroutine call (MCALL)". The G codes
-that were in force before a cycle hold behind it. Tapping stays what it is, and is refused: the spindle takes part in it.
+Source: Siemens "SINUMERIK 840D sl / 828D", Programming Guide Cycles, "Drilling cycles" (sequence of
+operations, and for CYCLE83 "first drilling depth, degression"), and Programming Manual Job
+Planning, "Modal subroutine call (MCALL)". The G codes that were in force before a cycle hold behind
+it. Tapping stays what it is, and is refused: the spindle takes part in it.
 """
 
 from __future__ import annotations
@@ -15,18 +17,17 @@ from postproc.nc.expand.siemens_values import Refusal, Value
 from postproc.nc.expand.tracker import Tracker, number
 
 NAMES = {
-    "CYCLE81": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE", "CYCLE82": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
-    "CYCLE83": "RTP RFP SDIS DP DPR FDEP FDPR DAM DTB DTS FRF VARI AXN MDEP VRT DTD DIS1 GMODE DMODE AMODE",
+    "CYCLE81": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
+    "CYCLE82": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
+    "CYCLE83": (
+        "RTP RFP SDIS DP DPR FDEP FDPR DAM DTB DTS FRF VARI AXN MDEP VRT DTD DIS1 GMODE DMODE AMODE"
+    ),
     "CYCLE85": "RTP RFP SDIS DP DPR DTB FFR RFF GMODE DMODE AMODE",
-}  # fmt: skip
+}
 AXIS = {170: "Z", 180: "Y", 190: "X"}
 DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE and AXN, for the axis of the hole
-SHALLOW, AHEAD, PART, MOST_AHEAD = (
-    30.0,
-    0.6,
-    50.0,
-    7.0,
-)  # mm: how far CYCLE83 keeps off the bottom that it has reached
+# mm: how far CYCLE83 keeps off the bottom that it has reached
+SHALLOW, AHEAD, PART, MOST_AHEAD = 30.0, 0.6, 50.0, 7.0
 CHIP = 1.0  # mm, by which it goes back to break chips
 MOST_STROKES = 10_000
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
@@ -125,16 +126,22 @@ class Drilling:
                 raise Refusal(f"{self.name} without {word}", "write its value")
         depth_by, dwell_by = int(g.get("AMODE", 0)) % 10, int(g.get("AMODE", 0)) // 10 % 10
         wrong = (
-            g.get("GMODE", 0) % 10 == 1 or depth_by > 2 or dwell_by > 1 or int(g.get("AMODE", 0)) >= 100
-            or g.get("DMODE", 0) not in (0, DIGIT[axis]) or g.get("AXN", 0) not in (0, DIGIT[axis])
-            or g.get("FRF", 0) not in (0, 1) or g.get("DTD", 0)
-        )  # fmt: skip
+            g.get("GMODE", 0) % 10 == 1
+            or depth_by > 2
+            or dwell_by > 1
+            or int(g.get("AMODE", 0)) >= 100
+            or g.get("DMODE", 0) not in (0, DIGIT[axis])
+            or g.get("AXN", 0) not in (0, DIGIT[axis])
+            or g.get("FRF", 0) not in (0, 1)
+            or g.get("DTD", 0)
+        )
         if wrong:
             values = ",".join(f"{k}={v:g}" for k, v in g.items())
             raise Refusal(f"{self.name} in a way that is not written out ({values})", WRITE_OUT)
 
     def _levels(self) -> tuple[float, float]:
-        """The level before the hole, and its bottom. A depth from the reference plane goes before one that is a place."""
+        """The level before the hole, and its bottom. A depth from the reference plane goes before
+        one that is a place."""
         g = self.given
         up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
         by = int(g.get("AMODE", 0)) % 10
@@ -183,7 +190,8 @@ class Drilling:
         raise Refusal(f"CYCLE83 takes more than {MOST_STROKES} strokes", "correct FDPR and DAM")
 
     def _pecks(self, inch: bool) -> Iterator[tuple[str, float]]:
-        """Code and place of what CYCLE83 does behind the rapid to the level; "" and seconds for a dwell."""
+        """Code and place of what CYCLE83 does behind the rapid to the level; "" and seconds for a
+        dwell."""
         g, (level, bottom) = self.given, self._levels()
         up = 1.0 if g["RTP"] >= g["RFP"] else -1.0
         unit = 25.4 if inch else 1.0

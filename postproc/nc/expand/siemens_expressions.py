@@ -1,11 +1,15 @@
-"""Sinumerik expressions: text to a callable that gives a number, a truth value, a string or an axis.
+"""Sinumerik expressions: text to a callable that gives a number, a truth value, a string or an
+axis.
 
-    expression = operand { operator operand }        evaluated by priority, equal ones from left to right
-    operand    = { "+" | "-" | NOT | B_NOT | "<<" } ( number | string | name | name "[" index "]" | name "(" values ")" |
+    expression = operand { operator operand }        evaluated by priority, equal ones from left to
+                                                     right
+    operand    = { "+" | "-" | NOT | B_NOT | "<<" } ( number | string | name | name "[" index "]" |
+               name "(" values ")" |
                  "(" expression ")" )
     number     = 12 | 1.5 | .5 | 1.5EX-3 | 'H0F' | 'B101'
 
-Names are the same in upper and lower case; R1 and R[1] are the same parameter. Source: as siemens_values.
+Names are the same in upper and lower case; R1 and R[1] are the same parameter. Source: as
+siemens_values.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Sinumerik program flow: what control lines say, and where in a program control goes from a line.
 
-Source: Siemens "SINUMERIK 840D sl / 828D Job Planning": program jumps, program section repetition, control structures,
-subprogram technique.
+Source: Siemens "SINUMERIK 840D sl / 828D Job Planning": program jumps, program section repetition,
+control structures, subprogram technique.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ REASONS = {
 
 @dataclass(frozen=True)
 class Declaration:
-    """A variable in a DEF: its type, the lengths of its dimensions, its initial values if any; and where it stands."""
+    """A variable in a DEF: its type, the lengths of its dimensions, its initial values if any; and
+    where it stands."""
 
     kind: str
     name: str
@@ -86,7 +87,7 @@ class Parameter:
     default: Node | None
 
 
-# -- control lines ------------------------------------------------------------------------------------------------------
+# -- control lines ---------------------------------------------------------------------------------
 
 
 def read(text: str) -> Statement:
@@ -202,12 +203,14 @@ def _type(words: Words) -> str:
     return kind
 
 
-def _name(words: Words) -> tuple[str, int]:
+def _name(words: Words, subprogram: bool = False) -> tuple[str, int]:
+    """A name, and where it stands; of a subprogram it may be L140, too."""
     token = words.next()
     if token is None or not token["name"] or token["name"][0] == "$":
         raise words.wrong("a name is missing")
     name = "".join(token["name"].upper().split())
-    if (len(name) == 1 or name[1:].isdigit()) and name[0] != "R":
+    lawful = name[0] == "R" or (subprogram and name[0] == "L" and len(name) > 1)
+    if (len(name) == 1 or name[1:].isdigit()) and not lawful:
         raise words.wrong(
             f"{name} is an address", "the first two characters of a name are letters or underscores"
         )
@@ -231,7 +234,7 @@ def _define(words: Words) -> None:
 
 
 def _procedure(words: Words) -> None:
-    name, _ = _name(words)
+    name, _ = _name(words, subprogram=True)
     found: list[Parameter] = []
     if words.taken("(") and not words.taken(")"):
         while True:
@@ -280,17 +283,28 @@ def _call(words: Words) -> None:
 
 READERS: dict[str, Callable[[Words], None]] = {
     **dict.fromkeys(("ELSE", "ENDIF", "LOOP", "ENDLOOP", "ENDWHILE", "ENDFOR"), lambda words: None),
-    "WHILE": _condition, "UNTIL": _condition, "FOR": _for, "REPEAT": _repeat, "REPEATB": _repeat, "CASE": _case,
-    "DEF": _define, "PROC": _procedure, "EXTERN": lambda words: setattr(words, "at", len(words.text)), "RET": _return,
-    "CALL": _call, "PCALL": _call, "EXTCALL": _call,
-}  # fmt: skip
+    "WHILE": _condition,
+    "UNTIL": _condition,
+    "FOR": _for,
+    "REPEAT": _repeat,
+    "REPEATB": _repeat,
+    "CASE": _case,
+    "DEF": _define,
+    "PROC": _procedure,
+    "EXTERN": lambda words: setattr(words, "at", len(words.text)),
+    "RET": _return,
+    "CALL": _call,
+    "PCALL": _call,
+    "EXTCALL": _call,
+}
 
 
-# -- where control goes -------------------------------------------------------------------------------------------------
+# -- where control goes ----------------------------------------------------------------------------
 
 
 class Source:
-    """A program's lines (text), with what is found in them when it is first asked for. `skips`: blocks with "/" are left out."""
+    """A program's lines (text), with what is found in them when it is first asked for. `skips`:
+    blocks with "/" are left out."""
 
     def __init__(self, name: str, file: str, lines: list[bytes], skips: bool):
         self.name, self.file, self.lines, self.skips = name, file, lines, skips
@@ -309,8 +323,8 @@ class Source:
 
     @cached_property
     def partners(self) -> dict[int, int | str]:
-        """For each line of a control structure the line that it depends on: IF its ELSE or ENDIF, ELSE its ENDIF, a loop's
-        begin its end and the other way round; or what is wrong with it."""
+        """For each line of a control structure the line that it depends on: IF its ELSE or ENDIF,
+        ELSE its ENDIF, a loop's begin its end and the other way round; or what is wrong with it."""
         found: dict[int, int | str] = {}
         opened: list[tuple[str, int]] = []
         for i, line in enumerate(self.lines):
@@ -339,7 +353,8 @@ class Source:
         return found
 
     def partner(self, at: int) -> int:
-        """The line that a line of a control structure depends on. Raises Refusal where the structure is broken."""
+        """The line that a line of a control structure depends on. Raises Refusal where the
+        structure is broken."""
         found = self.partners.get(at, "this is no part of a control structure")
         if isinstance(found, str):
             raise Refusal(
@@ -348,7 +363,8 @@ class Source:
         return found
 
     def destination(self, jump: Jump, target: str, at: int) -> int | None:
-        """The line that a jump leads to. None: GOTOC finds none. Raises Refusal where there is none."""
+        """The line that a jump leads to. None: GOTOC finds none. Raises Refusal where there is
+        none."""
         if jump.kind == "GOTOS":
             return 0
         name = target.lstrip(":").upper()

@@ -1,8 +1,10 @@
-"""Sinumerik values: types and their conversions, variables and arrays, what operators and functions give.
+"""Sinumerik values: types and their conversions, variables and arrays, what operators and functions
+give.
 
-Sources: Siemens "SINUMERIK 840D sl / 828D Job Planning", chapter "Flexible NC programming": user variables, arithmetic
-functions, priority of the operations (comparisons bind least, so `A==1 AND B==1` is `A==(1 AND B)==1`), relative equality
-of comparisons, possible type conversions. Angles are degrees.
+Sources: Siemens "SINUMERIK 840D sl / 828D Job Planning", chapter "Flexible NC programming": user
+variables, arithmetic functions, priority of the operations (comparisons bind least, so `A==1 AND
+B==1` is `A==(1 AND B)==1`), relative equality of comparisons, possible type conversions. Angles are
+degrees.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ EQUAL = 1e-12  # relative difference below which numbers count as equal
 
 
 class Refusal(Exception):
-    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0: the whole of it)."""
+    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0:
+    the whole of it)."""
 
     def __init__(self, message: str, advice: str, start: int = 0, stop: int = 0):
         super().__init__(message)
@@ -40,8 +43,8 @@ Value = float | int | bool | str | Axis
 
 @dataclass
 class Variable:
-    """A variable or an array: its type ("REAL", "INT", "BOOL", "CHAR", "STRING", "AXIS"), the length of each dimension, and
-    the values, last index fastest; None: has none."""
+    """A variable or an array: its type ("REAL", "INT", "BOOL", "CHAR", "STRING", "AXIS"), the
+    length of each dimension, and the values, last index fastest; None: has none."""
 
     kind: str
     shape: tuple[int, ...] = ()
@@ -77,9 +80,11 @@ EMPTY: dict[str, Value | None] = {
 
 @dataclass
 class Scope:
-    """What a line can see: the program's own variables, by upper case name, and the R parameters of the channel.
+    """What a line can see: the program's own variables, by upper case name, and the R parameters of
+    the channel.
 
-    decimals: how many are written behind an address, as far as asked for; inner: whether this is a subprogram."""
+    decimals: how many are written behind an address, as far as asked for; inner: whether this is a
+    subprogram."""
 
     tracker: Tracker
     parameters: dict[int, Variable]
@@ -115,11 +120,12 @@ def undefined(name: str) -> Refusal:
     """That a name is neither defined in the program nor a word of the language."""
     return Refusal(
         f"{name} is not defined in this program",
-        f"a variable that the control holds: write DEF REAL {name}=... at the top; an axis: name it in the machine's file",
+        f"a variable that the control holds: write DEF REAL {name}=... at the top; an axis: name it"
+        " in the machine's file",
     )
 
 
-# -- values -------------------------------------------------------------------------------------------------------------
+# -- values ----------------------------------------------------------------------------------------
 
 
 def numeric(value: Value) -> float | int:
@@ -163,7 +169,8 @@ def text_of(value: Value) -> str:
 
 
 def converted(kind: str, value: Value) -> Value:
-    """A value as a variable of this type holds it. Raises Refusal where the manual's table has no conversion."""
+    """A value as a variable of this type holds it. Raises Refusal where the manual's table has no
+    conversion."""
     if kind in ("STRING", "AXIS"):
         if not isinstance(value, str if kind == "STRING" else Axis):
             raise Refusal(
@@ -198,7 +205,7 @@ def fitting(value: float | int) -> float | int:
     return float(value)
 
 
-# -- operators and functions --------------------------------------------------------------------------------------------
+# -- operators and functions -----------------------------------------------------------------------
 
 
 def equal(a: Value, b: Value) -> bool:
@@ -263,7 +270,9 @@ def _exponential(value: Value) -> float:
 
 BINARY: dict[str, tuple[int, Callable[[Value, Value], Value]]] = {
     "*": (10, lambda a, b: fitting(numeric(a) * numeric(b))),
-    "/": (10, _divide), "DIV": (10, _whole_divide), "MOD": (10, _modulo),
+    "/": (10, _divide),
+    "DIV": (10, _whole_divide),
+    "MOD": (10, _modulo),
     "+": (9, lambda a, b: fitting(numeric(a) + numeric(b))),
     "-": (9, lambda a, b: fitting(numeric(a) - numeric(b))),
     "B_AND": (8, lambda a, b: rounded(a) & rounded(b)),
@@ -273,29 +282,44 @@ BINARY: dict[str, tuple[int, Callable[[Value, Value], Value]]] = {
     "XOR": (4, lambda a, b: truth(a) != truth(b)),
     "OR": (3, lambda a, b: truth(a) or truth(b)),
     "<<": (2, lambda a, b: text_of(a) + text_of(b)),
-    "==": (1, equal), "<>": (1, lambda a, b: not equal(a, b)), "<": (1, less), ">": (1, lambda a, b: less(b, a)),
-    "<=": (1, lambda a, b: less(a, b) or equal(a, b)), ">=": (1, lambda a, b: less(b, a) or equal(a, b)),
-}  # fmt: skip
+    "==": (1, equal),
+    "<>": (1, lambda a, b: not equal(a, b)),
+    "<": (1, less),
+    ">": (1, lambda a, b: less(b, a)),
+    "<=": (1, lambda a, b: less(a, b) or equal(a, b)),
+    ">=": (1, lambda a, b: less(b, a) or equal(a, b)),
+}
 UNARY: dict[str, Callable[[Value], Value]] = {
-    "+": numeric, "-": lambda a: -numeric(a), "NOT": lambda a: not truth(a), "B_NOT": lambda a: ~rounded(a),
+    "+": numeric,
+    "-": lambda a: -numeric(a),
+    "NOT": lambda a: not truth(a),
+    "B_NOT": lambda a: ~rounded(a),
     "<<": text_of,
-}  # fmt: skip
+}
 FUNCTIONS: dict[str, tuple[int, Callable[..., Value]]] = {
-    "SIN": (1, lambda a: math.sin(math.radians(numeric(a)))), "COS": (1, lambda a: math.cos(math.radians(numeric(a)))),
-    "TAN": (1, _tangent), "ASIN": (1, lambda a: math.degrees(math.asin(_within(a, -1, 1, "ASIN")))),
+    "SIN": (1, lambda a: math.sin(math.radians(numeric(a)))),
+    "COS": (1, lambda a: math.cos(math.radians(numeric(a)))),
+    "TAN": (1, _tangent),
+    "ASIN": (1, lambda a: math.degrees(math.asin(_within(a, -1, 1, "ASIN")))),
     "ACOS": (1, lambda a: math.degrees(math.acos(_within(a, -1, 1, "ACOS")))),
     "ATAN2": (2, lambda a, b: math.degrees(math.atan2(numeric(a), numeric(b)))),
-    "SQRT": (1, lambda a: math.sqrt(_within(a, 0, math.inf, "SQRT"))), "ABS": (1, lambda a: abs(numeric(a))),
-    "POT": (1, lambda a: fitting(numeric(a) * numeric(a))), "TRUNC": (1, lambda a: math.trunc(numeric(a))),
-    "ROUND": (1, rounded), "LN": (1, lambda a: math.log(_within(a, 5e-324, math.inf, "LN"))), "EXP": (1, _exponential),
-    "MINVAL": (2, lambda a, b: min(numeric(a), numeric(b))), "MAXVAL": (2, lambda a, b: max(numeric(a), numeric(b))),
+    "SQRT": (1, lambda a: math.sqrt(_within(a, 0, math.inf, "SQRT"))),
+    "ABS": (1, lambda a: abs(numeric(a))),
+    "POT": (1, lambda a: fitting(numeric(a) * numeric(a))),
+    "TRUNC": (1, lambda a: math.trunc(numeric(a))),
+    "ROUND": (1, rounded),
+    "LN": (1, lambda a: math.log(_within(a, 5e-324, math.inf, "LN"))),
+    "EXP": (1, _exponential),
+    "MINVAL": (2, lambda a, b: min(numeric(a), numeric(b))),
+    "MAXVAL": (2, lambda a, b: max(numeric(a), numeric(b))),
     "BOUND": (3, lambda low, high, a: min(max(numeric(a), numeric(low)), numeric(high))),
-}  # fmt: skip
+}
 POSITIONS = {"$AA_IW": True, "$P_EP": True, "$AA_IM": False}  # whether in work coordinates
 
 
 def position(scope: Scope, name: str, axis: Value) -> float:
-    """Where an axis stands: $AA_IW, $P_EP (work) or $AA_IM (machine). Raises Refusal where nobody knows."""
+    """Where an axis stands: $AA_IW, $P_EP (work) or $AA_IM (machine). Raises Refusal where nobody
+    knows."""
     if not isinstance(axis, Axis) or axis.name not in scope.tracker.setup.axes:
         shown = axis.name if isinstance(axis, Axis) else "its index"
         raise Refusal(

@@ -1,9 +1,13 @@
-"""Where the program stands, for those who must know while it is written out: variables that hold positions, and cycles.
+"""Where the program stands, for those who must know while it is written out: variables that hold
+positions, and cycles.
 
-Plain lines are only collected until somebody asks; then the one interpreter runs over them as a batch.
+Plain lines are only collected until somebody asks; then the one interpreter runs over them as a
+batch.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 from postproc.errors import BlockFault
 from postproc.motions import Motions
@@ -23,9 +27,15 @@ class Tracker:
         self.setup, self.dialect = interpreter.setup, interpreter.dialect
         self._state = interpreter.initial()
         self._next = NOTHING_AHEAD
-        self._waiting: list[bytes] = [
-            b""
-        ]  # a first block, so that the zero in force is known from the start
+        # a block with numbers in place of its expressions, as they are now; None: it is more
+        self.rendered: Callable[[bytes], bytes | None] = lambda raw: None
+        # a first block, so that the zero in force is known from the start
+        self._waiting: list[bytes] = [b""]
+
+    @property
+    def counts(self) -> bool:
+        """Whether a length without a decimal point counts least increments."""
+        return (self.setup.integers or self.dialect.integers) == "least increments"
 
     def take(self, line: bytes) -> None:
         """A plain line (without its end) that the control executes now. A "%" line is no block."""
@@ -34,7 +44,8 @@ class Tracker:
 
     @property
     def state(self) -> ModalState:
-        """The modal state behind the last line taken. Raises BlockFault for one that is no plain block."""
+        """The modal state behind the last line taken. Raises BlockFault for one that is no plain
+        block."""
         line, behind = self._next  # looked at ahead
         if behind is not None and self._waiting == [line]:
             self._state, self._next, self._waiting = behind, NOTHING_AHEAD, []
@@ -63,7 +74,8 @@ class Tracker:
         return motions, state
 
     def code(self, group: str) -> int:
-        """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...), -1: none yet."""
+        """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...),
+        -1: none yet."""
         return int(self.state.codes.get(group, -1))
 
     @property
@@ -78,7 +90,8 @@ class Tracker:
         return axis in self.setup.diameter
 
     def work(self, axis: str) -> float | None:
-        """The programmed coordinate (program's unit, diameter where such) at which the axis stands, None: not known."""
+        """The programmed coordinate (program's unit, diameter where such) at which the axis stands,
+        None: not known."""
         state, row = self.state, self.setup.axes.index(axis)
         if not state.known[row] or state.origin is None or not state.zero_known:
             return None
@@ -93,12 +106,14 @@ class Tracker:
         return float(state.position[row] / TICKS_PER_MM) if state.known[row] else None
 
     def offset(self, name: str, axis: str) -> float | None:
-        """mm: a work or tool offset ("G54", "T0101", "H1") as stated or as set by the program, None: not stated."""
+        """mm: a work or tool offset ("G54", "T0101", "H1") as stated or as set by the program,
+        None: not stated."""
         place = self.state.offsets.get(name) or self.setup.offsets.get(name)
         return None if place is None else place.get(axis, 0.0)
 
     def decimals(self, letter: str) -> int:
-        """How many decimals a number behind this letter is written with: a least increment for an axis, more elsewhere."""
+        """How many decimals a number behind this letter is written with: a least increment for an
+        axis, more elsewhere."""
         if letter in "XYZABCUVWIJKRE":
             least = min(self.setup.least_increment.values(), default=1e-4)
             return (
@@ -110,7 +125,8 @@ class Tracker:
 
 
 def number(value: float, decimals: int) -> str:
-    """A number as controls read it: no exponent, always a point, no zeros behind that say nothing, never minus zero."""
+    """A number as controls read it: no exponent, always a point, no zeros behind that say nothing,
+    never minus zero."""
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0") if "." in text else text + "."
     return text[1:] if text in ("-0.", "-0") else text

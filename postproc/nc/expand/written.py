@@ -1,4 +1,5 @@
-"""The whole of an expansion: a program in, plain text out in portions, and for every plain line where it came from."""
+"""The whole of an expansion: a program in, plain text out in portions, and for every plain line
+where it came from."""
 
 from __future__ import annotations
 
@@ -17,9 +18,10 @@ LINES_AT_ONCE = 4000
 
 
 class Written:
-    """A program written out for one dialect and set-up. Iterate over it once; `source(n)` then tells of plain line n
-    (from 1) the line and file that it came from. `keeps`: whether a drilling cycle's block can stay, by what it
-    drills (None: every one is written out); `tolerance`: mm, by which the lines of a spline may leave it."""
+    """A program written out for one dialect and set-up. Iterate over it once; `source(n)` then
+    tells of plain line n (from 1) the line and file that it came from. `keeps`: whether a drilling
+    cycle's block can stay, by what it drills (None: every one is written out); `tolerance`: mm, by
+    which the lines of a spline may leave it."""
 
     def __init__(
         self,
@@ -80,8 +82,8 @@ class Written:
         return len(self._sources)
 
     def own_line(self, line: int, file: str) -> str | None:
-        """A line (from 1) of the program, or of the file that it calls, as it was written by hand; None where there is
-        none."""
+        """A line (from 1) of the program, or of the file that it calls, as it was written by hand;
+        None where there is none."""
         if file not in self._texts:
             text = self.program.text
             if file:

@@ -27,10 +27,18 @@ gcomp.resolved = function (value) {
 
 gcomp.narrow = () => window.innerWidth < 640;
 
-gcomp.layout = function (own, height) {
+/* In a narrow window a figure whose axes have one scale, or a round one, needs less height. */
+gcomp.height = function (figure) {
+  const width = document.getElementById(figure.id).clientWidth;
+  if (!gcomp.narrow()) return figure.height;
+  if (figure.layout.polar) return Math.min(figure.height, width + 90);
+  return figure.shape ? Math.min(figure.height, Math.round((width - 110) * figure.shape) + 120) : figure.height;
+};
+
+gcomp.layout = function (own, height, node) {
   const narrow = gcomp.narrow();
   const base = {
-    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", height,
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", height, width: node.clientWidth,
     font: { family: gcomp.colour("font"), size: narrow ? 11 : 12, color: gcomp.colour("ink") },
     margin: narrow ? { l: 44, r: 8, t: 8, b: 40 } : { l: 60, r: 16, t: 8, b: 46 },
     showlegend: true, legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", bgcolor: "rgba(0,0,0,0)" },
@@ -40,14 +48,17 @@ gcomp.layout = function (own, height) {
   };
   const layout = Object.assign(base, gcomp.resolved(own));
   if (narrow && own.legend) layout.legend = base.legend;
+  if (narrow && layout.annotations) layout.annotations = layout.annotations.map((a) => Object.assign({}, a, a.brief ? { text: a.brief } : {}));
   return layout;
 };
 
-gcomp.config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+gcomp.config = { displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
 
 gcomp.draw = function (figure) {
-  const node = document.getElementById(figure.id);
-  const layout = gcomp.layout(figure.layout, figure.height);
+  const node = document.getElementById(figure.id), height = gcomp.height(figure);
+  node.style.height = height + "px";
+  const layout = gcomp.layout(figure.layout, height, node);
+  if (gcomp.narrow() && figure.shape) layout.margin.l = 60;
   if (figure.log !== null) layout.yaxis = Object.assign({}, layout.yaxis, figure.log ? { type: "log", dtick: 1 } : { type: "linear" });
   return Plotly.react(node, gcomp.resolved(figure.data), layout, gcomp.config).then(() => {
     if (node.dataset.ready) return;
@@ -73,8 +84,8 @@ gcomp.themes = function () {
     show(order[at]);
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => gcomp.all());
-  window.addEventListener("beforeprint", () => show("light"));
-  window.addEventListener("afterprint", () => show(order[at]));
+  window.addEventListener("beforeprint", () => { root.dataset.print = "1"; show("light"); });
+  window.addEventListener("afterprint", () => { delete root.dataset.print; show(order[at]); });
 };
 
 /* The library reads back what it draws of letters in space; the browser asks to be told so beforehand. */
@@ -110,8 +121,11 @@ gcomp.start = async function () {
   document.querySelectorAll("button.pick").forEach((b) => b.addEventListener("click", () => gcomp.pick && gcomp.pick(Number(b.dataset.line))));
   if (gcomp.begin) gcomp.begin();
   gcomp.themes();
-  let wide = gcomp.narrow();
-  window.addEventListener("resize", () => { if (gcomp.narrow() !== wide) { wide = gcomp.narrow(); gcomp.all(); } });
+  let later = 0;
+  window.addEventListener("resize", () => {
+    clearTimeout(later);
+    later = setTimeout(gcomp.all, 100);
+  });
   await gcomp.all();
   document.documentElement.dataset.drawn = "1";
 };

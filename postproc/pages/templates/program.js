@@ -74,11 +74,14 @@
   }
 
   function layout(axes) {
-    const path = gcomp.data.path, title = (axis) => ({ text: path.axes[axis] + ", mm" });
+    const path = gcomp.data.path, title = (axis, bare) => ({ text: path.axes[axis] + (bare ? "" : ", mm") });
     const grid = { gridcolor: "@grid", zerolinecolor: "@rule", linecolor: "@rule" };
     if (axes.length === 3) {
-      const scene = { aspectmode: "data", bgcolor: "rgba(0,0,0,0)", camera: view.camera };
-      ["xaxis", "yaxis", "zaxis"].forEach((name, k) => { scene[name] = Object.assign({ title: title(axes[k]), color: "@ink" }, grid); });
+      /* Far enough off that the names of all three axes are in the picture. */
+      const far = gcomp.narrow() ? 1.95 : 1.45;
+      const camera = { eye: { x: far, y: far, z: far }, center: { x: 0, y: 0, z: -0.12 } };
+      const scene = { aspectmode: "data", bgcolor: "rgba(0,0,0,0)", camera };
+      ["xaxis", "yaxis", "zaxis"].forEach((name, k) => { scene[name] = Object.assign({ title: title(axes[k], gcomp.narrow()), color: "@ink", nticks: 6 }, grid); });
       return { scene, uirevision: view.name };
     }
     const flat = { uirevision: view.name };
@@ -104,7 +107,7 @@
     document.getElementById("times").textContent = factor(view.step).toLocaleString("en");
     const height = heightOf(axes, node.clientWidth);
     node.style.height = height + "px";
-    return Plotly.react(node, traces(), gcomp.layout(layout(axes), height), gcomp.config).then(() => {
+    return Plotly.react(node, traces(), gcomp.layout(layout(axes), height, node), gcomp.config).then(() => {
       if (node.dataset.ready) return;
       node.dataset.ready = "1";
       node.on("plotly_click", (event) => {

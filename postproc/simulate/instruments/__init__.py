@@ -1,7 +1,9 @@
-"""Instruments: what each would have read while a program ran. One file an instrument, found by its name.
+"""Instruments: what each would have read while a program ran. One file an instrument, found by its
+name.
 
-A module holds TITLE, what it is; SETTINGS, name to meaning, with the unit; and measure(reality, settings) -> Signal: the
-reading without noise. Noise, set-up zero and resolution are the same for all and come here.
+A module holds TITLE, what it is; SETTINGS, name to meaning, with the unit; and measure(reality,
+settings) -> Signal: the reading without noise. Noise, set-up zero and resolution are the same for
+all and come here.
 """
 
 from __future__ import annotations
@@ -26,8 +28,9 @@ MOST = 5_000_000  # samples
 
 @dataclass(frozen=True)
 class Signal:
-    """A recording without noise. kind, head, columns as in the contract of recordings; noisy: column to the micrometres (or
-    urad) of one of its units; state: of the rows; channels: which of its channels are recorded."""
+    """A recording without noise. kind, head, columns as in the contract of recordings; noisy:
+    column to the micrometres (or urad) of one of its units; state: of the rows; channels: which of
+    its channels are recorded."""
 
     kind: str
     head: dict[str, Any]
@@ -39,9 +42,11 @@ class Signal:
 
 @dataclass(frozen=True)
 class Noise:
-    """What a reading suffers from. size: um or urad, standard deviation; tails: degrees of freedom of Student's t, 0: Gaussian;
-    resolution: um or urad, 0: none; zero: um or urad of the set-up, "first" (the first reading is zero) or "random"
-    (Gaussian, `spread` um); seed; sensors: K, standard deviation of recorded temperatures."""
+    """What a reading suffers from. size: um or urad, standard deviation; tails: degrees of freedom
+    of Student's t, 0: Gaussian;
+    resolution: um or urad, 0: none; zero: um or urad of the set-up, "first" (the first reading is
+    zero) or "random" (Gaussian, `spread` um); seed; sensors: K, standard deviation of recorded
+    temperatures."""
 
     size: float = 0.0
     tails: float = 0.0
@@ -121,9 +126,11 @@ def load(name: str) -> ModuleType:
 def recorded(
     signal: Signal, noise: Noise, head: Mapping[str, Any], without: tuple[str, ...] = ()
 ) -> Recording:
-    """The recording that the instrument would have written. head: further keys; without: channels that nobody recorded.
+    """The recording that the instrument would have written. head: further keys; without: channels
+    that nobody recorded.
 
-    One seed gives one recording, whatever else is asked for: noise first, then the zero, then the sensors.
+    One seed gives one recording, whatever else is asked for: noise first, then the zero, then the
+    sensors.
     """
     rng = np.random.default_rng(noise.seed)
     n = len(next(iter(signal.columns.values()), np.zeros(0)))

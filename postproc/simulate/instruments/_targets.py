@@ -22,8 +22,9 @@ STILL = 1e-6  # mm
 
 @dataclass(frozen=True)
 class Captures:
-    """N captures. state: of the rows; piece (N,): of the path; moving: the axes that travel, the one with the longest way
-    first; feed (N,) mm/min: of the motion that led there, nan of a rapid."""
+    """N captures. state: of the rows; piece (N,): of the path; moving: the axes that travel, the
+    one with the longest way first; feed (N,) mm/min: of the motion that led there, nan of a
+    rapid."""
 
     state: State
     piece: np.ndarray
@@ -49,7 +50,8 @@ def captures(reality: Reality, settings: Settings) -> Captures:
     if not len(piece):
         raise GcompError(
             f"the program never rests for {least:g} s, so nothing is captured",
-            f"its longest rest is {wait.max(initial=0.0):g} s: --set dwell=..., or G4 at every target",
+            f"its longest rest is {wait.max(initial=0.0):g} s: --set dwell=..., or G4 at every"
+            " target",
         )
     place = {
         x: path.begin[i, piece] for i, x in enumerate(path.letters) if x in reality.machine.letters
@@ -80,7 +82,8 @@ def captures(reality: Reality, settings: Settings) -> Captures:
 
 
 def _passages(place: np.ndarray, approach: np.ndarray) -> np.ndarray:
-    """(N,) 1, 2, ...: there and back is one run; a new one begins where the travel goes the first way again."""
+    """(N,) 1, 2, ...: there and back is one run; a new one begins where the travel goes the first
+    way again."""
     known = approach[approach != 0]
     first = known[0] if len(known) else 1.0
     run, result = 1, [1]
@@ -104,7 +107,8 @@ def _feeds(reality: Reality, piece: np.ndarray) -> np.ndarray:
 
 
 def direction(captures: Captures, settings: Settings) -> np.ndarray:
-    """(3,) unit vector along which is measured: as set, else from the first target to the one farthest from it."""
+    """(3,) unit vector along which is measured: as set, else from the first target to the one
+    farthest from it."""
     given = settings.place("along")
     vector = np.array([given.get(x, 0.0) for x in XYZ])
     if not given:

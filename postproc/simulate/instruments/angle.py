@@ -1,4 +1,5 @@
-"""Angular optics or a level: rotation of the axis that travels, about a direction, captured at rest.
+"""Angular optics or a level: rotation of the axis that travels, about a direction, captured at
+rest.
 
 The rotation is the one of that axis' table; no effect of the library turns an axis.
 """

@@ -1,6 +1,8 @@
-"""Ballbar: distance of the tool from a centre while it goes round (ISO 230-4). What leads in and out is not recorded.
+"""Ballbar: distance of the tool from a centre while it goes round (ISO 230-4). What leads in and
+out is not recorded.
 
-Of a run of more than one turn the middle turn is kept, so that the overshoot at both ends falls away.
+Of a run of more than one turn the middle turn is kept, so that the overshoot at both ends falls
+away.
 """
 
 from __future__ import annotations
@@ -18,7 +20,9 @@ SETTINGS = {
     "rate": "Hz, samples (250)",
     "centre_um": "X3,Y-2: um, by which the set-up misses the centre",
 }
-SAME = 2e-3  # mm: arcs whose centre and radius differ by less are the same circle, to the rounding of their words
+# mm: arcs whose centre and radius differ by less are the same circle, to the rounding of their
+# words
+SAME = 2e-3
 
 
 def measure(reality: Reality, settings: Settings) -> Signal:
@@ -48,7 +52,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     keep &= (missed < SAME) & (np.abs(c.r0 - radius) < SAME) & (np.abs(c.r1 - radius) < SAME)
     if not keep.any():
         place = ", ".join(f"{x} {v:g}" for x, v in centre.items())
-        raise GcompError(f"no arc has its centre at {place} and the radius {radius:g} mm", "--set centre=X0,Y0 --set radius=100")  # fmt: skip
+        raise GcompError(
+            f"no arc has its centre at {place} and the radius {radius:g} mm",
+            "--set centre=X0,Y0 --set radius=100",
+        )
     sense = np.where(first == rows[0], 1.0, -1.0) * np.sign(c.sweep)
     piece, sense, sweep = piece[keep], sense[keep], np.abs(c.sweep[keep])
     run = np.cumsum(np.concatenate([[0], (np.diff(piece) != 1) | (np.diff(sense) != 0)]))
@@ -94,7 +101,8 @@ def _turned(c, at: np.ndarray, names: list) -> np.ndarray:
 
 
 def _middle(timeline, piece: np.ndarray, sweep: np.ndarray) -> tuple[float, float]:
-    """s: begin and end of the middle turn of a run, or of all of it where it is no more than one."""
+    """s: begin and end of the middle turn of a run, or of all of it where it is no more than
+    one."""
     plan, path = timeline.plan, timeline.path
     begin, end = float(plan.start[piece[0]]), float(plan.start[piece[-1] + 1])
     total = float(sweep.sum())

@@ -1,4 +1,5 @@
-"""Laser interferometer: displacement along a direction (positioning of one axis, a diagonal of several), captured at rest."""
+"""Laser interferometer: displacement along a direction (positioning of one axis, a diagonal of
+several), captured at rest."""
 
 from __future__ import annotations
 
@@ -24,6 +25,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     if np.isnan(found.feed).all():
         del columns["feed_mm_min"]
     return Signal(
-        "targets", targets.head(found, vector, "displacement", TITLE), columns, {"reading_um": 1.0}, state,
+        "targets",
+        targets.head(found, vector, "displacement", TITLE),
+        columns,
+        {"reading_um": 1.0},
+        state,
         channel_names(state),
-    )  # fmt: skip
+    )

@@ -1,4 +1,5 @@
-"""Axis log: commanded and actual position of every slide at a sample rate, as the axis' own scale or an instrument at the tool sees it."""
+"""Axis log: commanded and actual position of every slide at a sample rate, as the axis' own scale
+or an instrument at the tool sees it."""
 
 from __future__ import annotations
 
@@ -11,7 +12,9 @@ from postproc.simulate.instruments import MOST, Settings, Signal, channel_names
 TITLE = "axis log"
 SETTINGS = {
     "rate": "Hz, samples (1000)",
-    "sees": "scale (the axis' own, without the geometric tables) or tool (an instrument at the tool)",
+    "sees": (
+        "scale (the axis' own, without the geometric tables) or tool (an instrument at the tool)"
+    ),
     "from": "s, of the program, where the recording begins (0)",
     "to": "s, where it ends (its end)",
 }

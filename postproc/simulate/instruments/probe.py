@@ -1,6 +1,8 @@
-"""Coordinate measuring machine or probe: sizes and distances of features of a part, after each part that was made.
+"""Coordinate measuring machine or probe: sizes and distances of features of a part, after each part
+that was made.
 
-A feature of n mm lies on its axis, half of n on either side of the middle of the travel; the program gives time and heat.
+A feature of n mm lies on its axis, half of n on either side of the middle of the travel; the
+program gives time and heat.
 """
 
 from __future__ import annotations
@@ -48,10 +50,13 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         size = ends[0][1] - ends[1][1] + _of_material(reality, ends[0][0], last, axis)
         n = len(parts)
         one = {
-            "feature": np.array([f"F{number}"] * n, object), "kind": np.array([kind] * n, object),
-            "axis": np.array([axis] * n, object), "nominal_mm": np.full(n, nominal), "measured_mm": nominal + size,
+            "feature": np.array([f"F{number}"] * n, object),
+            "kind": np.array([kind] * n, object),
+            "axis": np.array([axis] * n, object),
+            "nominal_mm": np.full(n, nominal),
+            "measured_mm": nominal + size,
             "part": parts.astype(float),
-        }  # fmt: skip
+        }
         for reading in range(1, readings + 1):
             for name, values in (one | {"reading": np.full(n, float(reading))}).items():
                 rows.setdefault(name, []).append(values)
@@ -78,8 +83,10 @@ def _features(reality: Reality, text: str) -> list[tuple[str, str, float]]:
             or nominal <= 0
         ):
             raise UsageError(
-                f"{item!r} is no feature", f"like X:100 or X:pocket_size:40; kinds: {', '.join(MATERIAL)}; axes: {' '.join(reality.machine.letters)}"
-            )  # fmt: skip
+                f"{item!r} is no feature",
+                f"like X:100 or X:pocket_size:40; kinds: {', '.join(MATERIAL)}; axes:"
+                f" {' '.join(reality.machine.letters)}",
+            )
         low, high = reality.machine.axes[axis].travel
         if nominal > high - low:
             raise UsageError(f"{item!r}: {axis} travels {high - low:g} mm")
@@ -100,9 +107,14 @@ def _at(base: State, reality: Reality, axis: str, off: float, material: float) -
     still = {x: np.zeros(n) for x in position}
     channels = base.channels | {"material": np.full(n, material)}
     return replace(
-        base, position=position, approach={x: np.ones(n) for x in position}, velocity=still, acceleration=still,
-        distance={x: np.full(n, history.FAR) for x in position}, channels=channels,
-    )  # fmt: skip
+        base,
+        position=position,
+        approach={x: np.ones(n) for x in position},
+        velocity=still,
+        acceleration=still,
+        distance={x: np.full(n, history.FAR) for x in position},
+        channels=channels,
+    )
 
 
 def _of_material(reality: Reality, state: State, last: np.ndarray, axis: str) -> np.ndarray:

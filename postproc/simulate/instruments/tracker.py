@@ -1,7 +1,9 @@
-"""Laser tracker: the place of a reflector at every rest, in the tracker's own frame, which stands as it stands.
+"""Laser tracker: the place of a reflector at every rest, in the tracker's own frame, which stands
+as it stands.
 
-The reflector sits where the tool's point is, and `tool` mm beside it. With `station` it is an interferometer that only tells its distance
-from there (multilateration): a constant, its dead path, is not known.
+The reflector sits where the tool's point is, and `tool` mm beside it. With `station` it is an
+interferometer that only tells its distance from there (multilateration): a constant, its dead path,
+is not known.
 """
 
 from __future__ import annotations

@@ -1,22 +1,29 @@
-"""How controllers are talked to: one module a protocol, found by its name. Bytes in, events out; no port, no clock.
+"""How controllers are talked to: one module a protocol, found by its name. Bytes in, events out; no
+port, no clock.
 
 A module holds
 
     TITLE                  what a person calls it
-    POKE                   bytes that move nothing and make a silent controller say who it is (b"": none)
-    recognises(banner)     whether text that came from the wire (a greeting, the answer to POKE or to $I) is this
-                           controller's; patterns of different modules must exclude each other
-    WHOLE                  where there is one: a pattern for a greeting behind which nothing more is said
-    PROTOCOL               a class; PROTOCOL(counting=True) gives one connection's state, an object as Protocol says
+    POKE                   bytes that move nothing and make a silent controller say who it is (b"":
+                           none)
+    recognises(banner)     whether text that came from the wire (a greeting, the answer to POKE or
+                           to $I) is this controller's; patterns of different modules must exclude
+                           each other
+    WHOLE                  where there is one: a pattern for a greeting behind which nothing more is
+                           said
+    PROTOCOL               a class; PROTOCOL(counting=True) gives one connection's state, an object
+                           as Protocol says
 
-Modules that begin with _ are what protocols share. A protocol decides by itself when a line may leave and which line an
-answer is for, so that windows (GRBL), numbers with checksums and resends (Marlin: send() frames and keeps the line,
-receive() answers a request with Write), primed lines with JSON footers (TinyG), and links without any answer, where the
-receiver says stop and go (DNC: release() is 0 after XOFF), all look alike to the sender.
+Modules that begin with _ are what protocols share. A protocol decides by itself when a line may
+leave and which line an answer is for, so that windows (GRBL), numbers with checksums and resends
+(Marlin: send() frames and keeps the line, receive() answers a request with Write), primed lines
+with JSON footers (TinyG), and links without any answer, where the receiver says stop and go (DNC:
+release() is 0 after XOFF), all look alike to the sender.
 """
 
 from __future__ import annotations
 
+import functools
 import importlib
 import pkgutil
 from collections.abc import Mapping
@@ -34,11 +41,15 @@ UNLIMITED = 1 << 30
 class Controller:
     """What a controller said of itself before the job.
 
-    name, version: its own words. window: bytes of its receive buffer that may be used; line_limit: characters of a line;
-    planner: motions that it may have accepted and not executed (130 where it does not say so: FluidNC's may be configured up to 120);
-    segments: those that it may have taken out of its planner and not made. settings: number or name to value, its own text.
-    offsets: its answer about zeros and tool length, for postproc.offsets. modal: words in force ("G54"). inches: whether it
-    reports inches. homing: whether it can home, None: not said. flags: letters of what it was built with ($I). compensates: what it corrects by itself, in words.
+    name, version: its own words. window: bytes of its receive buffer that may be used; line_limit:
+    characters of a line;
+    planner: motions that it may have accepted and not executed (130 where it does not say so:
+    FluidNC's may be configured up to 120);
+    segments: those that it may have taken out of its planner and not made. settings: number or name
+    to value, its own text.
+    offsets: its answer about zeros and tool length, for postproc.offsets. modal: words in force
+    ("G54"). inches: whether it reports inches. homing: whether it can home, None: not said. flags:
+    letters of what it was built with ($I). compensates: what it corrects by itself, in words.
     """
 
     name: str = ""
@@ -57,11 +68,18 @@ class Controller:
 
 
 class Protocol(Interface):
-    """One connection. The sender calls these and looks at nothing else.
+    """One connection: what every protocol has.
 
-    does: what urgent("hold") and urgent("stop") really do there, and what follows from it, in words for a person.
-    confirms: how the end of a job is known: "idle" (a Status says so), "answers" (the last answer is given when all is
-    done), or "nothing" (what was written is all that is known). questions: lines to ask one by one before a job.
+    does: what urgent("hold") and urgent("stop") really do there, and what follows from it, in words
+    for a person.
+    confirms: how the end of a job is known: "idle" (a Status says so), "answers" (the last answer
+    is given when all is done), or "nothing" (what was written is all that is known). questions:
+    lines to ask one by one before a job.
+
+    A class may have besides: used, how much of the receive buffer is taken; waits, why nothing may
+    leave now, in words ("": it may); exact, True: it rounds no corner and says where it is while it
+    moves; hails, the questions without which it answers nothing; handed, True: the program is put
+    into a file that the controller opens; link, the frame of a serial line (dnc.Link).
     """
 
     controller: Controller
@@ -72,10 +90,12 @@ class Protocol(Interface):
     closing: tuple[bytes, ...]  # and behind it (M400, %)
 
     def prepare(self, text: bytes) -> bytes:
-        """A program line as it shall be sent, without line end; b"": nothing of it need be sent. Raises Unsendable."""
+        """A program line as it shall be sent, without line end; b"": nothing of it need be sent.
+        Raises Unsendable."""
 
     def alone(self, text: bytes) -> bool:
-        """Whether the line may be sent only when all before it are answered, and nothing behind it before its answer."""
+        """Whether the line may be sent only when all before it are answered, and nothing behind it
+        before its answer."""
 
     def ready(self, text: bytes) -> bool:
         """Whether this line may leave now."""
@@ -90,7 +110,8 @@ class Protocol(Interface):
         """How many bytes may be written at once now; then look for input again."""
 
     def urgent(self, what: str) -> bytes:
-        """Bytes that pass the queue: "status", "hold", "resume", "stop"; b"" where there are none."""
+        """Bytes that pass the queue: "status", "hold", "resume", "stop"; b"" where there are
+        none."""
 
     def outstanding(self) -> list[int]:
         """Numbers of the lines that wait for an answer, oldest first."""
@@ -102,8 +123,9 @@ class Protocol(Interface):
         """Whether the answer to this line is given only when all before it has been executed."""
 
     def overdue(self) -> bytes:
-        """What to write when the oldest line has waited too long for its answer: only what the receiver can not execute twice
-        (a numbered line, a question). b"": nothing, the job has stalled."""
+        """What to write when the oldest line has waited too long for its answer: only what the
+        receiver can not execute twice (a numbered line, a question). b"": nothing, the job has
+        stalled."""
 
     def forget(self) -> None:
         """All that was sent is void: the controller has restarted, or the window was emptied."""
@@ -115,13 +137,12 @@ class Protocol(Interface):
         """The line that switches a dry run on and off; b"": there is none."""
 
 
-def names() -> list[str]:
-    """Names of the protocols that there are."""
-    return sorted(
-        m.name.replace("_", "-")
-        for m in pkgutil.iter_modules(__path__)
-        if not m.name.startswith("_")
-    )
+@functools.cache
+def names() -> tuple[str, ...]:
+    """Names of the protocols that there are, sorted: the folder is looked at once, for a greeting
+    asks fifty times a second."""
+    found = (m.name for m in pkgutil.iter_modules(__path__))
+    return tuple(sorted(name.replace("_", "-") for name in found if not name.startswith("_")))
 
 
 def load(name: str) -> ModuleType:

@@ -6,8 +6,8 @@ LONGEST = 4096  # bytes without a line end that are no answer any more
 
 
 def cut(rest: bytes, data: bytes) -> tuple[list[str], bytes]:
-    """The answers that are whole, without line ends, blanks around them and empty ones; and what is left of the next. rest: what the
-    last call left."""
+    """The answers that are whole, without line ends, blanks around them and empty ones; and what is
+    left of the next. rest: what the last call left."""
     *lines, rest = (rest + data).split(b"\n")
     if len(rest) > LONGEST:
         lines, rest = [*lines, rest], b""

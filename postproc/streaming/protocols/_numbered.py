@@ -1,11 +1,14 @@
-"""Lines with a number and a checksum, answered by ok, asked for again when they arrive damaged: Marlin's way, and Smoothieware's.
+"""Lines with a number and a checksum, answered by ok, asked for again when they arrive damaged:
+Marlin's way, and Smoothieware's.
 
-The receiver takes line n only behind line n - 1 and with its checksum, so a line that is sent again is never executed twice:
-what it has, it refuses. Therefore, and only therefore, a line may be sent again here. From MarlinFirmware/Marlin,
-Marlin/src/gcode/queue.cpp: checks (get_serial_commands), requests (gcode_line_error, flush_and_request_resend: the rest of the
-receive buffer is thrown away), answers (ok_to_send). What the checks do not see: a line that has lost exactly its number
-("N5 " and nothing else) is executed unchecked; the request for the number that follows shows it, and ends the job. And XOR is
-blind to two equal bytes lost or doubled in one line: no sender can see that.
+The receiver takes line n only behind line n - 1 and with its checksum, so a line that is sent again
+is never executed twice: what it has, it refuses. Therefore, and only therefore, a line may be sent
+again here. From MarlinFirmware/Marlin, Marlin/src/gcode/queue.cpp: checks (get_serial_commands),
+requests (gcode_line_error, flush_and_request_resend: the rest of the receive buffer is thrown
+away), answers (ok_to_send). What the checks do not see: a line that has lost exactly its number
+("N5 " and nothing else) is executed unchecked; the request for the number that follows shows it,
+and ends the job. And XOR is blind to two equal bytes lost or doubled in one line: no sender can see
+that.
 """
 
 from __future__ import annotations
@@ -59,9 +62,10 @@ def checksum(data: bytes) -> int:
 
 @dataclass
 class Frame:
-    """A line on its way. n: its number, None: it has none; oks: answers that it still gets; unread: refused, or not read as a
-    numbered line, as far as was heard; nudges: times sent again without being asked for; again: whether it is on its way (not so
-    those that were lost behind one that was asked for, until their turn comes); seen: its report was heard."""
+    """A line on its way. n: its number, None: it has none; oks: answers that it still gets; unread:
+    refused, or not read as a numbered line, as far as was heard; nudges: times sent again without
+    being asked for; again: whether it is on its way (not so those that were lost behind one that
+    was asked for, until their turn comes); seen: its report was heard."""
 
     number: int
     n: int | None
@@ -76,8 +80,8 @@ class Frame:
 
 @dataclass
 class Requests:
-    """Requests for one line: how often in a row; late: those for lines that were behind it when it was lost; said: what the
-    error before the request said is the next number."""
+    """Requests for one line: how often in a row; late: those for lines that were behind it when it
+    was lost; said: what the error before the request said is the next number."""
 
     n: int = -1
     count: int = 0
@@ -97,17 +101,19 @@ class Numbered:
     room = 127  # bytes that may be on the way
     own_ok = True  # a request is followed by an ok of its own
     gap = b""  # before the star
-    anew = b"\n"  # ends what may be left of a line, so that its rest and a line sent again are never read as one
+    # ends what may be left of a line, so that its rest and a line sent again are never read as one
+    anew = b"\n"
 
     def __init__(self, counting: bool, controller: Controller):
         self.counting, self.controller = counting, controller
         self._rest = b""
         self.forget()
 
-    # -- lines out -----------------------------------------------------------------------------------------------------
+    # -- lines out ---------------------------------------------------------------------------------
 
     def prepare(self, text: bytes) -> bytes:
-        """Without comments and line numbers, upper case; nothing that the receiver takes out before it adds up."""
+        """Without comments and line numbers, upper case; nothing that the receiver takes out before
+        it adds up."""
         text = text.strip()
         if not text or text.startswith(b"%"):
             return b""
@@ -129,7 +135,8 @@ class Numbered:
         limit = self.controller.line_limit
         if len(text) > limit:
             raise Unsendable(
-                f"the line has {len(text)} characters, and {self.controller.name} takes {limit} beside number and checksum",
+                f"the line has {len(text)} characters, and {self.controller.name} takes {limit}"
+                " beside number and checksum",
                 "shorten it: drop digits beyond the machine's resolution",
             )
         return text
@@ -192,8 +199,8 @@ class Numbered:
         return False
 
     def overdue(self) -> bytes:
-        """The oldest line again, when nothing was heard of it for too long: if the receiver has it, it says so by asking for
-        the next one. b"": that was done often enough."""
+        """The oldest line again, when nothing was heard of it for too long: if the receiver has it,
+        it says so by asking for the next one. b"": that was done often enough."""
         frame = self._waiting[0] if self._waiting else None
         if frame is None or frame.n is None or frame.nudges >= self.nudges(frame.text):
             return b""
@@ -217,14 +224,13 @@ class Numbered:
     def check_mode(self) -> bytes:
         return b""
 
-    # -- answers in ----------------------------------------------------------------------------------------------------
+    # -- answers in --------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
         texts, self._rest = _answers.cut(self._rest, data)
         events: list[Event] = []
-        for (
-            text
-        ) in texts:  # one after the other: what an answer means may follow from the one before
+        # one after the other: what an answer means may follow from the one before
+        for text in texts:
             events += self._meaning(text)
         return events
 
@@ -281,9 +287,8 @@ class Numbered:
             return [*events, Stray(text)]
         frame.oks -= 1
         self._missed = 0
-        done = frame.oks <= 0 and (
-            frame.seen or frame.text != b"M114"
-        )  # that one needs its report too
+        # that one needs its report too
+        done = frame.oks <= 0 and (frame.seen or frame.text != b"M114")
         return events + (self._taken(frame) if done else [Told(text)])
 
     def _ok_of(self, n: int, text: str) -> list[Event]:
@@ -322,9 +327,8 @@ class Numbered:
         if n == self._n + 1:  # it has all of them
             self._again.clear()
             self._missed += bool(self._waiting)
-            if (
-                self._missed >= 2
-            ):  # twice the ok of a line was taken for a request's own: this build gives requests none
+            # twice the ok of a line was taken for a request's own: this build gives requests none
+            if self._missed >= 2:
                 self.own_ok, self._spare = False, 0
             self._spare += self.own_ok and not self._numbers
             return [event for frame in list(self._waiting) for event in self._taken(frame)] or [
@@ -360,7 +364,8 @@ class Numbered:
         return [*events, Busy(text), Write(first.data)]
 
     def _strange(self, text: str) -> list[Event]:
-        """A request that can not be meant: damaged on its way, most likely. The line will be asked for again."""
+        """A request that can not be meant: damaged on its way, most likely. The line will be asked
+        for again."""
         self._ask.strange += 1
         self._spare += self.own_ok and self._started and not self._numbers
         if self._ask.strange > PATIENCE_RESENDS:
@@ -409,7 +414,8 @@ class Numbered:
         return [Told(text), Status("idle", place=self.place(logical, rest))]
 
     def place(self, logical: tuple[float, ...], rest: str) -> tuple[float, ...] | None:
-        """mm, machine coordinates, from a report's own numbers and what follows them; None: it does not say."""
+        """mm, machine coordinates, from a report's own numbers and what follows them; None: it does
+        not say."""
         return None
 
     def restarted(self, text: str) -> list[Event]:

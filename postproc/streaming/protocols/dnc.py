@@ -1,11 +1,14 @@
-"""Drip feed over RS-232 without answers: the control says go and stop, and nothing else. Fanuc's way; others are data.
+"""Drip feed over RS-232 without answers: the control says go and stop, and nothing else. Fanuc's
+way; others are data.
 
-What is known: when bytes left, and that the control let them. What is not: whether they arrived, were read, or were executed.
-So a job on this link ends as "sent" and never as "done". Rules (Fanuc's tape reader interface, ISO code: general knowledge,
-unverified on hardware; Haas, mill operator's manual 1999, RS-232 and Setting 14; CIMCO DNC-Max manual, serial port and
-troubleshooting): DC1 go, DC3 stop, DC2 and DC4 before and after where they are wanted; `%` opens and closes the program; a
-block ends with LF or CR LF. After DC3 a control takes only so many more bytes before it raises an alarm (Fanuc 087: its
-buffer has overflowed), so few bytes leave at once, and input is looked at between: no driver and no FIFO is trusted.
+What is known: when bytes left, and that the control let them. What is not: whether they arrived,
+were read, or were executed. So a job on this link ends as "sent" and never as "done". Rules
+(Fanuc's tape reader interface, ISO code: general knowledge, unverified on hardware; Haas, mill
+operator's manual 1999, RS-232 and Setting 14; CIMCO DNC-Max manual, serial port and
+troubleshooting): DC1 go, DC3 stop, DC2 and DC4 before and after where they are wanted; `%` opens
+and closes the program; a block ends with LF or CR LF. After DC3 a control takes only so many more
+bytes before it raises an alarm (Fanuc 087: its buffer has overflowed), so few bytes leave at once,
+and input is looked at between: no driver and no FIFO is trusted.
 """
 
 from __future__ import annotations
@@ -21,22 +24,29 @@ from postproc.streaming.protocols import Controller
 TITLE = "DNC, Fanuc"
 POKE = b""
 DC1, DC2, DC3, DC4 = 0x11, 0x12, 0x13, 0x14
-AT_ONCE = 16  # bytes: what a UART of the 16550 kind holds; a control that says stop gets these and no more
+# bytes: what a UART of the 16550 kind holds; a control that says stop gets these and no more
+AT_ONCE = 16
 COMMENT = re.compile(rb"\([^()\n]*\)")
 UNCLOSED = re.compile(rb"\([^()\n]*$")
 EOB = re.compile(rb";[^\n]*")
 FOREIGN = re.compile(rb"[^\x20-\x7e]|%")
 LONGEST = 255
 DOES = {
-    "hold": "this link has no feed hold: no further line was sent, and the control executes what it has",
-    "stop": "this link has no stop: no further line was sent, and the control executes what it has; stop it at its panel",
+    "hold": (
+        "this link has no feed hold: no further line was sent, and the control executes what it has"
+    ),
+    "stop": (
+        "this link has no stop: no further line was sent, and the control executes what it has;"
+        " stop it at its panel"
+    ),
 }
 
 
 @dataclass(frozen=True)
 class Link:
-    """A control's habits. bits, parity (E, O, N), stop: the line's frame; end: of a block; leader: before the first %, trailer: behind
-    the last; opens: the program's mark at both ends; waits: for DC1 before the first byte; go, halt: what it says."""
+    """A control's habits. bits, parity (E, O, N), stop: the line's frame; end: of a block; leader:
+    before the first %, trailer: behind the last; opens: the program's mark at both ends; waits: for
+    DC1 before the first byte; go, halt: what it says."""
 
     bits: int = 7
     parity: str = "E"
@@ -79,10 +89,11 @@ class Dnc:
         self.stops = 0
         self._opened = self._closed = False
 
-    # -- lines out -----------------------------------------------------------------------------------------------------
+    # -- lines out ---------------------------------------------------------------------------------
 
     def prepare(self, text: bytes) -> bytes:
-        """In capital letters of 7 bits; comments stay where every byte of them is one, others go."""
+        """In capital letters of 7 bits; comments stay where every byte of them is one, others
+        go."""
         text = text.strip()
         if not text or text.startswith(b"%"):
             return b""
@@ -91,7 +102,8 @@ class Dnc:
         found = FOREIGN.search(text)
         if found:
             raise Unsendable(
-                f"the line has byte {found[0][0]} in it, which is none of the control's code or means something else on this link",
+                f"the line has byte {found[0][0]} in it, which is none of the control's code or"
+                " means something else on this link",
                 "take it out; in comments it does no harm",
             )
         if len(text) > LONGEST:
@@ -150,10 +162,11 @@ class Dnc:
             return ""
         return "stopped by the control (DC3)" if self.stops else "waiting for DC1"
 
-    # -- what the control says -----------------------------------------------------------------------------------------
+    # -- what the control says ---------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
-        """Go and stop; DC4 before the end is the control's end of it. Parity that the port has left in is taken off."""
+        """Go and stop; DC4 before the end is the control's end of it. Parity that the port has left
+        in is taken off."""
         events: list[Event] = []
         words = bytearray()
         for byte in data:

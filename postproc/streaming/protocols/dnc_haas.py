@@ -1,7 +1,7 @@
 """Drip feed to a Haas: XON/XOFF, 7E1, CR LF; it starts to read at once.
 
-Haas, mill operator's manual (1999), RS-232: 9600 or as set, 7 bits, even parity, one stop bit; Setting 14 is XON/XOFF or DC CODES; the
-program stands between two `%`; `;` is not sent.
+Haas, mill operator's manual (1999), RS-232: 9600 or as set, 7 bits, even parity, one stop bit;
+Setting 14 is XON/XOFF or DC CODES; the program stands between two `%`; `;` is not sent.
 """
 
 from postproc.streaming.protocols.dnc import Dnc, Link

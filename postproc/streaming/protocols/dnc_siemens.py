@@ -1,6 +1,8 @@
-"""Drip feed to a Siemens 810/840 over V.24: XON/XOFF, 8N1, CR LF (general knowledge, unverified on hardware).
+"""Drip feed to a Siemens 810/840 over V.24: XON/XOFF, 8N1, CR LF (general knowledge, unverified on
+hardware).
 
-Its start, stop and end characters are settings of the control; these are the common ones. `%` opens an ISO program.
+Its start, stop and end characters are settings of the control; these are the common ones. `%` opens
+an ISO program.
 """
 
 from postproc.streaming.protocols.dnc import Dnc, Link

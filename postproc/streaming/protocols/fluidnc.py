@@ -1,8 +1,9 @@
-"""FluidNC: GRBL's rules, lines up to 255 characters, channels with buffers of their own, no sizes in $I.
+"""FluidNC: GRBL's rules, lines up to 255 characters, channels with buffers of their own, no sizes
+in $I.
 
-Sources: bdring/FluidNC, FluidNC/src/Report.cpp (banner with "[FluidNC", [VER:..FluidNC..], [OPT:..] without numbers),
-Channel.h (line of 255 characters). Its backlash lies in its configuration file, which it does not report here: what it
-compensates by itself is not seen (unverified on hardware).
+Sources: bdring/FluidNC, FluidNC/src/Report.cpp (banner with "[FluidNC", [VER:..FluidNC..], [OPT:..]
+without numbers), Channel.h (line of 255 characters). Its backlash lies in its configuration file,
+which it does not report here: what it compensates by itself is not seen (unverified on hardware).
 """
 
 from __future__ import annotations

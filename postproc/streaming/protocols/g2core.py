@@ -1,9 +1,11 @@
-"""g2core, TinyG's successor on 32 bits: the same answers, flow by lines: a few on the way, one more for each answer.
+"""g2core, TinyG's successor on 32 bits: the same answers, flow by lines: a few on the way, one more
+for each answer.
 
-From synthetos/g2, g2core/controller.cpp: a line that begins with { $ ? ! ~ % or H is a control line and passes the blocks that
-wait (controller_parse_control), so a block is never wrapped in {"gc":..} (its issues 209 and 287); ^D kills the job and leaves
-an alarm that {clear:n}, M2 or M30 ends (its wiki, "Job Exception Handling"). The footer is [revision, status, bytes] without a checksum. Four lines on the way
-(its wiki, "linemode"). The echo of verbosity 5 is the only check of what it read.
+From synthetos/g2, g2core/controller.cpp: a line that begins with { $ ? ! ~ % or H is a control line
+and passes the blocks that wait (controller_parse_control), so a block is never wrapped in {"gc":..}
+(its issues 209 and 287); ^D kills the job and leaves an alarm that {clear:n}, M2 or M30 ends (its
+wiki, "Job Exception Handling"). The footer is [revision, status, bytes] without a checksum. Four
+lines on the way (its wiki, "linemode"). The echo of verbosity 5 is the only check of what it read.
 """
 
 from __future__ import annotations
@@ -18,7 +20,10 @@ POKE = b'{"fv":null}\n'
 LINES = 4
 DOES = {
     "hold": "it was told to hold (!): ~ executes what it has, Ctrl-D drops it",
-    "stop": "Ctrl-D was sent: it drops what was not executed and stays in alarm until {clear:n}, M2 or M30",
+    "stop": (
+        "Ctrl-D was sent: it drops what was not executed and stays in alarm until {clear:n}, M2"
+        " or M30"
+    ),
 }
 
 

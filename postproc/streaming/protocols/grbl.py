@@ -1,8 +1,10 @@
-"""GRBL 1.1: one answer a line, a receive buffer that drops what does not fit, realtime bytes that pass it.
+"""GRBL 1.1: one answer a line, a receive buffer that drops what does not fit, realtime bytes that
+pass it.
 
-Rules: gnea/grbl, doc/markdown/interface.md (streaming, EEPROM, status reports), grbl/serial.c and protocol.c (every line
-end is answered; realtime bytes are taken out wherever they stand; control characters and blanks do not count towards the
-79 characters of a line, but all bytes towards the 128 of the buffer), grbl/report.c (formats).
+Rules: gnea/grbl, doc/markdown/interface.md (streaming, EEPROM, status reports), grbl/serial.c and
+protocol.c (every line end is answered; realtime bytes are taken out wherever they stand; control
+characters and blanks do not count towards the 79 characters of a line, but all bytes towards the
+128 of the buffer), grbl/report.c (formats).
 """
 
 from __future__ import annotations
@@ -42,26 +44,44 @@ ECHO = re.compile(r"\[echo:\s*(.*)\]")
 OPTIONS = re.compile(r"\[OPT:([^,\]]*)(?:,(\d+),(\d+))?[^\]]*\]")
 VERSION = re.compile(r"\[VER:([^\]]*)\]")
 SETTING = re.compile(r"\$(\d+)=([^ (]*)")
-# EEPROM is written (interrupts are off: bytes are lost) or read; $ lines answer at length or change the state.
+# EEPROM is written (interrupts are off: bytes are lost) or read; $ lines answer at length or change
+# the state.
 ALONE = re.compile(
     rb"\$|G0*10(?![0-9])|G0*(?:28|30)(?![0-9])|G0*5[4-9](?![0-9])|M0*(?:2|30)(?![0-9])",
     re.IGNORECASE,
 )
 DWELL = re.compile(rb"G0*4(?![0-9.]).*?P([0-9]+\.?[0-9]*|\.[0-9]+)", re.IGNORECASE)
 SLOW = 300.0  # s: homing
-# Its seconds of a dwell are a counted loop (nuts_bolts.c, delay_sec), which every report and interrupt makes longer: G4 P60 took 60.4 s
-# on its real image; a ceramic resonator is off by 0.5 % besides.
+# Its seconds of a dwell are a counted loop (nuts_bolts.c, delay_sec), which every report and
+# interrupt makes longer: G4 P60 took 60.4 s on its real image; a ceramic resonator is off by 0.5 %
+# besides.
 DWELLS = 1.05
-# mc_dwell and the program's stop and end wait for the planner to run empty (motion_control.c, gcode.c), also behind other words.
+# mc_dwell and the program's stop and end wait for the planner to run empty (motion_control.c,
+# gcode.c), also behind other words.
 EMPTIED = re.compile(rb"G0*4(?![0-9.])|M0*(?:0|2|30)(?![0-9])", re.IGNORECASE)
 URGENT = {
-    "status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18",
-    "feed 100": b"\x90", "feed+": b"\x91", "feed-": b"\x92", "rapid 100": b"\x95", "rapid 50": b"\x96", "rapid 25": b"\x97",
-    "spindle 100": b"\x99", "spindle+": b"\x9a", "spindle-": b"\x9b", "spindle stop": b"\x9e", "jog cancel": b"\x85",
-}  # fmt: skip
+    "status": b"?",
+    "hold": b"!",
+    "resume": b"~",
+    "stop": b"\x18",
+    "feed 100": b"\x90",
+    "feed+": b"\x91",
+    "feed-": b"\x92",
+    "rapid 100": b"\x95",
+    "rapid 50": b"\x96",
+    "rapid 25": b"\x97",
+    "spindle 100": b"\x99",
+    "spindle+": b"\x9a",
+    "spindle-": b"\x9b",
+    "spindle stop": b"\x9e",
+    "jog cancel": b"\x85",
+}
 DOES = {
     "hold": "it was told to hold (!): resume (~) executes what it has, a reset (Ctrl-X) drops it",
-    "stop": "a reset (Ctrl-X) was sent, which drops what was not executed: home it if it moved when it was stopped",
+    "stop": (
+        "a reset (Ctrl-X) was sent, which drops what was not executed: home it if it moved when it"
+        " was stopped"
+    ),
 }
 STATES = {"idle", "run", "hold", "jog", "alarm", "door", "check", "home", "sleep", "tool"}
 
@@ -103,17 +123,16 @@ class Grbl:
         self._used = 0
         self._alone = False
         self._rest = b""
-        self._echoes = self._echoed = (
-            False  # whether it echoes lines at all, and has echoed the oldest one
-        )
-        self._shift: tuple[float, ...] | None = (
-            None  # work coordinate offset, for reports of work positions
-        )
+        # whether it echoes lines at all, and has echoed the oldest one
+        self._echoes = self._echoed = False
+        # work coordinate offset, for reports of work positions
+        self._shift: tuple[float, ...] | None = None
 
-    # -- lines out -----------------------------------------------------------------------------------------------------
+    # -- lines out ---------------------------------------------------------------------------------
 
     def prepare(self, text: bytes) -> bytes:
-        """Without comments, block delete and blanks at the ends; without any blanks where it would be too long."""
+        """Without comments, block delete and blanks at the ends; without any blanks where it would
+        be too long."""
         text = text.strip()
         if not text or text.startswith(b"%"):
             return b""
@@ -128,7 +147,8 @@ class Grbl:
                 else repr(found[0].decode())
             )
             raise Unsendable(
-                f"the line has {what} in it, which {self.controller.name} would obey at once wherever it stands",
+                f"the line has {what} in it, which {self.controller.name} would obey at once"
+                " wherever it stands",
                 "take it out; in comments it does no harm",
             )
         bare = BLANKS.sub(b"", text)
@@ -190,7 +210,7 @@ class Grbl:
     def check_mode(self) -> bytes:
         return b"$C"
 
-    # -- answers in ----------------------------------------------------------------------------------------------------
+    # -- answers in --------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
         *lines, self._rest = (self._rest + data).split(b"\n")
@@ -216,7 +236,6 @@ class Grbl:
                 return reader(text, found)
         if self.banner.match(text):
             self.forget()
-            self._rest = b""
             return Restarted(text)
         return Told(text)
 
@@ -248,8 +267,9 @@ class Grbl:
         return Alarm(text, self.alarms.get(int(found[1]), ""))
 
     def _echo(self, text: str, found: re.Match[str]) -> Event:
-        """The line as the controller read it (a build with REPORT_ECHO_LINE_RECEIVED), said before it is executed: the oldest
-        one that waits. One that echoes does so for every line, so that an answer without an echo tells of a loss."""
+        """The line as the controller read it (a build with REPORT_ECHO_LINE_RECEIVED), said before
+        it is executed: the oldest one that waits. One that echoes does so for every line, so that
+        an answer without an echo tells of a loss."""
         self._echoes = True
         if self._waiting:
             number, _, sent = self._waiting[0]
@@ -281,11 +301,18 @@ class Grbl:
         speeds = fields.get("FS", fields.get("F", []))
         free = fields.get("Bf", [])
         return Status(
-            state, found[2] or "", place, speeds[0] * per if speeds else None, speeds[1] if len(speeds) > 1 else None,
-            (int(free[0]), int(free[1])) if len(free) == 2 else None, int(fields["Ln"][0]) if "Ln" in fields else None, tuple(fields.get("Ov", ())), self._shift,
-        )  # fmt: skip
+            state,
+            found[2] or "",
+            place,
+            speeds[0] * per if speeds else None,
+            speeds[1] if len(speeds) > 1 else None,
+            (int(free[0]), int(free[1])) if len(free) == 2 else None,
+            int(fields["Ln"][0]) if "Ln" in fields else None,
+            tuple(fields.get("Ov", ())),
+            self._shift,
+        )
 
-    # -- what it says of itself ----------------------------------------------------------------------------------------
+    # -- what it says of itself --------------------------------------------------------------------
 
     def learn(self, question: bytes, answers: list[str]) -> None:
         c = self.controller

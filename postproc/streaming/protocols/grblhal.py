@@ -1,8 +1,10 @@
-"""grblHAL: GRBL's rules with a larger buffer, longer lines, more states, and backlash compensation of its own.
+"""grblHAL: GRBL's rules with a larger buffer, longer lines, more states, and backlash compensation
+of its own.
 
-Sources: grblHAL/core, report.c (banner "GrblHAL 1.1f ['$' or '$HELP' for help]", [OPT:..,blocks,rx,axes,tools],
-[FIRMWARE:grblHAL]), stream.h (RX_BUFFER_SIZE 1024, a ring of which one byte stays free), settings.h (backlash is setting
-160 and on, axis by axis; $$ leaves it out and $+ lists it), wiki "Report extensions".
+Sources: grblHAL/core, report.c (banner "GrblHAL 1.1f ['$' or '$HELP' for help]",
+[OPT:..,blocks,rx,axes,tools], [FIRMWARE:grblHAL]), stream.h (RX_BUFFER_SIZE 1024, a ring of which
+one byte stays free), settings.h (backlash is setting 160 and on, axis by axis; $$ leaves it out and
+$+ lists it), wiki "Report extensions".
 """
 
 from __future__ import annotations

@@ -1,10 +1,13 @@
-"""Marlin 1.1 and 2: numbered lines with checksums, resends, busy, temperature reports in between; no realtime bytes.
+"""Marlin 1.1 and 2: numbered lines with checksums, resends, busy, temperature reports in between;
+no realtime bytes.
 
-Formats: MarlinFirmware/Marlin, Marlin/src/core/language.h (Error:, echo:, busy:, Resend:, start), gcode/queue.cpp (ok N P B of
-ADVANCED_OK, wait of NO_TIMEOUTS, a line of 95 characters), gcode/host/M114.cpp and module/motion.cpp (place in the
-program's coordinates, then the steppers' counts), gcode/host/M115.cpp. The window is one line; with ADVANCED_OK it is the
-number of command slots that it reports, and never more than 127 bytes (receive buffer of 128, which drops what does not fit:
-MarlinFirmware issue 20367). There is no feed hold: a hold sends nothing more, and what is planned is executed.
+Formats: MarlinFirmware/Marlin, Marlin/src/core/language.h (Error:, echo:, busy:, Resend:, start),
+gcode/queue.cpp (ok N P B of ADVANCED_OK, wait of NO_TIMEOUTS, a line of 95 characters),
+gcode/host/M114.cpp and module/motion.cpp (place in the program's coordinates, then the steppers'
+counts), gcode/host/M115.cpp. The window is one line; with ADVANCED_OK it is the number of command
+slots that it reports, and never more than 127 bytes (receive buffer of 128, which drops what does
+not fit: MarlinFirmware issue 20367). There is no feed hold: a hold sends nothing more, and what is
+planned is executed.
 """
 
 from __future__ import annotations
@@ -33,8 +36,11 @@ KEEPALIVE = 8.0  # and where it does: every 2 s (Configuration_adv.h)
 LONG = 600.0  # and what takes its time; until then it is sent again every QUIET, which does no harm
 DOES = {
     "hold": "it has no feed hold: no further line was sent, and what it has it executes",
-    "stop": "M410 was sent: the steppers stop without slowing down, so that steps may be lost, and a build without EMERGENCY_PARSER "
-    "first executes the lines that it has; home it before the next job",
+    "stop": (
+        "M410 was sent: the steppers stop without slowing down, so that steps may be lost, and a"
+        " build without EMERGENCY_PARSER first executes the lines that it has; home it before the"
+        " next job"
+    ),
 }
 
 
@@ -71,7 +77,8 @@ class Marlin(Numbered):
         return int(LONG / QUIET) if SLOW.match(text) else NUDGES
 
     def urgent(self, what: str) -> bytes:
-        """Marlin looks for these as they come in (EMERGENCY_PARSER), else as soon as it reads them."""
+        """Marlin looks for these as they come in (EMERGENCY_PARSER), else as soon as it reads
+        them."""
         if what == "stop":
             return b"\nM410\nM410\n"
         if what == "resume" and self._paused:

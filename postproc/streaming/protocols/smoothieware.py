@@ -1,10 +1,13 @@
-"""Smoothieware: numbered lines with checksums as Marlin, one at a time; status, hold and stop by single bytes as GRBL.
+"""Smoothieware: numbered lines with checksums as Marlin, one at a time; status, hold and stop by
+single bytes as GRBL.
 
-From Smoothieware/Smoothieware, src/modules/communication/GcodeDispatch.cpp: "rs N<n>" asks for a line and has no ok behind it; a
-line with several G and M codes gets one ok (grbl_mode, ok_per_line) or one for each code up to a G1, which is asked for
-before the job; an empty line gets an ok, so none is sent; an error halts it ("!!", "error:Alarm lock"). src/libs/Kernel.cpp:
-`<Idle|MPos:..|WPos:..>`, earlier with commas. An ok may stand behind a report without a line end between (its issue 1453).
-`!` and `~` work where feed hold is built in (unverified on hardware); ^X halts until M999.
+From Smoothieware/Smoothieware, src/modules/communication/GcodeDispatch.cpp: "rs N<n>" asks for a
+line and has no ok behind it; a line with several G and M codes gets one ok (grbl_mode, ok_per_line)
+or one for each code up to a G1, which is asked for before the job; an empty line gets an ok, so
+none is sent; an error halts it ("!!", "error:Alarm lock"). src/libs/Kernel.cpp:
+`<Idle|MPos:..|WPos:..>`, earlier with commas. An ok may stand behind a report without a line end
+between (its issue 1453). `!` and `~` work where feed hold is built in (unverified on hardware); ^X
+halts until M999.
 """
 
 from __future__ import annotations
@@ -27,8 +30,14 @@ HALT = re.compile(
 )
 URGENT = {"status": b"?", "hold": b"!", "resume": b"~", "stop": b"\x18"}
 DOES = {
-    "hold": "it was told to hold (!), where feed hold is built in: ~ executes what it has, Ctrl-X halts it",
-    "stop": "Ctrl-X was sent, which halts it and drops what was not executed: M999 clears that; home it first",
+    "hold": (
+        "it was told to hold (!), where feed hold is built in: ~ executes what it has, Ctrl-X"
+        " halts it"
+    ),
+    "stop": (
+        "Ctrl-X was sent, which halts it and drops what was not executed: M999 clears that; home it"
+        " first"
+    ),
 }
 PROBE = b"G4 P0 G4 P0"  # two codes that do nothing: how many oks come?
 
@@ -41,7 +50,8 @@ def recognises(banner: str) -> bool:
 
 
 class Smoothieware(Numbered):
-    """One connection; `counting` changes nothing: it loses lines that come before it has answered."""
+    """One connection; `counting` changes nothing: it loses lines that come before it has
+    answered."""
 
     confirms = "idle"
     does: Mapping[str, str] = DOES
@@ -49,8 +59,11 @@ class Smoothieware(Numbered):
     closing = (b"M400",)
     forbidden = re.compile(rb"M(?:110|112|28|29|1000)(?![0-9])", re.IGNORECASE)
     own_ok = False
-    gap = b" "  # without its star a line would pass unchecked, and its checksum be read into its last number
-    anew = b"*999\n"  # no checksum is 999: what may be left of a line is refused, where a mere line end would have it executed
+    # without its star a line would pass unchecked, and its checksum be read into its last number
+    gap = b" "
+    # no checksum is 999: what may be left of a line is refused, where a mere line end would have it
+    # executed
+    anew = b"*999\n"
 
     def __init__(self, counting: bool = True):
         super().__init__(False, Controller(TITLE, window=1, line_limit=110, planner=32))
@@ -104,9 +117,8 @@ class Smoothieware(Numbered):
         ):
             self._each = True  # the second ok of PROBE: that of M115 comes behind its name
             return events
-        if (
-            text == "ok - ignored"
-        ):  # no line of ours, for ours begin with N: the rest of one that was cut, or `anew`
+        # no line of ours, for ours begin with N: the rest of one that was cut, or `anew`
+        if text == "ok - ignored":
             self._fragments -= 1
             cut = self._fragments < 0 and self._started
             return [

@@ -1,11 +1,14 @@
-"""TinyG: lines in, one JSON answer each with a footer; reports in between; every line is echoed and compared.
+"""TinyG: lines in, one JSON answer each with a footer; reports in between; every line is echoed and
+compared.
 
-Rules: synthetos/TinyG, wiki (JSON Operation, Status Reports, TinyG Alarms, Sending Data using RX Packet Mode) and
-firmware/tinyg/json_parser.c, util.c (compute_checksum): `{"r":{..},"f":[revision,status,bytes,checksum]}`, bytes taken out of the
-receive buffer, checksum of the text up to the last comma (revision 1). The receive buffer holds 254 bytes, and at 80 % of it
-the board says XOFF. Verbosity 5 ($jv) echoes each block, so that a byte lost on the way shows; it is put back at the end.
-An answer says that a line was taken, not that it was executed: the end of motion is a report of state 3 or 4.
-`!` `~` `%` and ^X are obeyed wherever they stand. `?` and `$` would switch to text mode, so they are never sent.
+Rules: synthetos/TinyG, wiki (JSON Operation, Status Reports, TinyG Alarms, Sending Data using RX
+Packet Mode) and firmware/tinyg/json_parser.c, util.c (compute_checksum):
+`{"r":{..},"f":[revision,status,bytes,checksum]}`, bytes taken out of the receive buffer, checksum
+of the text up to the last comma (revision 1). The receive buffer holds 254 bytes, and at 80 % of it
+the board says XOFF. Verbosity 5 ($jv) echoes each block, so that a byte lost on the way shows; it
+is put back at the end. An answer says that a line was taken, not that it was executed: the end of
+motion is a report of state 3 or 4. `!` `~` `%` and ^X are obeyed wherever they stand. `?` and `$`
+would switch to text mode, so they are never sent.
 """
 
 from __future__ import annotations
@@ -36,16 +39,53 @@ COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
 BLANKS = re.compile(rb"[\x00-\x20]+")
 REALTIME = re.compile(rb"[!~%\x18]|[^\x20-\x7e]")
 XON, XOFF = 0x11, 0x13
-STATES = {0: "start", 1: "idle", 2: "alarm", 3: "idle", 4: "idle", 5: "run", 6: "hold", 7: "run", 8: "run", 9: "home", 10: "jog",
-          11: "door", 12: "alarm", 13: "alarm"}  # fmt: skip
+STATES = {
+    0: "start",
+    1: "idle",
+    2: "alarm",
+    3: "idle",
+    4: "idle",
+    5: "run",
+    6: "hold",
+    7: "run",
+    8: "run",
+    9: "home",
+    10: "jog",
+    11: "door",
+    12: "alarm",
+    13: "alarm",
+}
 TAKEN = {0, 60, 61, 201, 202}  # ok, and moves too short to make
 MEANINGS = {
-    5: "terminated", 40: "unrecognised command", 41: "command letter expected", 42: "bad number", 43: "too long", 44: "too small",
-    45: "too large", 46: "out of range", 47: "not supported", 48: "no JSON", 50: "out of buffer space", 62: "bad block", 63: "no feed rate",
-    64: "axis word missing", 65: "two codes of one modal group", 66: "homing failed", 67: "beyond the travel", 68: "spindle too fast",
-    69: "bad arc", 100: "unrecognised command", 108: "not supported", 111: "no JSON", 130: "bad block", 203: "limit switch",
-    204: "locked by an alarm", 205: "shut down", 206: "panic", 220: "beyond the travel",
-}  # fmt: skip
+    5: "terminated",
+    40: "unrecognised command",
+    41: "command letter expected",
+    42: "bad number",
+    43: "too long",
+    44: "too small",
+    45: "too large",
+    46: "out of range",
+    47: "not supported",
+    48: "no JSON",
+    50: "out of buffer space",
+    62: "bad block",
+    63: "no feed rate",
+    64: "axis word missing",
+    65: "two codes of one modal group",
+    66: "homing failed",
+    67: "beyond the travel",
+    68: "spindle too fast",
+    69: "bad arc",
+    100: "unrecognised command",
+    108: "not supported",
+    111: "no JSON",
+    130: "bad block",
+    203: "limit switch",
+    204: "locked by an alarm",
+    205: "shut down",
+    206: "panic",
+    220: "beyond the travel",
+}
 FILL = 200  # bytes: below the 80 % of 254 at which it says XOFF
 AXES = "xyzabc"
 WORK = ("g54", "g55", "g56", "g57", "g58", "g59", "g92")
@@ -53,7 +93,10 @@ STAND = b'{"sr":null}'  # asked at the end, answered for us when the machine sta
 PLACE = b'{"mpo":null}'
 DOES = {
     "hold": "it was told to hold (!): ~ executes what it has, % behind the hold drops it",
-    "stop": "a hold and a flush (!%) were sent: it slows down, drops what was not executed, and keeps its position",
+    "stop": (
+        "a hold and a flush (!%) were sent: it slows down, drops what was not executed, and keeps"
+        " its position"
+    ),
 }
 SLOW = re.compile(rb"G28\.[234]|G30\.[234]|G38")
 
@@ -67,7 +110,8 @@ def checksum(text: str) -> int:
 
 
 def recognises(banner: str) -> bool:
-    """Its JSON: a footer, a report, its name; not g2core, which says so by its version of 100 and above."""
+    """Its JSON: a footer, a report, its name; not g2core, which says so by its version of 100 and
+    above."""
     if re.search(r"g2core|\"fb\":1[0-9]{2}\.", banner):
         return False
     return bool(re.search(r"\"f\":\[\d+,\d+,\d+|\{\"sr\":\{|tinyg \[(?:mm|inch)\]", banner))
@@ -79,8 +123,14 @@ class TinyG:
     title = TITLE
     confirms = "answers"
     questions: tuple[bytes, ...] = (
-        b'{"ej":1}', b'{"jv":null}', b'{"jv":5}', b'{"sys":null}', *(b'{"%s":null}' % n.encode() for n in WORK), PLACE, STAND,
-    )  # fmt: skip
+        b'{"ej":1}',
+        b'{"jv":null}',
+        b'{"jv":5}',
+        b'{"sys":null}',
+        *(b'{"%s":null}' % n.encode() for n in WORK),
+        PLACE,
+        STAND,
+    )
     opening: tuple[bytes, ...] = ()
     lines = 1 << 20  # that may wait for an answer
     fill = FILL
@@ -102,7 +152,7 @@ class TinyG:
         back = () if self._verbosity in (None, 5) else (b'{"jv":%d}' % (self._verbosity or 0),)
         return (STAND, PLACE, *back)
 
-    # -- lines out -----------------------------------------------------------------------------------------------------
+    # -- lines out ---------------------------------------------------------------------------------
 
     def prepare(self, text: bytes) -> bytes:
         """Without comments and blanks, upper case: as it will be echoed."""
@@ -113,7 +163,8 @@ class TinyG:
         found = REALTIME.search(text)
         if found:
             raise Unsendable(
-                f"the line has {found[0]!r} in it, which {self.controller.name} would obey at once wherever it stands",
+                f"the line has {found[0]!r} in it, which {self.controller.name} would obey at once"
+                " wherever it stands",
                 "take it out; in comments it does no harm",
             )
         if text[:1] in (b"$", b"?", b"H", b"{"):
@@ -122,7 +173,8 @@ class TinyG:
             )
         if len(text) > self.controller.line_limit:
             raise Unsendable(
-                f"the line has {len(text)} characters, and {self.controller.name} takes {self.controller.line_limit}",
+                f"the line has {len(text)} characters, and {self.controller.name} takes"
+                f" {self.controller.line_limit}",
                 "shorten it: drop digits beyond the machine's resolution",
             )
         return text
@@ -180,7 +232,7 @@ class TinyG:
     def check_mode(self) -> bytes:
         return b""
 
-    # -- answers in ----------------------------------------------------------------------------------------------------
+    # -- answers in --------------------------------------------------------------------------------
 
     def receive(self, data: bytes) -> list[Event]:
         for byte in data:
@@ -189,16 +241,15 @@ class TinyG:
         data = data.translate(None, bytes((XON, XOFF)))
         texts, self._rest = _answers.cut(self._rest, data)
         events: list[Event] = []
-        for (
-            text
-        ) in texts:  # one after the other: what an answer means may follow from the one before
+        # one after the other: what an answer means may follow from the one before
+        for text in texts:
             events += self._meaning(text)
         return events
 
     def _meaning(self, text: str) -> list[Event]:
         try:
             value = json.loads(text)
-        except ValueError:
+        except (ValueError, RecursionError):
             return [Told(text)]
         if not isinstance(value, dict):
             return [Told(text)]
@@ -253,7 +304,8 @@ class TinyG:
         return [*events, Accepted(number)]
 
     def _differs(self, sent: bytes, body: dict[str, Any], footer: list[int]) -> str:
-        """What was read that was not sent, in words; "": nothing; "repeated": an answer to a question asked before."""
+        """What was read that was not sent, in words; "": nothing; "repeated": an answer to a
+        question asked before."""
         if sent.startswith(b"{"):
             name = next(iter(json.loads(sent)))
             if name in body:
@@ -300,7 +352,7 @@ class TinyG:
         for text in answers:
             try:
                 body = json.loads(text).get("r", {})
-            except (ValueError, AttributeError):
+            except (ValueError, AttributeError, RecursionError):
                 continue
             if (
                 question == b'{"jv":null}'

@@ -1,7 +1,9 @@
-"""Effects by the names of the contract, each a family in a module here. None knows another, none knows the tool.
+"""Effects by the names of the contract, each a family in a module here. None knows another, none
+knows the tool.
 
-A family module has DRAW: effect name to a function (scene, axis, rng) -> Effect or None where the experiment can not show it.
-An Effect has a size of one; what its truth is worth in um follows from the peak that was asked for.
+A family module has DRAW: effect name to a function (scene, axis, rng) -> Effect or None where the
+experiment can not show it. An Effect has a size of one; what its truth is worth in um follows from
+the peak that was asked for.
 """
 
 from __future__ import annotations
@@ -21,9 +23,9 @@ from proof.generator.world import World
 
 @dataclass
 class Shift:
-    """What an effect does to one track; all optional. tool (N, 3) um of the tool against the work; scale (N, 3) um that
-    the axes' own scales see of it; reading (rows,) um or urad that the instrument adds; turn (N, 3) urad; current: axis to
-    (N,) A."""
+    """What an effect does to one track; all optional. tool (N, 3) um of the tool against the work;
+    scale (N, 3) um that the axes' own scales see of it; reading (rows,) um or urad that the
+    instrument adds; turn (N, 3) urad; current: axis to (N,) A."""
 
     tool: np.ndarray | None = None
     scale: np.ndarray | None = None
@@ -41,8 +43,9 @@ class Shift:
 
 @dataclass
 class Effect:
-    """on: track to Shift for a size of one; parameters: size to the parameters that have a meaning for others too; gap: of lost
-    motion, its dead travel for a size of one at positions (N,) mm of the axis, for who must follow the slide through it."""
+    """on: track to Shift for a size of one; parameters: size to the parameters that have a meaning
+    for others too; gap: of lost motion, its dead travel for a size of one at positions (N,) mm of
+    the axis, for who must follow the slide through it."""
 
     name: str
     axis: str | None
@@ -87,7 +90,8 @@ def own(
 
 
 def history(track: Track, axis: str) -> tuple[np.ndarray, np.ndarray]:
-    """All positions (M,) of an axis in order, also between the rows, and where the rows are among them."""
+    """All positions (M,) of an axis in order, also between the rows, and where the rows are among
+    them."""
     i = XYZ.index(axis)
     if track.kind == "targets":
         return track.way[:, i], track.stop
@@ -106,7 +110,8 @@ def history(track: Track, axis: str) -> tuple[np.ndarray, np.ndarray]:
 def dynamic(
     track: Track, axis: str, response: Callable[[float, np.ndarray, np.ndarray], np.ndarray]
 ) -> np.ndarray | None:
-    """(N,) of response(dt, position, speed) on the fine grid of each sweep; None for a track at rest."""
+    """(N,) of response(dt, position, speed) on the fine grid of each sweep; None for a track at
+    rest."""
     if not track.sweeps:
         return None
     i = XYZ.index(axis)

@@ -1,4 +1,5 @@
-"""Physics that no name of the contract stands for. The right answer to these is that something unknown is there."""
+"""Physics that no name of the contract stands for. The right answer to these is that something
+unknown is there."""
 
 from __future__ import annotations
 
@@ -37,8 +38,8 @@ def chatter_bursts(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def coolant_bend(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """Coolant that comes and goes, unrecorded, bends the table one way quickly and lets it back slowly and not all the
-    way."""
+    """Coolant that comes and goes, unrecorded, bends the table one way quickly and lets it back
+    slowly and not all the way."""
     world = scene.world
     on_for, off_for = rng.uniform(400, 1500), rng.uniform(300, 1200)
     flowing = ((world.clock + rng.uniform(0, 2000)) % (on_for + off_for)) < on_for
@@ -56,7 +57,8 @@ def coolant_bend(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def gib_rock(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """A loose gib: the slide tips over when the drive changes from pushing to pulling, and comes to rest tipped."""
+    """A loose gib: the slide tips over when the drive changes from pushing to pulling, and comes to
+    rest tipped."""
     turn, soft = rng.uniform(50, 400), rng.uniform(15, 60)
     across = str(rng.choice([x for x in scene.machine.axes if x != axis]))
     wave, phase = rng.uniform(25, 90), rng.uniform(0, 6)
@@ -77,7 +79,8 @@ def gib_rock(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def interpolation_jumps(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """A dirty scale: at some places the interpolation slips by a whole step, and back somewhere else."""
+    """A dirty scale: at some places the interpolation slips by a whole step, and back somewhere
+    else."""
     span = scene.machine.axes[axis]
     places = np.sort(
         rng.uniform(
@@ -108,7 +111,8 @@ def belt_beat(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def speed_resonance(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """Balls of the nut shake the slide: a frequency that follows the speed, strong where it meets the frame's own."""
+    """Balls of the nut shake the slide: a frequency that follows the speed, strong where it meets
+    the frame's own."""
     pitch, frame, sharp = rng.uniform(0.4, 2.5), rng.uniform(12, 40), rng.uniform(0.08, 0.25)
 
     def shaken(dt, x, v):
@@ -123,7 +127,8 @@ def speed_resonance(scene: Scene, axis: str, rng: np.random.Generator) -> Effect
 
 
 def way_cover(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """A way cover that jams: over part of the travel it pulls the slide back, more and more, until it snaps loose."""
+    """A way cover that jams: over part of the travel it pulls the slide back, more and more, until
+    it snaps loose."""
     begun, snap = rng.uniform(0.15, 0.4), rng.uniform(0.12, 0.2)
     only = float(rng.choice([-1.0, 1.0]))
 
@@ -136,7 +141,8 @@ def way_cover(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def tide_tilt(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """The foundation tilts to and fro in an hour or two, and the frame with it: more, the farther the slide is out."""
+    """The foundation tilts to and fro in an hour or two, and the frame with it: more, the farther
+    the slide is out."""
     world, period = scene.world, rng.uniform(2000, 6000)
     across = str(rng.choice([x for x in scene.machine.axes if x != axis]))
     turn = 2 * np.pi * world.clock / period
@@ -169,7 +175,8 @@ def speed_product(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def crossed_wave(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """A grid plate that was ruled with a wave across it: periodic in a mixture of both axes, not in one of them."""
+    """A grid plate that was ruled with a wave across it: periodic in a mixture of both axes, not in
+    one of them."""
     machine = scene.machine
     other = str(rng.choice([x for x in machine.axes if x != axis]))
     period, mix, phase = log_uniform(rng, 18, 70), rng.uniform(0.7, 1.4), rng.uniform(0, 6)
@@ -186,7 +193,15 @@ def crossed_wave(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 DRAW = {
     f.__name__: f
     for f in (
-        chatter_bursts, coolant_bend, gib_rock, interpolation_jumps, belt_beat, speed_resonance, way_cover, tide_tilt, speed_product,
+        chatter_bursts,
+        coolant_bend,
+        gib_rock,
+        interpolation_jumps,
+        belt_beat,
+        speed_resonance,
+        way_cover,
+        tide_tilt,
+        speed_product,
         crossed_wave,
     )
-}  # fmt: skip
+}

@@ -1,4 +1,5 @@
-"""Heat and time: screws that grow where they are warm, frames that follow the room, spindles that push."""
+"""Heat and time: screws that grow where they are warm, frames that follow the room, spindles that
+push."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from proof.generator.world import STEP, delayed
 
 
 def screw_heat(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """The screw's own growth between the fixed bearing and the nut, from the temperatures of its nodes. size: ppm/K."""
+    """The screw's own growth between the fixed bearing and the nut, from the temperatures of its
+    nodes. size: ppm/K."""
     world = scene.world
     nodes, heat = world.nodes[axis], world.screws[axis]
     fixed = 0 if rng.random() < 0.7 else len(nodes) - 1
@@ -48,7 +50,8 @@ def screw_heat(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def structure_drift(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """Two bodies of the frame follow the room, one soon and one late, or the machine warms from switching on."""
+    """Two bodies of the frame follow the room, one soon and one late, or the machine warms from
+    switching on."""
     world = scene.world
     fast, slow, part = rng.uniform(900, 2400), rng.uniform(5000, 14000), rng.uniform(0.3, 0.7)
     driver = world.air - world.air[0]

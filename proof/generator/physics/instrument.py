@@ -1,4 +1,5 @@
-"""Faults of instruments: light in warm air, a beam aslant, late clocks, sensors whose scale waves. The machine is well."""
+"""Faults of instruments: light in warm air, a beam aslant, late clocks, sensors whose scale waves.
+The machine is well."""
 
 from __future__ import annotations
 
@@ -11,7 +12,8 @@ from proof.generator.tracks import Track
 
 
 def refractive(celsius: np.ndarray, hectopascal: np.ndarray) -> np.ndarray:
-    """(n - 1) of dry air in ppm, Edlen's equation as modified by Birch and Downs (1993), dispersion at 633 nm."""
+    """(n - 1) of dry air in ppm, Edlen's equation as modified by Birch and Downs (1993), dispersion
+    at 633 nm."""
     standard = 8342.54 + 2406147 / (130 - 2.4966) + 15998 / (38.9 - 2.4966)
     pascal = hectopascal * 100
     value = (
@@ -42,12 +44,12 @@ def _air(scene: Scene, track: Track) -> np.ndarray:
 
 
 def laser_air(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """Counts for the air of the first minute while the air changes: every length reads with the wrong wavelength."""
+    """Counts for the air of the first minute while the air changes: every length reads with the
+    wrong wavelength."""
     if not _lasers(scene, axis):
         return None
-    wrong = (
-        rng.uniform(-4.0, 4.0) if rng.random() < 0.5 else 0.0
-    )  # ppm: the compensator was told of other air
+    # ppm: the compensator was told of other air
+    wrong = rng.uniform(-4.0, 4.0) if rng.random() < 0.5 else 0.0
 
     def on(track: Track) -> Shift | None:
         if not track.laser:
@@ -67,7 +69,8 @@ def _single(scene: Scene) -> str | None:
 
 
 def dead_path(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """Beam between interferometer and the place where it was zeroed, not told to the compensator. size: 100 mm of it."""
+    """Beam between interferometer and the place where it was zeroed, not told to the compensator.
+    size: 100 mm of it."""
     seen = _lasers(scene, axis)
     if not seen:
         return None
@@ -116,7 +119,8 @@ def delay(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
 
 
 def clock_skew(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """Commands and readings are stamped by two clocks, one of them fast: later and later. size: ms over the file."""
+    """Commands and readings are stamped by two clocks, one of them fast: later and later. size: ms
+    over the file."""
     if not any(t.kind == "trace" for t in scene.design.tracks):
         return None
 
@@ -145,7 +149,8 @@ def _behind(track: Track) -> np.ndarray:
 
 
 def encoder_cyclic(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """Sine and cosine of a sensor that are not equal: twice and once a signal period, in the log of that sensor only."""
+    """Sine and cosine of a sensor that are not equal: twice and once a signal period, in the log of
+    that sensor only."""
     seen = [
         t
         for t in scene.design.tracks

@@ -10,7 +10,8 @@ from proof.generator.tracks import Track
 
 
 def force_compliance(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """Rolling contacts give way by Hertz: less for every newton more. size: um/N at the load that is met most."""
+    """Rolling contacts give way by Hertz: less for every newton more. size: um/N at the load that
+    is met most."""
     i = XYZ.index(axis)
     met = [np.abs(t.force[:, i]) for t in scene.design.tracks if len(t.force)]
     met = [f[f > 50] for f in met]
@@ -60,7 +61,8 @@ def tool_wear(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | Non
 
 
 def tool_size(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """A tool thicker than assumed: pockets and bores too large, bosses too small, distances right. size: um of diameter."""
+    """A tool thicker than assumed: pockets and bores too large, bosses too small, distances right.
+    size: um of diameter."""
     if not any(t.kind == "features" for t in scene.design.tracks):
         return None
 

@@ -1,4 +1,5 @@
-"""What depends on where the slides stand: pitch, waves, leaning axes, bent rails, arms, sagging beams."""
+"""What depends on where the slides stand: pitch, waves, leaning axes, bent rails, arms, sagging
+beams."""
 
 from __future__ import annotations
 
@@ -43,8 +44,8 @@ def pitch_shape(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def cyclic(scene: Scene, axis: str, rng: np.random.Generator, lead: float | None = None) -> Effect:
-    """A screw whose bearing wobbles: once a turn, a little twice a turn, more where the nut is far from the bearing; with a
-    given lead exactly alike in every turn."""
+    """A screw whose bearing wobbles: once a turn, a little twice a turn, more where the nut is far
+    from the bearing; with a given lead exactly alike in every turn."""
     part = float(rng.choice([1.0, 0.5, 2.0], p=[0.7, 0.15, 0.15]))
     second, grow, phase = (
         rng.uniform(0, 0.25),
@@ -70,8 +71,9 @@ def cyclic(scene: Scene, axis: str, rng: np.random.Generator, lead: float | None
 
 
 def squareness(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """An axis that leans against another. size: urad of the rotation in its name; written under the pair, as by how much the angle
-    between the two is more than a right one: a turn about Y closes the angle of Z with X, all others named here open it."""
+    """An axis that leans against another. size: urad of the rotation in its name; written under the
+    pair, as by how much the angle between the two is more than a right one: a turn about Y closes
+    the angle of Z with X, all others named here open it."""
     machine = scene.machine
     pairs = (
         {"C0Y": "XY", "B0Z": "XZ", "A0Z": "YZ"}
@@ -108,7 +110,8 @@ def bow(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def abbe(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """An arm that is longer than the map believes, times the rotation that the map holds. size: mm of arm."""
+    """An arm that is longer than the map believes, times the rotation that the map holds. size: mm
+    of arm."""
     machine = scene.machine
     turning = [
         c
@@ -133,7 +136,8 @@ def abbe(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
 
 
 def sag(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """A beam on two supports: the slide on it is lowered by the mass of another slide (axis), by the beam's own rule."""
+    """A beam on two supports: the slide on it is lowered by the mass of another slide (axis), by
+    the beam's own rule."""
     machine = scene.machine
     other = str(rng.choice([x for x in machine.axes if x != axis]))
     down = str(rng.choice([x for x in machine.axes if x != axis]))
@@ -143,9 +147,8 @@ def sag(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
         a = np.clip(reach + (1 - 2 * reach) * share(scene, track, axis), 0, 1)
         s = np.clip(reach + (1 - 2 * reach) * share(scene, track, other), 0, 1)
         low, high = np.minimum(s, a), np.maximum(s, a)
-        shape = (
-            low * (1 - high) * (2 * high - high**2 - low**2)
-        )  # Euler-Bernoulli, load at a, looked at in s
+        # Euler-Bernoulli, load at a, looked at in s
+        shape = low * (1 - high) * (2 * high - high**2 - low**2)
         return Shift(tool=along(len(a), down, -6 * shape))
 
     return Effect("sag", axis, on, signed=False)

@@ -1,4 +1,5 @@
-"""Lost motion: dead travel, dead travel that varies, and sliders that give way one after the other."""
+"""Lost motion: dead travel, dead travel that varies, and sliders that give way one after the
+other."""
 
 from __future__ import annotations
 
@@ -49,7 +50,8 @@ def backlash_position(scene: Scene, axis: str, rng: np.random.Generator) -> Effe
 
 
 def windup(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """Fourteen sliders between drive and table whose limits spread over a distance after the reversal."""
+    """Fourteen sliders between drive and table whose limits spread over a distance after the
+    reversal."""
     far = log_uniform(rng, 0.8, 8.0)
     yields = far * np.geomspace(0.05, 1.0, 14) / 2
     shares = rng.dirichlet(np.full(14, 6.0)) * np.linspace(1.3, 0.7, 14)

@@ -1,4 +1,5 @@
-"""What the drives do: friction in a servo loop, lag, a flexible slide, oscillation. The axis' own scale sees all of it."""
+"""What the drives do: friction in a servo loop, lag, a flexible slide, oscillation. The axis' own
+scale sees all of it."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from proof.generator.tracks import Track
 def _friction(
     name: str, scene: Scene, axis: str, rng: np.random.Generator, forward: float, reverse: float
 ) -> Effect:
-    """LuGre friction in a position loop with an integral: a burst after every reversal, away by the loop's own time."""
+    """LuGre friction in a position loop with an integral: a burst after every reversal, away by the
+    loop's own time."""
     peak, stribeck, bristle = (
         rng.uniform(1.0, 1.6),
         log_uniform(rng, 0.5, 6.0),
@@ -40,8 +42,8 @@ def reversal_spike(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def friction_asymmetry(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """Twice and more the friction in one direction, dry and in the grease. A loop with an integral shows it after reversals
-    and stops; one without lags all the time by what is rubbing."""
+    """Twice and more the friction in one direction, dry and in the grease. A loop with an integral
+    shows it after reversals and stops; one without lags all the time by what is rubbing."""
     ratio = rng.uniform(1.8, 3.5)
     forward, reverse = (1.0, 1 / ratio) if rng.random() < 0.5 else (1 / ratio, 1.0)
     if rng.random() < 0.4:
@@ -62,7 +64,8 @@ def friction_asymmetry(scene: Scene, axis: str, rng: np.random.Generator) -> Eff
 
 
 def coulomb_friction(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """A stiff loop without integral: the table stays behind by friction over stiffness, and the motor's current shows it."""
+    """A stiff loop without integral: the table stays behind by friction over stiffness, and the
+    motor's current shows it."""
     if not _current(scene, axis):
         return None
     bristle, mechanical = log_uniform(rng, 0.002, 0.01), rng.uniform(0.003, 0.008)
@@ -120,7 +123,8 @@ def servo_lag(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def servo_mismatch(scene: Scene, axis: str, rng: np.random.Generator) -> Effect | None:
-    """Both loops late, one more than the other. Only circles tell nothing but the difference, so only there it is drawn."""
+    """Both loops late, one more than the other. Only circles tell nothing but the difference, so
+    only there it is drawn."""
     bars = [t for t in scene.design.tracks if t.kind == "ballbar" and axis in t.moving]
     if not bars or any(t.kind == "trace" for t in scene.design.tracks):
         return None
@@ -140,7 +144,8 @@ def servo_mismatch(scene: Scene, axis: str, rng: np.random.Generator) -> Effect 
 
 
 def inertia(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """The slide on the spring of its drive: it stays behind by acceleration over the square of its frequency."""
+    """The slide on the spring of its drive: it stays behind by acceleration over the square of its
+    frequency."""
     omega, zeta = 2 * np.pi * rng.uniform(14, 40), rng.uniform(0.08, 0.4)
 
     def response(dt, x, v):
@@ -155,7 +160,8 @@ def inertia(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 
 
 def vibration(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
-    """A pump or a fan: one frequency, its strength waxing and waning, its phase another in every run."""
+    """A pump or a fan: one frequency, its strength waxing and waning, its phase another in every
+    run."""
     frequency = log_uniform(rng, 3.0, 45.0)
     depth, beat = rng.uniform(0.0, 0.25), rng.uniform(0.03, 0.3)
     phases = rng.uniform(0, 2 * np.pi, 64)
@@ -199,6 +205,14 @@ def stick_slip(scene: Scene, axis: str, rng: np.random.Generator) -> Effect:
 DRAW = {
     f.__name__: f
     for f in (
-        reversal_spike, friction_asymmetry, coulomb_friction, viscous_friction, servo_lag, servo_mismatch, inertia, vibration, stick_slip,
+        reversal_spike,
+        friction_asymmetry,
+        coulomb_friction,
+        viscous_friction,
+        servo_lag,
+        servo_mismatch,
+        inertia,
+        vibration,
+        stick_slip,
     )
-}  # fmt: skip
+}

@@ -1,0 +1,125 @@
+"""Fanuc's pitch error compensation and the list of straightness, read back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, ExportOptions, TableError
+from postproc.control_tables import _common as common
+from postproc.control_tables import _fanuc_listing as listings
+from postproc.recordings import Source
+
+
+def pitch_table(
+    listing: listings.Listing, axis: str, options: ExportOptions, used: set[int]
+) -> ErrorTable | None:
+    known = listing.settings[axis]
+    source = listing.source
+    for number in (3620, 3621, 3622, 3623, 3624):
+        if number not in known:
+            raise TableError(
+                f"{source.name}: parameter {number} of {axis} is missing",
+                "3620 to 3624 say where the numbers stand",
+            )
+    first, low, high, magnification = (int(known[n]) for n in (3620, 3621, 3622, 3623))
+    unit = (
+        common.mm_per_unit(options)
+        if (axis, 3624) in listing.lengths
+        else listings.increment(options)
+    )
+    step = known[3624] * unit
+    if step <= 0 or high < low:
+        raise TableError(
+            f"{source.name}: 3624 = {known[3624]:g}, 3621 = {low}, 3622 = {high} of {axis} make no"
+            " table"
+        )
+    if known.get(3625, 0):
+        raise TableError(
+            f"{source.name}: 3625 of {axis} is {known[3625]:g}: a rotary axis, not read"
+        )
+    both = 3626 in known and bool(int(known.get(3605, 1)) & 1)
+    way = (
+        (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
+        if both
+        else 0.0
+    )
+    home = options.reference.get(axis, 0.0)
+    columns = []
+    starts = [low, int(known[3626])] if both else [low]
+    for start, direction in zip(starts, (1.0, -1.0), strict=False):
+        numbers = [n for n in sorted(listing.pitch) if start <= n <= start + high - low]
+        for n in numbers:
+            if listing.owner.get(n, axis) != axis or n in used:
+                raise common.fault(
+                    source,
+                    listing.line[n],
+                    f"compensation number {n} lies in the range of {axis} and of another axis",
+                )
+        if numbers and numbers != list(range(numbers[0], numbers[-1] + 1)):
+            gap = next(n for n in range(numbers[0], numbers[-1]) if n not in listing.pitch)
+            raise common.fault(
+                source,
+                listing.line[numbers[0]],
+                f"{axis}: compensation number {gap} is missing between {numbers[0]} and"
+                f" {numbers[-1]}",
+            )
+        used.update(numbers)
+        offset = known.get(3627, 0.0) * options.step if both and direction != way else 0.0
+        columns.append(
+            _sums(
+                numbers,
+                [listing.pitch[n] for n in numbers],
+                start + first - low,
+                magnification * options.step,
+                offset,
+            )
+        )
+    play = known.get(1851, 0.0) * options.step
+    if not any(len(points) for points, _ in columns) and not play and 3627 not in known:
+        return None
+    points = (
+        np.unique(np.concatenate([p for p, _ in columns]))
+        if any(len(p) for p, _ in columns)
+        else np.zeros(1)
+    )
+    added = [np.interp(points, p, v) if len(p) else np.full(len(points), v[0]) for p, v in columns]
+    up, down = added[0] + play / 2, added[-1] - play / 2
+    return ErrorTable(axis, axis, np.round(home + points * step, 9), -up, -down)
+
+
+def _sums(
+    numbers: list[int], increments: list[int], first: int, unit: float, offset: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points counted from the reference, and what is added there, mm: the running sum, `offset` at
+    the reference."""
+    if not numbers:
+        return np.zeros(0), np.array([offset])
+    points = np.arange(numbers[0] - 1, numbers[-1] + 1) - first
+    total = np.concatenate([[0.0], np.cumsum(increments)])
+    return points.astype(float), (total - np.interp(0.0, points, total)) * unit + offset
+
+
+def straightness(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    rows: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for line, text in common.numbered(source)[1:]:
+        cells = [c.strip() for c in text.split(",")]
+        if len(cells) != 4 or not all(len(c) == 1 and c.isalpha() for c in cells[:2]):
+            raise common.fault(
+                source, line, "not moving, compensated, position and increment", "Z,X,20,-1", text
+            )
+        place, count = (common.finite(source, line, c, "the value", text) for c in cells[2:])
+        known = rows.setdefault((cells[0].upper(), cells[1].upper()), [])
+        if known and place <= known[-1][0]:
+            raise common.fault(
+                source, line, f"position {place:g} does not ascend after {known[-1][0]:g}", "", text
+            )
+        known.append((place, count))
+    tables = []
+    for (moving, along), pairs in rows.items():
+        nodes, counts = np.array(pairs).T
+        total = np.cumsum(counts)
+        total -= np.interp(options.reference.get(moving, 0.0), nodes, total)
+        tables.append(
+            ErrorTable(moving, along, nodes, -total * options.step, -total * options.step)
+        )
+    return tables

@@ -1,0 +1,112 @@
+"""Samples of a motion averaged to as many rows as a fit can bear."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+MOST_ROWS = 5000  # per signal: traces are averaged down to it
+MOST_INSIDE = 64  # samples of a row whose places are kept
+LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
+
+
+def together(columns: dict, same: np.ndarray) -> dict:
+    """Rows of samples that a log can not tell apart averaged to one."""
+    return _means(columns, np.flatnonzero(~same | _cuts(columns, columns["run"])))
+
+
+def averaged(columns: dict) -> dict:
+    """Neighbouring samples of a run averaged until few enough are left. After a turn the first rows
+    are short and grow with the time since: what a turn sets off fades, and an average over it would
+    hide it."""
+    run = columns.pop("cut", columns["run"])
+    n = len(columns["y"])
+    width = int(np.ceil(n / (MOST_ROWS if n <= LONG else MOST_OF_LONG)))
+    if width == 1:
+        return columns
+    first = _cuts(columns, run)
+    start = np.append(np.flatnonzero(first), n)
+    turned = _cuts(columns, np.zeros(n))[start[:-1]]
+    turned[0] = False
+    steps = _growing(width)
+    edges = [
+        (
+            np.concatenate(
+                [a + steps[steps < min(b - a, steps[-1])], np.arange(a + steps[-1], b, width)]
+            )
+            if new and n > LONG
+            else np.arange(a, b, width)
+        )
+        for (a, b), new in zip(pairwise(start), turned, strict=True)
+    ]
+    return _means(columns, np.concatenate(edges))
+
+
+def _cuts(columns: dict, run: np.ndarray) -> np.ndarray:
+    """(N,) bool: the first sample, and those before which a run ends or an axis turns, starts or
+    stops."""
+    cut = np.diff(run, prepend=run[:1]) != 0
+    for name, value in columns.items():
+        if name.endswith("approach"):
+            cut = cut | (np.diff(value, prepend=value[:1]) != 0)
+        if name.endswith(" velocity"):
+            moves = value != 0
+            cut = cut | (moves != np.concatenate([moves[:1], moves[:-1]]))
+    cut[:1] = True
+    return cut
+
+
+def _means(columns: dict, edges: np.ndarray) -> dict:
+    """Columns averaged from edge to edge; what is a number of something, of its middle row."""
+    n = len(columns["y"])
+    size = np.diff(np.append(edges, n))
+    step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
+    result: dict = {"width": size * float(step), "grain": _grain(columns["y"]) / np.sqrt(size)}
+    for name, value in columns.items():
+        if not isinstance(value, np.ndarray):
+            result[name] = value
+        elif name in ("run", "line") or name.endswith("approach"):
+            result[name] = value[np.minimum(edges + size // 2, n - 1)]
+        elif (
+            name.startswith("channel ")
+            and value.ndim == 1
+            and len(value)
+            and value[0] == value[-1]
+            and np.all(value == value[0])
+        ):
+            result[name] = np.full(len(edges), value[0])
+        elif name != "width":
+            mean = np.add.reduceat(value, edges, axis=0)
+            result[name] = mean / (size if value.ndim == 1 else size[:, None])
+    result["inside"] = _inside(columns, edges, size)
+    return result
+
+
+def _inside(columns: dict, edges: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:
+    """Where and when the samples of each row were taken, (W, N); of very many, so many at equal
+    distances."""
+    stride = np.maximum(1, -(-size // MOST_INSIDE))
+    number = np.arange(int(np.max(-(-size // stride), initial=1)))[:, None] * stride
+    index = np.minimum(edges + number, len(columns["y"]) - 1)
+    names = {"time": "time"} | {
+        n.removesuffix(" position"): n for n in columns if n.endswith(" position")
+    }
+    return {
+        short: np.where(number < size, columns[name][index], np.nan)
+        for short, name in names.items()
+    }
+
+
+def _growing(width: int) -> np.ndarray:
+    """Offsets from a turn at which rows begin: each a quarter longer than the time before it, until
+    they are of the usual width."""
+    steps = [0]
+    while len(steps) < 2 or steps[-1] - steps[-2] < width:
+        steps.append(steps[-1] + max(1, steps[-1] // 4))
+    return np.array(steps)
+
+
+def _grain(y: np.ndarray) -> float:
+    """mm: noise of a single sample, from third differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(y, 3)))) / np.sqrt(20.0) if len(y) > 8 else 0.0

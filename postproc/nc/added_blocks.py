@@ -1,0 +1,89 @@
+"""Blocks that are put in behind one that was cut: what surrounds their words, and the M codes that
+act behind the last of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from postproc.nc import codes
+
+if TYPE_CHECKING:
+    from postproc.nc.emitter import Batch
+
+
+def late_codes(b: Batch) -> None:
+    """M codes that act after the motion go to its last piece."""
+    m, w = b.m, b.w
+    cut = np.zeros(w.blocks, bool)
+    cut[m.block[b.p.motion[b.several]]] = True
+    late = (
+        (w.letter == ord("M"))
+        & cut[w.block]
+        & np.isin(w.mantissa, codes.AFTER_MOTION)
+        & (w.decimals == 0)
+    ).nonzero()[0]
+    for word in late:
+        motion = int(np.searchsorted(m.block, w.block[word]))
+        last = int((b.p.motion == motion).nonzero()[0][-1])
+        text = w.text[w.start[word] : w.stop[word]]
+        start = int(w.start[word])
+        start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "
+        b.splice.texts([start], [w.stop[word]], [0], [b""])
+        at = int(b.behind()[motion])
+        b.splice.texts(
+            [at],
+            [at],
+            [int(b.rank(np.array([last]))[0]) + 60],
+            [(b" " if b.spaced[motion] else b"") + text],
+        )
+
+
+def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
+    """What surrounds the words of an added block: line ends, block delete, a code that
+    changed."""
+    m, p, w = b.m, b.p, b.w
+    motion = p.motion[added]
+    block = m.block[motion]
+    stop, rank, at = w.block_stop[block], b.rank(added), b.behind()[motion]
+    end = b.byte[stop]
+    marks = [ord(mark) for mark in (";", b.e.dialect.block_end) if mark]
+    # it ends with its line, as nearly all do
+    line = (stop < len(w.text)) & ~np.isin(end, marks)
+    returns = (b.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
+    skip, code = w.skip[block], np.where(b.names_code[added], p.code[added], -1)
+    lead_of = [
+        (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
+    ]
+    kind = 2 * code + skip
+    for k in sorted(set(kind[line].tolist())):
+        which = line & (kind == k)
+        b.splice.constants(at[which], at[which], rank[which], lead_of[k + 2])
+    for text, which in ((b"\r\n", line & returns), (b"\n", line & ~returns)):
+        b.splice.constants(at[which], at[which], rank[which] + 90, text)
+    lead: list[bytes] = []
+    tail: list[bytes] = []
+    others = (~line).nonzero()[0]
+    for k in others:
+        before, after = _ends(b, int(stop[k]))
+        lead.append(before + lead_of[kind[k] + 2])
+        tail.append(after)
+    b.splice.texts(at[others], at[others], rank[others], lead)
+    b.splice.texts(at[others], at[others], rank[others] + 90, tail)
+
+
+def _ends(b: Batch, stop: int) -> tuple[bytes, bytes]:
+    """What stands before and behind an added block, after a block that ends at `stop`: at the
+    end of the text, or with a mark of its own."""
+    text = b.w.text
+    if stop >= len(text):
+        return b.state.newline or b"\n", b""
+    mark = text[stop - (text[stop - 1 : stop] == b" ") : stop + 1]
+    line_end = text.find(b"\n", stop)
+    rest = text[stop + 1 : line_end if line_end >= 0 else len(text)]
+    if rest.strip():
+        return b" ", mark
+    if line_end < 0:
+        return b.state.newline or b"\n", mark
+    return b"\r\n" if rest.endswith(b"\r") else b"\n", mark

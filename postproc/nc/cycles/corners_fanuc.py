@@ -1,0 +1,108 @@
+"""Corners of Fanuc and Haas: `,C` and `,R` behind a straight line, written out as a line or an arc.
+
+Fanuc B-64484EN, "Optional chamfering and corner R", and Haas, mill operator's manual, "Corner
+Rounding and Chamfering": `,C` is the distance from the corner at which a chamfer begins and ends,
+`,R` the radius of an arc that touches both lines. On lathes both stand without a comma too, and A
+is a line's angle (drawing_fanuc.py), where the machine has no axis of that letter. What is followed
+and what is refused: corners_siemens.py; A alone, whose end lies on the next line, is refused here.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import ClassVar
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.corners_siemens import CHAMFER, FEED, ROUND, Corners
+from postproc.nc.cycles.drawing_fanuc import COMMENT, WRITE, bare, on_line, split
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.expand import Line
+
+BARE = re.compile(rb"[CRA][ \t]*[-+]?[0-9.]", re.IGNORECASE)
+QUIET = (FEED, 900, 910)
+
+
+class FanucCorners(Corners):
+    """Holds a line back until the next one says which corner it makes."""
+
+    kinds: ClassVar[dict[str, str]] = {",C": CHAMFER, ",R": ROUND}
+    sign = ""
+
+    def __init__(self, scene: Scene):
+        super().__init__(scene)
+        self.own: Word | None = None
+        self.letters = bare(scene, "CRA")
+
+    def wants(self, line: Line) -> bool:
+        """Whether a line must go through here."""
+        if self.held is not None or split(line.text)[1] is not None:
+            return True
+        return bool(self.letters) and bool(BARE.search(COMMENT.sub(b"", line.text)))
+
+    def _read(self, line: Line) -> Block:
+        """The block without its corner, which is kept, and with both ends of its line."""
+        text, found = split(line.text)
+        block = Block.of(text, self.scene.dialect.grammar)
+        self.own = None
+        if found is not None:
+            raw = found[2].decode()
+            self.own = self._corner_word(found[1].decode().upper(), float(raw), raw)
+        names = self.scene.plane[:2]
+        if not self.letters or not any(w.letter in self._ends(names) for w in block.words):
+            return block
+        if any(c not in QUIET for c in block.codes) or self._motion(block) != FEED:
+            return block
+        return self._drawn(block, names)
+
+    def _ends(self, names: tuple[str, ...]) -> str:
+        by = {x: u for u, x in self.scene.dialect.increments.items()}
+        return "".join(names) + "".join(by.get(x, "") for x in names)
+
+    def _drawn(self, block: Block, names: tuple[str, ...]) -> Block:
+        """A straight feed without the words that only a drawing has. Raises ProgramError."""
+        scene = self.scene
+        out = {i for i, w in enumerate(block.words) if w.letter in self.letters}
+        if not out:
+            return block
+        corners = [block.words[i] for i in out if block.words[i].letter in "CR"]
+        if len(corners) + (self.own is not None) > 1:
+            raise scene.fault("two corners in one block", "keep one", corners[-1])
+        for word in corners:
+            self.own = self._corner_word(word.letter, word.value or 0.0, word.raw)
+        angle, new = block.get("A") if "A" in self.letters else None, b""
+        missing = [x for x in names if not any(w.letter in self._own(x) for w in block.words)]
+        if angle is not None and missing:
+            start = self.held.end if self.held else self._here(names)
+            end = self._end(block, names, start)
+            (axis,) = missing
+            place = [None if x == axis else end[k] for k, x in enumerate(names)]
+            at = on_line(scene, start, angle, place[0], place[1])[names.index(axis)]
+            here = start[names.index(axis)]
+            by = self._distances(block)
+            new = scene.text(axis, (at - here if by else at) * scene.double(axis))
+        return Block.of(block.written(out, new), scene.dialect.grammar)
+
+    def _corner_word(self, letter: str, value: float, raw: str) -> Word:
+        """The word of a corner, its size as the control counts it."""
+        size = self.scene.length(Word(letter, value, raw, 0, 0), "Z")
+        return Word(f",{letter}", abs(size) if self.letters else size, raw, 0, 0)
+
+    def _check(self, block: Block, word: str, moves: bool) -> None:
+        names = self.scene.plane[:2]
+        by = next(
+            (w for w in block.words if self.scene.dialect.increments.get(w.letter) in names), None
+        )
+        if by is not None:
+            raise self.scene.fault(f"{by.letter} at a line with {word}", "write X and Z there", by)
+        super()._check(block, word, moves)
+
+    def _own(self, axis: str) -> str:
+        """The letters that say where an axis goes."""
+        return axis + {x: u for u, x in self.scene.dialect.increments.items()}.get(axis, "")
+
+    def _words(self, block: Block) -> tuple[float | None, Word | None, Block]:
+        """Nothing modal, the block's own corner, and the block without it."""
+        alone = self.letters and "A" in self.letters and block.get("A") is not None
+        if alone and not self.own and not block.codes and len(block.words) == 1:
+            raise self.scene.fault("A alone", WRITE)
+        return None, self._sized(self.own), block

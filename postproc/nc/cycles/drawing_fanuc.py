@@ -1,0 +1,135 @@
+"""What a drawing says in a lathe's shape: corners and angles in the place of points.
+
+Fanuc B-64304EN-1, "Direct drawing dimension programming" and "Chamfering and corner R": C and R of
+a straight line (with a comma or without) are the way of a chamfer from the corner, and the radius
+of an arc that touches both lines; A is the angle of the line from the first axis of the plane, Z,
+in degrees. With A one of X and Z may be missing; with A alone the end lies on the next line, which
+says its own A, X and Z. LinuxCNC has none of this, and nor has Haas' A.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, replace
+
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.scene import COUNTER, Scene
+
+COMMA = re.compile(rb",[ \t]*([CR])[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))", re.IGNORECASE)
+COMMENT = re.compile(rb"\([^()\n]*\)|;.*", re.DOTALL)
+NEAR = 1e-9
+Point = tuple[float, float]
+WRITE = "write its end as X and Z"
+
+
+@dataclass(frozen=True)
+class Corner:
+    """`round`: an arc of this radius, else a chamfer that begins so far before the corner."""
+
+    round: bool
+    size: float
+
+
+def split(text: bytes) -> tuple[bytes, re.Match[bytes] | None]:
+    """A block without its ",C" or ",R", and that one."""
+    found = COMMA.search(COMMENT.sub(lambda m: b" " * len(m[0]), text)) if b"," in text else None
+    if found is None:
+        return text, None
+    return text[: found.start()].rstrip(b" \t") + text[found.end() :], found
+
+
+def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corner | None:
+    """The corner that a straight block names, with a comma or without."""
+    words = [w for w in block.words if w.letter in bare(scene, "CR")]
+    if found is not None:
+        raw = found[2].decode()
+        words.append(Word(found[1].decode().upper(), float(raw), raw, 0, 0))
+    if len(words) > 1:
+        raise scene.fault("two corners in one block", "keep one")
+    size = abs(scene.length(words[0], "Z")) if words else 0.0
+    return Corner(words[0].letter == "R", size) if size else None
+
+
+def bare(scene: Scene, letters: str) -> str:
+    """Of these letters those that a straight block of a lathe may name without a comma."""
+    if not scene.dialect.tool_offsets:
+        return ""
+    return "".join(x for x in letters if x not in scene.tracker.setup.axes)
+
+
+def on_line(scene: Scene, here: Point, angle: float, z: float | None, x: float | None) -> Point:
+    """The end of a line at `angle`, one of whose coordinates (z, x radius) is missing."""
+    slope = math.tan(math.radians(angle))
+    if z is not None and x is None:
+        if abs(math.cos(math.radians(angle))) < NEAR:
+            raise scene.fault(f"A{angle:g} and no X", WRITE)
+        return z, here[1] + (z - here[0]) * slope
+    assert x is not None
+    if abs(slope) < NEAR:
+        raise scene.fault(f"A{angle:g} and no Z", WRITE)
+    return here[0] + (x - here[1]) / slope, x
+
+
+def meeting(scene: Scene, here: Point, first: float, end: Point, second: float) -> Point:
+    """Where a line at an angle meets the next one, which ends at `end`."""
+    a = complex(math.cos(math.radians(first)), math.sin(math.radians(first)))
+    b = complex(math.cos(math.radians(second)), math.sin(math.radians(second)))
+    across = (a.conjugate() * b).imag
+    if abs(across) < 1e-6:
+        raise scene.fault("two lines of the shape, by their angles A, never meet", WRITE)
+    way = complex(end[0] - here[0], end[1] - here[1])
+    far = (way.conjugate() * b).imag / across
+    return here[0] + far * a.real, here[1] + far * a.imag
+
+
+def rounded(scene: Scene, elements: list, corners: dict[int, Corner]) -> list:
+    """The elements with the corners between them. `corners`: by number of the element before."""
+    result, start = [], None
+    for k, e in enumerate(elements):
+        if start is not None:
+            e = replace(e, start=start)
+            start = None
+        corner = corners.get(k)
+        if corner is None:
+            result.append(e)
+            continue
+        behind = elements[k + 1] if k + 1 < len(elements) else None
+        if behind is None or e.is_arc or behind.is_arc:
+            raise scene.fault(
+                "a corner of the shape at an arc, or behind its last line", "write the corner out"
+            )
+        first, second, centre = _corner(scene, corner, e.start, e.end, behind.end)
+        turn = _turn(e.start, e.end, behind.end)
+        made = replace(e, start=first, end=second, code=e.code)
+        if corner.round:
+            code = COUNTER if turn > 0 else 20
+            made = replace(made, code=code, centre=centre, words=(scene.text("R", corner.size),))
+        result += [replace(e, end=first), made]
+        start = second
+    return result
+
+
+def _turn(a: Point, b: Point, c: Point) -> float:
+    return (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
+
+
+def _corner(scene: Scene, corner: Corner, a: Point, b: Point, c: Point) -> tuple[Point, ...]:
+    """Where a corner begins and ends, and the centre of its arc."""
+    before, behind = complex(a[0] - b[0], a[1] - b[1]), complex(c[0] - b[0], c[1] - b[1])
+    short = min(abs(before), abs(behind))
+    u, v = (x / abs(x) if short > NEAR else 1.0 + 0j for x in (before, behind))
+    angle = abs(math.atan2((u.conjugate() * v).imag, (u.conjugate() * v).real))
+    if angle < NEAR or math.pi - angle < NEAR:
+        raise scene.fault("a corner of the shape where it goes straight on", "take it out")
+    away = corner.size / math.tan(angle / 2) if corner.round else corner.size
+    if away > short + 1e-6:
+        raise scene.fault(
+            f"a corner of {corner.size:g} begins {away:.4g} before its point, and a line of the"
+            f" shape there has {short:.4g}",
+            "make it smaller, or write the corner out",
+        )
+    at = complex(*b)
+    half = (u + v) / abs(u + v)
+    places = at + away * u, at + away * v, at + corner.size / math.sin(angle / 2) * half
+    return tuple((p.real, p.imag) for p in places)

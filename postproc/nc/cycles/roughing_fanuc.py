@@ -1,0 +1,204 @@
+"""G71 and G72 of Fanuc and Haas lathes: cuts parallel to Z or X over a shape, then one along it.
+
+What is followed, what is assumed, and where it comes from: turning_fanuc.py, and pockets_fanuc.py
+for type II.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from postproc.nc.cycles.moves import Moves
+from postproc.nc.cycles.pockets_fanuc import TooMany, TurnsBack, TypeTwo, quarters
+from postproc.nc.cycles.profile import Element, Point
+from postproc.nc.cycles.scene import CLOCKWISE, Scene
+
+MOST_PASSES = 10_000
+NEAR = 1e-9
+BOTH = "name X and Z in its first block: that chooses type II, with pockets"
+BOTH_OR_START = (
+    "stand on the side of the material before the cycle, from where it cuts towards that block; or"
+    " name X and Z in its first block: that chooses type II, with pockets"
+)
+ONE_WAY = "no type of the cycle cuts that: divide the shape where it turns back"
+
+
+@dataclass
+class Pen:
+    """Writes motions to (z, x radius)."""
+
+    scene: Scene
+    m: Moves
+
+    @property
+    def half(self) -> float:
+        return 2.0 if self.scene.is_diameter("X") else 1.0
+
+    def to(self, code: str, place: Point) -> None:
+        self.m.move(code, {"X": place[1] * self.half, "Z": place[0]})
+
+    def along(self, code: str, axis: int, value: float) -> None:
+        """Along Z (0) or X (1) alone."""
+        self.m.move(code, {"X": value * self.half} if axis else {"Z": value})
+
+    def element(self, e: Element, nose: str = "") -> None:
+        """A line or an arc of the shape, as it was written; `nose`: " G42" where it starts."""
+        if not e.is_arc:
+            self.to(("G0" if e.code == 0 else "G1") + nose, e.end)
+            return
+        to = {"X": e.end[1] * self.half, "Z": e.end[0]}
+        self.m.move("G2" if e.code == CLOCKWISE else "G3", to, *e.words)
+
+    def arc(self, code: str, end: Point, centre: Point) -> None:
+        """An arc from where the tool stands."""
+        scene = self.scene
+        words = [
+            scene.text("I", centre[1] - scene.at("X") / self.half),
+            scene.text("K", centre[0] - scene.at("Z")),
+        ]
+        self.m.move(code, {"X": end[1] * self.half, "Z": end[0]}, *words)
+
+
+@dataclass
+class Roughing:
+    """One G71 (`deep` 1: down in X, along Z) or G72 (0). `first`: the way in, `rest`: the shape,
+    both moved by the `allowance`; `nose`: what holds in the cut along the shape, " G42" or ""."""
+
+    pen: Pen
+    first: Element
+    rest: list[Element]
+    deep: int
+    start: Point
+    allowance: Point
+    depth: float
+    escape: float
+    nose: str
+
+    @property
+    def begin(self) -> Point:
+        """The start point, moved as the shape is."""
+        return self.start[0] + self.allowance[0], self.start[1] + self.allowance[1]
+
+    @property
+    def infeed(self) -> str:
+        return "G0" if self.first.code == 0 else "G1"
+
+    @property
+    def turns(self) -> bool:
+        """Whether the shape turns back in depth."""
+        whole = _turns([e.end[self.deep] - e.start[self.deep] for e in self.rest])
+        return whole or not all(e.monotonic for e in self.rest)
+
+    def write(self, second: bool) -> None:
+        """The motions. `second`: type II is chosen. Raises ProgramError."""
+        if second and self.turns:
+            self.pen.to("G0", self.begin)
+            self._pockets()
+        else:
+            self._cuts()
+        self.pen.to(self.infeed + self.nose, self.first.end)
+        for e in self.rest:
+            self.pen.element(e)
+        self.pen.to("G0 G40" if self.nose else "G0", self.start)
+
+    # -- type I ------------------------------------------------------------------------------------
+
+    def _cuts(self) -> None:
+        """Cuts from the start's side down to the first point of the shape."""
+        deep, along, first, rest = self.deep, 1 - self.deep, self.first, self.rest
+        fault, pen, c = self.pen.scene.fault, self.pen, self.begin
+        self._monotonic()
+        behind = rest[-1].end[deep] - rest[0].start[deep]
+        if behind * (first.end[deep] - first.start[deep]) > NEAR:
+            raise fault(
+                f"the shape goes deeper in {'ZX'[deep]} behind its first block", BOTH_OR_START
+            )
+        target = rest[0].start[deep]
+        sense = 1 if target > c[deep] else -1
+        side = 1 if rest[-1].end[along] > c[along] else -1
+        pen.to("G0", c)
+        passes = int(abs(target - c[deep]) / self.depth) + 1
+        if passes > MOST_PASSES:
+            raise fault(
+                f"{passes:,} cuts of {self.depth:g} (limit {MOST_PASSES:,})",
+                "check the depth of cut",
+            )
+        for k in range(1, passes + 1):
+            level = c[deep] + sense * k * self.depth
+            if (target - level) * sense <= NEAR:
+                break
+            crossings = (e.crossing(deep, level) for e in rest)
+            stop = next((v for v in crossings if v is not None), rest[-1].end[along])
+            begin = first.crossing(deep, level)  # on the first block, where it moves both axes too
+            assert begin is not None
+            pen.to(self.infeed, (begin, level) if deep else (level, begin))
+            pen.along("G1", along, stop)
+            out = [0.0, 0.0]
+            out[deep], out[along] = level - sense * self.escape, stop - side * self.escape
+            pen.to("G0", (out[0], out[1]))
+            pen.along("G0", along, begin)
+
+    def _monotonic(self) -> None:
+        """Type I: neither Z nor X turns back, also not in a last block that only draws the tool
+        out."""
+        fault, along = self.pen.scene.fault, 1 - self.deep
+        for axis in (0, 1):
+            ways = [e.end[axis] - e.start[axis] for e in self.rest]
+            if not _turns(ways):
+                continue
+            if axis == along and not _turns(ways[:-1]):
+                raise fault(
+                    f"the last block of the shape takes {'ZX'[axis]} back",
+                    "that is no part of the contour: end the shape before it, the cycle goes back"
+                    " by itself",
+                )
+            way_out = ONE_WAY if axis == along else BOTH
+            raise fault(f"{'ZX'[axis]} turns back within the shape", way_out)
+        if not all(e.monotonic for e in self.rest):
+            raise fault("an arc of the shape goes beyond a quadrant", BOTH)
+
+    # -- type II -----------------------------------------------------------------------------------
+
+    def _pockets(self) -> None:
+        """Cuts with the shape behind each, pockets one after the other."""
+        deep, fault, c = self.deep, self.pen.scene.fault, self.begin
+        letter = "ZX"[deep]
+        if _turns([e.end[1 - deep] - e.start[1 - deep] for e in self.rest]):
+            raise fault(f"{'XZ'[deep]} turns back within the shape", ONE_WAY)
+        ways = [e.end[deep] - c[deep] for e in [self.first, *self.rest[:-1]]]
+        sense = 1 if max(ways, key=abs) > 0 else -1
+        if any(way * sense < -NEAR for way in ways):
+            raise fault(
+                f"the shape goes beyond the start point in {letter}",
+                "start outside of the shape, on the side of the stock",
+            )
+        if self.allowance[deep] * sense > NEAR:
+            raise fault(
+                f"the finishing allowance along {letter} lies in the part",
+                "the start point, or the sign of the allowance, is on the wrong side",
+            )
+        try:
+            pieces = [self.first, *(part for e in self.rest for part in quarters(e, deep))]
+            way = TypeTwo(pieces, deep, sense, c[deep], self.depth, self.escape).way(c)
+        except TurnsBack:
+            raise fault(f"an arc of the shape takes {'XZ'[deep]} back", ONE_WAY) from None
+        except TooMany:
+            raise fault(
+                f"more than {MOST_PASSES:,} motions in cuts of {self.depth:g}",
+                "check the depth of cut",
+            ) from None
+        for step in way:
+            if step.centre is None:
+                self.pen.to(step.code or self.infeed, step.end)
+            else:
+                self.pen.arc(step.code, step.end, step.centre)
+
+
+def _turns(ways: list[float]) -> bool:
+    return min(ways) < -NEAR and max(ways) > NEAR
+
+
+def draws_out(rest: list[Element], along: int) -> bool:
+    """Whether the last block of a shape rapids back along the cuts."""
+    ways = [e.end[along] - e.start[along] for e in rest]
+    return len(rest) > 1 and rest[-1].code == 0 and _turns(ways)

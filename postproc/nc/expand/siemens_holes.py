@@ -1,0 +1,76 @@
+"""The holes of a Sinumerik program while it runs: what MCALL names is drilled behind every motion,
+what is called alone where it stands, and a pattern drills what MCALL named at each of its places.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from postproc.nc.codes import WRITE_OUT
+from postproc.nc.expand import siemens_drilling, siemens_patterns
+from postproc.nc.expand.siemens_blocks import Call
+from postproc.nc.expand.siemens_drilling import FEED, Drilling, moves
+from postproc.nc.expand.siemens_frames import Frame
+from postproc.nc.expand.siemens_patterns import Pattern
+from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.tracker import Tracker
+
+NAMES = {*siemens_drilling.NAMES, *siemens_patterns.NAMES}  # the cycles that are written out
+OWN_CYCLES = re.compile(r"CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE")
+NOT_HERE = (
+    "put its text beside the program (NAME.SPF or NAME.MPF), or write its motions out: it could"
+    " move an axis"
+)
+
+
+class Holes:
+    """What is drilled."""
+
+    def __init__(self, tracker: Tracker):
+        self.tracker = tracker
+        self.feed = b""  # the last F word that has left
+        self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
+        self.called: Drilling | Pattern | None = None  # to be drilled behind this line
+
+    def call(self, name: str, values: Sequence[Value | None]) -> None:
+        """A cycle that stands alone. Raises Refusal."""
+        pattern = name in siemens_patterns.NAMES
+        self.called = Pattern.of(name, values) if pattern else Drilling.of(name, values)
+
+    def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:
+        """The plain lines behind a line that has left. own: it is one of the program. Raises
+        Refusal."""
+        if own:
+            self.feed = next((f[1] for f in FEED.finditer(text.split(b";")[0])), self.feed)
+        hole, self.called = self.called, None
+        if isinstance(hole, Pattern):
+            yield from self._pattern(frame, hole)
+            return
+        if self.modal and self.modal[0] is frame and own and moves(text):
+            hole = self.modal[1]
+        if hole:
+            yield from hole.lines(self.tracker, self.feed)
+
+    def _pattern(self, frame: Frame, pattern: Pattern) -> Iterator[bytes]:
+        """The places of a pattern, with a hole at each; the motion code is what it was."""
+        if not self.modal or self.modal[0] is not frame:
+            raise Refusal(
+                f"no MCALL is in force here: what {pattern.name} does at its places is not known",
+                "write MCALL and the cycle of one hole before it, in the same program",
+            )
+        code = self.tracker.code("motion")
+        for place in pattern.lines(self.tracker):
+            yield place
+            yield from self.modal[1].lines(self.tracker, self.feed)
+        if code > 0:
+            yield b"G%d" % (code // 10)
+
+
+def missing(name: str, call: Call) -> Refusal:
+    """Of a call of what is not here: a cycle of the control, or a subprogram."""
+    if OWN_CYCLES.fullmatch(name.upper()):
+        message = f"{name} is a cycle of the control that is not written out"
+        return Refusal(message, WRITE_OUT, call.start, call.stop)
+    message = f"{name} is neither a command that gcomp knows nor a subprogram that it has"
+    return Refusal(message, NOT_HERE.replace("NAME", name), call.start, call.stop)

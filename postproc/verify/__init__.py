@@ -1,0 +1,458 @@
+"""Replay the output as the control would, run it through the machine's model, and measure what is
+left.
+
+The output's own text is read again by an interpreter of its own; its motions are sampled between
+the nodes, each commanded point is given its deviation, and the distance of that actual point from
+the nominal path is the result: once with the tables of the direction in which each slide was last
+commanded to move, and once with lost motion as such (slides.py). Ends of rapids count, their ways
+do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.errors import BlockFault, GcompError, Place
+from postproc.filter import Filter
+from postproc.machine.model import Machine
+from postproc.machine.poses import axes_of
+from postproc.machine.tip import TipMachine, seen_by_tip, tool_directions
+from postproc.machine.uncertainty import AlongPath
+from postproc.motions import FREE, HOLE, RAPID, Motions
+from postproc.nc.beside_corrected import LIMIT
+from postproc.nc.interpreter import Interpreter, ModalState
+from postproc.nc.lexer import Words, lex
+from postproc.pieces import Pieces
+from postproc.slides import Led, Slides
+from postproc.spaces import Space
+from postproc.trace import Trace
+from postproc.units import TICKS_PER_MM
+from postproc.verify import report
+from postproc.verify.cutter import CentreVerifier
+from postproc.verify.distance import all_known, points_of, to_path
+from postproc.verify.heat import Warm
+
+STEP_MM = 2.0  # a sample at least every 2 mm
+MOST_SAMPLES = 20_000
+# golden section: never in step with the nodes
+PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0
+
+
+NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
+
+
+@dataclass
+class Largest:
+    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same
+    with lost motion as such;
+    `lean`, `lean_line`: rad, by how much the tool leans away from its nominal direction in the
+    part."""
+
+    deviation: float = 0.0
+    line: int = 0
+    slide: float = 0.0
+    slide_line: int = 0
+    lean: float = 0.0
+    lean_line: int = 0
+
+    def take(self, deviation: float, line: int, slides: bool) -> None:
+        if slides and deviation > self.slide:
+            self.slide, self.slide_line = deviation, line
+        if not slides and deviation > self.deviation:
+            self.deviation, self.line = deviation, line
+
+
+class Verifier:
+    """Takes each batch and its output. `corrected` and `uncorrected`: Largest of both programs so
+    far."""
+
+    def __init__(self, filter_: Filter):
+        self.machine, self.name, self.mode = filter_.machine, filter_.name, filter_.compensator.mode
+        self.tolerance = filter_.compensator.tolerance
+        self.interpreter = Interpreter(filter_.dialect, filter_.setup)
+        self.state: ModalState = self.interpreter.initial()
+        self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
+        # mm, larger in inch blocks
+        self.grid = max(axis.least_increment for axis in self.machine.axes.values())
+        filter_.watchers.append(self.check)
+        self.nominal_slides, self.slides = (Slides(self.machine, self.hysteresis) for _ in range(2))
+        self.corrected, self.uncorrected = Largest(), Largest()
+        self.hole_tolerance = filter_.compensator.hole_tolerance
+        self.holes, self.taps = (
+            Largest(),
+            Largest(),
+        )  # how far axes of holes stay off sideways, whose cycle holds its place
+        self.map = AlongPath(self.machine)
+        # inside cutter radius compensation, where the centre is not followed
+        self.at_contour = Largest()
+        self.centre = CentreVerifier(self.machine, self.follows)
+        self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
+        self.seen_by: dict[tuple[int, Space | None, tuple[int, ...]], Machine] = {}
+        self.tips = False  # whether any motion was one of the tip
+        self.motions_in = self.motions_out = 0
+        # Line and file that a line of a program that was written out came from; None: it is the
+        # program itself.
+        self.source: Callable[[int], tuple[int, str]] | None = None
+        self.warm = Warm(filter_)
+        self.trace: Trace | None = None  # for who wants to draw what is measured
+
+    def check(
+        self, words: Words, motions: Motions, pieces: Pieces, output: bytes, first_line: int
+    ) -> None:
+        """Compare a batch with its output. Raises GcompError when the output can not be read back
+        or lost a motion."""
+        again = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
+        try:
+            back, self.state, _ = self.interpreter.run(again, self.state)
+            if again.fault and not self.state.ended:
+                raise again.fault
+        except BlockFault as fault:
+            at = int(again.line[fault.block]) if fault.block < again.blocks else -1
+            shown = output.split(b"\n")[at].decode("latin-1")
+            raise GcompError(
+                f"the output can not be read back: {fault.message}",
+                "this is an error of gcomp: please report the program",
+                Place(self.name, int(self._own(np.array([first_line + 1]))[0]), shown),
+            ) from None
+        for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
+            why = back.reasons[int(back.reason[i])][0]
+            raise GcompError(
+                f"the output can not be followed: {why}",
+                (
+                    LIMIT
+                    if why == self.state.beside.fault
+                    else "this is an error of gcomp: please report the program"
+                ),
+                self._near(words, motions, pieces, int(i), first_line),
+            )
+        if len(back) != len(pieces) or (back.code != pieces.code).any():
+            most = min(len(back), len(pieces))
+            differ = np.flatnonzero(back.code[:most] != pieces.code[:most])
+            raise GcompError(
+                f"the output has {len(back)} motions where {len(pieces)} were planned",
+                "this is an error of gcomp: please report the program",
+                self._near(
+                    words, motions, pieces, int(differ[0]) if len(differ) else most, first_line
+                ),
+            )
+        self.tips |= bool(motions.space.any())
+        self.warm.see(words, motions, again, back)
+        if len(motions):
+            self.grid = max(
+                self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM
+            )
+        self.motions_in += len(motions)
+        self.motions_out += len(back)
+        if len(motions):
+            line = self._own(first_line + words.line[motions.block] + 1)
+            every, one = np.arange(len(motions)), np.ones(len(motions))
+            if self.trace:
+                self.trace.begin(words, motions, line, first_line)
+            led, own = self.slides.run(back), self.nominal_slides.run(motions)
+            self._measure(
+                motions,
+                every,
+                0 * one,
+                one,
+                motions,
+                (own, own),
+                line,
+                self.uncorrected,
+                0 * every + PATH,
+            )
+            owner = pieces.motion
+            begin = np.cumsum(pieces.share) - pieces.share
+            first = np.concatenate([[True], owner[1:] != owner[:-1]])
+            begin -= begin[first][np.cumsum(first) - 1]
+            ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
+            counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
+            end, sense = begin + pieces.share, own.way(own.leg(every, one))
+            there = self._slides(
+                motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0)
+            )
+            ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
+            followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
+            inside = (motions.cutter != FREE)[owner]
+            for into, of in (
+                (self.corrected, ~inside),
+                (self.at_contour, inside & ~followed[owner]),
+            ):
+                some = np.where(of, counts, NOTHING)
+                self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
+            self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
+            self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
+            if self.trace:
+                self.trace.end(words, pieces, output, again.line[back.block])
+
+    def _near(
+        self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int
+    ) -> Place:
+        """The program's line that a piece was made of; of one too many, the line of the last."""
+        if not len(pieces):
+            return Place(self.name, int(self._own(np.array([first_line + 1]))[0]))
+        motion = int(pieces.motion[min(piece, len(pieces) - 1)])
+        line = first_line + words.line[motions.block[motion : motion + 1]] + 1
+        return Place(self.name, int(self._own(line)[0]))
+
+    def _own(self, lines: np.ndarray) -> np.ndarray:
+        """Lines as the program's author counts them."""
+        if self.source is None:
+            return lines
+        return np.array([self.source(int(n))[0] for n in lines])
+
+    def at_line(self, lines: Iterable[int]) -> bool:
+        """Whether the largest deviation is in one of these lines of what was read."""
+        return self.corrected.line in self._own(np.array(list(lines), dtype=int))
+
+    def _measure_holes(
+        self,
+        nominal: Motions,
+        run: Motions,
+        led: Led,
+        line,
+        ends: Largest,
+        axes: Largest,
+        taps: Largest,
+    ) -> None:
+        """The axis of each hole from R to its bottom sideways (`axes`, `taps`), and the bottom
+        along it (`ends`)."""
+        holes, drilled = nominal.holes, run.holes
+        counts = (
+            all_known(self.machine, nominal.target_known)[holes.motion]
+            & ~nominal.alone[holes.motion]
+            if len(holes)
+            else holes.initial
+        )
+        for k in np.flatnonzero(counts):
+            row, motion = int(holes.axis[k]), int(holes.motion[k])
+            t = np.concatenate([PLACES[:32], [1.0]])
+            command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
+            top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
+            command[row] = top + (bottom - top) * t
+            of, rapid = np.full(len(t), drilled.motion[k]), np.ones(len(t), bool)
+            for slides, weight in enumerate(led.at(of, 1.0 * rapid, command, 0 * command, rapid)):
+                weight[row] = np.sign(bottom - top)
+                if ends is self.corrected and not slides:
+                    self.map.see(
+                        command,
+                        weight * self.follows,
+                        run.length[:, of] / TICKS_PER_MM,
+                        line[0 * of + motion],
+                    )
+                off = command + self._deviation(run, (of, t), command, weight * self.follows)
+                off -= nominal.target[:, [motion]] / TICKS_PER_MM
+                deep = float(
+                    off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
+                )
+                off[row] = 0.0
+                aside = float(np.linalg.norm(off[list(self.machine.corrected)], axis=0).max())
+                if row in self.machine.corrected:
+                    ends.take(abs(deep), int(line[motion]), bool(slides))
+                (taps if holes.tap[k] else axes).take(aside, int(line[motion]), bool(slides))
+
+    def _measure(
+        self,
+        nominal: Motions,
+        owner,
+        t0,
+        t1,
+        run: Motions,
+        led: tuple[Led, Led],
+        line,
+        into: Largest,
+        counts,
+    ) -> None:
+        """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`. led:
+        the slides of the nominal program and of this one. counts: PATH; END of a take-up, which
+        counts for the slides alone; or NOTHING."""
+        known = all_known(self.machine, run.target_known)
+        known &= all_known(self.machine, nominal.target_known)[owner] & ~nominal.alone[owner]
+        # a rapid that was cut has one end
+        known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))
+        whole = (
+            all_known(self.machine, run.start_known)
+            & all_known(self.machine, nominal.start_known)[owner]
+            & (run.code != RAPID)
+        )
+        # a thread in one block is corrected at its ends, as a notice says
+        whole &= ~nominal.whole[owner]
+        moves = (nominal.target != nominal.start).any(axis=0) | ~all_known(
+            self.machine, nominal.start_known
+        )
+        moves[nominal.arcs.motion] = True
+        known &= (counts != NOTHING) & moves[owner]
+        path = counts == PATH
+        length = np.sqrt((((run.target - run.start) / TICKS_PER_MM) ** 2).sum(axis=0))
+        curved, nominal_curved = np.full(len(run), -1), np.full(len(nominal), -1)
+        curved[run.arcs.motion] = np.arange(len(run.arcs))
+        nominal_curved[nominal.arcs.motion] = np.arange(len(nominal.arcs))
+        arc_length = np.abs(run.arcs.sweep * run.arcs.radius)
+        length[run.arcs.motion] = arc_length
+        count = np.where(
+            whole & known & path, np.clip(np.ceil(length / STEP_MM), 4, len(PLACES)), 0
+        ).astype(np.int64)
+        group = (np.cumsum(count + 1) - 1) // MOST_SAMPLES
+        # so many at a time that memory stays flat
+        for g in range(int(group[-1]) + 1 if len(group) else 0):
+            which = np.flatnonzero(group == g)
+            row = np.repeat(which, count[which])
+            place = PLACES[
+                np.arange(len(row))
+                - np.repeat(np.cumsum(count[which]) - count[which], count[which])
+            ]
+            ends = which[known[which]]
+            begins = which[count[which] > 0]  # where a take-up has brought the slides
+            row = np.concatenate([row, ends, begins])
+            place = np.concatenate([place, np.ones(len(ends)), np.zeros(len(begins))])
+            if not len(row):
+                continue
+            command = points_of(run, curved, row, place)
+            t = t0[row] + (t1 - t0)[row] * place
+            # The end of a piece may be where an axis turns back: it is still reached in the
+            # direction it had before.
+            inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
+            sense = led[0].way(led[0].leg(owner[row], inside))
+            weights = led[1].at(
+                row, place, self._slides(run, row, command), sense, run.code[row] == RAPID
+            )
+            if into is self.corrected:
+                lengths = run.length[:, row] / TICKS_PER_MM
+                self.map.see(
+                    self._slides(run, row, command),
+                    weights[0] * self.follows,
+                    lengths,
+                    line[owner[row]],
+                )
+            if self.machine.chain.rotary:
+                self._lean(nominal, run, (row, owner[row], t), (command, weights[0]), line, into)
+            for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
+                actual = command + self._deviation(
+                    run, (row, place), command, weight * self.follows
+                )
+                distance = to_path(self.machine, nominal, owner[row], t, actual)
+                turns = np.flatnonzero(~path[row])
+                # a take-up stands where the path turns: ahead or behind is off there too
+                if len(turns):
+                    there = points_of(nominal, nominal_curved, owner[row[turns]], t[turns])
+                    off = (actual[:, turns] - there)[list(self.machine.corrected)]
+                    distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
+                if self.trace and not slides:
+                    nominal_at = points_of(nominal, nominal_curved, owner[row], t)
+                    places = (nominal_at, command, actual, distance)
+                    self._trace(run, row, (owner[row], t), places, weights[0], into, path[row])
+                worst = int(np.argmax(distance))
+                into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
+
+    def _trace(
+        self, run: Motions, row, where, there, weight, into: Largest, path: np.ndarray
+    ) -> None:
+        """Tell the trace of places: motions of the run and t of nominal motions, and there
+        (nominal, command, actual, distance). path (K,): whether it is one of the way, not of a
+        take-up."""
+        assert self.trace is not None
+
+        def u(some: np.ndarray) -> np.ndarray:
+            rows = row[path][some]
+            slides = self._slides(run, rows, there[1][:, path][:, some])
+            return self.map.at(
+                slides, weight[:, path][:, some] * self.follows, run.length[:, rows] / TICKS_PER_MM
+            )
+
+        name = "before" if into is self.uncorrected else "after"
+        motion, t = (column[path] for column in where)
+        self.trace.see(
+            name, motion, t, run.code[row[path]] != RAPID, tuple(a[..., path] for a in there), u
+        )
+
+    def _lean(
+        self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest
+    ) -> None:
+        """How far the tool leans at commands (A, K) reached with weights (A, K), away from its
+        nominal direction. which: (K,) motions of the run, those of the nominal program, and t
+        there."""
+        (row, owner, t), (command, weight) = which, commands
+        start, target = (
+            (nominal.start / TICKS_PER_MM)[:, owner],
+            (nominal.target / TICKS_PER_MM)[:, owner],
+        )
+        moves = all_known(self.machine, nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
+        should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
+        actual = np.zeros_like(should)
+        for machine, of in self._machines(run, row):
+            base = machine.base if isinstance(machine, TipMachine) else machine
+            slides = self._slides(run, row[of], command[:, of])
+            actual[:, of] = tool_directions(base, slides, weight[:, of] * self.follows)
+        lean = np.linalg.norm(np.cross(should, actual, axis=0), axis=0)
+        worst = int(np.argmax(lean))
+        if lean[worst] > into.lean:
+            into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])
+
+    def _deviation(self, run: Motions, where, command, weight) -> np.ndarray:
+        """(A, K) mm at commands (A, K) of motions (K,) when a share (K,) of their time is over."""
+        result = np.zeros_like(command)
+        for machine, of in self._machines(run, where[0]):
+            result[:, of] = machine.deviation(command[:, of], weight[:, of])
+        for one, value in self.warm.parts(run, where):
+            for machine, of in self._machines(run, where[0], one):
+                result[:, of] += value[of] * machine.deviation(command[:, of], weight[:, of])
+        return result
+
+    def _machines(
+        self, run: Motions, row: np.ndarray, only: Machine | None = None
+    ) -> Iterator[tuple[Machine, np.ndarray]]:
+        """The machine (or `only`) with each tool and space; (K,) bool, which motions it runs."""
+        whole = only or self.machine
+        if not (whole.turns and run.length.any()) and not run.space.any():
+            yield whole, np.ones(len(row), bool)
+            return
+        every, which = np.unique(
+            np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True
+        )
+        for k, key in enumerate(every.T):
+            told = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
+            if told not in self.seen_by:
+                long = key[:-1] / TICKS_PER_MM
+                self.seen_by[told] = seen_by_tip(whole, long, told[1], self.oriented)
+            yield self.seen_by[told], which.ravel() == k
+
+    def _slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
+        """(A, K) slide positions at commands (A, K) of motions `row`."""
+        if not run.space.any():
+            return command
+        result = command.copy()
+        for machine, of in self._machines(run, row):
+            if isinstance(machine, TipMachine):
+                result[:, of] = machine.slides(command[:, of])
+        return result
+
+    @property
+    def allowed(self) -> float:
+        """mm: the tolerance and half an increment; where sides are followed, what each two-way axis
+        may be held back by: the hysteresis at the ends of strokes and half of it along them, and
+        what the sides of all axes move the others by, which no take-up can bring about in the same
+        moment."""
+        axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
+        beyond = (
+            1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
+        )
+        return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
+
+    @property
+    def passed(self) -> bool:
+        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are
+        only measured, as is what stays inside cutter radius compensation, where nothing may be put
+        in: there it must not get worse."""
+        self.centre.finish()
+        centre = self.centre
+        better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
+        holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
+        return better and (
+            self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
+        )
+
+    def report(self) -> str:
+        """One line for a person: before, after, and their ratio."""
+        return report.line(self)

@@ -1,0 +1,270 @@
+"""Verify inside G41 G42: nominal and corrected contour are both shifted by the tool's radius, and
+their centres compared.
+
+The corrected centre is where the slides are sent; with the deviation there it must lie on the
+nominal centre's path. Both are followed with LinuxCNC's rules (postproc.nc.shifted); a contour that
+is entered by an arc is not followed, nor is one without a stated radius: those are measured at the
+contour.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import ceil
+
+import numpy as np
+
+from postproc.errors import GcompError
+from postproc.machine.model import Machine
+from postproc.motions import ENTRY, FREE, Motions
+from postproc.nc.beside_corrected import LIMIT
+from postproc.nc.beside_refusals import begun, block_of
+from postproc.nc.shifted import Gouge, Shifted, Way
+from postproc.pieces import Pieces
+from postproc.units import TICKS_PER_MM, UM
+
+STEP_MM = 2.0
+PLAY_MM = 0.01  # an axis that moves less has not turned back
+FEWEST, MOST = 5, 65  # samples of one way
+
+
+@dataclass
+class Found:
+    """The largest distance in mm, and the input line it belongs to."""
+
+    deviation: float = 0.0
+    line: int = 0
+
+
+@dataclass
+class Contour:
+    """One of the two programs while it is inside. ways: of the centre, final; approach (A,): as of
+    the last of them."""
+
+    shifted: Shifted
+    approach: np.ndarray
+    ways: list[Way] = field(default_factory=list)
+
+    def take(self) -> None:
+        self.ways += self.shifted.done
+        self.shifted.done = []
+
+
+class CentreVerifier:
+    """Takes each batch. `corrected`, `uncorrected`: the largest distances so far; `refused`: what
+    LinuxCNC refuses in the nominal program itself, and where."""
+
+    def __init__(self, machine: Machine, directed: bool):
+        self.machine, self.directed = machine, directed
+        self.corrected, self.uncorrected = Found(), Found()
+        self.refused = ""
+        self.nominal: Contour | None = None
+        self.run: Contour | None = None
+        self.lines: dict[int, int] = {}
+        self.count = 0
+
+    def check(
+        self, motions: Motions, back: Motions, pieces: Pieces, weights: np.ndarray, line: np.ndarray
+    ) -> np.ndarray:
+        """(N,) bool: nominal motions whose centres were followed. Raises GcompError where the
+        correction makes a corner that the control refuses."""
+        followed = np.zeros(len(motions), bool)
+        inside = np.flatnonzero(motions.cutter != FREE)
+        first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
+        for i in inside.tolist():
+            if motions.cutter[i] == ENTRY and motions.radius[i] and np.isfinite(motions.radius[i]):
+                self._enter(motions, i, weights)
+            if self.nominal is None or self.run is None:
+                continue
+            followed[i] = True
+            self.lines[self.count + i] = int(line[i])
+            try:
+                self._step(self.nominal.shifted, motions, i, motions, i)
+            except Gouge as gouge:
+                self.refused = self.refused or f"{gouge} (line {int(line[i])})"
+                self.nominal = self.run = None
+                continue
+            try:
+                for piece in range(int(first[i]), int(first[i + 1])):
+                    self._step(self.run.shifted, back, piece, motions, i)
+            except Gouge as gouge:
+                raise GcompError(
+                    f"the corrected contour of line {int(line[i])} is one that LinuxCNC refuses,"
+                    f" and the nominal is not: {gouge}",
+                    LIMIT,
+                ) from None
+            if motions.cutter[i] == ENTRY and not motions.radius[i]:
+                self.finish()
+        self._compare()
+        self.count += len(motions)
+        return followed
+
+    def finish(self) -> None:
+        """No more blocks of this contour."""
+        for contour in (self.nominal, self.run):
+            if contour is not None:
+                contour.shifted.flush()
+        self._compare(last=True)
+        self.nominal = self.run = None
+        self.lines.clear()
+
+    def _enter(self, motions: Motions, i: int, weights: np.ndarray) -> None:
+        self.finish()
+        nominal, run = begun(motions, i), begun(motions, i)
+        if nominal is None or run is None:
+            return
+        self.nominal, self.run = (
+            Contour(nominal, weights[:, i].copy()),
+            Contour(run, weights[:, i].copy()),
+        )
+        self.at_work = self.machine
+        if self.machine.turns and motions.length.any():
+            length = dict(
+                zip(
+                    self.machine.letters,
+                    (motions.length[:, i] / TICKS_PER_MM).tolist(),
+                    strict=True,
+                )
+            )
+            self.at_work = self.machine.with_tool(
+                (length.get("X", 0.0), length.get("Y", 0.0), length.get("Z", 0.0))
+            )
+
+    def _step(self, shifted: Shifted, of: Motions, row: int, nominal: Motions, i: int) -> None:
+        """One motion of a program, which belongs to nominal motion i."""
+        block = block_of(of, row, self.count + i)
+        if nominal.cutter[i] != ENTRY:
+            shifted.follow(block)
+        elif nominal.radius[i]:
+            shifted.enter(of.start[:, row] / TICKS_PER_MM, block)
+        else:
+            shifted.leave(block)
+
+    # -- distances ---------------------------------------------------------------------------------
+
+    def _compare(self, last: bool = False) -> None:
+        """Measure the ways whose neighbours on the nominal path are final."""
+        if self.nominal is None or self.run is None:
+            return
+        self.nominal.take()
+        self.run.take()
+        waiting = self.nominal.shifted.queue
+        limit = self.count + 10**9 if last else (waiting[0].owner if waiting else self.count) - 1
+        ways = self.nominal.ways
+        for contour, into in ((self.run, self.corrected), (self.nominal, self.uncorrected)):
+            for way in (w for w in contour.ways if w.owner < limit and not w.measured):
+                near = [w for w in ways if abs(w.owner - way.owner) <= 1]
+                self._measure(contour, way, near, into)
+        self.run.ways = [w for w in self.run.ways if w.owner >= limit]
+        for way in self.nominal.ways:
+            way.measured = way.owner < limit
+        self.nominal.ways = [w for w in self.nominal.ways if w.owner >= limit - 2]
+
+    def _measure(self, contour: Contour, way: Way, near: list[Way], into: Found) -> None:
+        t = (
+            np.ones(1)
+            if way.rapid
+            else np.linspace(0.0, 1.0, min(max(ceil(_length(way) / STEP_MM) + 1, FEWEST), MOST))
+        )
+        point = _points(way, t)
+        weight = self._approach(contour, way, t)
+        actual = point + self.at_work.deviation(point, weight)
+        rows = list(self.machine.corrected)
+        distance = (
+            np.min([_distance(w, actual, rows) for w in near], axis=0) if near else np.zeros(len(t))
+        )
+        worst = int(np.argmax(distance))
+        if distance[worst] > into.deviation:
+            into.deviation, into.line = float(distance[worst]), self.lines.get(way.owner, 0)
+
+    def _approach(self, contour: Contour, way: Way, t: np.ndarray) -> np.ndarray:
+        """(A, K) -1 to 1: in which direction each axis moves or has moved last."""
+        travel = way.end - way.start
+        turned = np.where(np.abs(travel) > PLAY_MM, np.sign(travel), contour.approach)
+        weight = np.repeat(turned[:, None], len(t), axis=1)
+        if way.centre is not None:
+            angle = _angle(way) + way.sweep * np.clip(t, 1e-6, 1 - 1e-6)
+            sense = np.sign(way.sweep)
+            weight[way.plane[0]], weight[way.plane[1]] = (
+                -np.sin(angle) * sense,
+                np.cos(angle) * sense,
+            )
+            weight[list(way.plane)] = np.sign(weight[list(way.plane)])
+        contour.approach = weight[:, -1].copy()
+        return weight if self.directed else np.zeros_like(weight)
+
+    def report(self, allowed: float) -> str:
+        """What a person should know of it, or nothing."""
+        self.finish()
+        said = ""
+        if self.uncorrected.deviation:
+            over = (
+                ", more than the tolerance, as nothing may be put in there"
+                if self.corrected.deviation > allowed
+                else ""
+            )
+            said += (
+                f"; inside G41 G42 along the tool's centre {self.corrected.deviation / UM:.2f} um"
+                f" (line {self.corrected.line}), uncorrected {self.uncorrected.deviation / UM:.2f}"
+                f" um{over}"
+            )
+        if self.refused:
+            said += f"; LinuxCNC refuses a contour of the program itself: {self.refused}"
+        return said
+
+
+def _angle(way: Way) -> float:
+    assert way.centre is not None
+    first, second = way.plane
+    return float(np.arctan2(way.start[second] - way.centre[1], way.start[first] - way.centre[0]))
+
+
+def _radii(way: Way) -> tuple[float, float]:
+    assert way.centre is not None
+    first, second = way.plane
+    of = [
+        float(np.hypot(p[first] - way.centre[0], p[second] - way.centre[1]))
+        for p in (way.start, way.end)
+    ]
+    return of[0], of[1]
+
+
+def _length(way: Way) -> float:
+    straight = float(np.linalg.norm(way.end - way.start))
+    return straight if way.centre is None else max(straight, abs(way.sweep) * max(_radii(way)))
+
+
+def _points(way: Way, t: np.ndarray) -> np.ndarray:
+    """(A, K) mm at t."""
+    point = way.start[:, None] + (way.end - way.start)[:, None] * t
+    if way.centre is not None:
+        begin, end = _radii(way)
+        radius, angle = begin + (end - begin) * t, _angle(way) + way.sweep * t
+        point[way.plane[0]] = way.centre[0] + radius * np.cos(angle)
+        point[way.plane[1]] = way.centre[1] + radius * np.sin(angle)
+    return point
+
+
+def _distance(way: Way, actual: np.ndarray, rows: list[int]) -> np.ndarray:
+    """(K,) mm from points (A, K) to a way, in some axes."""
+    if way.centre is None:
+        travel = (way.end - way.start)[rows]
+        square = float(travel @ travel)
+        t = ((actual[rows] - way.start[rows, None]) * travel[:, None]).sum(axis=0) / (square or 1.0)
+    else:
+        first, second = way.plane
+        angle = np.arctan2(actual[second] - way.centre[1], actual[first] - way.centre[0])
+        # The turn nearest to where the other axes say it is; the middle of the arc where they rest.
+        t = np.full(actual.shape[1], 0.5)
+        other = [
+            row
+            for row in rows
+            if row not in way.plane and abs(way.end[row] - way.start[row]) > PLAY_MM
+        ]
+        for row in other:
+            t = (actual[row] - way.start[row]) / (way.end[row] - way.start[row])
+        expected = _angle(way) + way.sweep * t
+        t = t + np.angle(np.exp(1j * (angle - expected))) / way.sweep
+    point = _points(way, np.clip(t, 0.0, 1.0))
+    result: np.ndarray = np.linalg.norm((actual - point)[rows], axis=0)
+    return result
