@@ -17,7 +17,7 @@ import re
 from collections import deque
 
 from postproc.streaming.events import Status
-from postproc.streaming.line_estimate import Whereabouts
+from postproc.streaming.line_estimate import LineEstimate
 from postproc.streaming.lines import WireLine
 from postproc.streaming.protocols import Controller
 
@@ -67,7 +67,7 @@ class Account:
         self._steps = per_mm(controller)
         self._segments, self._blocks = controller.segments, controller.planner
         step = max((1.0 / k for k in self._steps if k > 0), default=0.0)
-        self._where = Whereabouts(SHORT + 2 * step, order)
+        self._estimate = LineEstimate(SHORT + 2 * step, order)
         self.parts: deque[Part] = deque()
         self.sent_to = self.answered_to = self.executed = 0
         self.source = 0
@@ -230,7 +230,7 @@ class Account:
     def likely(self, status: Status | None) -> tuple[int, float]:
         """Where it probably is: the last line that is over, and the share of the next that is.
         Good for telling the time, and for nothing else."""
-        part, share = self._where.at(self.parts, self._blocks, status)
+        part, share = self._estimate.at(self.parts, self._blocks, status)
         if part is not None:
             return part.line.number - 1, share
         over = [part.upto for part in self.parts if part.answered and part.block]
@@ -239,7 +239,7 @@ class Account:
     def at(self, status: Status | None) -> WireLine | None:
         """The line in which it probably is; None: in none of those that were answered, or nothing
         says it."""
-        part, _ = self._where.at(self.parts, self._blocks, status)
+        part, _ = self._estimate.at(self.parts, self._blocks, status)
         return part.line if part is not None else None
 
     def lines(self) -> list[WireLine]:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from postproc.streaming.account import Part
 
 
-class Whereabouts:
+class LineEstimate:
     """near: mm from its way at which a machine stands on it; order: where each axis of a line's end
     stands in the reports, (): in the same order."""
 

@@ -57,7 +57,7 @@ def tool_change(how: str, prepare: Callable[[bytes], bytes]) -> Callable[[bytes]
     return prepared
 
 
-class Foreknown:
+class Precheck:
     """look() at every line of a job, in order. Raises ProgramError for what the controller would
     refuse; `notices` tell the rest.
 

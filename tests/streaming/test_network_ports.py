@@ -115,7 +115,7 @@ def test_A14_dnc_over_a_device_server(place, rfc2217):  # noqa: F811
     overflows where DC3 is not obeyed, or a whole program is put into the box at once."""
     rows = [f"N{i} G1 X{i % 40}.5 Z-{i % 7}.25 F200" for i in range(1, 61)]
     (place / "job.nc").write_text("\n".join(["%", "O0001", "G21 G90 G94", *rows, "M30", "%", ""]))
-    with NetHost(DncModel(baud=9600, rx=150, rate=200.0, begins=8.0), rfc2217, speed=4.0) as host:
+    with NetHost(DncModel(baud=9600, rx=700, rate=200.0, begins=8.0), rfc2217, speed=4.0) as host:
         how = ("--machine", "perfect", "--dialect", "fanuc-mill", "--protocol", "dnc")
         job = ("job.nc", *how, "--no-journal", "--baud", "19200")
         status, _, err = stream(place, None, *job, "--port", host.path)

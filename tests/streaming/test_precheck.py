@@ -10,7 +10,7 @@ pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 from postproc.commands.stream.first_pass import changes  # noqa: E402
 from postproc.streaming.lines import WireLine  # noqa: E402
 from postproc.streaming.live import Live  # noqa: E402
-from postproc.streaming.precheck import Foreknown  # noqa: E402
+from postproc.streaming.precheck import Precheck  # noqa: E402
 from postproc.streaming.protocols import Controller  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
 from tests.streaming.test_stream_command import model, place, sent_rows, stream  # noqa: E402, F401
@@ -166,7 +166,7 @@ def test_a_second_job_behind_the_first(place):  # noqa: F811
 )
 def test_what_a_program_goes_by_from_before_it_is_not_checked_away(in_force, rows, fits):
     controller = Controller(modal=["G54", "G17", "G21", "G90", "G94", *in_force.split()])
-    known = Foreknown(controller, ("X",), (0,), "job.nc", grbl=True)
+    known = Precheck(controller, ("X",), (0,), "job.nc", grbl=True)
     for n, row in enumerate(rows.split("\n"), 1):
         known.look(WireLine(n, n, 0, row.encode()))
     assert known.checkable() == fits

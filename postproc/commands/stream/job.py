@@ -23,7 +23,7 @@ from postproc.streaming import restart, zero
 from postproc.streaming.compact import Compact
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
-from postproc.streaming.precheck import NO_MORE, NOTHING, REFUSE, Foreknown, tool_change
+from postproc.streaming.precheck import NO_MORE, NOTHING, REFUSE, Precheck, tool_change
 from postproc.streaming.protocols import Protocol
 from postproc.streaming.protocols.grbl import Grbl
 from postproc.streaming.rates import Load
@@ -64,7 +64,7 @@ class Job:
     library: dict[str, bytes | None] = field(default_factory=dict)
     macros: Macros | None = None
     sources: list[Source] = field(default_factory=list)
-    known: Foreknown | None = None
+    known: Precheck | None = None
     pace: Pace | None = None
 
     def lines(self, answers: Answers | None = None, bare: bool = False) -> Iterator[list[WireLine]]:
@@ -161,8 +161,8 @@ class Job:
         options = self.options
         return {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
 
-    def _known(self, sent: str = NOTHING) -> Foreknown:
-        return Foreknown(
+    def _known(self, sent: str = NOTHING) -> Precheck:
+        return Precheck(
             self.protocol.controller, self.letters, self.order(), self.name, self.is_grbl, sent
         )
 
