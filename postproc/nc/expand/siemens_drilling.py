@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
 from postproc.nc.expand.tracker import Tracker, number
 
 NAMES = {
@@ -56,18 +56,7 @@ class Drilling:
     @classmethod
     def of(cls, name: str, values: Sequence[Value | None]) -> Drilling:
         """Raises Refusal for values that are none of a cycle that can be written out."""
-        words = NAMES[name].split()
-        if len(values) > len(words):
-            raise Refusal(
-                f"{name} takes {len(words)} values, here are {len(values)}", "correct the call"
-            )
-        given = {}
-        for word, value in zip(words, values, strict=False):
-            if isinstance(value, str) or (value is not None and not isinstance(value, int | float)):
-                raise Refusal(f"{word} of {name} is no number", "correct the call")
-            if value is not None:
-                given[word] = float(value)
-        return cls(name, given)
+        return cls(name, numbers_by_name(name, NAMES[name].split(), values, "correct the call"))
 
     def lines(self, tracker: Tracker, feed: bytes) -> list[bytes]:
         """The plain lines of one hole, from where the axis stands."""

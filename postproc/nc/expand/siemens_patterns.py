@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from postproc.nc.codes import code_number
-from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
 from postproc.nc.expand.tracker import Tracker, number
 
 Place = tuple[float, float]
@@ -45,17 +45,7 @@ class Pattern:
     def of(cls, name: str, values: Sequence[Value | None]) -> Pattern:
         """Raises Refusal for values that are none of a pattern that can be written out."""
         words = NAMES[name].split()
-        if len(values) > len(words):
-            raise Refusal(
-                f"{name} takes {len(words)} values, here are {len(values)}", "correct the call"
-            )
-        given = {}
-        for word, value in zip(words, values, strict=False):
-            if value is None or value == "":
-                continue
-            if isinstance(value, bool | str) or not isinstance(value, int | float):
-                raise Refusal(f"{word} of {name} is no number", WRITE_OUT)
-            given[word] = float(value)
+        given = numbers_by_name(name, words, values, WRITE_OUT)
         for word in words:
             asked = not word.startswith("_") and name != "CYCLE802" and word not in OPTIONAL
             if asked and word not in given:
