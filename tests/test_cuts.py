@@ -1,0 +1,102 @@
+"""Where straight motions are cut, and on which increments the cuts lie: judged by the reference's
+own interpreter and machine, and by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from postproc.compensate import Options
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.nc import dialects
+from tests.reference.evaluate import residual
+from tests.reference.machine import Machine as Reference
+
+UM = 1e-3  # mm
+MACHINE = """format = "gcomp-machine/1"
+name = "two-slides"
+control = "linuxcnc"
+chain = "w-b-X-Z-t"
+[axes.X]
+travel = [-10.0, 400.0]
+least_increment = {step}
+table = "X.csv"
+measured_at = {{ X = 0.0, Z = 0.0 }}
+[axes.Z]
+travel = [-10.0, 900.0]
+least_increment = {step}
+table = "Z.csv"
+measured_at = {{ X = 0.0, Z = 0.0 }}
+[limits]
+max_slope = 0.05
+max_correction = 5.0
+[offsets]
+G54 = {{}}
+"""
+NOTHING = "Z_mm,EZZ_um\n-10,0\n900,0\n"
+KINK = "Z_mm,EZZ_um\n-10,0\n100,0\n200,20\n900,20\n"
+
+
+def machine(folder: Path, x: str, z: str = NOTHING, step: float = 0.00001) -> Path:
+    folder.mkdir()
+    (folder / "machine.toml").write_text(MACHINE.format(step=step))
+    (folder / "X.csv").write_text(x)
+    (folder / "Z.csv").write_text(z)
+    return folder
+
+
+def corrected(folder: Path, text: str, tolerance: float) -> str:
+    m = read_machine(folder)
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), Options(tolerance=tolerance))
+    return (filter_.feed(text.encode()) + filter_.finish()).decode()
+
+
+def left(folder: Path, text: str, out: str) -> float:
+    """mm: the largest residual that the reference finds."""
+    return residual(text, out, "linuxcnc", Reference.load(folder), samples_per_mm=20).largest_mm
+
+
+def test_the_command_passes_a_node_where_it_is_cut(tmp_path):
+    """The slide is 1 mm off at X = 100 mm, where the slope of its error turns by 20 um/mm: it
+    stands at the node while its command does, 1 mm before the nominal place. A cut at the nominal
+    100 mm misses it by up to 14 um."""
+    folder = machine(tmp_path / "m", "X_mm,EXX_um\n-10,-100\n0,0\n100,1000\n200,0\n400,0\n")
+    text = "G21 G90\nG1 X0 Z0 F500\nX190 Z190\nM2\n"
+    out = corrected(folder, text, 0.5 * UM)
+    assert left(folder, text, out) < 0.5 * UM + 0.02 * UM
+    assert left(folder, text, text) > 600 * UM
+    assert len(out.splitlines()) <= len(text.splitlines()) + 2  # the remark, and one cut
+
+
+def test_an_angle_and_its_arm_are_followed_in_as_many_parts_as_the_bend_asks_for(tmp_path):
+    """By hand: EBX rises by 1 urad/mm and its arm is Z, so e_X = 1e-6 x z, which over X 100 mm and
+    Z 800 mm bends by 1e-6 * 100 * 800 / 4 = 20 um away from its chord. An eighth of 2 um of
+    tolerance is left to bends: sqrt(20 / 0.25) = 9 parts; in 3 parts 2.2 um would be left."""
+    folder = machine(tmp_path / "m", "X_mm,EBX_urad\n-10,-10\n400,400\n")
+    text = "G21 G90\nG1 X0 Z0 F500\nX100 Z800\nM2\n"
+    out = corrected(folder, text, 2 * UM)
+    assert left(folder, text, out) < 2 * UM + 0.02 * UM
+    assert left(folder, text, text) > 70 * UM
+    assert len(out.splitlines()) <= len(text.splitlines()) + 8
+
+
+def test_cuts_of_incremental_blocks_are_whole_increments_from_where_the_block_begins(tmp_path):
+    """X0.00005 lies between two increments of 0.0001 mm. Differences counted from there must be
+    whole increments, else the control rounds every one of them."""
+    folder = machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n100,0\n200,20\n400,20\n", step=0.0001)
+    out = corrected(folder, "G21 G90\nG1 X0.00005 Z0 F500\nG91 X200\nM2\n", 0.5 * UM)
+    words = [w[1:] for row in out.splitlines()[2:] for w in row.split() if w[0] == "X"]
+    assert len(words) == 2, out
+    assert all(len(w.partition(".")[2]) <= 4 for w in words), out
+    assert sum(map(float, words)) == pytest.approx(200 - 0.020, abs=0.00006)
+
+
+def test_a_resting_axis_between_two_increments_stays_there(tmp_path):
+    """X has no error where it rests; the cuts that Z needs give it no word."""
+    x = "X_mm,EXX_um\n-10,0\n100,0\n200,20\n400,20\n"
+    folder = machine(tmp_path / "m", x, KINK, step=0.0001)
+    out = corrected(folder, "G21 G90\nG1 X50.00005 Z0 F500\nZ300\nM2\n", 0.5 * UM)
+    body = [row for row in out.splitlines()[2:] if row[0] != "("]
+    assert len(body) == 4 and not any("X" in row for row in body), out
