@@ -12,7 +12,7 @@ from postproc.nc.lexer import lex
 from postproc.nc.state import Setup
 from postproc.offsets import canonical
 from postproc.units import TICKS_PER_MM
-from tests.expand.test_cycles import text_of
+from tests.expand.plain_lines import text_of
 
 SETUP = Setup(
     axes=("X", "Y", "Z"),

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.expand.test_cycles import LATHE, MILL, text_of
+from tests.expand.plain_lines import LATHE, MILL, text_of
 
 LATHE_A = ("fanuc-lathe-a", replace(LATHE, axes=("X", "Z"), start={"X": 0.0, "Z": 0.0}))
 FANUC, SINUMERIK = ("fanuc-mill", MILL), ("siemens", MILL)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from postproc.errors import ProgramError
-from tests.expand.test_cycles import expand as lines_of
+from tests.expand.plain_lines import expand as lines_of
 
 HEAD = "G17 G90 G0 X1. Y2. Z5.\nF100.\n"
 

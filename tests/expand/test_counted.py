@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from postproc.errors import ProgramError
-from tests.expand.test_cycles import LATHE, MILL, text_of
+from tests.expand.plain_lines import LATHE, MILL, text_of
 
 MILLED = (
     "G83 X10. Y20. Z-5. R1. Q2. F100|X30.|G80",

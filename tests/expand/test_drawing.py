@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from postproc.errors import ProgramError
-from tests.expand.test_cycles import LATHE, MILL, text_of
+from tests.expand.plain_lines import LATHE, MILL, text_of
 
 TURN = replace(LATHE, axes=("X", "Z"), start={"X": 0.0, "Z": 0.0})
 A = "fanuc-lathe-a"

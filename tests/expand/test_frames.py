@@ -15,7 +15,7 @@ from postproc.nc import dialects
 from postproc.nc.cycles.affine import Affine, rotation, scaling
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
-from tests.expand.test_cycles import (
+from tests.expand.plain_lines import (
     LATHE,
     MILL,
     Exact,

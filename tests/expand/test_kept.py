@@ -23,7 +23,8 @@ from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.nc.expand import written
 from postproc.verify import Verifier
-from tests.expand.test_cycles import HOLES, Exact, _program, _random_holes, expand, needs_oracle
+from tests.expand.plain_lines import Exact, expand, needs_oracle, program_of
+from tests.expand.test_holes_linuxcnc import HOLES, _random_holes
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import CLOSE
 from tests.test_hole_tolerance import mill
@@ -189,7 +190,7 @@ def test_linuxcnc_moves_the_same_whatever_is_left(which):
     """Taps are left out: behind holes that are written out LinuxCNC begins their series anew, with
     its rapids in another order."""
     draw = random.Random(7)
-    texts = [_program(holes) for holes in HOLES] + [_random_holes(draw) for _ in range(250)]
+    texts = [program_of(holes) for holes in HOLES] + [_random_holes(draw) for _ in range(250)]
     pairs = []
     for text in (t for t in texts if "84" not in t):
         try:

@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from tests.expand.test_cycles import expand, motions
+from tests.expand.plain_lines import expand, motions
 
 PLANES = {17: "XY", 18: "ZX", 19: "YZ"}
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}

@@ -11,7 +11,7 @@ from postproc.nc.expand import Limits, Program, lines_of
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
-from tests.expand.test_cycles import LATHE
+from tests.expand.plain_lines import LATHE
 
 SHAPE = "N10 G0 X40.|G1 Z-20.|N20 X100. Z-50."
 

@@ -14,7 +14,7 @@ from postproc.errors import ProgramError
 from postproc.nc.cycles.pockets_fanuc import TurnsBack, TypeTwo, quarters
 from postproc.nc.cycles.profile import Element
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
-from tests.expand.test_cycles import LATHE, text_of
+from tests.expand.plain_lines import LATHE, text_of
 
 DEPTH, ESCAPE = 2.0, 0.5
 

@@ -25,7 +25,7 @@ from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.state import Setup
 from tests import cycles_doc
-from tests.expand.test_cycles import LATHE, motions, needs_oracle, same_motions
+from tests.expand.plain_lines import LATHE, motions, needs_oracle, same_motions
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import setup_for
 

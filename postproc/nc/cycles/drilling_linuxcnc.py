@@ -1,4 +1,5 @@
-"""LinuxCNC's drilling cycles, as measured on its interpreter 2.9 (tests/expand/test_cycles.py).
+"""LinuxCNC's drilling cycles, as measured on its interpreter 2.9
+(tests/expand/test_holes_linuxcnc.py).
 
 R and the depth hold as the *numbers* they were written as, and in G91 count from the initial level:
 that is where the axis stood when the first cycle behind any other motion began. An R above that is
