@@ -1,5 +1,5 @@
-"""Turned, scaled, mirrored and polar coordinates written out: against formulas worked out here, and
-LinuxCNC's turned work offsets against its own interpreter."""
+"""Turned, scaled, mirrored and polar coordinates of Fanuc and Haas written out, and the maps that
+do it: against formulas worked out here, from the manuals that each test names."""
 
 from __future__ import annotations
 
@@ -15,38 +15,17 @@ from postproc.nc import dialects
 from postproc.nc.cycles.affine import Affine, rotation, scaling
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
+from tests.expand.frame_lines import ends, moved, turned
 from tests.expand.plain_lines import (
     LATHE,
     MILL,
-    Exact,
     expand,
     motions,
-    needs_oracle,
-    same_motions,
     text_of,
 )
-from tests.linuxcnc import oracle
 
 CLOSE = 1e-9  # mm
 START = "G90 G0 X1 Y2 Z5|"
-
-
-def turned(points, degrees: float, centre=(0.0, 0.0)):
-    """(n, 2) points turned counter-clockwise about a centre."""
-    a = math.radians(degrees)
-    matrix = np.array([[math.cos(a), -math.sin(a)], [math.sin(a), math.cos(a)]])
-    return (np.asarray(points) - centre) @ matrix.T + centre
-
-
-def moved(program: str, dialect: str = "fanuc-mill", setup=MILL) -> list[dict]:
-    """The motions of a program with | between its lines, written out to a tick; the first one is
-    left out."""
-    return motions(expand(program.replace("|", "\n"), dialect, setup, Exact), dialect, setup)[1:]
-
-
-def ends(made: list[dict]) -> np.ndarray:
-    """(n, 3) mm."""
-    return np.array([m["end"][:3] for m in made], float)
 
 
 # -- Fanuc: G68 ------------------------------------------------------------------------------------
@@ -275,178 +254,6 @@ def test_a_lathes_double_turret_mirror_is_no_rotation():
         "G0 X3.",
         "G69",
     ]
-
-
-# -- LinuxCNC --------------------------------------------------------------------------------------
-
-TURNED = [
-    (
-        "G10 L2 P1 R30|G0 X1 Y2|X5|Y3|G91 X2|Y1 Z3|G1 X1 Y1|G90 G2 I2 J1|G3 X8 Y3 R40|G91 G2 X2"
-        " R4|G90 G81 X3 Y4 R2 Z-3|X5"
-    ),
-    (
-        "G10 L2 P1 X10 Y20 R-17.3|G1 X5|G2 I3|J2 P2|G91.1|G55 G1 X3|G10 L2 P2 R90|X4|Y2|G54 X1|G10"
-        " L2 P0 R5|X2|G53 G0 X3"
-    ),
-    (
-        "G0 X3 Y4|G10 L2 P1 R45|Y5|X2|G28.1|X1|G10 L2 P1 X3 Y2|X5|Y1 Z2|G83 X1 R3 Z-1 Q.7|X5|G99"
-        " Y2|G91 L2 X1"
-    ),
-    "G10 L2 P1 R360|G0 X1|G10 L2 P1 R180|X2|Y1|G10 L2 P1|X5|G20 X.1|G21 Y9|G10 L2 P1 R0|X1",
-    "G90.1|G10 L2 P1 R30|G0 X5 Y0|G3 X0 Y5 I0 J0|G91.1 G1 X9",
-]
-
-
-@needs_oracle()
-@pytest.mark.parametrize("program", TURNED)
-def test_turned_work_offsets_are_linuxcncs(program):
-    text = f"F100|G1|{program}|M2|".replace("|", "\n")
-    same_motions(text, oracle.motions(text))
-
-
-def _random_turned(draw: random.Random) -> str:
-    def number(far: float = 20) -> str:
-        return f"{draw.uniform(-far, far):.3f}"
-
-    lines = ["F100", "M3 S100", "G0 X3 Y4 Z5"]
-    for _ in range(draw.randint(4, 14)):
-        kind = draw.random()
-        if kind < 0.15:
-            place = draw.choice(["", f"X{number()} Y{number()}", "Z3"])
-            lines.append(
-                f"G10 L2 P{draw.choice([0, 1, 1, 2])} {place}"
-                f" R{draw.choice([0, 90, draw.uniform(-200, 200)]):.2f}"
-            )
-        elif kind < 0.2:
-            lines.append(
-                draw.choice(
-                    [
-                        "G54",
-                        "G55",
-                        "G90",
-                        "G91",
-                        "G20",
-                        "G21",
-                        "G4 P1",
-                        "G80",
-                        "G98",
-                        "G53 G0 X1 Y2",
-                    ]
-                )
-            )
-        elif kind < 0.35:
-            lines.append(
-                f"G{draw.choice([2, 3])} I{number()} J{number()} {draw.choice(['', 'P2', 'Z1'])}"
-            )
-        elif kind < 0.5:
-            cycle = draw.choice(["81", "73 Q1.1", "83 Q1.3", "85"])
-            lines.append(
-                f"G{cycle} X{number()} Z{draw.uniform(-5, -1):.2f} R{draw.uniform(0, 6):.2f}"
-            )
-        else:
-            words = [x + number() for x in "XYZ" if draw.random() < 0.5]
-            lines.append(draw.choice(["", "G0 ", "G1 "]) + " ".join(words))
-    return "\n".join([*lines, "M2", ""])
-
-
-@needs_oracle()
-def test_random_programs_in_turned_work_offsets_are_linuxcncs():
-    draw = random.Random(3)
-    programs = [_random_turned(draw) for _ in range(120)]
-    compared = 0
-    for text, theirs in zip(
-        programs, oracle.motions_of_many([(text, {}) for text in programs]), strict=True
-    ):
-        if isinstance(theirs, list):
-            same_motions(text, theirs)
-            compared += 1
-    assert compared >= 40
-
-
-@pytest.mark.parametrize(
-    ("program", "why"),
-    [
-        ("G10 L2 P1 R30|G18 G2 X3 Z3 R5", "ellipse"), ("G10 L2 P1 R30|G0 X1 Y1|G92 X3", "G92"),
-        ("G92 X3|G10 L2 P1 R30|G0 X2 Y1", "G92"), ("G10 L2 P1 R30|G10 L20 P1 X3", "L20"),
-        ("G10 L2 P1 R30|G28 X3", "G28"),
-    ],
-)  # fmt: skip
-def test_what_can_not_be_followed_in_a_turned_work_offset_is_refused(program, why):
-    with pytest.raises(ProgramError, match=why):
-        expand(("G0 X1 Y1|F100|" + program).replace("|", "\n"))
-
-
-# -- Sinumerik -------------------------------------------------------------------------------------
-
-
-def test_rot_turns_about_the_shifted_zero_and_trans_ends_it():
-    """Programming manual, "Programmable rotation": AROT goes on from TRANS, TRANS replaces all."""
-    lines = text_of(
-        "G0 X0 Y0 Z50|TRANS X10 Y5|AROT Z30|G1 X20 Y10 F100|X=30|Y=IC(5)|TRANS|X0 Y0|X3", "siemens"
-    )
-    places = turned([(20, 10), (30, 10), (30, 15)], 30)
-    got = [[float(w[1:]) for w in line.split() if w[0] in "XY"] for line in lines[2:5]]
-    assert np.array(got) == pytest.approx(places, abs=1e-5)
-    assert lines[1] == "TRANS X10 Y5" and lines[5:] == ["TRANS", "X0 Y0", "X3"]
-
-
-def test_additive_frames_go_on_in_the_coordinates_that_hold():
-    """ATRANS within turned coordinates goes along them; ASCALE scales what comes behind it."""
-    made = moved(
-        "G0 X0 Y0 Z5|ROT RPL=90|ATRANS X10|ASCALE X2 Y2|G1 X3 Y1 F100|G2 X5 Y3 I2 J0", "siemens"
-    )
-    assert ends(made)[:, :2] == pytest.approx(np.array([(-2, 16), (-6, 20)]), abs=1e-9)
-    assert made[1]["centre"] == pytest.approx((-2, 20))
-
-
-def test_mirror_turns_arcs_round_and_scale_counts_from_zero():
-    lines = text_of(
-        "G0 X0 Y0 Z5|MIRROR X0|G2 X12 Y3 CR=30 F1|X1 Y1 CR=30|SCALE X2 Y2|G2 X14 Y5 CR=20|ROT|G2 X1"
-        " Y1 CR=60",
-        "siemens",
-    )
-    assert [line.split()[0] for line in lines[1:]] == [
-        "TRANS",
-        "G3",
-        "X-1.",
-        "TRANS",
-        "G2",
-        "TRANS",
-        "G2",
-    ]
-    assert "X28. Y10. CR=40." in lines[5]
-
-
-def test_polar_words_about_a_pole():
-    made = moved(
-        "G0 X0 Y0 Z5|G111 X10 Y10|G1 RP=10 AP=90 F100|AP=180|AP=IC(90)|RP=5|G110 X1|RP=2 AP=0",
-        "siemens",
-    )
-    assert ends(made)[:, :2] == pytest.approx(
-        np.array([(10, 20), (0, 10), (10, 0), (10, 5), (13, 5)]), abs=1e-9
-    )
-
-
-@pytest.mark.parametrize(
-    ("program", "why"),
-    [
-        ("ROT Z30|X5", "names X alone"),
-        ("ROT Z30|G91 X5 Y3", "a distance"),
-        ("ROT X30 Y30", "about 2 axes"),
-        ("ROT X30|G1 X1 Y1 Z1 F1|G2 X11 I4 J1", "ellipse"),
-        ("AP=30", "without RP"),
-        ("SCALE X0", "factors"),
-        ("ROT Z30|G70", "G70"),
-        ("ROT Z30 F1", "a block of its own"),
-        ("SCALE X2 Y2|G1 X1 Y1 RND=3 F1", "RND"),
-        ("G111 X1 RP=3", "polar words"),
-        ("G1 X3 RP=3 AP=4 F1", "beside polar words"),
-    ],
-)
-def test_sinumerik_frames_that_can_not_be_vouched_for_are_refused(program, why):
-    with pytest.raises(ProgramError, match=why) as caught:
-        expand(("G0 X0 Y0 Z5|" + program).replace("|", "\n"), "siemens")
-    assert caught.value.advice
 
 
 # -- the maps --------------------------------------------------------------------------------------
