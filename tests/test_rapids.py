@@ -37,7 +37,10 @@ def test_a_first_rapid_in_x_and_y_keeps_its_words(tmp_path, um, block):
     assert f"G1 Z{-1 - um / 1000:.4f} F100" in out, "the feed behind it is exact"
 
 
-@pytest.mark.parametrize(("um", "block"), [(0.6, "G43 H1 G0 Z5"), (1.2, "G43 H1 G0 Z5 X0.0012")])
+@pytest.mark.parametrize(
+    ("um", "block"),
+    [(0.6, "G43 H1 G0 Z5"), (0.8, "G43 H1 G0 Z5 X0.0008"), (1.2, "G43 H1 G0 Z5 X0.0012")],
+)
 def test_a_tool_length_block_keeps_its_words(tmp_path, um, block):
     """Straightness of Z in X, 0 at Z50 and Z150 and so much at Z105 (H1 is 100 long). Two axes
     rest: 1 um over root 2 each."""
