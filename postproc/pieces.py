@@ -44,8 +44,9 @@ class Pieces:
 def without_rests(pieces: Pieces) -> Pieces:
     """The same without straight pieces of no length, unless a motion has nothing else: turning a
     slide round can bring it to the very place where a short motion ends."""
-    rest = (pieces.start == pieces.end).all(axis=0) & (pieces.code <= FEED)
-    if not rest.any():
+    rest = (pieces.start == pieces.end).all(axis=0)
+    rest &= pieces.code <= FEED
+    if not np.count_nonzero(rest):
         return pieces
     first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
     group = np.cumsum(first) - 1

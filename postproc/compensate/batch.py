@@ -56,8 +56,7 @@ class Batch:
         """span: from where to where in t, of one motion that is corrected in parts."""
         self.c, self.m, self.carry, self.span = compensator, motions, carry, span
         self.machine, self.options = compensator.machine, compensator.options
-        self.rows = list(self.machine.corrected)
-        self.fixed = [i for i in range(len(self.machine.axes)) if i not in self.rows]
+        self.rows, self.fixed = compensator.rows, compensator.fixed
         self.notices: list[Notice] = []
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
@@ -83,13 +82,15 @@ class Batch:
         """Motions, cut where a two-way axis turns back inside them: motion, t0, t1 (S,), travel (A,
         S) ticks."""
         m, arcs = self.m, self.m.arcs
-        self.arc_of = np.full(len(m), -1)
+        self.arc_of = np.empty(len(m), np.int64)
+        self.arc_of.fill(-1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
         self.arc_start, self.arc_target = (
-            m.start[:, arcs.motion] / TICKS_PER_MM,
-            m.target[:, arcs.motion] / TICKS_PER_MM,
+            m.start.take(arcs.motion, axis=1) / TICKS_PER_MM,
+            m.target.take(arcs.motion, axis=1) / TICKS_PER_MM,
         )
-        motion, t0, t1 = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
+        motion, t0 = np.arange(len(m)), np.zeros(len(m))
+        t1 = t0 + 1.0
         self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
             motion, t0, t1 = turning.divided(self)
@@ -98,23 +99,25 @@ class Batch:
         self.motion, self.t0, self.t1 = motion, t0, t1
         self.last = t1 == 1.0
         self.begin_nominal, self.end_nominal = self.nominal(motion, t0), self.nominal(motion, t1)
-        travel = (m.target - m.start)[:, motion]
-        parts = (t1 - t0 < 1.0).nonzero()[0]
+        travel = (m.target - m.start).take(motion, axis=1)
+        whole = t1 - t0 == 1.0
+        parts = (~whole).nonzero()[0]
         if len(parts):
             way = self.end_nominal[:, parts] - self.begin_nominal[:, parts]
             travel[:, parts] = np.rint(way * TICKS_PER_MM).astype(np.int64)
-        sure = (m.start_known & m.target_known)[:, motion]
-        idle = sure.all(axis=0) & (m.code[motion] <= FEED) & (t1 - t0 == 1.0)
-        self.forget = np.zeros_like(sure)
-        if not sure.all():
+        code = m.code[motion]
+        sure = (m.start_known & m.target_known).take(motion, axis=1)
+        idle = sure.all(axis=0) & (code <= FEED) & whole
+        self.forget = ~sure
+        if np.count_nonzero(self.forget):
             travel = np.where(sure, travel, 0)
-            self.forget = ~sure & m.target_known[:, motion] & (m.word >= 0)[:, motion]
+            self.forget &= (m.target_known & (m.word >= 0)).take(motion, axis=1)
         self.travel = travel
-        self.inside = bool(m.cutter.any())
+        self.inside = np.count_nonzero(m.cutter) > 0
         self.reads_beside = self.inside and cutter.reads_beside(self)
         self.turns = cutter.last_way(self, travel) if self.inside else travel
         self.known_before = self.start_known[motion] | (t0 > 0)
-        self.hole = np.searchsorted(motion, m.holes.motion)
+        self.hole = motion.searchsorted(m.holes.motion)
         self.reached = self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
             self.reached = self.end_nominal.copy()
@@ -123,21 +126,22 @@ class Batch:
             )
         # Strokes that begin where the last one did not end, since something else (G28) has moved
         # the axis.
-        self.jumps = self.jumped[:, motion] & (t0 == 0)
+        self.jumps = self.jumped.take(motion, axis=1) & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they
         # were sent last.
         free = self.free[motion]
-        self.sure_after = free & (m.code[motion] != HOLE)
-        self.sure = np.concatenate([[self.carry.sure], self.sure_after[:-1]]) & ~self.jumps.any(
-            axis=0
-        )
-        code = m.code[motion]
+        self.sure_after = free & (code != HOLE)
+        self.sure = ~self.jumps.any(axis=0)
+        self.sure[:1] &= self.carry.sure
+        self.sure[1:] &= self.sure_after[:-1]
         # Strokes before which lost motion may be taken up.
         self.cutting = free & (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
-        self.told = self.places.rows[:, motion]  # (A, S) axes whose correction can be told
-        self.left = ~(free & self.told) & (m.word[:, motion] < 0)
+        self.told = self.places.rows.take(
+            motion, axis=1
+        )  # (A, S) axes whose correction can be told
+        self.left = ~(free & self.told) & (m.word < 0).take(motion, axis=1)
         # So does everything where the nominal path does not move at all.
-        self.left |= idle & free & self.sure & (travel == 0).all(axis=0)
+        self.left |= idle & free & self.sure & ~travel.any(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
             self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
             self.left[:, self.hole[~m.holes.place]] = True
@@ -159,14 +163,16 @@ class Batch:
         self.weight_begin = self.weight_end
         which = self.free[self.motion].nonzero()[0]
         self.exact = self.end_nominal.copy()
-        nominal, weight = self.end_nominal[:, which], self.weight_end[:, which]
+        nominal = self.end_nominal.take(which, axis=1)
+        weight = self.weight_end.take(which, axis=1)
         self.exact[:, which] = self.command(which, self.t1[which], nominal, weight)
 
     def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
-        m = self.m
-        if (t == 1.0).all() or (t == 0.0).all():
-            return (m.target if t[:1] == 1.0 else m.start)[:, motion] / TICKS_PER_MM
+        m, n = self.m, len(t)
+        for end, column in ((1.0, m.target), (0.0, m.start)):
+            if np.count_nonzero(t == end) == n:
+                return column.take(motion, axis=1) / TICKS_PER_MM
         start, target = m.start[:, motion] / TICKS_PER_MM, m.target[:, motion] / TICKS_PER_MM
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
@@ -178,9 +184,9 @@ class Batch:
 
     def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
         """(A, K) side of approach at places along strokes."""
-        begin = self.weight_begin[:, stroke]
+        begin = self.weight_begin.take(stroke, axis=1)
         ramped = self.c.reach > 0
-        if not ramped.any():
+        if not np.count_nonzero(ramped):
             return begin
         reach = np.where(ramped, self.c.reach, 1)[:, None]
         way = (nominal - self.begin_nominal[:, stroke]) * (TICKS_PER_MM / reach)
@@ -230,38 +236,38 @@ class Batch:
         m, motion = self.m, self.motion[stroke]
         # Whole increments from the nominal place, wherever a difference of two places may be
         # written; else from zero.
-        near = m.incremental[:, motion] | (self.travel[:, stroke] == 0)
-        zero = np.where(near, m.start[:, motion], m.origin[:, motion])
-        step = m.grid[:, motion]
+        near = m.incremental.take(motion, axis=1) | (self.travel.take(stroke, axis=1) == 0)
+        zero = np.where(near, m.start.take(motion, axis=1), m.origin.take(motion, axis=1))
+        step = m.grid.take(motion, axis=1)
         return zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
 
     def ends(self) -> None:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still."""
         m, motion = self.m, self.motion
         free = self.free[motion]
-        step = m.grid[:, motion]
+        step = m.grid.take(motion, axis=1)
         correction = self.exact - self.end_nominal
         whole = np.rint(correction * TICKS_PER_MM / step).astype(np.int64) * step
-        nominal_ticks = m.target[:, motion]
-        if not self.last.all():
+        nominal_ticks = m.target.take(motion, axis=1)
+        inner = (~self.last).nonzero()[0]
+        if len(inner):
             inside = np.rint(self.end_nominal * TICKS_PER_MM).astype(np.int64)
             nominal_ticks = np.where(self.last, nominal_ticks, inside)
         self.nominal_end = nominal_ticks
         # A programmed word keeps its own decimals: its correction is rounded, not its sum.
         self.end = nominal_ticks + whole
-        inner = (~self.last).nonzero()[0]
         if len(inner):
             self.end[:, inner] = self.grid(inner, self.exact[:, inner])
             on = np.array(self.fixed, np.int64)[:, None]
             self.end[on, inner] = self.grid(inner, self.end_nominal[:, inner])[self.fixed]
-        last = self.last.nonzero()[0]
-        self.end[np.array(self.fixed, np.int64)[:, None], last] = nominal_ticks[self.fixed][:, last]
-        if not self.told.all():
-            self.end = np.where(self.told, self.end, nominal_ticks)
-        if not free.all():
-            self.end[:, ~free] = nominal_ticks[:, ~free]
-        self.before = np.concatenate([self.carry.issued[:, None], self.end[:, :-1]], axis=1)
-        if self.jumped.any():
+        for row in self.fixed:
+            self.end[row, self.last] = nominal_ticks[row, self.last]
+        untold = ~(self.told & free)
+        if np.count_nonzero(untold):
+            self.end = np.where(untold, nominal_ticks, self.end)
+        self.before = np.empty_like(self.end)
+        self.before[:, 0], self.before[:, 1:] = self.carry.issued, self.end[:, :-1]
+        if np.count_nonzero(self.jumped):
             self.before = np.where(self.jumps, m.start[:, motion], self.before)
 
     def starts(self) -> None:
@@ -271,13 +277,15 @@ class Batch:
         first = self.carry.sides.side.astype(float)
         ramped = self.c.reach > 0
         first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
-        before = np.concatenate([first[:, None], self.weight_end[:, :-1]], axis=1)
+        before = np.empty_like(self.weight_end)
+        before[:, 0], before[:, 1:] = first, self.weight_end[:, :-1]
         self.flipped = ((before != self.weight_begin) & self.machine.two_way[:, None]) | self.twice
-        turned: np.ndarray = self.flipped.any(axis=0)
-        self.turning = self.cutting & self.known_before & (turned | ~self.sure)
+        self.turning = self.cutting & self.known_before
         if self.c.mode in ("mean", "off"):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
-        self.wanted = np.zeros_like(self.end)
+        else:
+            self.turning &= self.flipped.any(axis=0) | ~self.sure
+        self.wanted = np.zeros(self.end.shape, np.int64)
         which = self.turning.nonzero()[0]
         if len(which):
             exact = command(
@@ -287,7 +295,8 @@ class Batch:
                 motion[which],
             )
             self.wanted[:, which] = self.grid(which, exact)
-        self.wanted[self.fixed] = self.before[self.fixed]
+        for row in self.fixed:
+            self.wanted[row] = self.before[row]
         self.wanted = np.where(self.told, self.wanted, self.before)
 
     def settle_ends(self) -> None:
@@ -295,10 +304,12 @@ class Batch:
         correction has changed by more than half the tolerance. Sets `begin` (A, S), where each
         stroke is begun, and the final `before` and `end`."""
         free, known = self.free[self.motion], self.known_before
-        held = (self.travel == 0).any(axis=1)
+        held = ~self.travel.all(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
         quiet = known.all() and self.told.all() and self.leash is None
-        if quiet and not (self.turning.any() or held[self.rows].any() or self.left.any()):
+        if quiet and not (
+            np.count_nonzero(self.turning) or held[self.rows].any() or np.count_nonzero(self.left)
+        ):
             self.begin = self.before
             return
         code = self.m.code[self.motion]

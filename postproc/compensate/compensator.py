@@ -127,6 +127,12 @@ class Compensator:
         self.hysteresis = (
             machine.limits.hysteresis if options.hysteresis is None else options.hysteresis
         )
+        self.rows = list(machine.corrected)
+        self.at = np.array(self.rows, np.int64)
+        self.fixed = [i for i in range(len(machine.axes)) if i not in self.rows]
+        # (R, 1) mm, lowest and highest place of each corrected axis
+        travel = np.array([machine.axes[machine.letters[i]].travel for i in self.rows])
+        self.travel = travel.reshape(-1, 2).T[:, :, None]
         self._directions()
 
     def _directions(self) -> None:
@@ -332,14 +338,15 @@ class Compensator:
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
-        after = replace(
-            carry,
+        after = Carry(
             sides=b.sides,
             issued=b.end[:, -1].copy(),
             way=b.way,
             sure=bool(b.sure_after[-1]),
             heading=cutter.heading(b),
             largest=max(carry.largest, largest),
+            told=carry.told,
+            heat=carry.heat,
         )
         return pieces, after, b.notices
 

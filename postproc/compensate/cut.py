@@ -18,8 +18,11 @@ from postproc.units import TICKS_PER_MM
 def take_ups(b: Batch):
     """A piece for every stroke that must be begun elsewhere than the last one ended, or two
     (Batch.lead_beyond)."""
-    over = (b.beyond != b.begin).any(axis=0)
-    which = ((b.turning & (b.begin != b.before).any(axis=0)) | over).nonzero()[0]
+    led, moved = b.beyond != b.begin, b.begin != b.before
+    if not (np.count_nonzero(led) or np.count_nonzero(moved)):
+        return None
+    over = led.any(axis=0)
+    which = ((b.turning & moved.any(axis=0)) | over).nonzero()[0]
     if not len(which):
         return None
     two = over.nonzero()[0]
@@ -64,7 +67,7 @@ def pack(
         corrected=b.free[b.motion[stroke]],
         bottom=b.bottom[b.motion[stroke]],
     )
-    return np.stack([stroke, order], axis=1), pieces
+    return np.array((stroke, order)).T, pieces
 
 
 def straight_pieces(b: Batch):
@@ -76,14 +79,12 @@ def straight_pieces(b: Batch):
         return None
     may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
     may |= (code[straight] == THREAD) & ~m.whole[motion[straight]]
-    may &= (
-        b.free[motion[straight]]
-        & b.known_before[straight]
-        & (cutter.margin(b, motion[straight]) < np.inf)
-    )
+    may &= b.free[motion[straight]] & b.known_before[straight]
+    if b.inside:
+        may &= cutter.margin(b, motion[straight]) < np.inf
     chosen = straight[may]
-    if not b.c.reach.any():
-        begin, end = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
+    if not np.count_nonzero(b.c.reach):
+        begin, end = b.begin_nominal.take(chosen, axis=1), b.end_nominal.take(chosen, axis=1)
         chosen = chosen[nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")]
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):

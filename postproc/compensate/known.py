@@ -34,9 +34,11 @@ def known(machine: Machine, m: Motions) -> Known:
     """What is known of a batch of motions."""
     chained = list(machine.chained)
     shape = m.target_known.shape
-    if not np.count_nonzero(~(m.target_known & m.start_known)[chained]):
-        yes, no = np.ones(shape[1], bool), np.zeros(shape[1], bool)
-        return Known(yes, yes, np.ones(shape, bool), no, np.zeros(shape, bool))
+    both = m.target_known & m.start_known
+    if np.count_nonzero(both) == both.size or both[chained].all():
+        no = np.zeros(shape, bool)
+        yes = ~no
+        return Known(yes[0], yes[0], yes, no[0], no)
     needs = machine.depends.astype(np.int64)
     moved = (m.word >= 0) | (m.target != m.start) | (m.sent & m.start_known)
     for axes in (m.arcs.first, m.arcs.second):

@@ -34,9 +34,9 @@ def refuse(b: Batch) -> None:
 def refuse_turning_arcs(b: Batch) -> None:
     """An arc while a rotary axis turns is no arc of the tool's path on the part; its correction
     bends all along."""
-    rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
     arcs = b.m.arcs.motion
-    if not rows or not len(arcs):
+    rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary] if len(arcs) else []
+    if not rows:
         return
     turns = ((b.m.target - b.m.start)[rows][:, arcs] != 0).any(axis=0) & b.free[arcs]
     for i in turns.nonzero()[0][:1]:
@@ -89,14 +89,13 @@ def check_inside(b: Batch) -> None:
         first, last = ranges
         low, high = first - EDGE, last + EDGE
         value = b.end_nominal[row]
-        bad = ((value < low) | (value > high)) & b.m.target_known[row, b.motion]
+        bad = (value < low) | (value > high)
+        if not (np.count_nonzero(bad) or len(b.m.arcs)):
+            continue
+        bad &= b.m.target_known[row, b.motion] & free
         if len(b.m.arcs):
             extent = _arc_extent(b, row, first)
-            bad = (bad & free) | (extent[0] < low) | (extent[1] > high)
-        elif bad.any():
-            bad &= free
-        else:
-            continue
+            bad |= (extent[0] < low) | (extent[1] > high)
         for i in bad.nonzero()[0][:1]:
             worst = value[i]
             if low <= worst <= high:
@@ -239,24 +238,25 @@ def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction,
     mm."""
     free = b.free[b.motion]
-    correction = np.where(b.told, np.abs(b.exact - b.end_nominal), 0.0)[b.rows]
+    counts = (b.told & free).take(b.c.at, axis=0)
+    correction = np.where(counts, np.abs(b.exact - b.end_nominal).take(b.c.at, axis=0), 0.0)
     largest = b.machine.limits.max_correction
-    over = (free & (correction > largest).any(axis=0)).nonzero()[0]
-    faults = [(int(i), "over") for i in over[:1]]
-    letters = [b.machine.letters[row] for row in b.rows]
-    travel = np.array([b.machine.axes[x].travel for x in letters]).reshape(-1, 2, 1)
-    low, high = travel[:, 0], travel[:, 1]
-    value = b.end[b.rows] / TICKS_PER_MM
+    most = float(correction.max(initial=0.0))
+    low, high = b.c.travel
+    value = b.end.take(b.c.at, axis=0) / TICKS_PER_MM
     beyond = ((value < low - EDGE) | (value > high + EDGE)) & free
-    if np.count_nonzero(beyond):
-        beyond &= b.m.target_known[b.rows][:, b.motion]
-        faults += [
-            (int(i), x)
-            for x, row in zip(letters, beyond, strict=True)
-            for i in row.nonzero()[0][:1]
-        ]
+    if most <= largest and not np.count_nonzero(beyond):
+        return most
+    over = np.flatnonzero((correction > largest).any(axis=0))
+    faults = [(int(i), "over") for i in over[:1]]
+    beyond &= b.m.target_known[b.rows][:, b.motion]
+    faults += [
+        (int(i), b.machine.letters[axis])
+        for axis, row in zip(b.rows, beyond, strict=True)
+        for i in row.nonzero()[0][:1]
+    ]
     if not faults:
-        return float((correction if free.all() else correction[:, free]).max(initial=0.0))
+        return most
     i, what = min(faults)
     if what == "over":
         row = int(np.argmax(correction[:, i]))

@@ -49,9 +49,10 @@ def may_bend(
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the
     end of a table where it is held beyond (`clamped`), or product terms."""
     result = machine.bounds.parts(start, target, slack) > 1
+    ends = np.array((start, target))
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
-        before, after = table.place(np.array((start[row], target[row])))[0]
+        before, after = table.place(ends[:, row])[0]
         result |= before != after
         if clamped:  # held beyond the ends, it bends there
             for end in (table.nodes[0], table.nodes[-1]):

@@ -202,13 +202,19 @@ class Bounds:
                 add(grid.other, other, across)
         return result
 
+    @cached_property
+    def _quarters(self) -> list[tuple[int, int, float]]:
+        """Rows of two axes, and a quarter of their twist where there is any."""
+        some = np.argwhere(self.twist).tolist()
+        return [(i, j, float(self.twist[i, j]) / 4) for i, j in some]
+
     def bend(self, way: np.ndarray) -> np.ndarray:
         """(N,) mm: how far products can bend the deviation of straight motions away from its chord;
         way (A, N) mm and degrees. It goes with the square of the length: cut in n parts, n * n
         times less."""
-        result = np.zeros(way.shape[1])
-        for i, j in zip(*np.nonzero(self.twist), strict=True):
-            result += self.twist[i, j] * np.abs(way[i] * way[j]) / 4
+        result, size = np.zeros(way.shape[1]), np.abs(way)
+        for i, j, twist in self._quarters:
+            result += twist * (size[i] * size[j])
         if self.machine.chain.rotary:
             result += self._turning(way) / 8
         return result

@@ -159,11 +159,18 @@ def tip_deviation(
                 total[i] += shift
         if ea is None and eb is None and ec is None:
             continue
-        arm = [sum((position[slide] for slide in slides), constant) for constant, slides in stays]
+        arm = [_length(constant, slides, position) for constant, slides in stays]
         for i, turn, k, back, j in ((0, eb, 2, ec, 1), (1, ec, 0, ea, 2), (2, ea, 1, eb, 0)):
             # (eps x arm)_i = eps_j arm_k - eps_k arm_j
-            if turn is not None:
+            if turn is not None and arm[k] is not None:
                 total[i] += turn * arm[k]
-            if back is not None:
+            if back is not None and arm[j] is not None:
                 total[i] -= back * arm[j]
     return total
+
+
+def _length(constant: float, slides: tuple[str, ...], position: dict[str, np.ndarray]):
+    """(N,) or one number of mm: an arm in one direction; None: none, wherever the slides stand."""
+    if constant:
+        return sum((position[slide] for slide in slides), constant)
+    return sum((position[slide] for slide in slides[1:]), position[slides[0]]) if slides else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,21 +41,18 @@ def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
     return np.where(w.letter[place] == KEYWORD_LETTER, codes.KEYWORD + mantissa, number)
 
 
-def _scales(units, least: float, linear: bool):
-    """Ticks of one unit and of one least increment (mm) under G20 (200) or another code: (B,) or a
-    number each."""
-    grid = round(least * TICKS_PER_MM)
-    if not linear:
-        return np.int64(TICKS_PER_MM), np.int64(grid)
-    # A control with 0.0001 mm has 0.00001 inch.
-    fine = round(least / 10 * TICKS_PER_INCH)
-    if isinstance(units, int):
-        return (
-            (np.int64(TICKS_PER_INCH), np.int64(fine))
-            if units == 200
-            else (np.int64(TICKS_PER_MM), np.int64(grid))
-        )
-    return np.where(units == 200, TICKS_PER_INCH, TICKS_PER_MM), np.where(units == 200, fine, grid)
+@lru_cache
+def _scales(inch: bool, least: float) -> tuple[np.int64, np.int64]:
+    """Ticks of one unit and of one least increment (mm)."""
+    if inch:  # a control with 0.0001 mm has 0.00001 inch
+        return np.int64(TICKS_PER_INCH), np.int64(round(least / 10 * TICKS_PER_INCH))
+    return np.int64(TICKS_PER_MM), np.int64(round(least * TICKS_PER_MM))
+
+
+@lru_cache
+def _last_digit(scale: int) -> np.ndarray:
+    """(10,) ticks of the last digit of a word with 0 to 9 decimals; `scale` ticks a unit."""
+    return scale // POWERS[:10]
 
 
 class Batch:
@@ -177,7 +175,7 @@ class Batch:
         scale = np.asarray(scale, np.int64)
         # one unit for all: look the ticks of a last digit up by the number of decimals
         if scale.size == 1:
-            per = (scale // POWERS[:10])[np.minimum(decimals, 9)]
+            per = _last_digit(scale.item()).take(decimals, mode="clip")
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
         far = (np.abs(mantissa.astype(float)) * per > LARGEST_WORD_MM * TICKS_PER_MM).nonzero()[0]
@@ -332,9 +330,12 @@ class Batch:
 
     def unit_scale(self, letter: str):
         """Ticks of one unit of an axis word, and of one least increment: (B,) or a number each."""
-        return _scales(
-            self.held("units"), self.setup.least_increment.get(letter, 1e-4), letter in LINEAR
-        )
+        least = self.setup.least_increment.get(letter, 1e-4)
+        inch = letter in LINEAR and self.held("units") == 200
+        if not isinstance(inch, np.ndarray):
+            return _scales(inch, least)
+        unit, increment = zip(_scales(True, least), _scales(False, least), strict=True)
+        return np.where(inch, *unit), np.where(inch, *increment)
 
     def halves(self, letter: str):
         """(B,) or number: 2 where words of this axis are diameters, else 1."""

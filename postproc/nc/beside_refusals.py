@@ -28,13 +28,14 @@ ADVICE = "LinuxCNC stops there: change the program"
 
 def refuse_beside(b: Batch, motions: Motions) -> Motions:
     """The motions with a reason from the first block on that LinuxCNC refuses. Sets `b.beside`."""
-    if not by_tool(b) or not (
+    followed = (
         b.state.beside.on
         or b.state.beside.fault
         or b.beside.on
-        or np.count_nonzero(motions.cutter)
         or "cutter" in b.given
-    ):
+        or np.count_nonzero(motions.cutter)
+    )
+    if not followed or not by_tool(b):
         return motions
     found = (
         [(-1, b.state.beside.fault)]

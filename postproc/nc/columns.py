@@ -36,7 +36,8 @@ def changes(column) -> np.ndarray:
 
 def begins(column: np.ndarray) -> np.ndarray:
     """(n,) bool: where a column takes another value, and at its first place."""
-    result = np.ones(len(column), bool)
+    result = np.empty(len(column), bool)
+    result[:1] = True
     np.not_equal(column[1:], column[:-1], out=result[1:])
     return result
 

@@ -19,7 +19,7 @@ from postproc.nc.centres import centre_words
 from postproc.nc.columns import begins
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
-from postproc.nc.feeds import kept_feeds, states_feed
+from postproc.nc.feeds import GROUPS, kept_feeds, states_feed
 from postproc.nc.interpreter import Setup
 from postproc.nc.inverse_time import inverse_time
 from postproc.nc.lexer import RELATIVE, Words
@@ -30,7 +30,6 @@ from postproc.nc.threads import thread_words
 from postproc.pieces import Pieces
 
 INSERT_CODE = 1
-LARGEST = np.iinfo(np.int64).max
 AFTER, AFTER_END = (
     -(10**12),
     10_000,
@@ -56,6 +55,9 @@ class Emitter:
 
     def __init__(self, dialect: Dialect, setup: Setup, marker: str):
         self.dialect, self.setup, self.marker = dialect, setup, marker
+        self.spelled = dialect.grammar.is_respelled
+        # rows of each group of axes
+        self.groups = [[i for i, x in enumerate(setup.axes) if x in group] for group in GROUPS]
 
     def run(
         self, words: Words, motions: Motions, pieces: Pieces, state: Written
@@ -86,13 +88,15 @@ class Batch:
         self.splice = Splice(words.text)
         self.axes = emitter.setup.axes
         self.first = begins(pieces.motion)
-        self.final = np.ones(len(pieces), bool)
-        self.final[:-1] = self.first[1:]
+        self.final = np.empty(len(pieces), bool)
+        self.final[:-1], self.final[-1:] = self.first[1:], True
         self.touched = np.zeros(len(motions), bool)
         self.byte = np.frombuffer(words.text + b"\0", np.uint8)
         self.bottom = state.bottom
         # whether words may carry letters of other spellings
-        self.spelled = emitter.dialect.grammar.is_respelled
+        self.spelled = emitter.spelled
+        # whether any does
+        self.told = self.spelled and np.count_nonzero(words.letter >= RELATIVE) > 0
         self.several = ~(self.first & self.final)
         self.layout()
 
@@ -112,8 +116,8 @@ class Batch:
             thread_words(self)
             frames_of_blocks(self, (~self.first).nonzero()[0])
         shift = tuple((self.p.end[:, -1] - self.m.target[:, -1]).tolist())
-        state = replace(
-            self.state, code=self._last_code(), shift=shift, bottom=self.bottom, feed=feed
+        state = Written(
+            self._last_code(), self.state.marked, self.state.newline, shift, self.bottom, feed
         )
         touched = self.touched.nonzero()[0]
         if len(touched) and not state.marked and self.e.marker:
@@ -148,23 +152,23 @@ class Batch:
             all_words = np.concatenate([all_words, bottom])
         highest = all_words.max(axis=0)
         some = highest >= 0
-        first = np.where(all_words >= 0, all_words, LARGEST).min(axis=0)
-        first = np.where(some, first, 0)
-        axis_last = highest if all_words is every else every.max(axis=0)
-        last = np.where(axis_last >= 0, axis_last, highest)
+        # Without a sign -1, no word, is the largest number of all; where nothing else is, it stays.
+        first = all_words.view(np.uint64).min(axis=0).view(np.int64)
+        last = highest
+        if all_words is not every:
+            axis_last = every.max(axis=0)
+            last = np.where(axis_last >= 0, axis_last, highest)
         n = len(w.start)
         fallback = w.block_stop[m.block]
-        if n and not some.all():  # behind the block's last word, before a comment
+        if n and np.count_nonzero(some) < len(
+            some
+        ):  # behind the block's last word, before a comment
             last_word = np.searchsorted(w.block, m.block, side="right") - 1
             fallback = np.where(
                 w.block[np.maximum(last_word, 0)] == m.block, self.tail(last_word), fallback
             )
-        self.head = np.where(some, w.start[np.minimum(first, n - 1)], fallback) if n else fallback
-        self.at = (
-            np.where(some, self.tail(np.minimum(np.maximum(last, 0), n - 1)), fallback)
-            if n
-            else fallback
-        )
+        self.head = np.where(some, w.start[first], fallback) if n else fallback
+        self.at = np.where(some, self.tail(last), fallback) if n else fallback
         blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
         self.spaced = (
             blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
@@ -225,7 +229,7 @@ class Batch:
         m, p = self.m, self.p
         motion = p.motion[piece]
         incremental = m.incremental[row, motion]
-        if self.spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
+        if self.told:  # X=IC() holds for its own word; blocks put in follow G90 G91
             by_letter = self._by_letter(row, motion) & ~self.first[piece]
             incremental = np.where(by_letter, m.relative[motion], incremental)
         return p.end[row, piece] - np.where(incremental, p.start[row, piece], m.origin[row, motion])
@@ -261,7 +265,7 @@ class Batch:
         m, p = self.m, self.p
         # Every motion has a first piece: columns of first pieces are columns of motions.
         first = self.first.nonzero()[0]
-        starts, ends = p.start[:, first], p.end[:, first]
+        starts, ends = p.start.take(first, axis=1), p.end.take(first, axis=1)
         suspect = (ends != m.target) | (m.incremental & (starts != m.start))
         followed = ~m.alone
         named = m.word >= 0
@@ -332,7 +336,7 @@ class Batch:
         """(K,) the numbers that stand in the text, in 10**-decimals."""
         w = self.w
         own = w.decimals[word]
-        if (own <= decimals).all():
+        if not np.count_nonzero(own > decimals):
             return w.mantissa[word] * POWERS[decimals - own]
         kept = np.minimum(own, decimals)
         return w.mantissa[word] // 10 ** (own - kept) * POWERS[decimals - kept]
@@ -340,7 +344,7 @@ class Batch:
     def _replace(
         self, word: np.ndarray, value: np.ndarray, decimals: np.ndarray, where: np.ndarray
     ) -> None:
-        if not where.all():
+        if np.count_nonzero(where) < len(where):
             word, value, decimals = word[where], value[where], decimals[where]
         self.splice.numbers(
             self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals
@@ -383,7 +387,7 @@ class Batch:
     def tail(self, word: np.ndarray) -> np.ndarray:
         """(K,) offsets behind words, with the parenthesis of X=IC(5)."""
         stop = self.w.stop[word]
-        if not self.spelled:
+        if not self.told:
             return stop
         stop = stop.copy()
         for k in (self.w.letter[word] >= RELATIVE).nonzero()[0]:

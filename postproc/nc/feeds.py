@@ -32,10 +32,10 @@ def kept_feeds(b: Batch) -> float:
     output has in force where the program has another one, else nan. Raises BlockFault where a
     correction would change a time that nobody knows."""
     m, p = b.m, b.p
-    rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
+    rows = b.e.groups
     stands = b.state.feed
     special = _special(b, rows)
-    if not special.any() and stands != stands:
+    if not np.count_nonzero(special) and stands != stands:
         return stands
     ratio = _ratios(b, rows, special)
     first = b.first.nonzero()[0]

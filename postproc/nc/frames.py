@@ -43,7 +43,7 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
     b.offsets."""
     begun = {int(column[0]) for column in b.given.values()}
     begun |= {number for number in b.single if begins_with(b, number)}
-    for number, does in b.dialect.frame_codes.items():
+    for number, does in b.dialect.frame_codes.items() if begun else ():
         if number in begun and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
     letter = b.dialect.length_letter
@@ -63,6 +63,8 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
             b.frame = with_known(replace(b.frame, extended=""), "extended")
     tips.switched(b, axis_words)
     tips.settle(b)
+    if not b.single:
+        return
     for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
         if b.live[0] and begins_with(b, number):
             planes.plane_align(b, b.dialect.by_number[number].word)

@@ -23,7 +23,7 @@ from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import LINEAR, Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
-from postproc.nc.columns import hold_last_float, spread
+from postproc.nc.columns import at, hold_last_float, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.holes import holes_of, in_cycle
@@ -47,7 +47,7 @@ from postproc.nc.refusals import (
 from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
 from postproc.nc.threads import thread_columns
 from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, retold, tip_codes
-from postproc.nc.zeros import offset_columns
+from postproc.nc.zeros import offset_columns, ticks_of
 from postproc.units import TICKS_PER_MM
 
 PARAMETERS = "NOGMFSTDHLPQ"
@@ -69,6 +69,8 @@ class Interpreter:
         self.increment_rows = {
             u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows
         }
+        # of the offsets that no program sets
+        self.offset_ticks = {name: ticks_of(setup, at) for name, at in setup.offsets.items()}
         centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
         self.letters = (
             set(PARAMETERS)
@@ -331,7 +333,7 @@ def columns(
         renamed = np.zeros(0, bool)
         b.renamed = b.state.renamed or bool(len(named) and named[-1])
     mode = b.held("feed mode")
-    inverse = spread(mode, n)[block] == 930
+    inverse = spread(at(mode, block), len(block)) == 930
     if np.count_nonzero(mode == 930):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if untold is not None:
@@ -348,11 +350,13 @@ def columns(
         )
     alone = b.machine[block]
     circle = Circle(
-        block=block, code=code, plane=spread(b.held("plane"), n)[block],
-        absolute=spread(b.held("arc centre"), n)[block] == 901, alone=alone,
+        block=block, code=code, plane=spread(at(b.held("plane"), block), len(block)),
+        absolute=spread(at(b.held("arc centre"), block), len(block)) == 901, alone=alone,
     )  # fmt: skip
     arcs = arcs_of(b, places, circle, centre_words)
     whole, lead = thread_columns(b, block, code, motion, feed[block])
+    length = np.empty((len(b.rows), len(block)), np.int64)
+    length[:] = b.frame.length[:, None]
     motions = Motions(
         block=block,
         code=code,
@@ -381,11 +385,11 @@ def columns(
         spells=no_spells(),
         **beside_columns(b, block),
         stop=stop_column(b, block),
-        relative=spread(b.held("distance"), n)[block] == 910,
-        length=np.repeat(b.frame.length[:, None], len(block), axis=1),
+        relative=spread(at(b.held("distance"), block), len(block)) == 910,
+        length=length,
         whole=whole,
         lead=lead,
-        space=np.full(len(block), int(b.frame.space is not None)),
+        space=spread(int(b.frame.space is not None), len(block)),
         spaces=[None, b.frame.space],
     )
     return refuse_beside(b, motions)
@@ -407,8 +411,7 @@ def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
 
 
 def next_state(b: Batch, places: Places) -> ModalState:
-    return replace(
-        b.state,
+    return ModalState(
         codes=b.after(),
         position=places.end_position,
         known=places.end_known,

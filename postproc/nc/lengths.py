@@ -56,7 +56,7 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
             if line == 10:
                 base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
             else:  # in G59.3, without G92
-                base = ticks_of(b, stated(b, "G59.3") or {})[row]
+                base = ticks_of(b.setup, stated(b, "G59.3") or {})[row]
             value = int(b.state.position[row]) - value - int(base)
         place[letter] = value / TICKS_PER_MM
     b.offsets = {**b.offsets, name: place}
@@ -76,7 +76,7 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
     place = stated_tool(b, "H", int(number)) if number >= 0 else None
     if number == 0 and (place is None or not b.dialect.local_is_preset):
         place = {}
-    length = None if place is None else sign * ticks_of(b, place)
+    length = None if place is None else sign * ticks_of(b.setup, place)
     if length is None:
         reason = (
             (
@@ -159,7 +159,7 @@ def length_by(b: Batch, letter: str, number: int) -> None:
             f"the tool length {name} is not stated",
             f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",
         )
-    b.frame = with_known(replace(b.frame, length=ticks_of(b, place or {})), "length", reason)
+    b.frame = with_known(replace(b.frame, length=ticks_of(b.setup, place or {})), "length", reason)
 
 
 def length_words(b: Batch, axis_words, word: str) -> None:

@@ -27,7 +27,7 @@ from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
-THREE_ENDS = np.full(3, END, np.uint8)
+THREE_ENDS, THREE = np.full(3, END, np.uint8), np.zeros(3, np.int64)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
 # Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their
 # count.
@@ -245,10 +245,9 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     if len(at) < len(kind):
         kind, byte = kind[at], byte[at]
     mark = (kind != DIGIT).nonzero()[0]
-    mark_kind = kind[mark]
     # Three marks of padding, so that "the mark after the next" exists.
-    mark_kind = np.concatenate([mark_kind, THREE_ENDS])
-    mark = np.concatenate([mark, (len(at),) * 3])
+    mark_kind = np.concatenate([kind[mark], THREE_ENDS])
+    mark = np.concatenate([mark, len(at) + THREE])
 
     is_letter = mark_kind == LETTER
     is_end = mark_kind == END
@@ -263,30 +262,28 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     after += pointed
     stop = mark[after]
     begin = here + 1 + signed
-    whole = np.where(pointed, point, stop) - begin
-    decimals = np.where(pointed, stop - point - 1, 0)
+    whole = point - begin  # without a point that is where the number stops
+    decimals = stop - point - pointed
     digits = whole + decimals
-    if spelled:
+    if spelled and not code.isascii():
         digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
 
-    used = np.zeros(len(mark_kind), dtype=bool)
-    used[first] = True
-    used[(first + 1)[signed]] = True
-    used[(after - 1)[pointed]] = True
-    used |= is_end
     end = is_end[:-3].nonzero()[0]
     end_at = mark[end]
     block_first = np.zeros(len(end_at), np.int64)
     block_first[1:] = end_at[:-1] + 1
     first_kind = kind[block_first]
     skip = first_kind == SLASH
-    if np.count_nonzero(skip):
-        used[np.searchsorted(mark, block_first[skip])] = True
 
     fault = None
     wrong = (digits < 1) | (digits > LONGEST_NUMBER)
-    odd = map(np.count_nonzero, (~used, wrong, first_kind == DIGIT))
-    if any(odd):
+    # Every letter, sign, point and slash that stands where it may is a mark of its own.
+    right = len(first) + len(end) + sum(map(np.count_nonzero, (signed, pointed, skip)))
+    if right < len(mark) - 3 or np.count_nonzero(wrong) or np.count_nonzero(first_kind == DIGIT):
+        used = is_end | is_letter
+        used[(first + 1)[signed]] = True
+        used[(after - 1)[pointed]] = True
+        used[np.searchsorted(mark, block_first[skip])] = True
         fault, tape = _first_fault(
             text,
             code,
@@ -307,14 +304,14 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     offset = np.empty(len(at) + 1, np.int64)
     offset[:-1], offset[-1] = at, len(code)
     end_offset = offset[end_at]
-    block_start, line = np.zeros(len(end_at), np.int64), np.zeros(len(end_at), np.int64)
+    block_start, line = np.zeros(len(end_at), np.int64), np.arange(len(end_at))
     block_start[1:] = end_offset[:-1] + 1
-    (byte[end_at[:-1]] == ord("\n")).cumsum(out=line[1:])
-    behind = byte[np.minimum(here + 1, len(at) - 1)]
+    if semicolon != "comment" or grammar.block_end:  # a line may hold several blocks
+        (byte[end_at[:-1]] == ord("\n")).cumsum(out=line[1:])
     words = Words(
         text=text,
         letter=byte[here] & 0xDF,
-        mantissa=_mantissa(byte, begin, whole, decimals, pointed, behind == ord("-")),
+        mantissa=_mantissa(byte, begin, whole, decimals, pointed, byte[here + 1] == ord("-")),
         decimals=decimals,
         pointed=pointed,
         block=block,
@@ -357,7 +354,7 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
     behind = begin + whole + pointed
     both = _digits(eight, np.concatenate([begin, behind]), np.concatenate([whole, decimals]))
-    value = both[: len(begin)] * POWERS[np.minimum(decimals, LONGEST_NUMBER)]
+    value = both[: len(begin)] * POWERS.take(decimals, mode="clip")
     value += both[len(begin) :]
     for i in (np.maximum(whole, decimals) > 8).nonzero()[0]:
         text = (
@@ -372,11 +369,11 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
 def _digits(eight, begin, count):
     """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights
     are joined at once."""
-    value = (eight.take(begin, mode="clip") & LOW_NIBBLES) << SHIFT[np.minimum(count, 8)]
+    value = (eight.take(begin, mode="clip") & LOW_NIBBLES) << SHIFT.take(count, mode="clip")
     value = (value * TENS) >> EIGHT
     value = ((value & PAIRS) * HUNDREDS) >> SIXTEEN
     value = ((value & FOURS) * MYRIADS) >> THIRTY_TWO
-    return np.where(count > 0, value.astype(np.int64), 0)
+    return value.astype(np.int64) * (count > 0)
 
 
 def _first_fault(

@@ -19,7 +19,7 @@ def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.n
     occur. `room`: columns kept free at the left.
     """
     size = np.abs(value)
-    most = max(len(str(int(size.max(initial=0)))), decimals + 1)
+    most = max(len(str(size.max(initial=0))), decimals + 1)
     groups = -(-most // 4)
     digit = np.empty((len(value), 4 * groups), np.uint8)
     rest = size
@@ -27,19 +27,20 @@ def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.n
         high = rest // 10000
         digit[:, 4 * g : 4 * g + 4] = _FOUR[rest - high * 10000]
         rest = high
-    count = np.full(len(value), decimals + 1)
-    for k in range(decimals + 1, most):
-        count += size >= 10**k
     width = room + 2 + 4 * groups
+    begin = np.empty(len(value), np.int64)
+    begin.fill(width - 2 - decimals)
+    for k in range(decimals + 1, most):
+        begin -= size >= 10**k
     cell = np.zeros((len(value), width), np.uint8)
     whole = 4 * groups - decimals
     cell[:, width - decimals :] = digit[:, whole:]
     cell[:, width - decimals - 1] = ord(".")
     cell[:, width - decimals - 1 - whole : width - decimals - 1] = digit[:, :whole]
-    begin = width - 1 - count
     negative = (value < 0).nonzero()[0]
-    begin[negative] -= 1
-    cell[negative, begin[negative]] = ord("-")
+    if len(negative):
+        begin[negative] -= 1
+        cell[negative, begin[negative]] = ord("-")
     return cell, begin
 
 
@@ -48,10 +49,12 @@ def counts(
 ) -> np.ndarray:
     """(K,) whole numbers of 10**-decimals units, nearest, half to even."""
     unit = scale if unit is None else unit
-    if len(ticks) and (unit == unit[0]).all() and (decimals == decimals[0]).all():
+    if len(ticks) and not (
+        np.count_nonzero(unit != unit[0]) or np.count_nonzero(decimals != decimals[0])
+    ):
         per = unit[0] // POWERS[decimals[0]]  # dividing by one number is several times faster
     else:
         per = unit // POWERS[decimals]
     low = ticks // per
     rest = 2 * (ticks - low * per)
-    return low + ((rest > per) | ((rest == per) & (low % 2 == 1)))
+    return low + (rest + (low & 1) > per)  # an odd number turns a half up

@@ -10,7 +10,7 @@ import numpy as np
 
 from postproc.nc.batch import LINEAR, Batch
 from postproc.nc.columns import at, hold_index, hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, BARE
+from postproc.nc.lexer import ABSOLUTE, AXES, BARE, RELATIVE
 from postproc.nc.zeros import homed, stated
 from postproc.units import TICKS_PER_MM
 
@@ -49,7 +49,7 @@ def position(
         target=whole[1],
         start_known=np.zeros(shape, bool),
         target_known=np.zeros(shape, bool),
-        word=np.full(shape, -1, np.int64),
+        word=np.zeros(shape, np.int64) - 1,
         incremental=np.zeros(shape, bool),
         grid=whole[2],
         scale=whole[3],
@@ -68,7 +68,9 @@ def position(
         b.held("carried"),
         b.held("units") == 200,
     )
-    spelled = b.dialect.grammar.is_respelled
+    # whether any word says by itself that it is absolute or a distance
+    spelled = any(ord(letter) >= RELATIVE for letter in b.places)
+    earlier, from_begin = block - 1, len(block) > 0 and block[0] == 0
     sends = 280 in b.single or 300 in b.single
     was_sent = b.state.sent is not None and np.count_nonzero(b.state.sent)
     nothing = not (len(block) or forgets or sends or was_sent or b.cycle)
@@ -85,12 +87,10 @@ def position(
             inch if letter in LINEAR else 0
         )
         scale, grid = scale // half, grid // half
-        offset = b.offset[row]
+        offset = b.offset[row] if b.offset.shape[1] > 1 else b.offset[row, 0]
         if any_machine:
             offset = np.where(machine, 0, offset)
         stood, was_known = b.state.position[row], b.state.known[row]
-        position = np.empty(n, np.int64)
-        position.fill(stood)
         absolute, increment = axis_words[letter]
         place = absolute
         if len(increment):
@@ -109,8 +109,9 @@ def position(
             place = place[~cycle.mask[w.block[place]]]
         by = w.block[place]
         relative = distance == 910
-        is_inc = at(relative, by) & ~machine[by]
-        if (spelled and len(place)) or len(increment):
+        some_relative = np.count_nonzero(relative)
+        is_inc = at(relative, by) & ~machine[by] if some_relative else np.zeros(len(by), bool)
+        if spelled or len(increment):
             is_inc = np.where(w.letter[place] == ord(letter), is_inc, w.letter[place] < ABSOLUTE)
         added, due = np.count_nonzero(is_inc), bool(b.frame.due[row])
         named = np.zeros(n, bool)
@@ -125,19 +126,24 @@ def position(
                 moved[by[is_inc]] = value[is_inc]
                 run = moved.cumsum()
                 here, set_to = by[~is_inc], value[~is_inc]
-            base = np.zeros(n, np.int64)
-            base[here] = (
-                set_to + at(offset, here) - (run[here] if isinstance(run, np.ndarray) else 0)
-            )
             named[here] = True
-            if cycle:
-                holes = cycle.blocks
-                base[holes] = cycle.target - (run[holes] if isinstance(run, np.ndarray) else 0)
-                named[holes] = True
-            last = hold_index(named)
-            position = base[last]
-            position[: last.searchsorted(0)] = stood
-            position += run
+            set_to = set_to + at(offset, here)
+            if len(here) == n and not cycle:  # every block says the place: nothing is held
+                position = set_to
+            else:
+                base = np.zeros(n, np.int64)
+                base[here] = set_to - (run[here] if isinstance(run, np.ndarray) else 0)
+                if cycle:
+                    holes = cycle.blocks
+                    base[holes] = cycle.target - (run[holes] if isinstance(run, np.ndarray) else 0)
+                    named[holes] = True
+                last = hold_index(named)
+                position = base[last]
+                position[: last.searchsorted(0)] = stood
+                position += run
+        else:
+            position = np.empty(n, np.int64)
+            position.fill(stood)
         drop = b.foreign if carried else forget
         if sends and not carried:
             position, named, drop, away = _away(b, letter, position, named, forget)
@@ -150,20 +156,19 @@ def position(
             if cycle and not cycle.known:
                 event[cycle.blocks[cycle.initial]] = 0
             known = hold_last(event, int(was_known)).astype(bool)
-        earlier = block - 1
-        p.target[row] = position[block]
-        p.start[row] = np.where(earlier >= 0, position[earlier], stood)
+        p.target[row], p.start[row] = position[block], position[earlier]
         if known is None:
             p.start_known[row] = p.target_known[row] = True
         else:
-            p.target_known[row] = known[block]
-            p.start_known[row] = np.where(earlier >= 0, known[earlier], was_known)
+            p.target_known[row], p.start_known[row] = known[block], known[earlier]
+        if from_begin:  # there is no block before the first
+            p.start[row, 0], p.start_known[row, 0] = stood, was_known
         if len(by):
             word = np.empty(n, np.int64)
             word.fill(-1)
             word[by] = place
             p.word[row] = word[block]
-        if added or np.count_nonzero(relative):
+        if added or some_relative:
             inc = np.broadcast_to(relative, n).copy()
             if due:  # a word put in must not be one that may travel the shift: X=AC()
                 inc[: by[0] if len(by) else n] = False

@@ -34,6 +34,8 @@ def drop_arguments(b: Batch) -> None:
     """What stands in a block that calls a macro is handed over to it: no axis, no feed, and I J K
     may stand there ten times. A of a thread in many passes (G76) is the angle of its tool (Haas
     lathe operator's manual, G76; Fanuc B-64304EN-1, the same with the format of series 10/11)."""
+    if "G" not in b.places:
+        return
     threads = [n for n, code in b.dialect.stays.items() if not code.group]
     _drop(b, b.dialect.calls, [x for x in b.places if x not in "GMNOP"])
     _drop(b, threads, [x for x in b.places if x == "A"])
@@ -57,8 +59,9 @@ def _drop(b: Batch, numbers: Sequence[int], letters: list[str]) -> None:
 
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
-    for letter, place in b.places.items():
-        code = ord(letter)
+    strange = [letter for letter in b.places if letter not in b.interpreter.letters]
+    for letter in strange:
+        code, place = ord(letter), b.places[letter]
         if (
             code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING)
             or code >= BARE

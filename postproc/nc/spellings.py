@@ -61,11 +61,11 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
     code = code.translate(REPLACED)
     if grammar.checksums and b"*" in code:
         code = checksums.cover(code)
-    for pattern in _ignored(grammar):
+    for pattern in _ignored(grammar.ignores):
         code = pattern.sub(_blank, code)
     if grammar.homing:
         code = _homing(grammar.homing).sub(_homes, code)
-    for pattern, number in _macros(grammar):
+    for pattern, number in _macros(grammar.macros):
         code = pattern.sub(partial(_macro, number), code)
     if grammar.untold and (b"#" in code or b"[" in code):
         code = MACHINE_KNOWS.sub(_untold, code)
@@ -76,17 +76,15 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
         for pattern, letter in _spelled(grammar):
             code = pattern.sub(partial(_stands, letter), code)
         code = ASSIGNED.sub(_assigned, code)
-    words = _keywords(grammar)
+    words = _keywords(grammar.keywords)
     if words is not None:
         code = words[0].sub(lambda m: words[1][m[1].upper()].ljust(len(m[0])), code)
     return code
 
 
 @lru_cache
-def _ignored(grammar: Grammar) -> tuple[re.Pattern[bytes], ...]:
-    return tuple(
-        re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in grammar.ignores
-    )
+def _ignored(texts: tuple[str, ...]) -> tuple[re.Pattern[bytes], ...]:
+    return tuple(re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in texts)
 
 
 @lru_cache
@@ -99,10 +97,9 @@ def _homes(match: re.Match[bytes]) -> bytes:
 
 
 @lru_cache
-def _macros(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], int], ...]:
+def _macros(macros: tuple[tuple[str, int], ...]) -> tuple[tuple[re.Pattern[bytes], int], ...]:
     return tuple(
-        (re.compile(text.encode(), re.IGNORECASE | re.MULTILINE), number)
-        for text, number in grammar.macros
+        (re.compile(text.encode(), re.IGNORECASE | re.MULTILINE), number) for text, number in macros
     )
 
 
@@ -126,15 +123,14 @@ def _spelled(grammar: Grammar) -> tuple[tuple[re.Pattern[bytes], bytes], ...]:
 
 
 @lru_cache
-def _keywords(grammar: Grammar) -> tuple[re.Pattern[bytes], dict[bytes, bytes]] | None:
+def _keywords(keywords: tuple[str, ...]) -> tuple[re.Pattern[bytes], dict[bytes, bytes]] | None:
     """A pattern for all keywords, and what each is read as: KEYWORD_LETTER and its number."""
-    if not grammar.keywords:
+    if not keywords:
         return None
     from postproc.nc.codes import KEYWORD, code_number
 
     read = {
-        k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD)
-        for k in grammar.keywords
+        k.encode(): bytes([KEYWORD_LETTER]) + b"%d" % (code_number(k) - KEYWORD) for k in keywords
     }
     every = b"|".join(re.escape(k) for k in sorted(read, key=len, reverse=True))
     return re.compile(rb"(?<![A-Za-z_$])(" + every + rb")" + ARGUMENTS, re.IGNORECASE), read

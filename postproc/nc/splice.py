@@ -79,10 +79,10 @@ class Splice:
             )
         # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort
         # does.
-        order = np.argsort(rank, kind="stable")
+        order = rank.argsort(kind="stable")
         # What is put in at a place stands before what is taken out from there on.
         place = 2 * start + (stop > start)
-        order = order[np.argsort(place[order], kind="stable")]
+        order = order[place[order].argsort(kind="stable")]
         start, stop, at, size = start[order], stop[order], at[order], size[order]
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
         # Alternate: kept text, new text, kept text, ..., kept text.
@@ -96,8 +96,10 @@ class Splice:
         some = length > 0
         begin, length = begin[some], length[some]
         # One step per byte, and a jump where a run begins.
-        step = np.ones(int(length.sum()), np.int64)
-        first = np.cumsum(length) - length
+        last = length.cumsum()
+        first = last - length
+        step = np.empty(last[-1] if len(last) else 0, np.int64)
+        step.fill(1)
         step[first[1:]] = begin[1:] - (begin[:-1] + length[:-1] - 1)
         step[:1] = begin[:1]
-        return source[np.cumsum(step)].tobytes()
+        return source[step.cumsum()].tobytes()

@@ -14,7 +14,7 @@ import numpy as np
 from postproc.motions import Presets
 from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
-from postproc.nc.state import NONE, Frame
+from postproc.nc.state import NONE, Frame, Setup
 from postproc.units import TICKS_PER_MM
 
 EXTERNAL = "EXT"
@@ -117,7 +117,7 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
 def offset_of(b: Batch, name: str, where) -> np.ndarray:
     """(A, B) or (A, 1) ticks of one offset where it holds."""
     everywhere = isinstance(where, bool)
-    if not name or not np.count_nonzero(where):
+    if not name or not (where if everywhere else np.count_nonzero(where)):
         return np.zeros((len(b.rows), 1), np.int64)
     place = stated(b, name)
     if place is None and name == "G500":
@@ -126,13 +126,14 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
         return np.zeros((len(b.rows), 1), np.int64)
-    shift = ticks_of(b, place)[:, None]
+    own = name not in b.offsets and name in b.interpreter.offset_ticks
+    shift = (b.interpreter.offset_ticks[name] if own else ticks_of(b.setup, place))[:, None]
     return shift if everywhere else shift * where
 
 
-def ticks_of(b: Batch, place: dict[str, float]) -> np.ndarray:
+def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
     """(A,) ticks of mm by axis."""
-    return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in b.setup.axes], np.int64)
+    return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes], np.int64)
 
 
 # -- what the first block says ---------------------------------------------------------------------
