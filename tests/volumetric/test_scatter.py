@@ -12,8 +12,8 @@ from postproc.recordings import Recording, contract
 from postproc.volumetric import VolumetricError, identify, solve, written
 from postproc.volumetric.observations import rows_of
 from postproc.volumetric.unknowns import Unknowns, components
-from tests.volumetric.test_volumetric import MILL, NONE, TOOLS, drawn, gcomp, held, recording
-from tests.volumetric.test_volumetric import unknowns as all_errors
+from tests.volumetric.readings import MILL, NONE, TOOLS, drawn, gcomp, held, recording
+from tests.volumetric.readings import unknowns as all_errors
 
 BARE = written.without_errors(MILL)
 SILENT = float("nan")

@@ -13,7 +13,8 @@ from postproc.machine.tables import AxisTable
 from postproc.volumetric import identify, solve, stairs, written
 from postproc.volumetric.observations import rows_of
 from postproc.volumetric.unknowns import Unknowns
-from tests.volumetric.test_volumetric import MILL, drawn, line, unknowns
+from tests.volumetric.readings import MILL, drawn, unknowns
+from tests.volumetric.test_diagonals import line
 
 ROOT = Path(__file__).resolve().parents[2]
 ANGLES = frozenset(f"E{r}{x}" for r in "ABC" for x in "XYZ")
