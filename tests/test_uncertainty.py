@@ -1,5 +1,5 @@
-"""How well the map is known: what a folder states, and what becomes of it along a path, by hand and
-by drawing machines."""
+"""How well the map is known: what a folder states, and what becomes of it at a place and along a
+path, by hand."""
 
 from __future__ import annotations
 
@@ -9,48 +9,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import pytest
 from pytest import approx
 
-from postproc.errors import MachineError
 from postproc.filter import Filter, setup_of
-from postproc.machine.chain import ROTARY, XYZ, parse
 from postproc.machine.file import read_machine
-from postproc.machine.model import Axis, EffectTerm, Machine
-from postproc.machine.tables import AxisTable, AxisUncertainty
+from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.uncertainty import AlongPath, MapUncertainty
 from postproc.nc import dialects
 from postproc.verify import Verifier
-from tests.reference.kinematics import Link, tip
-from tests.reference.test_chains import BETWEEN, FIVE_AXIS, LINEAR, along_slides
-
-UM, URAD = 1e-3, 1e-6
-HEAD = """format = "gcomp-machine/1"
-name = "m"
-control = "linuxcnc"
-chain = "{chain}"
-[offsets]
-G54 = {{}}
-"""
-AXIS = '[axes.{0}]\ntravel = [-500.0, 500.0]\nleast_increment = 0.0001\ntable = "{0}.csv"\n'
-MILL = HEAD.format(chain="w-X-Y-b-Z-t") + "".join(map(AXIS.format, "XYZ"))
-FLAT = {x: f"{x}_mm,E{x}{x}_um\n-500,10\n500,10\n" for x in "XYZ"}
-
-
-def machine(folder: Path, text: str = MILL, **files: str) -> Machine:
-    folder.mkdir(exist_ok=True)
-    (folder / "machine.toml").write_text(text)
-    for name, content in (FLAT | files).items():
-        (folder / f"{name}.csv").write_text(content)
-    return read_machine(folder)
-
-
-def known(m: Machine, way: float = 0.0, **place: float) -> dict[str, float]:
-    """U of the deviation at one place, um by axis."""
-    position = np.array([[float(place.get(x, 0.0))] for x in m.letters])
-    u = MapUncertainty(m).expanded(position, np.full_like(position, way))
-    return dict(zip(m.letters, u[:, 0] / UM, strict=True))
-
+from tests.stated_machines import AXIS, EFFECT, HEAD, MILL, UM, URAD, known, machine
 
 # -- by hand ---------------------------------------------------------------------------------------
 
@@ -142,141 +109,6 @@ def test_the_correction_does_not_depend_on_it(tmp_path):
     sure = machine(tmp_path / "b", X_uncertainty="X_mm,EXX_um\n-500,3\n500,3\n")
     outputs = [corrected(replace(m, digest=""), [text])[0] for m in (plain, sure)]
     assert outputs[0] == outputs[1] != text
-
-
-# -- by drawing machines ---------------------------------------------------------------------------
-
-DRAWS = 400
-
-
-def uncertain_machine(rng, chain_text: str):
-    """A machine whose errors are zero and whose uncertainties are flat, and the U of everything by
-    axis and row."""
-    chain = parse(chain_text)
-    axes, square_u, sizes, links = {}, {}, {}, []
-    for x in sorted(chain.axes, key=(XYZ + ROTARY).index):
-        linear = x in XYZ
-        own = (XYZ if linear else ROTARY).index(x)
-        u = np.concatenate([rng.uniform(0.001, 0.005, 3), rng.uniform(1e-6, 3e-5, 3)])
-        lean = np.where(np.arange(3) == own, 0.0, rng.uniform(1e-6, 2e-5, 3))
-        square_u |= {f"{ROTARY[i]}0{x}": float(lean[i]) for i in range(3) if i != own}
-        both = np.repeat(u[:, None], 2, axis=1)
-        table = AxisTable(x, np.array([-400.0, 400.0]), both, both)
-        measured = rng.uniform(-200, 200, 3)
-        centre = np.zeros(3) if linear else rng.uniform(-80, 80, 3)
-        uncertainty = AxisUncertainty(table, tuple(range(6)))
-        axes[x] = Axis(
-            x, (-400.0, 400.0), 1e-4, measured, None, "", centre, uncertainty=uncertainty
-        )
-        sizes[x] = (u, lean)
-        q = float(rng.uniform(-300, 300) if linear else rng.uniform(-60, 60))
-        carried = chain.axes[chain.axes.index(x) + 1 :]  # where any other stood is no arm
-        counts = np.where([y in carried for y in XYZ], measured, 0.0)
-        links.append(Link(x, chain.side(x), q, measured=counts, centre=centre))
-    links.sort(key=lambda link: chain.axes.index(link.letter))
-    tool = rng.uniform(-150, 150, 3)
-    return Machine("m", "", "linuxcnc", chain, axes, tool=tool, square_u=square_u), links, sizes
-
-
-def placed(rng, chain: str):
-    """A machine as above at a pose that can be corrected, its slides' directions (3, S), and U (S,)
-    there."""
-    while True:
-        m, links, sizes = uncertain_machine(rng, chain)
-        position = np.array([[link.q for link in links if link.letter == x] for x in m.letters])
-        try:
-            stated = MapUncertainty(m).expanded(position, np.zeros_like(position))[:, 0]
-        except MachineError:
-            assert chain in BETWEEN
-            continue
-        slides = [x for x in m.letters if x in XYZ]
-        ways = [along_slides(m, links, np.eye(3)[XYZ.index(x)]) for x in slides]
-        return m, links, sizes, np.stack(ways, axis=1), stated[[m.letters.index(x) for x in slides]]
-
-
-@pytest.mark.parametrize("chain", LINEAR + FIVE_AXIS + BETWEEN)
-def test_quadrature_of_exact_derivatives(chain):
-    """Every error by itself: the tip's derivative by central difference of exact transforms, told
-    along the slides."""
-    m, links, sizes, ways, stated = placed(np.random.default_rng([6, *chain.encode()]), chain)
-    square = np.zeros(len(stated))
-    for k, link in enumerate(links):
-        u, lean = sizes[link.letter]
-        for row in np.diag(np.concatenate([u, lean])):
-            one = [
-                *links[:k],
-                replace(link, d=row[:3], eps=row[3:6], lean=row[6:]),
-                *links[k + 1 :],
-            ]
-            slope = (tip(one, m.tool, 1e-3) - tip(one, m.tool, -1e-3)) / 2e-3
-            square += np.linalg.lstsq(ways, slope, rcond=None)[0] ** 2
-    assert stated == approx(np.sqrt(square), rel=1e-6)
-
-
-@pytest.mark.parametrize("chain", LINEAR + FIVE_AXIS + BETWEEN)
-def test_drawn_machines_spread_as_stated(chain):
-    """Every error normal with U / 2, the tip by exact transforms, told along the slides; 400 draws
-    know a spread to 3.5 % (1 / sqrt(2 n)), and five times that is allowed."""
-    rng = np.random.default_rng([5, *chain.encode()])
-    m, links, sizes, ways, stated = placed(rng, chain)
-    nominal = tip(links, m.tool, 0.0)
-    drawn = np.zeros((DRAWS, len(stated)))
-    for k in range(DRAWS):
-        one = []
-        for link in links:
-            u, lean = sizes[link.letter]
-            error = rng.normal(size=6) * u / 2
-            one.append(
-                replace(link, d=error[:3], eps=error[3:], lean=rng.normal(size=3) * lean / 2)
-            )
-        drawn[k] = np.linalg.lstsq(ways, tip(one, m.tool, 1.0) - nominal, rcond=None)[0]
-    spread = 2 * drawn.std(axis=0)
-    assert stated == approx(spread, rel=5 / np.sqrt(2 * DRAWS))
-
-
-@pytest.mark.parametrize("along", ["alike", "each node by itself"])
-def test_drawn_tables_spread_as_stated_between_their_nodes(along):
-    """Errors that are alike along a table spread by U everywhere; where each node has its own, by U
-    at the nodes and by less between: never more."""
-    rng = np.random.default_rng(9)
-    nodes = np.array([0.0, 40.0, 100.0])
-    u = rng.uniform(0.001, 0.01, 3)
-    full = np.zeros((6, 3))
-    full[0] = u
-    axis = Axis(
-        "X",
-        (0.0, 100.0),
-        1e-4,
-        np.zeros(3),
-        uncertainty=AxisUncertainty(AxisTable("X", nodes, full, full), (0,)),
-    )
-    m = Machine("m", "", "linuxcnc", parse("w-X-b-t"), {"X": axis})
-    at = np.linspace(0, 100, 21)[None]
-    stated = MapUncertainty(m).expanded(at, np.zeros_like(at))[0]
-    n = 20_000
-    errors = rng.normal(size=(n, 1 if along == "alike" else 3)) * u / 2
-    spread = 2 * np.std([np.interp(at[0], nodes, e) for e in errors], axis=0)
-    if along == "alike":
-        assert stated == approx(spread, rel=5 / np.sqrt(2 * n))
-    else:
-        assert stated[[0, 8, 20]] == approx(spread[[0, 8, 20]], rel=5 / np.sqrt(2 * n))
-        assert (spread < stated * (1 + 5 / np.sqrt(2 * n))).all() and spread[4] < 0.8 * stated[4]
-
-
-def test_the_length_covers_the_vector_in_95_of_100():
-    """However few or many errors make it: one alone 95 %, several more."""
-    rng = np.random.default_rng(4)
-    for chain in ("w-X-Y-b-Z-t", "w-C-A-b-X-Y-Z-t"):
-        m, links, _ = uncertain_machine(rng, chain)
-        position = np.array([[link.q for link in links if link.letter == x] for x in m.letters])
-        sure = MapUncertainty(m)
-        parts = np.array(
-            [v[:, 0] for v in sure.of_each(position, np.zeros_like(position)).values()]
-        )
-        assert len(parts) == 6 * len(m.axes) + len(m.square_u)
-        drawn = rng.normal(size=(20_000, len(parts))) / 2 @ parts
-        inside = np.linalg.norm(drawn, axis=1) <= sure.length(position, np.zeros_like(position))[0]
-        assert inside.mean() >= 0.95
 
 
 # -- along a program -------------------------------------------------------------------------------
@@ -388,124 +220,7 @@ def test_the_commands_say_it(tmp_path):
     assert "the map itself is known to +- 2.8 um (95 %, line 2)" in verified
 
 
-# -- what is refused -------------------------------------------------------------------------------
-
-BAD_TABLES = {
-    "below zero": ("X_mm,EXX_um\n-500,1\n0,-2\n500,1\n", 3, "U of EXX is -2 at X = 0"),
-    "an angle below zero": ("X_mm,EBX_urad\n-500,1\n500,-3\n", 3, "U of EBX is -3 at X = 500"),
-    "begins late": (
-        "X_mm,EXX_um\n0,1\n500,1\n",
-        2,
-        "go from X = 0 to 500, the table from -500 to 500",
-    ),
-    "ends early": (
-        "X_mm,EXX_um\n-500,1\n0,1\n",
-        3,
-        "go from X = -500 to 0, the table from -500 to 500",
-    ),
-    "no number": ("X_mm,EXX_um\n-500,1\n500,\n", 3, "'' is not a number"),
-    "not finite": ("X_mm,EXX_um\n-500,nan\n500,1\n", 2, "not finite"),
-    "another axis": ("X_mm,EYY_um\n-500,1\n500,1\n", 1, "'EYY_um' is not a component of axis X"),
-    "another unit": ("X_mm,EXX_mm\n-500,1\n500,1\n", 1, "'EXX_mm' is not a component of axis X"),
-    "the runs of a calibration": (
-        "X_mm,component,u\n0,EXX,1\n",
-        1,
-        "'component' is not a component of axis X",
-    ),
-    "one direction": (
-        "X_mm,EXX_um_fwd\n-500,1\n500,1\n",
-        1,
-        "give one column, or both _fwd and _rev",
-    ),
-    "no order": ("X_mm,EXX_um\n500,1\n-500,1\n", 3, "does not ascend"),
-    "one node": ("X_mm,EXX_um\n0,1\n", 1, "1 nodes: a table needs two at least"),
-}
-
-
-@pytest.mark.parametrize("name", BAD_TABLES)
-def test_a_faulty_table_of_uncertainties_is_refused_with_its_line(tmp_path, name):
-    text, line, why = BAD_TABLES[name]
-    with pytest.raises(MachineError) as told:
-        machine(tmp_path, X_uncertainty=text)
-    assert f"X_uncertainty.csv:{line}: " in str(told.value) and why in str(told.value)
-
-
-EFFECT = (
-    '[[effect]]\nname = "cyclic"\naxis = "X"\nperiod_mm = 10.0\namplitude_um = 5.0\nphase_deg ='
-    " 0.0\n"
-)
-BOW = '[[effect]]\nname = "bow"\naxis = "X"\nacross = 2\nsize_um = 5.0\n'
-BAD_TOML = {
-    "no section": ("[squareness]\nC0Y = 1.0\nu = 3.0\n", "u = 3.0", "[squareness.u]"),
-    "no squareness": (
-        "[squareness.u]\nX0C = 1.0\n",
-        "X0C",
-        "'X0C' is not a squareness of this machine",
-    ),
-    "squareness of itself": (
-        "[squareness.u]\nC0Z = 1.0\n",
-        "C0Z",
-        "'C0Z' is not a squareness of this machine",
-    ),
-    "squareness below zero": (
-        "[squareness]\nC0Y = 1.0\n[squareness.u]\nC0Y = -2.0\n",
-        "C0Y = -2.0",
-        "is below zero",
-    ),
-    "squareness no number": ('[squareness.u]\nC0Y = "3"\n', "C0Y", "'3' is not a number"),
-    "inline": (
-        "[squareness]\nC0Y = 1.0\nu = { C0Y = -2.0 }\n",
-        "u = {",
-        "C0Y = -2.0 is below zero",
-    ),
-    "of no parameter": (
-        EFFECT + "u_size_um = 1.0\n",
-        "u_size_um",
-        "'u_size_um' is not a key of [effect]",
-    ),
-    "of a choice": (BOW + "u_across = 1.0\n", "u_across", "'u_across' is not a key of [effect]"),
-    "parameter below zero": (
-        EFFECT + "u_amplitude_um = -1.0\n",
-        "u_amp",
-        "u_amplitude_um = -1.0 is below zero",
-    ),
-    "parameter no number": (
-        EFFECT + 'u_amplitude_um = "1 um"\n',
-        "u_amp",
-        "'1 um' is not a number",
-    ),
-    "no meaning": (
-        EFFECT + "u_period_mm = 10.0\n",
-        "u_period",
-        "effect cyclic has no meaning at period_mm = 0",
-    ),
-    "hysteresis below zero": (
-        "[limits]\nhysteresis_um = -0.5\n",
-        "hysteresis_um",
-        "hysteresis_um = -0.5 is below zero",
-    ),
-    "hysteresis no number": (
-        "[limits]\nhysteresis_um = true\n",
-        "hysteresis_um",
-        "True is not a number",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", BAD_TOML)
-def test_faulty_uncertainties_in_machine_toml_are_refused_with_their_line(tmp_path, name):
-    text, where, why = BAD_TOML[name]
-    with pytest.raises(MachineError) as told:
-        machine(tmp_path, MILL + text)
-    line = next(i for i, x in enumerate((MILL + text).splitlines(), 1) if x.startswith(where))
-    assert f"machine.toml:{line}: " in str(told.value) and why in str(told.value)
-
-
-def test_uncertainties_of_an_axis_that_there_is_not_are_refused(tmp_path):
-    with pytest.raises(
-        MachineError, match=r"Q_uncertainty.csv is of no axis of the machine[\s\S]*axes: X Y Z"
-    ):
-        machine(tmp_path, Q_uncertainty="Q_mm,EXQ_um\n0,1\n1,1\n")
+# -- as the folder states it -----------------------------------------------------------------------
 
 
 def test_the_uncertainties_of_one_turn_are_repeated(tmp_path):
