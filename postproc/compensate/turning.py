@@ -98,6 +98,15 @@ def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     return arcs.motion[arc], t
 
 
+def _bends(b: Batch, chosen: np.ndarray, least: float) -> np.ndarray:
+    """(K,) bool: arcs, and straight motions whose correction is no straight line but for less than
+    `least` mm, which is all that such a one can turn back by."""
+    m = b.m
+    start, target = (p.take(chosen, axis=1) / TICKS_PER_MM for p in (m.start, m.target))
+    clamped = b.c.outside == "clamp"
+    return (b.arc_of[chosen] >= 0) | nodes.may_bend(b.machine, start, target, least, clamped)
+
+
 def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     """Per axis (K,) motion and t of the places where its wanted place turns back by more than half
     the hysteresis: what it goes to and fro by inside a stroke is not seen."""
@@ -118,6 +127,7 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     # what a resting axis is held still by is not seen either
     least = max(b.c.hysteresis / 2, b.c.hold)
     chosen = (cutting & slow & (most > 2 * least)).nonzero()[0]
+    chosen = chosen[_bends(b, chosen, least)]
     if not len(chosen):
         return []
     owner, t, place = _places(b, chosen, most, least)

@@ -210,9 +210,8 @@ class Batch:
             return
         w = self.words
         number = written_codes(w, place)
-        valid = number >= 0
-        number = np.where(valid, self.dialect.meant[np.where(valid, number, 0)], number)
-        group = np.where(valid, self.dialect.group_of[np.where(valid, number, 0)], UNKNOWN)
+        valid, number = number >= 0, self.dialect.meant[np.maximum(number, 0)]
+        group = np.where(valid, self.dialect.group_of[number], UNKNOWN)
         bad = (group == UNKNOWN).nonzero()[0]
         if len(bad):
             text = w.text[w.start[place[bad[0]]] : w.stop[place[bad[0]]]].decode("ascii", "replace")
@@ -226,13 +225,14 @@ class Batch:
         for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
             name, of = self.dialect.groups[g], group == g
             if name == "motion":
-                others = np.bincount(block[of & (number != 800)], minlength=self.n)
-                of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
+                if np.count_nonzero(number == 800):
+                    others = np.bincount(block[of & (number != 800)], minlength=self.n)
+                    of &= (number != 800) | (others[block] == 0)  # G80 G1: G1 holds
                 number = self._back_from_cycles(number, block, of)
-            column = np.full(self.n, NONE, np.int64)
-            column[block[of]] = number[of]
+            column, named = np.full(self.n, NONE, np.int64), block[of]
+            column[named] = number[of]
             self.given[name] = column
-            twice = (block[of][1:] == block[of][:-1]).nonzero()[0]
+            twice = (named[1:] == named[:-1]).nonzero()[0]
             if len(twice) and self.dialect.one_code_per_group:
                 raise self.fault(
                     place[of][twice[0] + 1],
@@ -241,7 +241,7 @@ class Batch:
                 )
             if name == "motion":
                 # G80 names no other code
-                written = of & (self.dialect.meant[written_codes(w, place)] == number)
+                written = of & (was == number)
                 self.code_word[block[written]] = place[written]
             elif name == "cycle":
                 tap = of & self.dialect.is_hole[np.maximum(number, 0)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -56,14 +57,14 @@ class Frame:
     tip: Space | None = None
     plane: Space | None = None
 
-    @property
+    @cached_property
     def space(self) -> Space | None:
         """The frame in which X Y Z are places of the tool tip; None: they are the slides'."""
         if self.tip is not None and self.plane is not None:
             return self.tip.of(self.plane)
         return self.tip if self.plane is None else self.plane
 
-    @property
+    @cached_property
     def shift(self) -> np.ndarray:
         """(A,) ticks: their sum. Words that are places of the tool tip know no length."""
         total: np.ndarray = self.local + self.trans

@@ -117,6 +117,8 @@ def settle(b: Batch) -> None:
     """Tell the places where the axes stand in the space that is in force now; they have not
     moved."""
     old, new = b.state.frame or no_frame(len(b.rows)), b.frame
+    if new is old:
+        return
     if old.space != new.space or (
         new.space is not None and not np.array_equal(old.length, new.length)
     ):
