@@ -23,7 +23,7 @@ from tests.api.schemas import held  # noqa: E402
 from tests.streaming import real_grbl  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
 from tests.streaming.real_grbl import STEPS, RealGrbl  # noqa: E402
-from tests.streaming.test_stream_command import ROOT, model  # noqa: E402
+from tests.streaming.stream_process import ROOT, model  # noqa: E402
 
 WHY = real_grbl.missing()
 

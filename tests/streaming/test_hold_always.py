@@ -20,15 +20,7 @@ pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from postproc.streaming import journal  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import (  # noqa: E402
-    MILL,
-    PATIENCE,
-    ROOT,
-    model,
-    place,  # noqa: F401
-    program,
-    sent_rows,
-)
+from tests.streaming.stream_process import MILL, PATIENCE, ROOT, model, program, sent_rows  # noqa: E402
 
 SOON = 0.05  # s
 TRIES = 4  # on a computer that is shared, one of so many
@@ -150,7 +142,7 @@ def often(once, folder) -> None:
 
 
 @pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGHUP, signal.SIGTSTP])
-def test_every_signal_that_could_end_it_holds_first(place, sign):  # noqa: F811
+def test_every_signal_that_could_end_it_holds_first(place, sign):
     def once(host):
         process = begin(place, host)
         until(lambda: len(sent_rows(host)) > 30, process)
@@ -175,7 +167,7 @@ def test_every_signal_that_could_end_it_holds_first(place, sign):  # noqa: F811
     often(once, place)
 
 
-def test_under_nohup_a_lost_terminal_ends_nothing(place):  # noqa: F811
+def test_under_nohup_a_lost_terminal_ends_nothing(place):
     """Who starts it with SIGHUP ignored wants the job to go on; Ctrl-C holds it as ever."""
     (place / "job.nc").write_text(program(400, 1500))
     with PtyHost(model(), speed=2.0) as host:
@@ -191,7 +183,7 @@ def test_under_nohup_a_lost_terminal_ends_nothing(place):  # noqa: F811
         process.communicate()
 
 
-def test_nobody_reads_what_it_says(place):  # noqa: F811
+def test_nobody_reads_what_it_says(place):
     """Standard output and error are pipes that nobody reads, full when the job begins and soon
     after; Ctrl-C, and again."""
 
@@ -213,7 +205,7 @@ def test_nobody_reads_what_it_says(place):  # noqa: F811
     often(once, place)
 
 
-def test_a_reader_that_closes_the_pipe(place):  # noqa: F811
+def test_a_reader_that_closes_the_pipe(place):
     """The program that watched the job is gone: hold, and stop when it stands."""
 
     def once(host):
@@ -234,7 +226,7 @@ def test_a_reader_that_closes_the_pipe(place):  # noqa: F811
     often(once, place)
 
 
-def test_a_terminal_that_is_gone(place):  # noqa: F811
+def test_a_terminal_that_is_gone(place):
     """As when the window is closed, or ssh drops: standard input, output and error are the
     terminal, and it hangs up."""
 
@@ -266,7 +258,7 @@ def test_a_terminal_that_is_gone(place):  # noqa: F811
     often(once, place)
 
 
-def test_a_full_disk(place):  # noqa: F811
+def test_a_full_disk(place):
     """For the journal, the recording and standard output; the job goes on, is held and stopped, and
     what was kept is readable."""
 
@@ -294,7 +286,7 @@ def test_a_full_disk(place):  # noqa: F811
 
 
 @pytest.mark.parametrize("error", ["ValueError('a fault')", "SystemExit(3)"])
-def test_a_fault_of_gcomp_itself(place, error):  # noqa: F811
+def test_a_fault_of_gcomp_itself(place, error):
     def once(host):
         process = begin(place, host, code=FAILS.format(error=error))
         _, err = process.communicate(timeout=PATIENCE)
@@ -307,7 +299,7 @@ def test_a_fault_of_gcomp_itself(place, error):  # noqa: F811
 
 
 @pytest.mark.parametrize("phase", ["homing", "reading the program"])
-def test_before_the_job(place, phase):  # noqa: F811
+def test_before_the_job(place, phase):
     """Homing listens to a reset alone (limits.c of grbl), so that follows the hold at once; before
     the first line a hold is enough."""
     (place / "job.nc").write_text(program(60))

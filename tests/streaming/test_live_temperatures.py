@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 
 from tests.heat.test_heat import machine
-from tests.streaming.test_stream_command import PATIENCE, PtyHost, model, sent_rows, start
+from tests.streaming.pty_host import PtyHost
+from tests.streaming.stream_process import PATIENCE, model, sent_rows, start
 
 # wide comments, so that little of the program is prepared ahead
 PROGRAM = "G21 G90 G94 G54 G17\nG0 X0 Y0\n" + "".join(

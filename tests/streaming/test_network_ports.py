@@ -13,22 +13,13 @@ pytest.importorskip("pty", reason="processes and signals as POSIX has them")
 
 from tests.streaming.models_dnc import DncModel  # noqa: E402
 from tests.streaming.net_host import NetHost  # noqa: E402
-from tests.streaming.test_stream_command import (  # noqa: E402, F401
-    model,
-    place,
-    program,
-    running,
-    sent_rows,
-    start,
-    stream,
-    wire_rows,
-)
+from tests.streaming.stream_process import model, program, running, sent_rows, stream, wire_rows  # noqa: E402
 
 BOTH = pytest.mark.parametrize("rfc2217", [False, True], ids=["socket", "rfc2217"])
 
 
 @BOTH
-def test_A1_A16_a_job_over_a_network(place, rfc2217):  # noqa: F811
+def test_A1_A16_a_job_over_a_network(place, rfc2217):
     with NetHost(model(), rfc2217, speed=4.0) as host:
         status, _, err = stream(place, None, "job.nc", "--port", host.path, "--baud", "57600")
     assert status == 0, err
@@ -40,7 +31,7 @@ def test_A1_A16_a_job_over_a_network(place, rfc2217):  # noqa: F811
     assert host.wire.baudrate == (57600 if rfc2217 else 9600)
 
 
-def test_the_line_behind_an_rfc2217_server_is_set_as_asked_for(place):  # noqa: F811
+def test_the_line_behind_an_rfc2217_server_is_set_as_asked_for(place):
     """Frame and DTR reach the far end."""
     with NetHost(model(), rfc2217=True, speed=4.0) as host:
         options = ("--frame", "7E2", "--baud", "19200", "--no-reset-on-open")
@@ -58,7 +49,7 @@ def test_the_line_behind_an_rfc2217_server_is_set_as_asked_for(place):  # noqa: 
     assert not wire.xonxoff and not wire.rtscts
 
 
-def test_A14_rts_and_cts_are_switched_on(place):  # noqa: F811
+def test_A14_rts_and_cts_are_switched_on(place):
     with NetHost(model(), rfc2217=True, speed=4.0) as host:
         status, _, err = stream(place, None, "job.nc", "--port", host.path, "--rtscts")
     assert status == 0, err
@@ -66,7 +57,7 @@ def test_A14_rts_and_cts_are_switched_on(place):  # noqa: F811
 
 
 @BOTH
-def test_A8_ctrl_c_over_a_network(place, rfc2217):  # noqa: F811
+def test_A8_ctrl_c_over_a_network(place, rfc2217):
     (place / "job.nc").write_text(program(400, 600))
     with (
         NetHost(model(), rfc2217, speed=3.0) as host,
@@ -83,7 +74,7 @@ def test_A8_ctrl_c_over_a_network(place, rfc2217):  # noqa: F811
 
 
 @BOTH
-def test_A10_a_server_that_goes_away(place, rfc2217):  # noqa: F811
+def test_A10_a_server_that_goes_away(place, rfc2217):
     (place / "job.nc").write_text(program(400, 600))
     with NetHost(model(), rfc2217, speed=5.0, hang_up_after=40) as host:
         status, _, err = stream(place, None, "job.nc", "--port", host.path)
@@ -91,7 +82,7 @@ def test_A10_a_server_that_goes_away(place, rfc2217):  # noqa: F811
 
 
 @BOTH
-def test_nobody_listens(place, rfc2217):  # noqa: F811
+def test_nobody_listens(place, rfc2217):
     with socket.create_server(("127.0.0.1", 0)) as server:
         number = server.getsockname()[1]
     port = f"{'rfc2217' if rfc2217 else 'socket'}://127.0.0.1:{number}"
@@ -100,7 +91,7 @@ def test_nobody_listens(place, rfc2217):  # noqa: F811
     assert "is no other program connected to it" in err
 
 
-def test_a_server_that_is_no_rfc2217_is_refused(place):  # noqa: F811
+def test_a_server_that_is_no_rfc2217_is_refused(place):
     with NetHost(model(), rfc2217=False) as host:
         status, _, err = stream(
             place, None, "job.nc", "--port", host.path.replace("socket", "rfc2217")
@@ -109,7 +100,7 @@ def test_a_server_that_is_no_rfc2217_is_refused(place):  # noqa: F811
 
 
 @BOTH
-def test_A14_dnc_over_a_device_server(place, rfc2217):  # noqa: F811
+def test_A14_dnc_over_a_device_server(place, rfc2217):
     """A control behind a box on the network: it waits for DC1 (its operator presses start when the
     port is open), and the program arrives whole: it reads more slowly than the line, and its buffer
     overflows where DC3 is not obeyed, or a whole program is put into the box at once."""

@@ -13,7 +13,7 @@ from postproc.streaming.live import Live  # noqa: E402
 from postproc.streaming.precheck import Precheck  # noqa: E402
 from postproc.streaming.protocols import Controller  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import model, place, sent_rows, stream  # noqa: E402, F401
+from tests.streaming.stream_process import model, sent_rows, stream  # noqa: E402
 
 PERFECT = ("--machine", "perfect", "--dialect", "grbl")
 RAW = ("--machine", "perfect", "--dialect", "linuxcnc", "--protocol", "grbl")
@@ -54,7 +54,7 @@ def made(**how):
         ("T2 M6\nG1 X-5 F600\nM2\n", RAW, "job.nc:3: M6 changes the tool"),
     ],
 )
-def test_travel_feeds_and_tool_changes(place, body, machine, says):  # noqa: F811
+def test_travel_feeds_and_tool_changes(place, body, machine, says):
     with PtyHost(made(settings=LIMITS), speed=20.0) as host:
         status, err = job(place, body, host, machine=machine)
         assert (status, says in err) == ((2, True) if says else (0, True)), err
@@ -69,7 +69,7 @@ def test_travel_feeds_and_tool_changes(place, body, machine, says):  # noqa: F81
         ("G1 Y5 F900\nM2\n", "Y 5.000"),
     ],
 )
-def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, says):  # noqa: F811
+def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, says):
     """HOMING_FORCE_SET_ORIGIN: Z in $I; X homes in the negative direction ($23)."""
     made = model(settings=LIMITS | {"23": "1"}, options="VZ,15,{rx}")
     made.stored["G54"] = [0.0, 0.0, 0.0]
@@ -82,7 +82,7 @@ def test_a_zero_at_the_near_end_where_the_controller_was_built_so(place, body, s
     ), err
 
 
-def test_more_way_than_the_machine_has_is_told_before_the_job(place):  # noqa: F811
+def test_more_way_than_the_machine_has_is_told_before_the_job(place):
     with PtyHost(made(settings=LIMITS | {"20": "0"}), speed=400.0) as host:
         status, err = job(place, "G0 X250\nG0 X0\nM2\n", host)
     assert status == 0 and "moves X over 251.0 mm, and the controller has 200 mm ($130)" in err
@@ -90,7 +90,7 @@ def test_more_way_than_the_machine_has_is_told_before_the_job(place):  # noqa: F
 
 
 @pytest.mark.parametrize(("how", "rows"), [("pause", ["T2M0"]), ("ignore", ["T2"])])
-def test_a_tool_change_waits_for_a_person_or_is_left_out(place, how, rows):  # noqa: F811
+def test_a_tool_change_waits_for_a_person_or_is_left_out(place, how, rows):
     with PtyHost(made(), speed=10.0) as host:
         if how == "pause":
             host.model.advance_, told = host.model.advance, []
@@ -111,7 +111,7 @@ def test_a_tool_change_waits_for_a_person_or_is_left_out(place, how, rows):  # n
         assert ("the program stops here, source line 4" in err) == (how == "pause")
 
 
-def test_the_controller_reads_the_program_before_it_moves(place):  # noqa: F811
+def test_the_controller_reads_the_program_before_it_moves(place):
     """Its own check mode: an error in the last line is known before the first motion; without one
     the job begins, alike."""
     body = "".join(f"G1 X-{i % 50} Y-{i % 7} F6000\n" for i in range(60))
@@ -133,7 +133,7 @@ def test_the_controller_reads_the_program_before_it_moves(place):  # noqa: F811
         assert rows[: len(rows) // 2] == rows[len(rows) // 2 :]
 
 
-def test_a_second_job_behind_the_first(place):  # noqa: F811
+def test_a_second_job_behind_the_first(place):
     """M30 leaves G1 and the feed in force (gcode.c, PROGRAM_FLOW_COMPLETED), and the reset behind a
     check pass G0 and none: read first where the program says both itself, and not where it goes
     by them."""
@@ -182,7 +182,7 @@ def test_what_a_reset_has_changed_is_said_and_no_more():
     )
 
 
-def test_a_check_that_would_drop_a_zero_is_left_out(place):  # noqa: F811
+def test_a_check_that_would_drop_a_zero_is_left_out(place):
     with PtyHost(made(), speed=10.0) as host:
         host.model.preset = [1.0, 0.0, 0.0]
         status, err = job(place, "G1 X-5 F600\nM2\n", host, "--check-first", "auto")

@@ -11,10 +11,9 @@ from postproc import ports  # noqa: E402
 from postproc.errors import UsageError  # noqa: E402
 from postproc.streaming import journal  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import (  # noqa: E402, F401
+from tests.streaming.stream_process import (  # noqa: E402
     PATIENCE,
     model,
-    place,
     program,
     running,
     sent_rows,
@@ -27,7 +26,7 @@ NOTICE = "was changed while the job ran; what was sent is the program as it was 
 
 
 @pytest.mark.parametrize("how", ["rewritten", "replaced", "removed"])
-def test_a_program_that_changes_on_the_disk_is_not_seen(place, how):  # noqa: F811
+def test_a_program_that_changes_on_the_disk_is_not_seen(place, how):
     """In the middle of the job, long before its lines are read for sending: 700 lines, of which 40
     have arrived."""
     (place / "job.nc").write_text(program(700, 60000))
@@ -50,7 +49,7 @@ def test_a_program_that_changes_on_the_disk_is_not_seen(place, how):  # noqa: F8
         assert sent_rows(host) == rows
 
 
-def test_a_subprogram_that_changes_is_not_seen_either(place):  # noqa: F811
+def test_a_subprogram_that_changes_is_not_seen_either(place):
     whole = (
         "G90 G21 G94 G17 G54\nG0 X0 Y0 Z20\nG1 Z10 F30000\n"
         + "o<side> call\n" * 120
@@ -72,7 +71,7 @@ def test_a_subprogram_that_changes_is_not_seen_either(place):  # noqa: F811
         assert not any("X50" in row for row in sent_rows(host))
 
 
-def test_the_journal_is_of_what_was_sent(place):  # noqa: F811
+def test_the_journal_is_of_what_was_sent(place):
     """So a restart of another program by it is refused."""
     (place / "job.nc").write_text(program(700, 60000))
     with (

@@ -13,15 +13,7 @@ import pytest
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import (  # noqa: E402
-    PATIENCE,
-    model,
-    place,  # noqa: F401
-    program,
-    sent_rows,
-    start,
-    stream,
-)
+from tests.streaming.stream_process import PATIENCE, model, program, sent_rows, start, stream  # noqa: E402
 
 AS_IT_IS = ("--machine", "perfect", "--dialect", "linuxcnc")
 
@@ -62,14 +54,14 @@ class Person:
                 os.close(self.keyboard)
 
 
-def bad(place, *rows: int) -> None:  # noqa: F811
+def bad(place, *rows: int) -> None:
     text = program().split("\n")
     for row in rows:
         text[row - 1] = f"G1 X5 Y{row % 9} H7"
     (place / "job.nc").write_text("\n".join(text))
 
 
-def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
+def test_A5_ask_continue_goes_on_without_the_line(place):
     bad(place, 21, 41)
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
@@ -97,7 +89,7 @@ def test_A5_ask_continue_goes_on_without_the_line(place):  # noqa: F811
 
 
 @pytest.mark.parametrize("typed", ["s", "\x04"])
-def test_A5_ask_stop_or_a_keyboard_that_is_gone_ends_in_a_hold(place, typed):  # noqa: F811
+def test_A5_ask_stop_or_a_keyboard_that_is_gone_ends_in_a_hold(place, typed):
     bad(place, 21)
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc", "--on-error", "ask")
@@ -108,7 +100,7 @@ def test_A5_ask_stop_or_a_keyboard_that_is_gone_ends_in_a_hold(place, typed):  #
     assert "resume (~) executes what it has" in person.text.rsplit("c goes on", 1)[1]
 
 
-def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):  # noqa: F811
+def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):
     with PtyHost(model()) as host:
         status, _, err = stream(place, host, "job.nc", "--on-error", "ask")
         assert (
@@ -125,7 +117,7 @@ def test_A5_ask_without_a_terminal_is_refused_before_anything_is_sent(place):  #
         assert not host.heard
 
 
-def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):  # noqa: F811
+def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):
     (place / "job.nc").write_text(program(120, 1200))
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc")
@@ -142,7 +134,7 @@ def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):  # noqa: F
     assert sent_rows(host)[-1] == "M30" and [value for _, value in host.times] == [ord("~")]
 
 
-def test_A8_keys_hold_override_and_stop_without_enter(place):  # noqa: F811
+def test_A8_keys_hold_override_and_stop_without_enter(place):
     (place / "job.nc").write_text(program(200, 600))
     with PtyHost(model(), speed=4.0) as host:
         person = Person(place, host, "job.nc")

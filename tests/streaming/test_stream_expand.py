@@ -13,13 +13,7 @@ import pytest
 pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import (  # noqa: E402
-    ROOT,
-    model,
-    place,  # noqa: F401
-    sent_rows,
-    stream,
-)
+from tests.streaming.stream_process import ROOT, model, sent_rows, stream  # noqa: E402
 
 MACHINE = ("--machine", "example-mill", "--dialect", "linuxcnc", "--expand")
 LOOP = """G90 G21 G94 G17 G54
@@ -37,7 +31,7 @@ SUB = "o200 sub\nG1 Y[#1 + 40.5]\nG91 G1 X1\nG90\no200 endsub\n"
 
 
 @pytest.fixture
-def job(place):  # noqa: F811
+def job(place):
     (place / "job.nc").write_text(LOOP)
     (place / "200.ngc").write_text(SUB)
     return place

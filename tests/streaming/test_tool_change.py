@@ -19,13 +19,7 @@ from postproc.streaming.lines import Unsendable  # noqa: E402
 from postproc.streaming.protocols.grbl import Grbl  # noqa: E402
 from tests.streaming.models_marlin import MarlinModel  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
-from tests.streaming.test_stream_command import (  # noqa: E402
-    model,
-    place,  # noqa: F401
-    sent_rows,
-    stream,
-    wire_rows,
-)
+from tests.streaming.stream_process import model, sent_rows, stream, wire_rows  # noqa: E402
 
 MILL = ("--machine", "example-mill", "--dialect", "grbl")
 RAW = ("--machine", "perfect", "--dialect", "grbl")
@@ -94,7 +88,7 @@ def job(
     return status, out, err
 
 
-def test_park_change_touch_off_and_on(place):  # noqa: F811
+def test_park_change_touch_off_and_on(place):
     with PtyHost(prepared(), speed=60.0) as host:
         status, out, err = job(place, host)
     assert status == 0, err
@@ -145,7 +139,7 @@ def _ends(rows: list[str]) -> np.ndarray:
     return np.array(found)
 
 
-def test_nothing_moved_yet_so_nothing_is_gone_back_to(place):  # noqa: F811
+def test_nothing_moved_yet_so_nothing_is_gone_back_to(place):
     """T1 M6 at the top of a program: its own first motion leads on, and only modes come back."""
     with PtyHost(prepared(), speed=60.0) as host:
         status, _, err = job(place, host, text="\n".join([*FIRST, "M30", ""]), machine=RAW)
@@ -156,7 +150,7 @@ def test_nothing_moved_yet_so_nothing_is_gone_back_to(place):  # noqa: F811
     assert rows[at + 6] == "M3S9000"
 
 
-def test_longer_tools_by_what_the_probe_says(place):  # noqa: F811
+def test_longer_tools_by_what_the_probe_says(place):
     touch = "G38.2 Z-400 F80\nG43.1 Z{longer}\nG53 G0 Z-10\n"
     with PtyHost(prepared(), speed=60.0) as host:
         status, _, err = job(place, host, touch=touch, machine=RAW)
@@ -167,7 +161,7 @@ def test_longer_tools_by_what_the_probe_says(place):  # noqa: F811
     assert down[-1][2] == pytest.approx(-200.0 + 8.5 - 3.0)
 
 
-def test_a_zero_that_leads_out_of_reach_stops_in_the_change(place):  # noqa: F811
+def test_a_zero_that_leads_out_of_reach_stops_in_the_change(place):
     """The second tool's zero lies so low that the program would leave the travel: known before it
     goes back."""
     limits = {"20": "1", "130": "200.000", "131": "200.000", "132": "230.000"}
@@ -186,7 +180,7 @@ def test_a_zero_that_leads_out_of_reach_stops_in_the_change(place):  # noqa: F81
     assert journal.read((place / "job.nc.journal").read_bytes(), "j").outcome == "error"
 
 
-def test_a_tool_that_does_not_touch_is_an_alarm(place):  # noqa: F811
+def test_a_tool_that_does_not_touch_is_an_alarm(place):
     made = prepared()
     with PtyHost(made, speed=60.0) as host:
         status, _, err = job(place, host, touch="G38.2 Z40 F80\n", machine=RAW)
@@ -218,14 +212,14 @@ def test_a_tool_that_does_not_touch_is_an_alarm(place):  # noqa: F811
         ),
     ],
 )
-def test_what_can_not_be_is_refused_before_the_first_byte(place, text, park, options, says):  # noqa: F811
+def test_what_can_not_be_is_refused_before_the_first_byte(place, text, park, options, says):
     with PtyHost(model(), speed=60.0) as host:
         status, _, err = job(place, host, *options, text=text, park=park, machine=RAW)
     assert status == 2 and says in err, err
     assert not sent_rows(host)
 
 
-def test_who_changes_tools_by_itself_needs_none(place):  # noqa: F811
+def test_who_changes_tools_by_itself_needs_none(place):
     with PtyHost(MarlinModel(), speed=4.0) as host:
         status, _, err = job(place, host, machine=("--machine", "perfect", "--dialect", "marlin"))
     assert status == 2 and "--park and --touch-off are for GRBL and its kin" in err, err
