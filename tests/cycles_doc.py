@@ -44,6 +44,7 @@ CURVES = (
     53,
     62,
 )  # G5 to G5.3, G6.2: several blocks are one curve; their words: tests/expand/test_splines.py
+WHOLE = "refused, but where its hole bends by less than the tolerance: "
 STAYS = "the block stays as it is written, with all its words"
 
 
@@ -102,7 +103,8 @@ def _line(row: Row) -> str:
         where.setdefault(" ".join(f"G{n / 10:g}" for n in numbers), []).append(f"`{name}`")
     cycles = "; ".join(f"{' '.join(names)} {words}" for words, names in where.items())
     if form.stays or form.never:
-        return f"| {cycles} | | {STAYS if form.stays else 'refused: ' + form.never} | | |\n"
+        refused = (WHOLE if form.whole else "refused: ") + form.never
+        return f"| {cycles} | | {STAYS if form.stays else refused} | | |\n"
     takes = _meanings(form.takes) + (", *axes*" if form.axes else "")
     refused = "; ".join(
         f"{x}{' (0)' * (x in form.zero)}{' (1)' * (x in form.one)}: {m}"

@@ -4,7 +4,8 @@ which it is drilled.
 The block stays a cycle; what is corrected are its words. Z and R hold from block to block; the axis
 that drills is the one across the plane. Without R a Fanuc drills from where it stands: G80 leaves
 "R = 0 and Z = 0 in incremental command" (B-63534EN, "Canned cycle cancel"). Sources: NIST RS274/NGC
-3.5.16; Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
+3.5.16 (G98: back to "the position that axis was in just before this series", holes with G99 between
+or not); Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
 (tests/linuxcnc/README.md).
 """
 
@@ -19,12 +20,10 @@ from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_index
 from postproc.nc.state import Cycle
-from postproc.units import TICKS_PER_MM
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 PLANES = {letter: code for code, letter in ACROSS.items()}
 OTHER_PLANE = "a hole of a canned cycle in another plane than the cycle was called in"
-SAME_LEVEL = round(0.5 * TICKS_PER_MM)
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
 WITHOUT_R = (
     "a canned cycle without R is drilled from the level where the tool stands, and goes back there"
@@ -126,15 +125,10 @@ def in_cycle(
     word[b.words.block[depth]] = depth
     back = np.broadcast_to(b.held("return"), b.n) != 990
     initial = back & (cycle.initial > level)
-    at_level = np.cumsum(drills & ~initial) > 0
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
-    before = np.concatenate([[cycle.at_level], at_level[:-1] | cycle.at_level])
-    # An initial level that is R but for a correction is the same level.
-    higher = initial & (cycle.initial - level > SAME_LEVEL)
-    b.blame(holes[(higher & before)[holes]], "G98 after G99 in one series of holes", _way_out(b))
     last = int(mask.nonzero()[0][-1])
     after = None
     if mask[-1]:
@@ -144,7 +138,6 @@ def in_cycle(
             int(bottom[last]) if has_bottom[last] else None,
             cycle.initial,
             cycle.known,
-            bool(at_level[-1] | cycle.at_level),
             stored,
         )
     return InCycle(

@@ -94,6 +94,7 @@ BORE = rows(
     {"85": "boring", "86": "boring, spindle stop", "89": "boring with dwell"},
     does="drill",
 )
+FINE_BORE = rows("motion", {"76": "fine boring"}, does="drill")
 BORE_BY_HAND = rows("motion", {"88": "boring, out by hand"}, does="drill")
 TAP = rows("motion", {"74": "left-hand tapping", "84": "right-hand tapping"}, does="tap")
 BACK_BORE = rows("motion", {"87": "back boring"}, refuses=codes.WRITE_OUT)

@@ -82,15 +82,13 @@ def no_frame(axes: int) -> Frame:
 class Cycle:
     """What a canned cycle keeps from block to block: the axis that drills, where R and the bottom
     lie on it (ticks, machine coordinates, None: never said), the initial level, whether that is
-    known, whether a hole has ended at R since it was left, and the letter whose 0 has stored words
-    for the next hole."""
+    known, and the letter whose 0 has stored words for the next hole."""
 
     letter: str
     level: int | None = None
     bottom: int | None = None
     initial: int = 0
     known: bool = False
-    at_level: bool = False
     stored: str = ""
 
 

@@ -88,6 +88,19 @@ def test_a_cycle_whose_numbers_are_worked_out_stays_a_cycle():
     ]
 
 
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+@pytest.mark.parametrize("cycle", ["G76 X10. Y10. Z-40. R2. Q0.2", "G88 X10. Y10. Z-40. R2. P100"])
+def test_fine_boring_stays_a_cycle_or_is_refused(cycle, dialect):
+    """The tool goes to the bottom with X and Y held, as in G81: its place and bottom are corrected;
+    out it goes beside the wall (Q), where it cuts nothing."""
+    text = BEGIN + f"G98 {cycle} F100\nX20.\nG80\nG0 Z50.\nM30\n"
+    [first, second] = corrected(text, mill(4.0), dialect, tolerance=0.0005)[3:5]
+    code, last = cycle.split()[0], cycle.split()[-1]
+    assert first.startswith(f"G98 {code} X9.9960 Y10. Z-40. R2. {last}") and second == "X19.9960"
+    with pytest.raises(ProgramError, match=f"{code} can not be written out"):
+        corrected(text, mill(6.0), dialect, tolerance=0.0005)
+
+
 def test_behind_a_hole_that_bends_the_rest_of_its_series_is_written_out():
     """z = -10 bends by 3.5 um, z = -40 by 7 um. R, Z and the initial level hold on in what is
     written out."""
@@ -109,13 +122,22 @@ def test_behind_a_hole_that_bends_the_rest_of_its_series_is_written_out():
     )
 
 
+def test_the_last_hole_of_a_series_that_goes_back_to_the_initial_level_stays():
+    """G98 behind G99, as posts write it (holes and taps): NIST RS274/NGC 3.5.16; in LinuxCNC,
+    tests/linuxcnc/programs/cycle_g98_after_g99.ngc."""
+    for code in ("G81", "G84"):
+        text = BEGIN + f"G99 {code} X10. Y0. Z-4. R2. F100\nX20.\nG98 X30.\nG80\nG0 X0.\nM30\n"
+        lines = corrected(text, mill(4.0), tolerance=0.0005)
+        assert [x for x in lines if x.startswith("G98")] == ["G98 X29.9992"], lines
+        assert len(lines) == len(text.splitlines())
+
+
 MUST = {
     "repeats": "G99 G81 X10. Z-4. R2. K2 F100\n",
     "distances": "G91 G99 G81 X10. Z-4. R-48. F100\nG90\n",
     "turned": "G68 X0. Y0. R30.\nG99 G81 X10. Y0. Z-4. R2. F100\nG80\nG69\nG0 X0. Y0.\n",
     "two motion codes": "G0 G99 G81 X10. Z-4. R2. F100\n",
     "stored and drilled later": "G99 G81 X10. Z-4. R2. K0 F100\nX20.\n",
-    "back to the initial level behind R": "G99 G81 X10. Z-4. R2. F100\nG98 X20.\n",
 }
 
 

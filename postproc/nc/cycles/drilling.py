@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
+from postproc.errors import ProgramError
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
@@ -170,7 +171,8 @@ class Drilling:
     """The drilling cycles of one control, and their data that hold from hole to hole.
 
     `actions`: ten times the G number to what is done; `tapping`: those that are followed and stay;
-    `refused`: those that can not be written out, and why. `words`: letters that belong to a cycle
+    `refused`: those that can not be written out, and why; `whole`:
+    those of them that stay where their hole may. `words`: letters that belong to a cycle
     beside the axes; `late`: M codes that the control executes behind the motion. `synchronised`:
     tapping is written out as feeds too, which no machine may be given (for tests)."""
 
@@ -188,11 +190,12 @@ class Drilling:
     held: dict[str, float] = field(default_factory=dict)
 
     modal = True
+    whole: ClassVar[tuple[int, ...]] = ()
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of a cycle."""
         if code in self.refused:
-            return (Form(KIND, never=self.refused[code]),)
+            return (Form(KIND, never=self.refused[code], whole=code in self.whole),)
         return (TAPPING,) if code in self.tapping else (self.hole_form(code),)
 
     def hole_form(self, code: int) -> Form:
@@ -210,10 +213,8 @@ class Drilling:
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
-        if code in self.refused:
-            raise scene.fault(
-                f"G{code / 10:g} can not be written out: {self.refused[code]}", WRITE_OUT
-            )
+        if code in self.refused and code not in self.whole:
+            raise self._refusal(scene, code)
         if scene.code("cutter") in (410, 411, 420, 421):
             raise scene.fault(
                 "a drilling cycle with cutter radius compensation on", "end it before: G40"
@@ -226,12 +227,19 @@ class Drilling:
         if self._can_stay(scene, block, job):
             self.stays, self.code = True, code
             return Outcome([block.text], stays=True)
+        if code in self.refused:
+            raise self._refusal(scene, code)
         self.kept = False
         stays = code in self.tapping and not self.synchronised
         text = self.passed_on(scene, block, job) if stays else []
         self.stays, self.code = stays, code
         lines = self.lines(scene, block, job)
         return Outcome(text, lines) if stays else Outcome(lines)
+
+    def _refusal(self, scene: Scene, code: int) -> ProgramError:
+        return scene.fault(
+            f"G{code / 10:g} can not be written out: {self.refused[code]}", WRITE_OUT
+        )
 
     def _can_stay(self, scene: Scene, block: Block, job: Job) -> bool:
         """Whether a block may stay the cycle that it is: the filter follows it and finds the same

@@ -49,6 +49,7 @@ MILL: dict[int, Action] = {
 MILL_TAPPING = (740, 840, 842, 843)
 SHIFT = "it leaves the wall in a direction that a parameter holds"
 MILL_REFUSED = {760: SHIFT, 870: SHIFT, 880: "the operator draws the tool out by hand"}
+MILL_WHOLE = (760, 880)
 DWELLS = (820, 880, 890, 740, 840)
 LATHE: dict[int, Action] = {830: pecks, 840: bore, 850: bore, 870: pecks, 880: bore, 890: bore}
 LATHE_TAPPING = (840, 880)
@@ -60,6 +61,8 @@ AFTER_MOTION = (5, 9)
 
 class FanucDrilling(Drilling):
     """`held`: "R" and "depth" as programmed coordinates, "Q" I J K as written."""
+
+    whole = MILL_WHOLE
 
     def __init__(self, repeats: str = "KL", words: str = "RPQKL", synchronised: bool = False):
         super().__init__(MILL, MILL_TAPPING, MILL_REFUSED, words, AFTER_MOTION, synchronised)

@@ -30,7 +30,8 @@ class Form:
     the place too;
     `increments`: U V W H are distances, each beside its axis' own letter. `unless`: letters
     whose presence says that the block is written another way. `stays`: the block goes to the
-    control as it is written; `never`: why it is refused, whatever its words are.
+    control as it is written; `never`: why it is refused, whatever its words are; `whole`: but not
+    where the cycle may stay as it is.
     """
 
     kind: str
@@ -46,6 +47,7 @@ class Form:
     unless: str = ""
     stays: bool = False
     never: str = ""
+    whole: bool = False
 
     def letters(self, scene: Scene) -> set[str]:
         """All letters that are followed, or kept, on this machine."""

@@ -21,6 +21,7 @@ from postproc.nc.rows import (
     DRILL,
     FANUC,
     FEED_MODE,
+    FINE_BORE,
     LENGTH,
     LENGTH_MINUS,
     LOCAL,
@@ -71,7 +72,7 @@ DIALECT = Dialect(
             does="set zero",
         ),
         *rows("work offset", {"54.1": "additional work offset P"}, does="extended"),
-        *rows("motion", {"76": "fine boring"}, refuses=codes.WRITE_OUT),
+        *FINE_BORE,
         *rows("motion", {"84.2": "rigid tapping", "84.3": "left-hand rigid tapping"}, does="tap"),
         *rows(
             "motion",
