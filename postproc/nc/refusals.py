@@ -303,6 +303,8 @@ def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndar
             (
                 "corner rounding and chamfers: --expand writes RND, CHF and CHR out"
                 if b.dialect.grammar.assigns
+                else "corner rounding and chamfers: --expand writes them out"
+                if b.dialect.tool_offsets and b.dialect.language
                 else "corner rounding and chamfers are not followed: write the corner out"
             ),
         )

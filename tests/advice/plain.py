@@ -153,12 +153,6 @@ HOLES = [
         HOLE + "G81 X11. Z-4. R2. F9 K0|X12.|G80",
         also=WRITE,
     ),
-    mill(
-        M,
-        HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.",
-        HOLE + "G99 G81 X11. Z-4. R2. F9|G98 X12.|G80",
-        also=WRITE,
-    ),
     mill(M, HOLE + "G81 X11. R2. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
     mill(C, HOLE + "G81 X11. Z-4. F9", HOLE + "G81 X11. Z-4. R2. F9|G80"),
     mill(
@@ -185,7 +179,6 @@ HOLES = [
         mill(name, HOLE + before, HOLE + "G0 X11.|Z2.|G1 Z-4. F9|G0 Z10.")
         for name in ("grblhal", "mach3")
         for before in (
-            "G99 G81 X11. Z-4. R2. F9|G98 X12.",
             "G91 G81 X1. Z-4. R-2. F9 L3",
             "G91 G99 G81 X1. Z-4. R-2. F9|X1.",
         )

@@ -47,6 +47,8 @@ TURNING = [
         ROUGH + "N10 G0 X30.|G1 Z-5.|X40. Z-9.|N20 X100.",
     ),
     lathe("G74 Z-5. Q1000 K1. F.1", "G74 Z-5. Q1000 F.1"),
+    lathe("G1 X90. I-1. F.1|Z-9.", "G1 X88. F.1|X90. Z-1.|Z-9."),
+    lathe("G1 X90. K1. F.1|Z-9.", "G1 X88. F.1|X90. Z-1.|Z-9."),
     lathe("M3 S100|G83 Z-5. R-1. K2 L2 F.1", "M3 S100|G83 Z-5. R-1. K2 F.1|G80"),
     lathe("G90 X50. Z-5. R1. I1. F.1", "G90 X50. Z-5. R1. F.1"),
     lathe("G74 R1. Z-5. F.1", "G74 Z-5. F.1"),
@@ -179,7 +181,7 @@ DRAWN = [
 DRILLING = [
     mill("M3 S9|G83 Z-9. R2. Q2. I1.", "M3 S9|G83 Z-9. R2. Q2.|G80", dialect=H),
     mill("M3 S9|G81 Z-9. R2.|L0", "M3 S9|G81 Z-9. R2.|G80|L0", "", dialect=M),
-    mill("M3 S9|G76 X1. Z-5. R2. Q.1", "M3 S9|G0 Z2.|G1 Z-5.|G0 Z5."),
+    mill("M3 S9|G87 X1. Z-5. R2. Q.1", "M3 S9|G0 Z2.|G1 Z-5.|G0 Z5."),
     mill("M3 S9|G81 R2.", "M3 S9|G81 Z-5. R2.|G80"),
     mill("M3 S9|G83 Z-5. R2.", "M3 S9|G83 Z-5. R2. Q1.|G80"),
     mill("M3 S9|G83 Z-5. R2. Q.005 K99", "M3 S9|G83 Z-5. R2. Q1. K9|G80"),

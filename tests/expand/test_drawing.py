@@ -50,6 +50,10 @@ def test_corners_are_those_of_sinumerik(dialect):
          ["G1 X58.", "G1 Z-1. X60.", "Z-24.", "G2 Z-30. X72. K0. I6.", "G1 X90."]),
         ("G1 X60.|Z-10. A150.", ["G1 X60.", f"Z-10. X{60 + 20 * math.tan(math.pi / 6):.3f}"]),
         ("G1 X60.|X80. A135.", ["G1 X60.", "X80. Z-10."]),
+        ("G1 X60. K-1.|Z-30. I6.|X90.",
+         ["G1 X58.", "G1 Z-1. X60.", "Z-24.", "G1 Z-30. X72.", "X90."]),
+        ("G1 X60. R-1.|Z-30. R6.|X90.",
+         ["G1 X58.", "G3 Z-1. X60. K-1. I0.", "G1 Z-24.", "G2 Z-30. X72. K0. I6.", "G1 X90."]),
         ("G1 X60. C1.5 (a, C2)|M8|Z-9.", ["G1 X57. (a, C2)", "G1 Z-1.5 X60.", "M8", "Z-9."]),
     ],
 )  # fmt: skip
@@ -87,6 +91,10 @@ def test_a_line_by_its_angle_counts_as_its_block_says(drawn, written):
          "G1 Z0.|X26.|X30. Z-2.|Z-17.|G2 X36. Z-20. R3.|G1 X40.|Z-30."),
         ("G1 Z0.|X30. C2.|Z-20. R3.|X40.|Z-30.",
          "G1 Z0.|X26.|X30. Z-2.|Z-17.|G2 X36. Z-20. R3.|G1 X40.|Z-30."),
+        ("G1 Z0.|X30. K-2.|Z-20. R3.|X40. R-1.|Z-30.",
+         "G1 Z0.|X26.|X30. Z-2.|Z-17.|G2 X36. Z-20. R3.|G1 X38.|G3 X40. Z-21. R1.|G1 Z-30."),
+        ("G1 Z0.|X30. K-2.|Z-20. I3.|X40.|Z-30.",
+         "G1 Z0.|X26.|X30. Z-2.|Z-17.|X36. Z-20.|X40.|Z-30."),
         # 135 degrees from Z: as far out as along. Two lines by their angles meet at X40 Z-20.
         ("G1 Z0.|X30.|A180.|X60. Z-30. A135.|Z-40.", "G1 Z0.|X30.|Z-15.|X60. Z-30.|Z-40."),
         ("G1 Z0.|X30.|Z-20. A180.|X50. A135.|Z-40.", "G1 Z0.|X30.|Z-20.|X50. Z-30.|Z-40."),
@@ -121,6 +129,10 @@ def _spots(lines):
         ("G1 X60. ,R5. C1.|Z-9.", "two corners in one block"),
         ("G1 X60.|Z-9. ,C1.|G2 X80. Z-19. R10.", "no straight feed"),
         ("G1 X60.|A90.", "A alone"),
+        ("G1 X60. K1.|Z-9.", "the way of its sign"),
+        ("G1 X60. K-1.|X70. Z-9.", "a line across it"),
+        ("G1 X60. I1.|Z-9.", "behind a motion of Z alone"),
+        ("G1 X60. Z-1. K-1.|Z-9.", "behind a motion of X alone"),
         ("G1 X60.|Z-9. A90.", "A90 and no X"),
         ("G1 X60.|X80. A180.", "A180 and no Z"),
     ],
@@ -138,6 +150,8 @@ SHAPES = [
     ("Z0.|Z-10. ,C15.|X50.", "begins 15 before its point"),
     ("Z0.|Z-10. ,C1.|Z-20.", "goes straight on"),
     ("Z0.|X30. ,C1. R2.|Z-9.", "two corners"),
+    ("Z0.|X30. K2.|Z-9.", "the way of its sign"),
+    ("Z0.|X30. Z-1. K-2.|Z-9.", "behind a motion of X alone"),
 ]
 
 

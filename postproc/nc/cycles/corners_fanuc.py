@@ -3,35 +3,52 @@
 Fanuc B-64484EN, "Optional chamfering and corner R", and Haas, mill operator's manual, "Corner
 Rounding and Chamfering": `,C` is the distance from the corner at which a chamfer begins and ends,
 `,R` the radius of an arc that touches both lines. On lathes both stand without a comma too, and A
-is a line's angle (drawing_fanuc.py), where the machine has no axis of that letter. What is followed
-and what is refused: corners_siemens.py; A alone, whose end lies on the next line, is refused here.
+is a line's angle (drawing_fanuc.py), where the machine has no axis of that letter. I behind a line
+along Z, K behind one along X: a chamfer of 45 degrees to a line across, the way that its sign says
+(Fanuc B-63944EN-1, 4.5 "Chamfering and corner R"; Haas, lathe operator's manual, the same). What is
+followed and what is refused: corners_siemens.py; A alone, whose end lies on the next line, is
+refused here.
 """
 
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import ClassVar
 
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.corners_siemens import CHAMFER, FEED, ROUND, Corners
-from postproc.nc.cycles.drawing_fanuc import COMMENT, WRITE, bare, on_line, split
+from postproc.nc.cycles.corners_siemens import CHAMFER, FEED, ROUND, Corners, Held
+from postproc.nc.cycles.drawing_fanuc import (
+    ACROSS,
+    COMMENT,
+    WRITE,
+    bare,
+    elsewhere,
+    on_line,
+    one_way,
+    split,
+)
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
-BARE = re.compile(rb"[CRA][ \t]*[-+]?[0-9.]", re.IGNORECASE)
+BARE = re.compile(rb"[CRAIK][ \t]*[-+]?[0-9.]", re.IGNORECASE)
 QUIET = (FEED, 900, 910)
 
 
 class FanucCorners(Corners):
     """Holds a line back until the next one says which corner it makes."""
 
-    kinds: ClassVar[dict[str, str]] = {",C": CHAMFER, ",R": ROUND}
+    kinds: ClassVar[dict[str, str]] = {
+        ",C": CHAMFER,
+        ",R": ROUND,
+        **dict.fromkeys(("I", "I-", "K", "K-"), CHAMFER),
+    }
     sign = ""
 
     def __init__(self, scene: Scene):
         super().__init__(scene)
         self.own: Word | None = None
-        self.letters = bare(scene, "CRA")
+        self.letters = bare(scene, "CRAIK")
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
@@ -64,11 +81,15 @@ class FanucCorners(Corners):
         out = {i for i, w in enumerate(block.words) if w.letter in self.letters}
         if not out:
             return block
-        corners = [block.words[i] for i in out if block.words[i].letter in "CR"]
+        corners = [block.words[i] for i in out if block.words[i].letter in "CRIK"]
         if len(corners) + (self.own is not None) > 1:
             raise scene.fault("two corners in one block", "keep one", corners[-1])
         for word in corners:
             self.own = self._corner_word(word.letter, word.value or 0.0, word.raw)
+            if word.letter in "IK":
+                one_way(scene, word, [w.letter for w in block.words], self._own)
+                sign = "-" * word.raw.startswith("-")
+                self.own = replace(self.own, letter=word.letter + sign)
         angle, new = block.get("A") if "A" in self.letters else None, b""
         missing = [x for x in names if not any(w.letter in self._own(x) for w in block.words)]
         if angle is not None and missing:
@@ -86,6 +107,21 @@ class FanucCorners(Corners):
         """The word of a corner, its size as the control counts it."""
         size = self.scene.length(Word(letter, value, raw, 0, 0), "Z")
         return Word(f",{letter}", abs(size) if self.letters else size, raw, 0, 0)
+
+    def _corner(
+        self,
+        held: Held,
+        block: Block,
+        names: tuple[str, ...],
+        corner: tuple[float, float],
+        end: tuple[float, float],
+    ) -> tuple[tuple[float, float], Block, list[Line]]:
+        if held.word[0] in "IK":
+            along = names.index(ACROSS[held.word[0]])
+            behind = end[along] - corner[along]
+            if end[1 - along] != corner[1 - along] or (behind < 0) != (held.word[1:] == "-"):
+                raise elsewhere(self.scene, held.word[0])
+        return super()._corner(held, block, names, corner, end)
 
     def _check(self, block: Block, word: str, moves: bool) -> None:
         names = self.scene.plane[:2]

@@ -4,31 +4,37 @@ Fanuc B-64304EN-1, "Direct drawing dimension programming" and "Chamfering and co
 a straight line (with a comma or without) are the way of a chamfer from the corner, and the radius
 of an arc that touches both lines; A is the angle of the line from the first axis of the plane, Z,
 in degrees. With A one of X and Z may be missing; with A alone the end lies on the next line, which
-says its own A, X and Z. LinuxCNC has none of this, and nor has Haas' A.
+says its own A, X and Z. I of a line along Z and K of one along X are chamfers to a line across,
+the way of their sign. LinuxCNC has none of this, and nor has Haas' A.
 """
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from postproc.errors import ProgramError
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.scene import COUNTER, Scene
 
 COMMA = re.compile(rb",[ \t]*([CR])[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;.*", re.DOTALL)
 NEAR = 1e-9
+ACROSS = {"I": "X", "K": "Z"}  # the axis along which a chamfer of this letter ends
 Point = tuple[float, float]
 WRITE = "write its end as X and Z"
 
 
 @dataclass(frozen=True)
 class Corner:
-    """`round`: an arc of this radius, else a chamfer that begins so far before the corner."""
+    """`round`: an arc of this radius, else a chamfer that begins so far before the corner; `way`:
+    the letter and sign of I or K, "": none."""
 
     round: bool
     size: float
+    way: str = ""
 
 
 def split(text: bytes) -> tuple[bytes, re.Match[bytes] | None]:
@@ -41,14 +47,41 @@ def split(text: bytes) -> tuple[bytes, re.Match[bytes] | None]:
 
 def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corner | None:
     """The corner that a straight block names, with a comma or without."""
-    words = [w for w in block.words if w.letter in bare(scene, "CR")]
+    words = [w for w in block.words if w.letter in bare(scene, "CRIK")]
     if found is not None:
         raw = found[2].decode()
         words.append(Word(found[1].decode().upper(), float(raw), raw, 0, 0))
     if len(words) > 1:
         raise scene.fault("two corners in one block", "keep one")
     size = abs(scene.length(words[0], "Z")) if words else 0.0
-    return Corner(words[0].letter == "R", size) if size else None
+    if not size:
+        return None
+    letter = words[0].letter
+    if letter in ACROSS:
+        by = {x: u for u, x in scene.dialect.increments.items()}
+        one_way(scene, words[0], [w.letter for w in block.words], lambda x: x + by.get(x, ""))
+        return Corner(False, size, letter + "-" * words[0].raw.startswith("-"))
+    return Corner(letter == "R", size)
+
+
+def elsewhere(scene: Scene, letter: str) -> ProgramError:
+    return scene.fault(
+        f"{letter} makes a chamfer to a line across it, the way of its sign, and the next line goes"
+        " elsewhere",
+        "write the corner out",
+    )
+
+
+def one_way(scene: Scene, word: Word, letters: list[str], own: Callable[[str], str]) -> None:
+    """Raises ProgramError unless the block of I or K moves across the axis that it ends along."""
+    along = ACROSS[word.letter]
+    other = "XZ".replace(along, "")
+    if any(x in own(along) for x in letters) or not any(x in own(other) for x in letters):
+        raise scene.fault(
+            f"{word.letter} as a chamfer stands behind a motion of {other} alone",
+            "write the corner out",
+            word,
+        )
 
 
 def bare(scene: Scene, letters: str) -> str:
@@ -120,6 +153,10 @@ def _corner(scene: Scene, corner: Corner, a: Point, b: Point, c: Point) -> tuple
     short = min(abs(before), abs(behind))
     u, v = (x / abs(x) if short > NEAR else 1.0 + 0j for x in (before, behind))
     angle = abs(math.atan2((u.conjugate() * v).imag, (u.conjugate() * v).real))
+    if corner.way:
+        along = v.imag if ACROSS[corner.way[0]] == "X" else v.real
+        if abs(abs(along) - 1.0) > NEAR or (along < 0) != (corner.way[1:] == "-"):
+            raise elsewhere(scene, corner.way[0])
     if angle < NEAR or math.pi - angle < NEAR:
         raise scene.fault("a corner of the shape where it goes straight on", "take it out")
     away = corner.size / math.tan(angle / 2) if corner.round else corner.size

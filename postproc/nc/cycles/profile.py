@@ -93,7 +93,7 @@ class Profile:
 
     def drawn(self, scene: Scene) -> bool:
         """Whether corners or angles stand in it."""
-        letters, motion = drawing_fanuc.bare(scene, "CRA"), 0
+        letters, motion = drawing_fanuc.bare(scene, "CRAIK"), 0
         for block in self.texts:
             motion = next((c for c in reversed(block.codes) if c in MOTIONS), motion)
             straight = motion not in (CLOCKWISE, COUNTER)
@@ -236,7 +236,7 @@ def _modes(scene: Scene, block: Block, motion: int, incremental: bool) -> tuple[
 def _known(scene: Scene, block: Block, arc: bool) -> None:
     """Raises ProgramError at a word that is none of a shape."""
     increments = [u for u, axis in scene.dialect.increments.items() if axis in "XZ"]
-    drawn = ARCS if arc else drawing_fanuc.bare(scene, "CRA")
+    drawn = ARCS if arc else drawing_fanuc.bare(scene, "CRAIK")
     known = ANYWHERE + drawn + "".join(increments)
     strange = next((w for w in block.words if w.letter not in known), None)
     if strange:
