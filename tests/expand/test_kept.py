@@ -23,6 +23,7 @@ from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.nc.expand import written
 from postproc.verify import Verifier
+from tests.campaigns import cases
 from tests.expand.plain_lines import Exact, expand, needs_oracle, program_of
 from tests.expand.test_holes_linuxcnc import HOLES, _random_holes
 from tests.linuxcnc import oracle
@@ -212,7 +213,8 @@ def test_linuxcnc_moves_the_same_whatever_is_left(which):
     """Taps are left out: behind holes that are written out LinuxCNC begins their series anew, with
     its rapids in another order."""
     draw = random.Random(7)
-    texts = [program_of(holes) for holes in HOLES] + [_random_holes(draw) for _ in range(250)]
+    texts = [program_of(holes) for holes in HOLES]
+    texts += [_random_holes(draw) for _ in range(cases(100, 250))]
     pairs = []
     for text in (t for t in texts if "84" not in t):
         try:

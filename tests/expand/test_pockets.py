@@ -8,11 +8,12 @@ import random
 import pytest
 
 from postproc.errors import ProgramError
+from tests.campaigns import cases
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import ours
 from tests.linuxcnc.test_expanded import written_out
 
-MANY = 80
+MANY = cases(40, 80)
 
 
 def shape(choose: random.Random, face: bool) -> list[str]:

@@ -9,9 +9,13 @@ import select
 import threading
 import time
 import tty
+from collections.abc import Callable
 
 from tests.streaming.bench import Faults
 from tests.streaming.grbl_model import GrblModel
+
+PATIENCE = 60.0  # s
+LAST_BYTES = 0.03  # s that what was written last may take on the model's wire
 
 
 class PtyHost:
@@ -50,16 +54,27 @@ class PtyHost:
         with contextlib.suppress(OSError):
             os.close(self._slave)
 
+    def soon(self, holds: Callable[[], bool]) -> bool:
+        """Whether it holds, or does soon: the model takes a byte some time after it was
+        written."""
+        end = time.monotonic() + PATIENCE
+        while not holds() and time.monotonic() < end:
+            time.sleep(0.002)
+        return holds()
+
     def press(self, data: bytes) -> None:
         """Buttons at the machine: realtime bytes that come from nobody's port."""
         self._pressed += data
 
     def _run(self) -> None:
-        begun = time.monotonic()
-        while not self._stop:
+        begun = heard = time.monotonic()
+        while True:
             ready = select.select([self.master], [], [], 0.001)[0]
+            if self._stop and not ready and time.monotonic() - heard > LAST_BYTES:
+                return
             now = (time.monotonic() - begun) * self.speed
             if ready:
+                heard = time.monotonic()
                 try:
                     data = os.read(self.master, 4096)
                 except OSError:

@@ -157,10 +157,8 @@ def test_every_signal_that_could_end_it_holds_first(place, sign):
         else:  # then it ends when it stands: no alarm, the position is kept
             _, err = process.communicate(timeout=PATIENCE)
             assert process.returncode == 130 and sign.name in err.decode(), err
-            assert [value for _, value in host.times] == [
-                HOLD,
-                RESET,
-            ] and host.model.state == "Idle"
+            assert host.soon(lambda: host.model.state == "Idle")
+            assert [value for _, value in host.times] == [HOLD, RESET]
             assert whole(place, host).outcome == "aborted"
         return took
 
@@ -218,7 +216,8 @@ def test_a_reader_that_closes_the_pipe(place):
         process.stdout = None
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 130 and "nobody reads standard output" in err.decode()
-        assert [value for _, value in host.times] == [HOLD, RESET] and host.model.state == "Idle"
+        assert host.soon(lambda: host.model.state == "Idle")
+        assert [value for _, value in host.times] == [HOLD, RESET]
         records = (place / "job.nc.journal").read_text().splitlines()
         assert whole(place, host).outcome == "aborted" and len(records) > 20
         return took
@@ -291,7 +290,8 @@ def test_a_fault_of_gcomp_itself(place, error):
         process = begin(place, host, code=FAILS.format(error=error))
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 1 and "gcomp failed" in err.decode(), err
-        assert host.model.state == "Hold" and [value for _, value in host.times] == [HOLD]
+        assert host.soon(lambda: host.model.state == "Hold")
+        assert [value for _, value in host.times] == [HOLD]
         assert whole(place, host).outcome == "failed"
         return at_hold(host) - float((place / "failed").read_text())
 

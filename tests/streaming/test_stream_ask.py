@@ -70,7 +70,7 @@ def test_A5_ask_continue_goes_on_without_the_line(place):
             "source line 21, sent as wire line 20: G1 X5 Y3 H7" in person.text
             and "error:20" in person.text
         )
-        assert host.model.state == "Hold" or host.times[0][1] == ord("!")
+        assert host.soon(lambda: host.model.state == "Hold") and host.times[0][1] == ord("!")
         before = len(sent_rows(host))
         person.types("whatever\n")
         person.until("c goes on", 2)
@@ -125,7 +125,7 @@ def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):
             time.sleep(0.005)
         host.press(b"!")
         person.until("not by gcomp's order")
-        assert host.model.state == "Hold"
+        assert host.soon(lambda: host.model.state == "Hold")
         person.types("\n \x1b[A7")  # by mistake
         person.until("r goes on, s stops")
         assert host.model.state == "Hold"
