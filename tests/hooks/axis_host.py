@@ -3,9 +3,11 @@
 Run by test_axis.py in namespaces of its own, where LinuxCNC and Xvfb lie over /usr; nothing of
 gcomp is imported here. FOLDER holds filter.txt (lines for [FILTER]), good.ngc and bad.ngc. Prints
 one JSON object: opened, what AXIS has loaded of good.ngc; said, the text of its window when
-bad.ngc is opened; then, what is loaded after that.
+bad.ngc is opened; then, what is loaded after that. Where a call of X or Tk does not come back, it
+says which on standard error ("Timeout") and ends.
 """
 
+import faulthandler
 import json
 import os
 import shutil
@@ -17,6 +19,7 @@ from pathlib import Path
 
 SAMPLE = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis")
 START = 60.0  # s
+HANGS = 90.0  # s; it takes 4 on an idle computer
 TEXTS = """proc texts w {
     set found ""
     if {[winfo class $w] eq "Text"} {append found [$w get 0.0 end]}
@@ -87,6 +90,7 @@ class Again:
 
 
 def main(folder):
+    faulthandler.dump_traceback_later(HANGS, exit=True)
     os.chdir(configured(folder))
     screen(folder)
     subprocess.Popen(

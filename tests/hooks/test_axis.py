@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import json
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -65,6 +66,9 @@ def missing() -> str:
     )
 
 
+TRIES = 3  # on a busy computer a call of X or Tk once did not come back
+
+
 @pytest.mark.programs
 def test_axis_itself_opens_the_corrected_program_and_shows_a_refusal(tmp_path):
     if missing():
@@ -96,7 +100,11 @@ def test_axis_itself_opens_the_corrected_program_and_shows_a_refusal(tmp_path):
     ]
     host = ["/usr/bin/python3.11", HERE / "axis_host.py", place]
     command = within(tmp_path, "env", "-i", *surroundings, *host)
-    done = subprocess.run(command, cwd=CACHE, capture_output=True, text=True, timeout=180)
+    for _ in range(TRIES):
+        done = subprocess.run(command, cwd=CACHE, capture_output=True, text=True, timeout=180)
+        if "Timeout" not in done.stderr:
+            break
+        shutil.rmtree(place / "axis")
     assert done.returncode == 0, done.stderr
     answer = json.loads(done.stdout.splitlines()[-1])
     assert (
