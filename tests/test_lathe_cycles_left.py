@@ -10,7 +10,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
 from postproc.nc import dialects
-from tests.corpus.run import write_smooth
+from tests.corpus.machines import write_smooth
 
 THREADS = {
     "fanuc-lathe-a": [

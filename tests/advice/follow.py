@@ -23,7 +23,8 @@ from postproc.machine.file import read_machine
 from postproc.nc import dialects
 from postproc.units import UM
 from postproc.verify import Verifier
-from tests.corpus import run
+from tests.corpus.machines import MAIN, Machines, offsets
+from tests.corpus.programs import ROOT
 from tests.refusals_doc import sentences
 
 CHAPTERS = (
@@ -46,7 +47,7 @@ NOWHERE: dict[str, float] = {}
 class Case:
     """first, also: options of the one run and of the other, beside those of both (`how`).
 
-    expand; start: mm, of all axes zero if missing; offsets: as run.offsets() if missing; hole_um;
+    expand; start: mm, of all axes zero if missing; offsets: all zero if missing; hole_um;
     centre; steps, depth;
     library: name to text; delete: block delete; outside; integers; lathe: X and Z alone; machine:
     one of the project's."""
@@ -64,9 +65,9 @@ class Case:
 
 
 @lru_cache
-def machines() -> run.Machines:
+def machines() -> Machines:
     """The machines, in a folder of this process."""
-    return run.Machines(Path(tempfile.mkdtemp(prefix="gcomp-advice-")))
+    return Machines(Path(tempfile.mkdtemp(prefix="gcomp-advice-")))
 
 
 def stopped(dialect: str, text: str, how: Mapping) -> ProgramError | None:
@@ -74,15 +75,15 @@ def stopped(dialect: str, text: str, how: Mapping) -> ProgramError | None:
     spoken = dialects.load(dialect)
     machine = (
         machines()
-        .smooth(run.MAIN, "lathe" in dialect or bool(how.get("lathe")))
+        .smooth(MAIN, "lathe" in dialect or bool(how.get("lathe")))
         .carrying(spoken.carried)
     )
     if "machine" in how:
-        machine = read_machine(run.ROOT / "machines" / how["machine"])
+        machine = read_machine(ROOT / "machines" / how["machine"])
     start = how.get("start", dict.fromkeys(machine.letters, 0.0))
     setup = setup_of(
         machine,
-        how.get("offsets", run.offsets()),
+        how.get("offsets", offsets()),
         start,
         how.get("delete", False),
         how.get("centre", "incremental"),

@@ -23,7 +23,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from postproc.cli import main as gcomp
-from tests.corpus.run import MAIN, XYZ, Machines, at_most, offsets, write_smooth
+from tests.corpus.machines import MAIN, Machines, offsets, write_smooth
+from tests.corpus.programs import XYZ
+from tests.corpus.run import at_most
 
 FIGURES = Path(__file__).with_name("share.csv")
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "COVERAGE.md"

@@ -9,10 +9,11 @@ import pytest
 
 from postproc.nc import dialects
 
-from . import report, run
-from .run import MAIN, Machines, Program, Variant
+from . import report, run, tables
+from .machines import MAIN, Machines, Variant
+from .programs import Program, has_cycles, programs
 
-PROGRAMS = run.programs()
+PROGRAMS = programs()
 pytestmark = pytest.mark.skipif(
     not PROGRAMS, reason="the programs beside the project are not there"
 )
@@ -91,15 +92,15 @@ def test_written_out_without_need_is_the_same(machines, program):
     """Where nothing has to be written out, --expand passes the lines as they are."""
     plain = run.run_zero(machines, program, program.short, False)
     expanded = run.run_zero(machines, program, program.short, True)
-    if not plain.good or not expanded.good or run.has_cycles(program):
+    if not plain.good or not expanded.good or has_cycles(program):
         return
     assert expanded.output.rstrip() == program.short[: len(expanded.output.rstrip())]
 
 
 def test_tables_of_places(machines, program):
-    if run.table_of(program) is None:
+    if tables.table_of(program) is None:
         return
-    fault = run.table_fault(machines, program)
+    fault = tables.table_fault(machines, program)
     if fault and written()[1].get(program.name) == report.BROKEN:
         pytest.xfail("docs/COVERAGE.md names an error here")
     assert fault == ""
