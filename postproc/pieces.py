@@ -9,7 +9,7 @@ import numpy as np
 from postproc.motions import FEED
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Pieces:
     """P pieces in program order; A axes.
 

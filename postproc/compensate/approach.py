@@ -25,7 +25,7 @@ MODES = ("mean", "step", "ramp", "off")
 FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sides:
     """What of the lost motion one batch hands to the next. side (A,): -1, 0 (nobody knows), +1;
     middle (A,): ticks, the state r; taken (A,): ticks of the ramp that have been travelled, from

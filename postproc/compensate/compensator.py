@@ -65,7 +65,7 @@ class Options:
     heat_step: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Carry:
     """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal

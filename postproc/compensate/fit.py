@@ -25,7 +25,7 @@ NEARLY = 100  # a run is the longest that will do if one longer by a sixth of it
 LEVELS = 14  # times that what one sample interval is too long for is looked at closer
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rows:
     """R parts of arcs. arc (R,): row of Arcs; stroke (R,); t0, t1 (R,): part of the arc; begin, end
     (A, R): ticks commanded; accepted as an arc with centre (2, R) ticks from begin, written as
@@ -57,7 +57,7 @@ def joined(parts: Sequence[Rows]) -> Rows:
 Needed = Callable[[Rows, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Fitter:
     """What the fit must know. start, target (A, n) mm of the arcs; tolerance mm in the plane, and
     along the third axis, and total in all; needed(rows, row, t, nominal) -> (A, K) mm: the exact

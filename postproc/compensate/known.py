@@ -16,7 +16,7 @@ from postproc.machine.model import Machine
 from postproc.motions import HOLE, Motions
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Known:
     """end, start (N,): whether all that matters is known at a motion's end, at its start. rows (A,
     N): whether an axis' correction can be told at the end. idle (N,): whether nothing can change,

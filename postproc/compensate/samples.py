@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 80_000  # worked on at once: more leave the processor's cache, and take memory
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Samples:
     """N samples of R rows, all in one plane of the axes `first` and `second`, row behind row. t
     (N,): on the arc; unit (2, N): outwards from the nominal centre; place (2, N): mm from that

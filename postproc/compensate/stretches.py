@@ -39,7 +39,7 @@ REMAINDER = 1 / (9 * np.sqrt(3))
 SHARE = 1 / 16  # of the tolerance that the remainder may take
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Stretches:
     """G smooth stretches of rows, in order. row (G,); t, step (G,): where it begins, and from
     sample to sample; parts (G,). steep (R,) mm/mm and rest (R,) mm of the rows; shift (2, A, R)

@@ -32,7 +32,7 @@ FRAME = ("T_bed_C", "T_frame_C", "T_base_C", "T_column_C")
 WORK = ("T_work_C", "T_part_C", "T_workpiece_C")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Driver:
     """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a
     spindle's own turns; zero: degrees Celsius at which it does nothing, nan: what it was when the

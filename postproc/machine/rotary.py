@@ -27,7 +27,7 @@ from postproc.machine.chain import ROTARY, XYZ, Chain, Parts
 SINGULAR = 0.1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Geometry:
     """What does not move. tool (3,) mm; location: axis to (6,) mm and rad, how its line lies beside
     the nominal one;

@@ -15,7 +15,7 @@ import numpy as np
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class AxisTable:
     """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm
     and rad, for targets approached in + and in -; equal where a component was measured one way.
@@ -151,7 +151,7 @@ class AxisTable:
         return value
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class AxisUncertainty:
     """How well an axis' table is known. table: expanded uncertainties U (95 %, k = 2) in the place
     of deviations, never negative; stated: the components, as rows of COMPONENTS, of which anything
@@ -161,7 +161,7 @@ class AxisUncertainty:
     stated: tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class GridTable:
     """What of an axis' errors depends on where a second axis stands; added to its table. Linear in
     either position between nodes (bilinear in both), held beyond.

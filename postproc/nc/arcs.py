@@ -23,7 +23,7 @@ MOST_TURNS = 1000
 PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Circle:
     """The modal columns that arcs need, at the N moving blocks: plane code, whether centres are
     absolute, G53."""

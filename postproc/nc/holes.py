@@ -31,7 +31,7 @@ WITHOUT_R = (
 BY_CAM = "let the CAM program write the hole out as G0 and G1"  # where nothing writes it out
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class InCycle:
     """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
     of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the

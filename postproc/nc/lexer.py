@@ -120,7 +120,7 @@ SKIPPED = {
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Words:
     """The words of a batch of whole lines. W words, B blocks; offsets count bytes of `text`.
 

@@ -15,7 +15,7 @@ from postproc.nc.zeros import homed, stated
 from postproc.units import TICKS_PER_MM
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Places:
     """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how
     each axis' word is (or would be) written; sent: whether G28 has taken the axis elsewhere since

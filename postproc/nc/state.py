@@ -34,7 +34,7 @@ class Setup:
     home: dict[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Frame:
     """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each,
     radius.
@@ -109,7 +109,7 @@ class Beside:
     fault: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether
     it is known, the tool offset and F in force, whether the program has ended, and whether a motion
