@@ -139,6 +139,8 @@ FANUC = [
 ]
 # Blanks that MANUAL GUIDE i draws (B-63874EN, "Blank form"): they move nothing.
 BLANKS = r"G190[0-3](?:[ \t]*[A-Z][ \t]*[-+.\d]+)*"
+# Lines for a printer (B-64304EN, "External output commands"): they move nothing.
+PRINTS = r"(?:POPEN|PCLOS|[BD]PRNT[ \t]*\[[^();\n]*)"
 FANUC_LATHE = [
     *MOTION,
     *PLANE,

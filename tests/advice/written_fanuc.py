@@ -413,7 +413,7 @@ MACROS = [
     Case(M, "O1|M98P9Q7|M30|O9|N8 M99", "O1|M98P9|M30|O9|N8 M99", how=WRITE),
 ]
 MORE = [
-    macro("#1=5|X#1|#3901=1", "#1=5|X#1"),
+    macro("#1=5|X#1|#3003=1", "#1=5|X#1"),
     macro("#4120=5", "G0 X1."),
     macro("X#3011", "X1."),
     macro("X1. [", "X1."),

@@ -242,5 +242,6 @@ def test_alarm_and_message():
         "O1\nIF[#1EQ#0]THEN#3000=1(NO DEPTH GIVEN)\n", "alarm #3000=1: NO DEPTH GIVEN", "p.nc:2"
     )
     assert error.place.start == 15
+    assert plain("#100=#3901\n#3901=#3901+1\nX1\n#101=#3020-#100\n") == ["X1"]
     assert plain("#3006=1(TURN THE PART)\nX1\n#3001=0\n") == ["(TURN THE PART)", "X1"]
     assert plain("POPEN\nN5 DPRNT[X#1[53]]\nBPRNT[O#1]\nPCLOS\nSETVN500[A]\nX1\n") == ["X1"]

@@ -8,7 +8,7 @@ are the cycles that systems B and C call G77 G78 G79 and G20 G21 G24, G50 is the
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Grammar
-from postproc.nc.rows import BLANKS, CUTTER, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
+from postproc.nc.rows import BLANKS, CUTTER, FANUC_LATHE, MACRO_SIGNS, PRINTS, UNITS, rows
 
 DIALECT = Dialect(
     name="fanuc-lathe-a",
@@ -57,7 +57,7 @@ DIALECT = Dialect(
     again=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(BLANKS,)),
+    grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS)),
     language="fanuc",
     plane=180,
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},

@@ -32,7 +32,7 @@ from postproc.nc.expand.fanuc_calls import (
     times,
     word_of,
 )
-from postproc.nc.expand.fanuc_functions import Misread, Value, index
+from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value, index
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.fanuc_words import Word, rendered
@@ -230,8 +230,16 @@ class Runner:
 
     def _set(self, block: Block) -> bytes | None:
         assert block.target and block.formula
-        number, value = index(block.target(self.variables)), block.formula(self.variables)
+        number = index(block.target(self.variables))
+        value: Value | Unknown
+        try:
+            value = block.formula(self.variables)
+        except Unknown as unknown:
+            if number in (3000, 3006):
+                raise
+            value = unknown
         if number == 3000:
+            assert not isinstance(value, Unknown)
             text = block.comment.strip(b"()").decode("latin-1")
             raise Misread(
                 f"the program stops itself with the alarm #3000={value or 0:g}:"

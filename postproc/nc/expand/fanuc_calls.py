@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from postproc.nc.expand import Program
-from postproc.nc.expand.fanuc_functions import Misread, Value
+from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.fanuc_words import Word
@@ -50,7 +50,7 @@ class Frame:
     at: int
     start: int
     left: int
-    local: dict[int, Value]
+    local: dict[int, Value | Unknown]
     modal: list[Modal] | None = None
 
 
@@ -61,7 +61,7 @@ class Modal:
     source: Source
     section: Section
     times: int
-    local: dict[int, Value]
+    local: dict[int, Value | Unknown]
 
 
 class Library:
@@ -99,14 +99,14 @@ class Library:
         return (source, section) if section else None
 
 
-def arguments(words: list[Word], variables: Variables) -> dict[int, Value]:
+def arguments(words: list[Word], variables: Variables) -> dict[int, Value | Unknown]:
     """Local variables that the words behind G65 or G66 set: assignment I, and II where I, J, K come
     again.
 
     A vacant argument leaves its variable vacant. Without a decimal point a length counts least
     increments where the control reads coordinates so (B-63684EN, "Position of the decimal
     point")."""
-    local: dict[int, Value] = {}
+    local: dict[int, Value | Unknown] = {}
     sets, last = 0, "K"
     for word in words:
         if word.letter in "IJK":

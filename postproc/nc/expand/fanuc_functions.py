@@ -25,6 +25,10 @@ class Misread(Exception):
         self.message, self.advice, self.start, self.stop = message, advice, start, stop
 
 
+class Unknown(Misread):
+    """A variable is read whose value only the machine knows."""
+
+
 def whole(value: Value, what: str) -> int:
     """A value as a whole number, the vacant one as 0. Raises Misread where it has a fraction."""
     near = round(value or 0.0)

@@ -2,7 +2,8 @@
 the program itself decides.
 
 What only the machine knows (timers, signals, tool offsets, what #500 and up kept from an earlier
-day) is refused and never guessed. Lengths are in the unit that the program is in, X of a lathe in
+day) is refused and never guessed, where something depends on it: a variable that it is written into
+is as unknown from there on. Lengths are in the unit that the program is in, X of a lathe in
 diameter. Sources: B-64304EN and B-64484EN, "Custom macro", "System variables"; groups of G codes:
 the G code lists of B-64304EN-1 (lathe) and -2 (mill); Haas 96-8000, "Macros".
 """
@@ -14,7 +15,7 @@ import re
 from collections.abc import Callable
 from typing import NoReturn
 
-from postproc.nc.expand.fanuc_functions import Misread, Value
+from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value
 from postproc.nc.expand.tracker import Tracker
 
 LETTERS = "XYZABCUVW"  # axes in the order in which controls number them
@@ -53,6 +54,7 @@ KEPT = "is read but never set here: only the control knows what it kept from bef
 SIGNAL = "an interface signal: only the machine knows it"
 MACHINE = "only the machine knows it"
 SAY = "write the number itself, or set a common variable (#100) to it at the top of the program"
+COUNTS = (3001, 3002, 3901, 3902)
 FOREIGN = (  # first, last, what it is
     (1000, 1999, SIGNAL),
     (2000, 2999, "a tool offset: " + MACHINE),
@@ -65,6 +67,13 @@ FOREIGN = (  # first, last, what it is
 )
 
 
+def _value(value: Value | Unknown) -> Value:
+    """Raises Unknown for what is not known, as where it was read first."""
+    if isinstance(value, Unknown):
+        raise Unknown(value.message, value.advice)
+    return value
+
+
 class Variables:
     """Memory of a program while it runs. local: #1 to #33 of the level in force; program: number of
     the one that runs;
@@ -75,8 +84,8 @@ class Variables:
     def __init__(self, tracker: Tracker):
         self.tracker = tracker
         self.haas = tracker.dialect.name.startswith("haas")
-        self.local: dict[int, Value] = {}
-        self.common: dict[int, Value] = {}
+        self.local: dict[int, Value | Unknown] = {}
+        self.common: dict[int, Value | Unknown] = {}
         self.program, self.modal, self.spare = 0, False, 0
         self.mentions: Callable[[re.Pattern[bytes]], bool] = lambda what: False
         self._decimals: dict[str, int] = {}
@@ -122,24 +131,24 @@ class Variables:
         if number == 0:
             return None
         if number <= 33:
-            return self.local.get(number)
+            return _value(self.local.get(number))
         if number in self.common:
-            return self.common[number]
+            return _value(self.common[number])
         if 100 <= number <= 199:
             return None
         if self._is_common(number):
-            raise Misread(f"#{number} {KEPT}", SAY)
+            raise Unknown(f"#{number} {KEPT}", SAY)
         return self._known(number)
 
-    def write(self, number: int, value: Value) -> None:
-        """Set a variable. Raises Misread for one that a program can not set, or whose setting would
-        be lost."""
+    def write(self, number: int, value: Value | Unknown) -> None:
+        """Set a variable, or say that its value is not known from here on. Raises Misread for one
+        that a program can not set, or whose setting would be lost."""
         if number and number <= 33:
             self.local[number] = value
         elif self._is_common(number):
             self.common[number] = value
-        elif number in (3001, 3002):
-            return  # a timer that is set moves nothing, and reading it is refused
+        elif number in COUNTS:
+            return  # what counts times or parts moves nothing, and reading it is refused
         elif number == 0:
             raise Misread("#0 is always vacant and can not be set", "use another variable")
         elif self._offset_of(number):
@@ -163,7 +172,7 @@ class Variables:
         )
 
     def _unknown(self, number: int, why: str, advice: str = SAY) -> NoReturn:
-        raise Misread(f"#{number} is read: {why}", advice)
+        raise Unknown(f"#{number} is read: {why}", advice)
 
     def _known(self, number: int) -> float:
         """The value of a system variable."""
