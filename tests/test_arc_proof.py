@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import write_mill
 from test_arc_words import ZERO, random_arcs
 
 from postproc.compensate import Options, fit
@@ -23,6 +22,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM
+from tests.small_machines import write_mill
 
 DENSE = 1001
 

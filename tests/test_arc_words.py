@@ -15,7 +15,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import write_mill
 from reference.evaluate import residual
 from reference.machine import Machine as Reference
 
@@ -24,6 +23,7 @@ from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM, UM
+from tests.small_machines import write_mill
 
 HEAD = """format = "gcomp-machine/1"
 name = "flat"
@@ -156,7 +156,7 @@ def test_half_a_turn_by_R_becomes_a_centre_where_R_is_too_coarse(tmp_path):
 
 
 def random_arcs(seed: int, count: int, radii: tuple[float, float] = (1.0, 25.0)) -> str:
-    """Arcs by R, some near half a turn, and full circles, on the mill of tests/programs.py."""
+    """Arcs by R, some near half a turn, and full circles, on the mill of small_machines.py."""
     rng = random.Random(seed)
     x, y, lines = 100.0, 0.0, ["G21 G90 G17 G54", "G0 X100 Y0 Z0", "F1000"]
     while len(lines) < count + 3:

@@ -18,16 +18,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from programs import (
-    MILL,
-    OFFSETS,
-    STUDER_FANUC,
-    STUDER_LINUXCNC,
-    Taste,
-    program,
-    write_lagging,
-    write_mill,
-)
 from reference.evaluate import residual
 from reference.machine import Machine
 
@@ -36,6 +26,15 @@ from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
 from postproc.units import UM
+from tests.programs import Taste, program
+from tests.small_machines import (
+    MILL,
+    OFFSETS,
+    STUDER_FANUC,
+    STUDER_LINUXCNC,
+    write_lagging,
+    write_mill,
+)
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE_6_3 = ROOT / "proof" / "seed" / "tables" / "table_6_3_compensated_diagonal.csv"

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
-from programs import MILL, STUDER_FANUC, STUDER_LINUXCNC, programs, write_lagging, write_mill
 from reference.interpreter import run
 
 from postproc.compensate import Options
@@ -20,6 +19,8 @@ from postproc.machine import places
 from postproc.nc import dialects
 from postproc.units import UM
 from postproc.verify import Verifier
+from tests.programs import programs
+from tests.small_machines import MILL, STUDER_FANUC, STUDER_LINUXCNC, write_lagging, write_mill
 
 ROOT = Path(__file__).resolve().parents[1]
 FANUC = ROOT.parent / "shared" / "corpus" / "fanuc"

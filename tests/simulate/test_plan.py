@@ -13,7 +13,7 @@ from postproc.errors import GcompError, ProgramError
 from postproc.machine.file import read_machine
 from postproc.simulate.limits import Limits
 from postproc.simulate.timeline import Conditions
-from tests import programs
+from tests import programs, small_machines
 
 from .samples import STRICT, exact, limits, timed
 
@@ -292,7 +292,7 @@ def test_what_stands_behind_the_end_is_not_run(tmp_path):
 
 
 def test_a_machine_folder_of_three_axes_runs(tmp_path):
-    machine = read_machine(programs.write_mill(tmp_path / "mill", True))
+    machine = read_machine(small_machines.write_mill(tmp_path / "mill", True))
     from dataclasses import replace
 
     machine = replace(machine, offsets={"G54": {}})
