@@ -28,6 +28,7 @@ CALLS = {
     "ExpressionError": None,
     "Refused": None,
     "Misread": None,
+    "Unknown": None,
     "AcceptError": None,
     "LogError": None,
     "VolumetricError": None,

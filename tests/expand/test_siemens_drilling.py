@@ -1,4 +1,4 @@
-"""CYCLE81, CYCLE82, CYCLE83, CYCLE85 and MCALL of Sinumerik, by the sequences of the Programming
+"""CYCLE81 to CYCLE89 and MCALL of Sinumerik, by the sequences of the Programming
 Guide Cycles."""
 
 from __future__ import annotations
@@ -74,15 +74,65 @@ def test_reaming_has_feeds_of_its_own():
     ]  # fmt: skip
 
 
+def test_a_rigid_tap_is_g331_and_g332():
+    """CYCLE84: the spindle stands at POSS, in by SST, dwell, out by SST1 (0: as in), and turns
+    again as before, the way of SDAC. A lead below 0 turns to the left."""
+    tap = ["G0 Z2.", "SPOS=90.", "G331 Z-10. K1.25 S500.", "G332 Z2. K1.25 S600.", "G0 Z5."]
+    assert holes("S300 M3\nMCALL CYCLE84(5,0,2,-10,,,3,,1.25,90,500,600)\nX10\nMCALL\n")[1:] == [
+        "X10", *tap, "S300 M3",
+    ]  # fmt: skip
+    assert holes("S300 M3\nG1 X1\nCYCLE84(5,0,2,,10,0.5,5,-8,,0,500,0,3,0,0,0,0,0)\n")[2:] == [
+        "G0 Z2.", "SPOS=0.", "G331 Z-10. K-1.25 S500.", "G4 F0.5", "G332 Z2. K-1.25 S500.",
+        "G0 Z5.", "M5", "G1",
+    ]  # fmt: skip
+
+
+def test_a_boring_bar_is_lifted_off_and_comes_back_above_the_hole():
+    """CYCLE86: RPA along X, RPO along Y, RPAP along Z, as distances."""
+    assert holes("CYCLE86(5,0,2,-10,,0.5,3,-0.2,0.1,0.3,45)\n") == [
+        "G0 Z2.", "M3", "G1 Z-10.", "G4 F0.5", "SPOS=45.", "G0 X=IC(-0.2) Y=IC(0.1) Z=IC(0.3)",
+        "G0 Z2.", "G0 X=IC(0.2) Y=IC(-0.1) Z5.",
+    ]  # fmt: skip
+
+
+def test_holes_out_by_hand_and_by_feed():
+    assert holes("CYCLE87(5,0,2,-10,,4)\n") == [
+        "G0 Z2.", "M4", "G1 Z-10.", "M5", "M0", "G0 Z5.",
+    ]  # fmt: skip
+    assert holes("CYCLE88(5,0,2,-10,,0.5,3)\n") == [
+        "G0 Z2.", "M3", "G1 Z-10.", "G4 F0.5", "M5", "M0", "G0 Z5.",
+    ]  # fmt: skip
+    assert holes("CYCLE89(5,0,2,-10,,0.5)\n") == [
+        "G0 Z2.", "G1 Z-10.", "G4 F0.5", "G1 Z2.", "G0 Z5.",
+    ]  # fmt: skip
+
+
+def test_a_factor_of_deep_holes_goes_down_to_the_least_stroke():
+    """FDPR 5, then 0.8 of the stroke before, 3 at least: 5, 9, 12.2, 15.2 and the bottom; FRF is a
+    part of F200 for the first one, DTD the dwell at the bottom in the place of DTB."""
+    made = holes("CYCLE83(10,0,2,-16,,,5,-0.8,1,0,0.5,1,3,3,,2)\n")
+    assert [x for x in made if x[:2] in ("G1", "F2")] == [
+        "G1 F100. Z-5.", "F200", "G1 Z-9.", "G1 Z-12.2", "G1 Z-15.2", "G1 Z-16.",
+    ]  # fmt: skip
+    assert [x for x in made if x.startswith("G4")] == ["G4 F1."] * 4 + ["G4 F2."]
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        ("CYCLE84(5,0,2,-10,,,3,,1,0,500)", "no S is in force"),
+        ("CYCLE84(5,0,2,-10,,,,,1,0,500)", "without SDAC"),
+        ("CYCLE84(5,0,2,-10,,,3,,,0,500)", "without PIT or SST"),
+        ("CYCLE84(5,0,2,-10,,,3,13,,0,500)", "no metric thread"),
+        ("CYCLE84(5,0,2,-10,,,3,,1,0,500,,,0,0,1,2)", "in a way that is not written out"),
+        ("CYCLE86(5,0,2,-10,,,7)", "by SDIR = 7"),
+        ("CYCLE83(10,0,2,-5,,,2,,,,2)", "FRF of CYCLE83"),
         ("CYCLE81(10,0,2)", "without DP and DPR"),
         ("CYCLE81(,0,2,-5)", "without RTP"),
         ("CYCLE81(1,0,2,-5)", "not in order"),
         ("CYCLE82(10,0,2,-5,,,1)", "in a way that is not written out"),
         ("CYCLE83(10,0,2,-5,,,9)", "not within the hole"),
-        ("CYCLE83(10,0,2,-5,,,2,-0.5)", "a factor as DAM"),
+        ("CYCLE83(10,0,2,-5,,,2,-0.5)", "the factor DAM"),
         ("CYCLE81(1,2,3,4,5,6,7,8,9,10)", "takes 9 values"),
         ('CYCLE81("A")', "is no number"),
         ("MCALL POCKET4(1)", "MCALL can not be written out"),

@@ -17,10 +17,9 @@ from collections.abc import Callable, Iterator
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.siemens_blocks import Call, Jump, Statement, Target, assign
-from postproc.nc.expand.siemens_drilling import Drilling
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, Source, read
 from postproc.nc.expand.siemens_frames import Frame, Repeat
-from postproc.nc.expand.siemens_holes import NAMES, Holes, missing
+from postproc.nc.expand.siemens_holes import NAMES, Holes, hole_of, missing
 from postproc.nc.expand.siemens_values import (
     EMPTY,
     LARGEST_ARRAY,
@@ -283,7 +282,7 @@ class Run:
     def modal_call(self, frame: Frame, statement: Statement) -> None:
         """MCALL."""
         call = statement.call
-        cycle = Drilling.of(call.name.upper(), self.values(frame, call)) if call else None
+        cycle = hole_of(call.name.upper(), self.values(frame, call)) if call else None
         self.holes.modal = (frame, cycle) if cycle else None
         frame.go(frame.at, frame.at + 1)
 

@@ -2,15 +2,16 @@
 CYCLE83, CYCLE85.
 
 Source: Siemens "SINUMERIK 840D sl / 828D", Programming Guide Cycles, "Drilling cycles" (sequence of
-operations, and for CYCLE83 "first drilling depth, degression"), and Programming Manual Job
-Planning, "Modal subroutine call (MCALL)". The G codes that were in force before a cycle hold behind
-it. Tapping stays what it is, and is refused: the spindle takes part in it.
+operations, and for CYCLE83 "first drilling depth, degression": DAM below 0 is a factor down to
+MDEP, which counts beside such a factor alone; FRF is a part of the feed for the first stroke), and
+Programming Manual Job Planning, "Modal subroutine call (MCALL)". The G codes that were in force
+before a cycle hold behind it. Those in which the spindle takes part: siemens_boring.py.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
@@ -25,7 +26,8 @@ NAMES = {
     "CYCLE85": "RTP RFP SDIS DP DPR DTB FFR RFF GMODE DMODE AMODE",
 }
 AXIS = {170: "Z", 180: "Y", 190: "X"}
-DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE and AXN, for the axis of the hole
+DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE: the plane across the axis of the hole
+GEOMETRY = {"X": 1, "Y": 2, "Z": 3}  # of AXN: the number of that geometry axis
 # mm: how far CYCLE83 keeps off the bottom that it has reached
 SHALLOW, AHEAD, PART, MOST_AHEAD = 30.0, 0.6, 50.0, 7.0
 CHIP = 1.0  # mm, by which it goes back to break chips
@@ -38,6 +40,8 @@ STILL = re.compile(
     re.IGNORECASE,
 )
 FEED = re.compile(rb"(?<![A-Z_0-9])F[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
+
+SPEED = re.compile(rb"(?<![A-Z_0-9])S[ \t]*=?[ \t]*([0-9]*\.?[0-9]+)", re.IGNORECASE)
 
 
 def moves(line: bytes) -> bool:
@@ -53,33 +57,51 @@ class Drilling:
     name: str
     given: dict[str, float]
 
+    @staticmethod
+    def words(name: str) -> str:
+        return NAMES[name]
+
     @classmethod
     def of(cls, name: str, values: Sequence[Value | None]) -> Drilling:
         """Raises Refusal for values that are none of a cycle that can be written out."""
-        return cls(name, numbers_by_name(name, NAMES[name].split(), values, "correct the call"))
+        return cls(name, numbers_by_name(name, cls.words(name).split(), values, "correct the call"))
 
-    def lines(self, tracker: Tracker, feed: bytes) -> list[bytes]:
-        """The plain lines of one hole, from where the axis stands."""
-        axis = AXIS[tracker.code("plane")]
+    @staticmethod
+    def axis(tracker: Tracker) -> str:
+        """The axis of the hole."""
+        return AXIS[tracker.code("plane")]
+
+    @staticmethod
+    def _to(tracker: Tracker, axis: str) -> Callable[[float], bytes]:
+        """The word of a place along the hole."""
+        decimals, relative = tracker.decimals(axis), tracker.code("distance") == 910
+
+        def word(place: float) -> bytes:
+            text = number(place, decimals)
+            return f"{axis}=AC({text})".encode() if relative else f"{axis}{text}".encode()
+
+        return word
+
+    def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
+        """The plain lines of one hole, from where the axis stands. feed, speed: the F and S words
+        in force."""
+        axis = self.axis(tracker)
         self._check(axis)
-        inch, decimals = tracker.inch, tracker.decimals(axis)
-        relative = tracker.code("distance") == 910
+        inch, to = tracker.inch, self._to(tracker, axis)
 
         def move(code: str, place: float) -> bytes:
-            text = number(place, decimals)
-            return (
-                f"{code} {axis}=AC({text})".encode()
-                if relative
-                else f"{code} {axis}{text}".encode()
-            )
+            return code.encode() + b" " + to(place)
 
         level, bottom = self._levels()
         found = [move("G0", level)]
         if self.name == "CYCLE83":
-            found += [
-                move(code, place) if code else self._dwell(place)
-                for code, place in self._pecks(inch)
-            ]
+            first, slower = "G1", self._slower(feed)
+            for code, place in self._pecks(inch):
+                if code == "G1" and slower and first:
+                    found += [move("G1" + slower, place), b"F" + feed]
+                    first = ""
+                    continue
+                found.append(move(code, place) if code else self._dwell(place))
         else:
             found.append(move("G1" + self._feed("FFR"), bottom))
             if self.given.get("DTB"):
@@ -89,14 +111,25 @@ class Drilling:
                 raise Refusal("no F is in force behind CYCLE85", "write F before it")
             found.append(move("G1" + self._feed("RFF"), level))
         found.append(move("G0", self.given["RTP"]))
-        code = tracker.code("motion")
-        if code > 0 and (self.given.get("FFR") or self.given.get("RFF")):
-            found.append(b"G%d F%s" % (code // 10, feed))
-        elif code > 0:
-            found.append(b"G%d" % (code // 10))
+        motion = tracker.code("motion")
+        if motion > 0 and (self.given.get("FFR") or self.given.get("RFF")):
+            found.append(b"G%d F%s" % (motion // 10, feed))
+        elif motion > 0:
+            found.append(b"G%d" % (motion // 10))
         elif self.given.get("FFR") or self.given.get("RFF"):
             found.append(b"F" + feed)
         return found
+
+    def _slower(self, feed: bytes) -> str:
+        """The F word of the first stroke of CYCLE83, "": that in force."""
+        part = self.given.get("FRF", 0.0)
+        if part in (0, 1):
+            return ""
+        if not 0 < part < 1 or not feed:
+            raise Refusal(
+                "FRF of CYCLE83 without an F in force, or beyond 0.001 to 1", "correct the call"
+            )
+        return f" F{number(float(feed) * part, 4)}"
 
     def _feed(self, word: str) -> str:
         value = self.given.get(word, 0.0)
@@ -120,13 +153,14 @@ class Drilling:
             or dwell_by > 1
             or int(g.get("AMODE", 0)) >= 100
             or g.get("DMODE", 0) not in (0, DIGIT[axis])
-            or g.get("AXN", 0) not in (0, DIGIT[axis])
-            or g.get("FRF", 0) not in (0, 1)
-            or g.get("DTD", 0)
+            or g.get("AXN", 0) not in (0, GEOMETRY[axis])
         )
         if wrong:
-            values = ",".join(f"{k}={v:g}" for k, v in g.items())
-            raise Refusal(f"{self.name} in a way that is not written out ({values})", WRITE_OUT)
+            raise self._odd()
+
+    def _odd(self) -> Refusal:
+        values = ",".join(f"{k}={v:g}" for k, v in self.given.items())
+        return Refusal(f"{self.name} in a way that is not written out ({values})", WRITE_OUT)
 
     def _levels(self) -> tuple[float, float]:
         """The level before the hole, and its bottom. A depth from the reference plane goes before
@@ -159,8 +193,12 @@ class Drilling:
             abs(g["FDPR"]) if g.get("FDPR") else abs(g["RFP"] - g["FDEP"]) if "FDEP" in g else depth
         )
         less, least = abs(g.get("DAM", 0.0)), abs(g.get("MDEP", 0.0))
-        if g.get("DAM", 0.0) < 0 or least:
-            raise Refusal("CYCLE83 with a factor as DAM, or with MDEP", WRITE_OUT)
+        factor = -g["DAM"] if g.get("DAM", 0.0) < 0 else 0.0
+        if factor > 1 or (factor and not least and factor < 1):
+            raise Refusal(
+                "the factor DAM of CYCLE83 is beyond 0.001 to 1, or without MDEP",
+                "correct DAM, and write MDEP, the least stroke",
+            )
         if first > depth or first <= 0:
             raise Refusal(
                 "the first drilling depth of CYCLE83 is not within the hole", "correct FDEP or FDPR"
@@ -172,6 +210,10 @@ class Drilling:
                 return
             yield g["RFP"] - up * reached
             left = depth - reached
+            if factor:
+                stroke = max(stroke * factor, least)
+                reached = min(reached + stroke, depth)
+                continue
             stroke = stroke - less if stroke - less > less else max(less, 0.0) or stroke
             if less and left < 2 * less and left > stroke:
                 stroke = left / 2
@@ -188,8 +230,9 @@ class Drilling:
         ahead = g.get("DIS1") or (AHEAD if deep <= SHALLOW else min(deep / PART, MOST_AHEAD)) / unit
         for place in self._strokes(bottom):
             yield "G1", place
-            if g.get("DTB"):
-                yield "", g["DTB"]
+            waits = g.get("DTD") if place == bottom else 0.0  # 0: as DTB
+            if waits or g.get("DTB"):
+                yield "", waits or g["DTB"]
             if place == bottom:
                 return
             if g.get("VARI", 0):

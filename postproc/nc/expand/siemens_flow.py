@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+from postproc.nc.expand import siemens_boring, siemens_drilling
 from postproc.nc.expand.siemens_blocks import (
     HEAD,
     JUMPS,
@@ -22,10 +23,10 @@ from postproc.nc.expand.siemens_blocks import (
     Target,
     Words,
 )
-from postproc.nc.expand.siemens_drilling import NAMES
 from postproc.nc.expand.siemens_values import Node, Refusal
 from postproc.nc.expand.siemens_words import end_of_code
 
+NAMES = (*siemens_drilling.NAMES, *siemens_boring.NAMES)
 TYPES = ("REAL", "INT", "BOOL", "CHAR", "STRING", "AXIS")
 STRUCTURE = re.compile(
     HEAD.pattern

@@ -8,15 +8,20 @@ import re
 from collections.abc import Iterator, Sequence
 
 from postproc.nc.codes import WRITE_OUT
-from postproc.nc.expand import siemens_drilling, siemens_patterns
+from postproc.nc.expand import siemens_boring, siemens_drilling, siemens_patterns
 from postproc.nc.expand.siemens_blocks import Call
-from postproc.nc.expand.siemens_drilling import FEED, Drilling, moves
+from postproc.nc.expand.siemens_boring import Boring
+from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_values import Refusal, Value
 from postproc.nc.expand.tracker import Tracker
 
-NAMES = {*siemens_drilling.NAMES, *siemens_patterns.NAMES}  # the cycles that are written out
+NAMES = {
+    *siemens_drilling.NAMES,
+    *siemens_boring.NAMES,
+    *siemens_patterns.NAMES,
+}  # the cycles that are written out
 OWN_CYCLES = re.compile(r"CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE")
 NOT_HERE = (
     "put its text beside the program (NAME.SPF or NAME.MPF), or write its motions out: it could"
@@ -29,20 +34,22 @@ class Holes:
 
     def __init__(self, tracker: Tracker):
         self.tracker = tracker
-        self.feed = b""  # the last F word that has left
+        self.feed = self.speed = b""  # the last F and S words that have left
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
         self.called: Drilling | Pattern | None = None  # to be drilled behind this line
 
     def call(self, name: str, values: Sequence[Value | None]) -> None:
         """A cycle that stands alone. Raises Refusal."""
         pattern = name in siemens_patterns.NAMES
-        self.called = Pattern.of(name, values) if pattern else Drilling.of(name, values)
+        self.called = Pattern.of(name, values) if pattern else hole_of(name, values)
 
     def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:
         """The plain lines behind a line that has left. own: it is one of the program. Raises
         Refusal."""
         if own:
-            self.feed = next((f[1] for f in FEED.finditer(text.split(b";")[0])), self.feed)
+            code = text.split(b";")[0]
+            self.feed = next((f[1] for f in FEED.finditer(code)), self.feed)
+            self.speed = next((s[1] for s in SPEED.finditer(code)), self.speed)
         hole, self.called = self.called, None
         if isinstance(hole, Pattern):
             yield from self._pattern(frame, hole)
@@ -50,7 +57,7 @@ class Holes:
         if self.modal and self.modal[0] is frame and own and moves(text):
             hole = self.modal[1]
         if hole:
-            yield from hole.lines(self.tracker, self.feed)
+            yield from hole.lines(self.tracker, self.feed, self.speed)
 
     def _pattern(self, frame: Frame, pattern: Pattern) -> Iterator[bytes]:
         """The places of a pattern, with a hole at each; the motion code is what it was."""
@@ -62,9 +69,15 @@ class Holes:
         code = self.tracker.code("motion")
         for place in pattern.lines(self.tracker):
             yield place
-            yield from self.modal[1].lines(self.tracker, self.feed)
+            yield from self.modal[1].lines(self.tracker, self.feed, self.speed)
         if code > 0:
             yield b"G%d" % (code // 10)
+
+
+def hole_of(name: str, values: Sequence[Value | None]) -> Drilling:
+    """The cycle of one hole. Raises Refusal."""
+    kind = Boring if name in siemens_boring.NAMES else Drilling
+    return kind.of(name, values)
 
 
 def missing(name: str, call: Call) -> Refusal:

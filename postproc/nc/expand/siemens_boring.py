@@ -1,0 +1,157 @@
+"""Sinumerik's cycles for holes in which the spindle stops or turns back: CYCLE84 (rigid tapping),
+CYCLE86 (boring, the tool lifted off), CYCLE87 and CYCLE88 (out by hand), CYCLE89 (boring).
+
+Source: Siemens "SINUMERIK 840D sl / 828D", Programming Guide Cycles, "Drilling cycles", the
+sequence of operations of each; G331 and G332 are what CYCLE84 itself is made of. MPIT is the size
+of a metric thread, 3 to 48: its lead is that of the coarse series, ISO 261. Pecks of CYCLE84
+(_VARI), and what its newer values ask for, are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from postproc.nc.expand.siemens_drilling import Drilling
+from postproc.nc.expand.siemens_values import Refusal
+from postproc.nc.expand.tracker import Tracker, number
+
+To = Callable[[float], bytes]  # the word of a place along the hole
+MODES = " GMODE DMODE AMODE"
+NAMES = {
+    "CYCLE84": (
+        "RTP RFP SDIS DP DPR DTB SDAC MPIT PIT POSS SST SST1 AXN PITA TECHNO VARI DAM VRT PITM PTAB"
+        " PTABA" + MODES
+    ),
+    "CYCLE86": "RTP RFP SDIS DP DPR DTB SDIR RPA RPO RPAP POSS" + MODES,
+    "CYCLE87": "RTP RFP SDIS DP DPR SDIR" + MODES,
+    "CYCLE88": "RTP RFP SDIS DP DPR DTB SDIR" + MODES,
+    "CYCLE89": "RTP RFP SDIS DP DPR DTB" + MODES,
+}
+COARSE = {  # mm, ISO 261
+    3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 7: 1.0, 8: 1.25, 9: 1.25, 10: 1.5, 11: 1.5, 12: 1.75, 14: 2.0,
+    16: 2.0, 18: 2.5, 20: 2.5, 22: 2.5, 24: 3.0, 27: 3.0, 30: 3.5, 33: 3.5, 36: 4.0, 39: 4.0,
+    42: 4.5, 45: 4.5, 48: 5.0,
+}  # fmt: skip
+LEAD = {"Z": "K", "Y": "J", "X": "I"}
+PLANE = {"Z": "XY", "Y": "ZX", "X": "YZ"}
+IDLE = ("TECHNO", "VARI", "DAM", "VRT")  # what CYCLE84 may say of itself as 0
+
+
+class Boring(Drilling):
+    """A call with its values."""
+
+    @staticmethod
+    def words(name: str) -> str:
+        return NAMES[name]
+
+    def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
+        axis = self.axis(tracker)
+        self._check(axis)
+        level, bottom = self._levels()
+        to = self._to(tracker, axis)
+        found = {
+            "CYCLE84": self._tap,
+            "CYCLE86": self._lift,
+            "CYCLE87": self._by_hand,
+            "CYCLE88": self._by_hand,
+            "CYCLE89": self._bore,
+        }[self.name](tracker, axis, to, level, bottom)
+        lines = [b"G0 " + to(level), *found]
+        if self.name == "CYCLE84":
+            lines.append(self._again(speed))
+        code = tracker.code("motion")
+        return [*lines, b"G%d" % (code // 10)] if code > 0 else lines
+
+    def _wait(self) -> list[bytes]:
+        return [self._dwell(self.given["DTB"])] if self.given.get("DTB") else []
+
+    def _turn(self, word: str) -> list[bytes]:
+        """The spindle's direction, where a value says it."""
+        value = self.given.get(word, 0.0)
+        if value not in (0, 3, 4, 5):
+            raise Refusal(
+                f"{self.name} turns the spindle by {word} = {value:g}",
+                "3, 4 or 5: as M3, M4 and M5",
+            )
+        return [b"M%d" % value] if value else []
+
+    def _tap(self, tracker: Tracker, axis: str, to: To, level: float, bottom: float) -> list[bytes]:
+        g = self.given
+        if any(g.get(word) for word in IDLE) or g.get("PITA", 0) not in (0, 1 - tracker.inch):
+            raise self._odd()
+        lead = g.get("PIT") or 0.0
+        if g.get("MPIT"):
+            size = abs(g["MPIT"])
+            if size not in COARSE or lead:
+                raise Refusal("MPIT of CYCLE84 is no metric thread alone", "write PIT, the lead")
+            lead = (
+                COARSE[int(size)] / (25.4 if tracker.inch else 1.0) * (1 if g["MPIT"] > 0 else -1)
+            )
+        if not lead or not g.get("SST"):
+            raise Refusal("CYCLE84 without PIT or SST", "write its lead and its speed")
+        pitch = f" {LEAD[axis]}{number(lead, 5)} S".encode()
+        into, out = (number(x, 3).encode() for x in (g["SST"], g.get("SST1") or g["SST"]))
+        return [
+            b"SPOS=" + number(g.get("POSS", 0.0), 3).encode(),
+            b"G331 " + to(bottom) + pitch + into,
+            *self._wait(),
+            b"G332 " + to(level) + pitch + out,
+            b"G0 " + to(g["RTP"]),
+        ]
+
+    def _again(self, speed: bytes) -> bytes:
+        """The spindle as it turned before, the way of SDAC."""
+        turn = self._turn("SDAC")
+        if not turn:
+            raise Refusal("CYCLE84 without SDAC", "write 3, 4 or 5: how the spindle turns then")
+        if not speed and turn != [b"M5"]:
+            raise Refusal("no S is in force behind CYCLE84", "write S before it")
+        return turn[0] if turn == [b"M5"] else b"S" + speed + b" " + turn[0]
+
+    def _lift(
+        self, tracker: Tracker, axis: str, to: To, level: float, bottom: float
+    ) -> list[bytes]:
+        g, turn = self.given, self._turn("SDIR")
+        sides = [(x, g.get(word, 0.0)) for x, word in zip(PLANE[axis], ("RPA", "RPO"), strict=True)]
+        by = [(x, value) for x, value in [*sides, (axis, g.get("RPAP", 0.0))] if value]
+        off = b"".join(b" %s=IC(%s)" % (x.encode(), self._text(tracker, x, v)) for x, v in by)
+        back = b"".join(
+            b" %s=IC(%s)" % (x.encode(), self._text(tracker, x, -v)) for x, v in by if x != axis
+        )
+        return [
+            *turn,
+            b"G1 " + to(bottom),
+            *self._wait(),
+            b"SPOS=" + number(g.get("POSS", 0.0), 3).encode(),
+            *([b"G0" + off] if off else []),
+            b"G0 " + to(level),
+            b"G0" + back + b" " + to(g["RTP"]),
+        ]
+
+    def _by_hand(
+        self, tracker: Tracker, axis: str, to: To, level: float, bottom: float
+    ) -> list[bytes]:
+        turn = self._turn("SDIR")
+        return [
+            *turn,
+            b"G1 " + to(bottom),
+            *self._wait(),
+            b"M5",
+            b"M0",
+            b"G0 " + to(self.given["RTP"]),
+        ]
+
+    def _bore(
+        self, tracker: Tracker, axis: str, to: To, level: float, bottom: float
+    ) -> list[bytes]:
+        return [
+            b"G1 " + to(bottom),
+            *self._wait(),
+            b"G1 " + to(level),
+            b"G0 " + to(self.given["RTP"]),
+        ]
+
+    @staticmethod
+    def _text(tracker: Tracker, letter: str, value: float) -> bytes:
+        value *= 2 if tracker.is_diameter(letter) else 1
+        return number(value, tracker.decimals(letter)).encode()
