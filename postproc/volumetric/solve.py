@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from postproc.iso.chance import student
 from postproc.machine.chain import XYZ
 from postproc.volumetric import VolumetricError, stairs
-from postproc.volumetric.observations import Rows, angle_columns, nominal_tip, to_machine, unit_of
+from postproc.volumetric.rows import Rows, angle_columns, nominal_tip, to_machine, unit_of
 from postproc.volumetric.unknowns import Group, Unknowns
 
 FIRST = 1.0  # um or urad: of readings that state none, until their own scatter is known

@@ -15,7 +15,7 @@ from postproc.machine.tables import COMPONENTS
 from postproc.machine.write import axis_table, machine_toml
 from postproc.units import UM, URAD
 from postproc.volumetric.identify import sentences, untold
-from postproc.volumetric.observations import unit_of
+from postproc.volumetric.rows import unit_of
 from postproc.volumetric.solve import Fit, corners
 from postproc.volumetric.unknowns import Group
 

@@ -11,7 +11,8 @@ from postproc import cli
 from postproc.machine.file import read_machine
 from postproc.recordings import Recording
 from postproc.volumetric import solve, written
-from postproc.volumetric.observations import nominal_tip, rows_of
+from postproc.volumetric.observations import rows_of
+from postproc.volumetric.rows import nominal_tip
 from postproc.volumetric.unknowns import ANGLE, LENGTH, SQUARE, Unknowns, components
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -7,7 +7,8 @@ import pytest
 
 from postproc.recordings import contract
 from postproc.volumetric import VolumetricError, identify, solve, written
-from postproc.volumetric.observations import Rows, nominal_tip, rows_of
+from postproc.volumetric.observations import rows_of
+from postproc.volumetric.rows import Rows, nominal_tip
 from postproc.volumetric.unknowns import Unknowns
 from tests.volumetric.readings import MILL, ROOT, drawn, fit_of, gcomp, lengths, unknowns
 

@@ -13,7 +13,8 @@ from postproc.machine.file import read_machine
 from postproc.machine.poses import slides_at, tips
 from postproc.recordings import Recording, contract
 from postproc.volumetric import identify, solve, written
-from postproc.volumetric.observations import Rows, rows_of
+from postproc.volumetric.observations import rows_of
+from postproc.volumetric.rows import Rows
 from postproc.volumetric.unknowns import Unknowns, locations
 from tests.api import schemas
 from tests.volumetric.readings import FIVE, NONE, ROOT, gcomp
@@ -101,7 +102,7 @@ def test_an_r_test_tells_the_same():
     for place in ((120.0, 30.0, -330.0), (-40.0, 90.0, -300.0)):
         q = slides_at(FIVE, np.repeat(np.array(place)[:, None], 60, axis=1), poses(60, rng))
         off = FIVE.carried(q, 0 * q)[0]
-        from postproc.volumetric.observations import to_machine
+        from postproc.volumetric.rows import to_machine
 
         read = (
             np.einsum("ijn,jn->in", to_machine(FIVE, q), off)
