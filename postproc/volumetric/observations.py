@@ -170,8 +170,8 @@ def _said(recording: Recording, which: np.ndarray) -> np.ndarray | None:
 
 
 def _station(said: np.ndarray | None, value: np.ndarray, nominal: np.ndarray) -> np.ndarray:
-    """(4,) mm: place and dead path of a station: as said, else of the circle through the lengths
-    (squares are linear in it)."""
+    """(4,) mm: place and dead path of a station: as said, else by least squares over the lengths,
+    begun on every side of the points until one end fits."""
     if said is not None:
         return np.append(
             said, float((value - np.linalg.norm(nominal - said[:, None], axis=0)).mean())
