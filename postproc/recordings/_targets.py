@@ -1,7 +1,7 @@
-"""From a table of readings to a recording of kind `targets`: what was measured, in which direction,
-in which unit, when.
+"""From a table of readings to a recording of kind `targets`: in which direction each was taken, in
+which order, and where the other axes stood.
 
-What the instrument did not write down is asked for, or taken and said.
+What the instrument did not write down is taken and said.
 """
 
 from __future__ import annotations
@@ -17,30 +17,11 @@ from postproc.errors import Place, UsageError
 from postproc.recordings import AXES, Fault, ReadingOptions, Recording, RecordingError, Source
 from postproc.recordings import _split as split
 from postproc.recordings import _units as units
-from postproc.recordings._units import ANGLE, LENGTH, Unit
+from postproc.recordings._components import LINEAR, Component
+from postproc.recordings._units import LENGTH, Unit
 
-LINEAR, ROTARY = "XYZ", "ABC"
-TURNS = dict(zip(ROTARY, LINEAR, strict=True))
-COMPONENT = re.compile(r"E([XYZABC])([XYZABC])")
 FARTHEST = 1e6  # mm or degrees: no axis reaches that far
 LARGEST = 1e9  # um or urad
-QUANTITY_OF = {"displacement": LENGTH, "straightness": LENGTH, "angle": ANGLE}
-
-
-@dataclass(frozen=True)
-class Component:
-    """What was measured: EXZ is the deviation along X while Z moves; EBZ the rotation about Y.
-    Names of ISO 230-1."""
-
-    name: str
-    axis: str
-    quantity: str
-    sensitive: dict[str, float]
-
-    @property
-    def position(self) -> str:
-        """The column of the axis' position."""
-        return f"{self.axis}_{'mm' if self.axis in LINEAR else 'deg'}"
 
 
 @dataclass
@@ -59,158 +40,6 @@ class Readings:
     sign: Sequence[int] = ()
     columns: Mapping[str, Sequence[float]] = field(default_factory=dict)
     t: Sequence[float] | None = None
-
-
-def component_of(
-    options: ReadingOptions, source: Source, axis: str = "", quantity: str = "", where: int = 1
-) -> Component:
-    """What was measured, from the options and from what the file says of axis and quantity (as far
-    as it does).
-
-    Raises UsageError where options contradict each other or name no component; RecordingError with
-    the option that is missing where it stays open.
-    """
-    axis_told = options.axis.strip().upper()
-    if axis_told and (len(axis_told) != 1 or axis_told not in AXES):
-        raise UsageError(f"--axis {options.axis} is no axis letter", f"one of {' '.join(AXES)}")
-    if options.component:
-        component = parsed(options.component)
-        if axis_told and axis_told != component.axis:
-            raise UsageError(
-                f"--axis {axis_told} and --component {component.name} contradict each other",
-                f"{component.name} belongs to the axis {component.axis}",
-            )
-        if quantity and component.quantity != quantity:
-            raise UsageError(
-                f"{component.name} is {article(component.quantity)}, and {source.name} holds"
-                f" {article(quantity)}"
-            )
-        return component
-    axis = axis_told or axis
-    place = Place(source.name, where)
-    if not axis:
-        raise RecordingError(
-            "the file does not say which axis moved",
-            "say --axis Z, or what was measured, like --component EXZ",
-            place,
-        )
-    if quantity == "displacement" or (quantity == "angle" and axis in ROTARY):
-        return parsed(f"E{axis}{axis}")
-    if quantity == "straightness":
-        may = [f"E{d}{axis}" for d in LINEAR if d != axis]
-    elif quantity == "angle":
-        may = [f"E{d}{axis}" for d in ROTARY]
-    else:
-        may = [f"E{d}{axis}" for d in LINEAR + ROTARY]
-    what = {
-        "straightness": "in which direction the straightness of",
-        "angle": "about which axis the rotation of",
-    }.get(quantity, "what of")
-    raise RecordingError(
-        f"the file does not say {what} {axis} was measured",
-        f"say --component {' or '.join(may)}",
-        place,
-    )
-
-
-def positioning(
-    options: ReadingOptions,
-    source: Source,
-    axis: str,
-    said: Unit | None,
-    where: int,
-    notices: list[str],
-) -> Component:
-    """What a table measured that names its axis at most: what --component says, or else the
-    positioning of the axis.
-
-    said: the unit in the file; angles of a linear axis can not be its positioning. Raises as
-    `component_of`.
-    """
-    if options.component:
-        return component_of(options, source, axis, "", where)
-    unit = units.named(options.unit) if options.unit else said
-    quantity = "angle" if unit is not None and unit.quantity == ANGLE else "displacement"
-    component = component_of(options, source, axis, quantity, where)
-    notices.append(
-        f"taken as {component.name}, the positioning of {component.axis} (--component where it was"
-        " straightness or an angle)"
-    )
-    return component
-
-
-def parsed(name: str) -> Component:
-    """A component by its name in ISO 230-1. Raises UsageError for a name that is none."""
-    found = COMPONENT.fullmatch(name.strip().upper())
-    if found is None:
-        raise UsageError(
-            f"{name!r} is no component that is recorded at targets",
-            "E, then the direction X Y Z or rotation A B C, then the axis that moves: EZZ,"
-            " EXZ, EBZ",
-        )
-    direction, axis = found[1], found[2]
-    if direction in ROTARY:
-        return Component(found[0], axis, "angle", {TURNS[direction]: 1.0})
-    return Component(
-        found[0], axis, "displacement" if direction == axis else "straightness", {direction: 1.0}
-    )
-
-
-def article(quantity: str) -> str:
-    """The quantity as a noun."""
-    return {
-        "displacement": "a displacement",
-        "straightness": "a straightness",
-        "angle": "an angle",
-    }[quantity]
-
-
-def axis_in(text: str) -> str:
-    """The one axis letter that stands alone in a free text ("Z", "X-axis", "Achse Y"), or
-    nothing."""
-    found = {
-        m.upper() for m in re.findall(r"(?<![A-Za-z])([XYZABCxyzabc])(?:[0-9])?(?![A-Za-z])", text)
-    }
-    return found.pop() if len(found) == 1 else ""
-
-
-def unit_for(
-    options: ReadingOptions,
-    source: Source,
-    component: Component,
-    said: Unit | None = None,
-    where: int = 1,
-) -> Unit:
-    """The unit of the readings: what the file says, or the options do.
-
-    Raises RecordingError where neither does, and UsageError where they differ, or where it is not
-    one of this component.
-    """
-    kind = QUANTITY_OF[component.quantity]
-    told = units.named(options.unit) if options.unit else None
-    if told and said and told.factor != said.factor:
-        raise UsageError(
-            f"{source.name} says that its readings are in {said.name}, and --unit says {told.name}",
-            "leave --unit out, or mend the file where it is wrong",
-        )
-    unit = told or said
-    if unit is None:
-        some = "um, mm" if kind == LENGTH else "urad, mm/m, arcsec"
-        raise RecordingError(
-            "the file does not say in which unit its readings are",
-            f"say it: --unit with one of {some}",
-            Place(source.name, where),
-        )
-    if unit.quantity != kind:
-        what = article(component.quantity)
-        text = (
-            f"{component.name} is {what}, and {unit.name} is a unit of"
-            f" {'angles' if unit.quantity == ANGLE else 'lengths'}"
-        )
-        if told:
-            raise UsageError(text, "another --unit, or another --component")
-        raise RecordingError(text, "say what was measured: --component", Place(source.name, where))
-    return unit
 
 
 def signs(

@@ -12,6 +12,7 @@ import re
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _components as components
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
@@ -34,7 +35,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     there are several."""
     rows, table_notices = _rows(source, options)
     there = _components(rows)
-    wanted = targets.parsed(options.component).name if options.component else ""
+    wanted = components.parsed(options.component).name if options.component else ""
     if wanted and wanted not in there:
         raise UsageError(f"{source.name} holds no {wanted}", f"it holds {', '.join(there)}")
     if not wanted and len(there) > 1:
@@ -115,7 +116,7 @@ def _row(
     if n != wanted:
         raise ValueError(f"{n} cells under {wanted} columns")
     try:
-        component = targets.parsed(row["component"])
+        component = components.parsed(row["component"])
     except UsageError as error:
         raise ValueError(error.message) from None
     if row["axis"].strip().upper() != component.axis:
@@ -138,9 +139,9 @@ def _row(
     unit = units.unit_of(row["unit"]) if row["unit"] else None
     if row["unit"] and unit is None:
         raise ValueError(f"{row['unit']!r} is no unit of readings: {', '.join(units.UNITS)}")
-    if unit and unit.quantity != targets.QUANTITY_OF[component.quantity]:
+    if unit and unit.quantity != components.QUANTITY_OF[component.quantity]:
         raise ValueError(
-            f"{component.name} is {targets.article(component.quantity)}, and its unit here is"
+            f"{component.name} is {components.article(component.quantity)}, and its unit here is"
             f" {unit.name}"
         )
     sign = way[0] * (options.first or 1) if way[1] else way[0]
@@ -158,7 +159,7 @@ def _row(
 def _one(
     source: Source, options: ReadingOptions, name: str, every: list[dict], table_notices: list[str]
 ) -> Recording:
-    component = targets.parsed(name)
+    component = components.parsed(name)
     notices = list(table_notices)
     faults = [row["fault"] for row in every if "fault" in row and row["component"] in ("", name)]
     rows = [row for row in every if "fault" not in row and row["component"] == name]
@@ -176,7 +177,7 @@ def _one(
             f"{name} is in {' and in '.join(said)}", "one unit for all readings of a component",
             Place(source.name, list(said.values())[1]["line"]),
         )  # fmt: skip
-    unit = targets.unit_for(
+    unit = components.unit_for(
         options,
         source,
         component,
@@ -214,7 +215,7 @@ def _one(
     )
 
 
-def _same(source: Source, component: targets.Component, rows: list[dict], key: str) -> bool:
+def _same(source: Source, component: components.Component, rows: list[dict], key: str) -> bool:
     """The place of the axis that moved must be its target."""
     for row in rows:
         if abs(row[key] - row["target"]) > 1e-6:

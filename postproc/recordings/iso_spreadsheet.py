@@ -14,6 +14,7 @@ from dataclasses import replace
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source, _sheet
+from postproc.recordings import _components as components
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
@@ -87,9 +88,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     runs, relative = _runs(source, sheet, options)
     start = options.first or 1
     said = _sheet.reading_unit(source, sheet)
-    axis = targets.axis_in(_sheet.value_of(sheet.before, "axis", "achse"))
-    component = targets.positioning(options, source, axis, said, sheet.line, notices)
-    unit = targets.unit_for(options, source, component, said, sheet.line)
+    axis = components.axis_in(_sheet.value_of(sheet.before, "axis", "achse"))
+    component = components.positioning(options, source, axis, said, sheet.line, notices)
+    unit = components.unit_for(options, source, component, said, sheet.line)
     scale = _sheet.position_factor(
         source, sheet.headings[sheet.target], sheet.line, options, component.axis in "ABC", notices
     )
@@ -152,9 +153,9 @@ def _read_long(source, options, table, columns, notices) -> Recording:
     before = _sheet.pairs(table.rows[:top])
     if said is None:
         said = units.unit_of(_sheet.value_of(before, "unit", "units", "einheit"))
-    axis = targets.axis_in(_sheet.value_of(before, "axis", "achse"))
-    component = targets.positioning(options, source, axis, said, line, notices)
-    unit = targets.unit_for(options, source, component, said, line)
+    axis = components.axis_in(_sheet.value_of(before, "axis", "achse"))
+    component = components.positioning(options, source, axis, said, line, notices)
+    unit = components.unit_for(options, source, component, said, line)
     scale = _sheet.position_factor(
         source, headings[at["target"]], line, options, component.axis in "ABC", notices
     )

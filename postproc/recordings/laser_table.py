@@ -15,6 +15,7 @@ import numpy as np
 
 from postproc.errors import Place
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source, _sheet
+from postproc.recordings import _components as components
 from postproc.recordings import _environment as environment
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
@@ -65,11 +66,11 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     sheet, table = _table(source, lines, top, weather, options, notices)
     before = _keys(lines[:top])
     said = _unit(source, sheet, lines, top)
-    axis = targets.axis_in(before.get("axis", "")) or targets.axis_in(
+    axis = components.axis_in(before.get("axis", "")) or components.axis_in(
         next(iter(re.findall(r"\b([XYZABC])[ -]axis", before.get("comments", ""), re.I)), "")
     )
-    component = targets.positioning(options, source, axis, said, sheet.line, notices)
-    unit = targets.unit_for(options, source, component, said, sheet.line)
+    component = components.positioning(options, source, axis, said, sheet.line, notices)
+    unit = components.unit_for(options, source, component, said, sheet.line)
     scale = _sheet.position_factor(
         source, sheet.headings[0], sheet.line, options, component.axis in "ABC", notices
     )

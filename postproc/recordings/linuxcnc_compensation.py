@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _components as components
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
@@ -54,7 +55,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             f"say --set type=0 or --set type=1 ({hint})",
             first,
         )
-    component = targets.component_of(options, source, _axis(source), "displacement")
+    component = components.component_of(options, source, _axis(source), "displacement")
     if component.axis not in "XYZ":
         raise UsageError(f"{component.axis} is a rotary axis", "COMP_FILE is read for X, Y and Z")
     if not options.unit:

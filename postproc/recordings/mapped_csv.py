@@ -16,6 +16,7 @@ from dataclasses import replace
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source, _sheet
+from postproc.recordings import _components as components
 from postproc.recordings import _mapped_kinds as kinds
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
@@ -167,7 +168,7 @@ def _targets(source, options, table, top, at, notices) -> Recording:
             "leave run and direction out of the mapping",
         )
     moving = (
-        options.component and targets.parsed(options.component).axis
+        options.component and components.parsed(options.component).axis
     ) or options.axis.strip().upper()
     letters = [letter for letter, _ in positions.values()]
     if moving and moving not in letters:
@@ -181,8 +182,8 @@ def _targets(source, options, table, top, at, notices) -> Recording:
         )
     said = _unit({w[2] for w in ways.values() if w[2]} | {v[1] for v in values.values() if v[1]})
     where = table.rows[top - 1][0] if top else 1
-    component = targets.positioning(options, source, moving or letters[0], said, where, notices)
-    unit = targets.unit_for(options, source, component, said, where)
+    component = components.positioning(options, source, moving or letters[0], said, where, notices)
+    unit = components.unit_for(options, source, component, said, where)
     factors = {n: MM_PER_INCH if u.startswith("in") else 1.0 for n, (_, u) in positions.items()}
     own = next(n for n, (letter, _) in positions.items() if letter == component.axis)
     rows, faults, relative = _rows(source, options, table, top, at, list(ways or values), notices)

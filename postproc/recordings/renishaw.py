@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 
 from postproc.errors import Place
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.recordings import _components as components
 from postproc.recordings import _environment as environment
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
@@ -78,10 +79,10 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     _missing(found, rows, len(places), runs, faults, notices)
 
     quantity = _quantity(source, found, options)
-    component = targets.component_of(
+    component = components.component_of(
         options,
         source,
-        targets.axis_in(found.key("USER-TEXT", "axis")),
+        components.axis_in(found.key("USER-TEXT", "axis")),
         quantity,
         found.line("USER-TEXT"),
     )
@@ -92,7 +93,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             f"the unit is not in the file: taken as {said.name}, as other readers of this format do"
             " (--unit)"
         )
-    unit = targets.unit_for(options, source, component, said, found.line("DEVIATIONS"))
+    unit = components.unit_for(options, source, component, said, found.line("DEVIATIONS"))
     columns, noted, more = environment.taken(found.environment)
     flags = " ".join(found.key("TARGET DATA", "flags").split())
     if options.bidirectional is None and FLAGS.get(flags) is False and runs != 1:

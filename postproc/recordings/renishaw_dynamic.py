@@ -15,7 +15,7 @@ import numpy as np
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
-from postproc.recordings import _targets as targets
+from postproc.recordings import _components as components
 from postproc.recordings import _units as units
 from postproc.units import UM
 
@@ -72,7 +72,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     if len(samples) < 2:
         raise RecordingError(f"there are {len(samples)} samples", "two at least make a motion", at)
     rate = _rate(source, keys)
-    axis = options.axis.strip().upper() or targets.axis_in(keys.get("axis", ("", 0))[0])
+    axis = options.axis.strip().upper() or components.axis_in(keys.get("axis", ("", 0))[0])
     if axis not in ("X", "Y", "Z"):
         if options.axis:
             raise UsageError(

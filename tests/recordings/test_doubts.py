@@ -10,8 +10,8 @@ import pytest
 from pytest import approx
 
 from postproc.errors import UsageError
+from postproc.recordings import _components as components
 from postproc.recordings import _split as split
-from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
 from tests.recordings import samples
@@ -175,14 +175,14 @@ def test_the_doubt_reaches_the_reader():
     ],
 )
 def test_components_by_their_names(name, axis, quantity, sensitive):
-    found = targets.parsed(name)
+    found = components.parsed(name)
     assert (found.axis, found.quantity, found.sensitive) == (axis, quantity, sensitive)
 
 
 @pytest.mark.parametrize("name", ["B0Z", "EZ", "dzz", "EZZZ", ""])
 def test_other_names_are_refused(name):
     with pytest.raises(UsageError, match="no component"):
-        targets.parsed(name)
+        components.parsed(name)
 
 
 @pytest.mark.parametrize(
@@ -198,7 +198,7 @@ def test_other_names_are_refused(name):
     ],
 )
 def test_axis_letters_in_free_text(words, axis):
-    assert targets.axis_in(words) == axis
+    assert components.axis_in(words) == axis
 
 
 @pytest.mark.parametrize(
