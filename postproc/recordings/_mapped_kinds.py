@@ -14,6 +14,7 @@ from postproc.errors import Place, UsageError
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source, contract
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
+from postproc.recordings._columns import TEXTS
 
 SENSE = {"ccw": 1.0, "cw": -1.0}
 
@@ -51,7 +52,7 @@ def read(
         )
 
     contract.check_head({**head, "kind": kind}, fault)
-    words = contract.TEXTS if kind == "features" else set()
+    words = TEXTS if kind == "features" else set()
     columns: dict[str, list] = {name: [] for name in at}
     lines: list[int] = []
     for line, cells in table.rows[top:]:
