@@ -30,6 +30,8 @@ HELPERS = (
     "export_options",
     "machine_facts",
     "machine_new",
+    "machine_questions",
+    "machine_values",
     "port_options",
     "reading",
     "reading_options",

@@ -1,23 +1,20 @@
-"""`gcomp machines new`: asks what it must know of a machine, or takes it as options, and writes its
-folder."""
+"""`gcomp machines new`: a machine's folder from its options, and from answers where somebody sits
+at the keyboard."""
 
 from __future__ import annotations
 
 import argparse
 import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from postproc.calibrate import CalibrationError, circles, first, square
-from postproc.commands import values
+from postproc.calibrate import circles, first, square
+from postproc.commands import machine_questions, machine_values, values
 from postproc.commands.recording_files import read_files
 from postproc.errors import UsageError
 from postproc.machine import chain as chains
-from postproc.machine.chain import XYZ
 from postproc.nc import dialects
 from postproc.recordings import ReadingOptions, Recording
 from postproc.units import URAD
@@ -37,7 +34,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     values.repeated(
         new,
         "--travel",
-        type=travel,
+        type=machine_values.travel,
         metavar="X=0,400",
         help="where an axis can be",
     )
@@ -51,7 +48,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     values.repeated(
         new,
         "--diagonals",
-        type=diagonals,
+        type=machine_values.diagonals,
         metavar="XY=565.9,565.4,400,400",
         help=(
             "of a rectangle that the machine made: rising (low to high in both axes), falling, side"
@@ -61,7 +58,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     values.repeated(
         new,
         "--drift",
-        type=drift,
+        type=machine_values.drift,
         metavar="X/Y=0.05,300",
         help="along a square: X drifts by +0.05 while Y goes +300",
     )
@@ -74,21 +71,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     values.repeated(
         new,
         "--squareness",
-        type=angle,
+        type=machine_values.angle,
         metavar="C0Y=120",
         help="urad, where it is known",
     )
     values.repeated(
         new,
         "--backlash",
-        type=length_of,
+        type=machine_values.length_of,
         metavar="X=0.05",
         help="lost motion by a dial gauge",
     )
     values.repeated(
         new,
         "--scale",
-        type=scale,
+        type=machine_values.scale,
         metavar="X=300,300.2",
         help="commanded way and measured way",
     )
@@ -128,7 +125,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     """The folder and its files. Raises UsageError naming what is missing."""
     if sys.stdin is not None and sys.stdin.isatty():
-        _ask(options)
+        machine_questions.asked(options)
     if not options.name:
         raise UsageError("how is the machine called?", "gcomp machines new NAME --kind router ...")
     kind = first.KINDS.get(options.kind or "")
@@ -246,170 +243,3 @@ def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, floa
             )
         pairs[pair], found[name] = how, (value, how, u_of(options))
     return found
-
-
-# -- words -----------------------------------------------------------------------------------------
-
-
-def _parts(text: str, like: str, n: int) -> tuple[str, list[float]]:
-    name, _, rest = text.strip().partition("=")
-    try:
-        numbers = [float(part) for part in rest.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) != n or not all(abs(v) < 1e6 for v in numbers):
-        raise argparse.ArgumentTypeError(f"{text!r} is not like {like}")
-    return name.strip().upper(), numbers
-
-
-def _axis(name: str, text: str) -> str:
-    if name not in (*XYZ, "A", "B", "C"):
-        raise argparse.ArgumentTypeError(f"{text!r}: {name!r} is no axis")
-    return name
-
-
-def travel(text: str) -> tuple[str, tuple[float, float]]:
-    name, (low, high) = _parts(text, "X=0,400", 2)
-    if low >= high:
-        raise argparse.ArgumentTypeError(f"{text!r}: the lower end comes first, X=0,400")
-    return _axis(name, text), (low, high)
-
-
-def length_of(text: str) -> tuple[str, float]:
-    name, (size,) = _parts(text, "X=0.05", 1)
-    if not -1 <= size <= 2:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is {size:g} mm of lost motion: mm are wanted, X=0.05 is 50 um"
-        )
-    return _axis(name, text), size
-
-
-def scale(text: str) -> tuple[str, tuple[float, float]]:
-    name, (commanded, measured) = _parts(text, "X=300,300.2", 2)
-    if commanded <= 0 or measured <= 0:
-        raise argparse.ArgumentTypeError(f"{text!r}: both ways are above zero, X=300,300.2")
-    return _axis(name, text), (commanded, measured)
-
-
-Known = Callable[[argparse.Namespace], float | None]  # rad, by what the options say of lengths
-
-
-def angle(text: str) -> tuple[str, float, str, Known]:
-    name, (value,) = _parts(text, "C0Y=120", 1)
-    if name not in square.NAMES:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: {name!r} is not one of {', '.join(square.NAMES)}"
-        )
-    return name, value * URAD, "stated", lambda options: None
-
-
-def drift(text: str) -> tuple[str, float, str, Known]:
-    names, (size, way) = _parts(text, "X/Y=0.05,300", 2)
-    drifts, _, moving = names.partition("/")
-    if drifts not in tuple(XYZ) or moving not in tuple(XYZ) or drifts == moving or not way:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not like X/Y=0.05,300: X drifts by +0.05 while Y goes +300"
-        )
-    name = first.name_of(moving, drifts)
-    return (
-        name,
-        first.from_drift(name, size, way),
-        f"along a square {drifts} drifts {size:+g} mm while {moving} goes {way:+g}",
-        lambda options: options.u_gauge * math.sqrt(2) / abs(way) if options.u_gauge else None,
-    )
-
-
-def diagonals(text: str) -> tuple[str, float, str, Known]:
-    pair, (rising, falling, a, b) = _parts(text, "XY=565.9,565.4,400,400", 4)
-    if pair not in ("XY", "YZ", "XZ") or min(rising, falling, a, b) <= 0:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not like XY=565.9,565.4,400,400 (XY, YZ or XZ, mm)"
-        )
-    name = first.name_of(pair[1], pair[0])
-    try:
-        value = first.from_diagonals(name, rising, falling, (a, b))
-    except CalibrationError as error:
-        raise argparse.ArgumentTypeError(f"{text!r}: {error.message}; {error.advice}") from None
-    how = f"diagonals {rising:g} and {falling:g} mm of a rectangle {a:g} by {b:g}"
-
-    def known(options: argparse.Namespace) -> float | None:
-        return (
-            first.u_of_diagonals(rising, falling, (a, b), options.u_length)
-            if options.u_length
-            else None
-        )
-
-    return name, value, how, known
-
-
-# -- questions -------------------------------------------------------------------------------------
-
-
-def _ask(options: argparse.Namespace) -> None:
-    """Fills in what the options leave open, one question each; an empty answer leaves it out."""
-    if not options.name:
-        options.name = _answer("name of the machine (a folder's name): ", str, needed=True)
-    if not options.kind and not options.chain:
-        for name, one in first.KINDS.items():
-            print(f"  {name:<8} {one.title}")
-        options.kind = _answer("kind: ", _kind, needed=True)
-    kind = first.KINDS.get(options.kind or "")
-    if not options.control:
-        usual = kind.control if kind else ""
-        options.control = (
-            _answer(f"control, one of {', '.join(dialects.names())} [{usual}]: ", _control) or usual
-        )
-    said = options.chain or (kind.chain if kind else "")
-    letters = sorted(x for x in said if x in XYZ)
-    reach = dict(options.travel)
-    for x in [x for x in letters if x not in reach]:
-        options.travel.append(
-            _answer(f"travel of {x} from,to in mm, like 0,400: ", _of(x, travel), needed=True)
-        )
-    if not (options.squareness or options.drift or options.diagonals):
-        for a, b in [(a, b) for i, a in enumerate(letters) for b in letters[i + 1 :]]:
-            text = (
-                f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty:"
-                " not measured): "
-            )
-            options.diagonals += filter(None, [_answer(text, _of(a + b, diagonals))])
-    if not options.backlash:
-        for x in letters:
-            text = f"lost motion of {x} by a dial gauge, mm (empty: not measured): "
-            options.backlash += filter(None, [_answer(text, _of(x, length_of))])
-
-
-def _kind(text: str) -> str:
-    if text not in first.KINDS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not one of {', '.join(first.KINDS)}")
-    return text
-
-
-def _control(text: str) -> str:
-    try:
-        return dialects.load(text).name
-    except UsageError as error:
-        raise argparse.ArgumentTypeError(error.message) from None
-
-
-def _of(name: str, read: Callable[[str], Any]) -> Callable[[str], Any]:
-    """A reader of an answer, of the option's text NAME=ANSWER."""
-    return lambda text: read(f"{name}={text}")
-
-
-def _answer(question: str, read: Callable[[str], Any], needed: bool = False) -> Any:
-    while True:
-        try:
-            text = input(question).strip()
-        except EOFError:
-            raise UsageError(
-                "the questions were not answered to the end",
-                "gcomp machines new --help lists the options",
-            ) from None
-        if not text and not needed:
-            return None
-        try:
-            if text:
-                return read(text)
-        except argparse.ArgumentTypeError as error:
-            print(f"  {error}")
