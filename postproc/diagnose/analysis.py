@@ -17,6 +17,7 @@ from postproc.diagnose import (
     drive,
     findings,
     held_out,
+    isolated,
     judge,
     library,
     locate,
@@ -192,7 +193,7 @@ def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, fl
     sigma = np.empty(len(rows))
     for unit in units:
         sigma[unit.rows] = unit.r
-    lone, off = noise.isolated(rows, rows.residual, sigma)
+    lone, off = isolated.isolated(rows, rows.residual, sigma)
     faults = [
         (int(rows.file[k]), int(rows.line[k]), "outlier", float(off[k]))
         for k in np.flatnonzero(lone >= DROPPED)
