@@ -69,7 +69,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from postproc import recordings as formats
-    from postproc.diagnose import report
+    from postproc.diagnose import machine_effects, report
     from postproc.diagnose.analysis import Options, diagnose
     from postproc.simulate.program import without_errors
 
@@ -110,10 +110,12 @@ def run(options: argparse.Namespace) -> int:
             places.folder_of(options.machine),
             Path(options.write_machine),
             options.force,
-            report.effects_toml(found, Path(options.write_machine).name, tuple(options.accept)),
+            machine_effects.effects_toml(
+                found, Path(options.write_machine).name, tuple(options.accept)
+            ),
         )
         if not options.quiet:
-            for text in report.not_told_apart(found, tuple(options.accept)):
+            for text in machine_effects.not_told_apart(found, tuple(options.accept)):
                 print(f"gcomp: {text}", file=sys.stderr)
         if found.unknown:
             _write(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.diagnose import prose, report, words
+from postproc.diagnose import machine_effects, prose, words
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.summary import fit_of, next_test
 from postproc.pages import charts, findings, left
@@ -145,7 +145,7 @@ def _written(made: Page, d: Diagnosis) -> None:
         )
     for figure in figures:
         made.figure(figure)
-    made.listing([f"{_upper(text)}." for text in report.not_told_apart(d)])
+    made.listing([f"{_upper(text)}." for text in machine_effects.not_told_apart(d)])
 
 
 def _others(made: Page, d: Diagnosis, drawn: list[int], rounds: list[charts.Figure]) -> None:

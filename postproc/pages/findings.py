@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.diagnose import report, words
+from postproc.diagnose import machine_effects, words
 from postproc.diagnose.answer import Diagnosis, floor
 from postproc.diagnose.summary import UM, middle, rms, scaled
 from postproc.machine.chain import LINEAR, XYZ
@@ -200,7 +200,7 @@ def places(machine: Machine, other: Machine, letter: str) -> tuple[np.ndarray, s
 def written(d: Diagnosis) -> list[charts.Figure]:
     """What the written machine would change: the map's deviation along each slide, the others in
     the middle, before and after."""
-    machine, other = d.machine, report.with_effects(d)
+    machine, other = d.machine, machine_effects.with_effects(d)
     figures = []
     middles = {
         x: (a.travel[0] + a.travel[1]) / 2 if x in LINEAR else 0.0 for x, a in machine.axes.items()
