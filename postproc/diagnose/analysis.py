@@ -30,10 +30,11 @@ from postproc.diagnose import (
     unobservable,
 )
 from postproc.diagnose.answer import Diagnosis
+from postproc.diagnose.assembly import of
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
-from postproc.diagnose.rows import Rows, of
+from postproc.diagnose.rows import Rows
 from postproc.diagnose.search import Found, Search
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError

@@ -11,7 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.diagnose.rows import XYZ, Rows, of
+from postproc.diagnose.assembly import of
+from postproc.diagnose.rows import Rows
+from postproc.diagnose.signals import XYZ
 from postproc.errors import Place
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError

@@ -1,9 +1,8 @@
-"""Recordings to rows: what was measured, what the machine's file predicts, and the state that every
-effect may look at.
+"""Rows: what was measured, what the machine's file predicts, and the state that every effect may
+look at.
 
-All rows of all recordings of an experiment stand in one table, in the order of files. A reading is
-the part of the tool's deviation along a direction, or of an axis' own scale; a feature of a part is
-the difference of two places.
+A reading is the part of the tool's deviation along a direction, or of an axis' own scale; a feature
+of a part is the difference of two places. assembly makes rows of recordings.
 """
 
 from __future__ import annotations
@@ -14,15 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
-from postproc.diagnose.signals import FAR, XYZ, signals_of
 from postproc.effects import State
-from postproc.machine.model import Machine
-from postproc.recordings import Recording, RecordingError
 
-APART = 20.0  # mm between two lines: nearer, a rotation of 10 urad differs by less than 0.2 um
 ENTERS = 0.2  # of a reading
-CELLS, FEWEST_CELLS = 24, 4  # of a travel; those in which lines lie apart
-NONE_ELSEWHERE = ("spindle_rpm", "part", "wall", "material", "bore")
 
 
 @dataclass(frozen=True)
@@ -110,283 +103,6 @@ def pick_state(state: State, which: np.ndarray) -> State:
     )
 
 
-def of(recordings: list[Recording], machine: Machine) -> Rows:
-    """All rows of an experiment. Raises RecordingError for an axis that the machine has not, or a
-    kind without rows."""
-    parts = []
-    signals: list[str] = []
-    for number, recording in enumerate(recordings):
-        for letter in recording.axes:
-            if letter not in machine.letters:
-                raise RecordingError(
-                    f"{recording.file} records {letter}, which is no axis of {machine.name}",
-                    f"its axes are {' '.join(machine.letters)}",
-                )
-        for name, columns in signals_of(recording, machine):
-            columns["file"] = np.full(len(columns["y"]), number)
-            columns["signal"] = np.full(len(columns["y"]), len(signals))
-            signals.append(name)
-            parts.append(columns)
-    if not parts:
-        raise RecordingError(
-            "there is nothing to compare in these recordings",
-            "targets, ballbar, trace or features are wanted",
-        )
-    return _joined(parts, machine, signals, recordings)
-
-
-def _joined(
-    parts: list[dict], machine: Machine, signals: list[str], recordings: list[Recording]
-) -> Rows:
-    letters = [x for x in machine.letters if x in XYZ]
-    n = sum(len(p["y"]) for p in parts)
-
-    def column(name: str, default: float = 0.0) -> np.ndarray:
-        return np.concatenate(
-            [np.broadcast_to(p.get(name, default), len(p["y"])).astype(float) for p in parts]
-        )
-
-    position = {x: column(f"{x} position") for x in letters}
-    approach = {x: column(f"{x} approach") for x in letters}
-    channels = sorted(
-        {name.removeprefix("channel ") for p in parts for name in p if name.startswith("channel ")}
-    )
-    state = State(
-        position=position,
-        approach=approach,
-        travel=_travels(machine, letters),
-        velocity={x: column(f"{x} velocity") for x in letters},
-        acceleration={x: column(f"{x} acceleration") for x in letters},
-        distance={x: column(f"{x} distance", FAR) for x in letters},
-        since={x: column(f"{x} since", FAR) for x in letters},
-        time=column("time"),
-        run=column("run"),
-        channels={c: column(f"channel {c}", np.nan) for c in channels},
-        angles={},
-        beam=column("beam"),
-        passage=_passages(parts),
-        file=column("file"),
-        width=column("width"),
-        inside=_inside(parts, letters),
-    )
-    state = replace(
-        state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state)
-    )
-    angles = {
-        x: a if (a := _angles(machine, x, state)) is not None else _recorded(parts, x, state)
-        for x in letters
-    }
-    state = replace(state, angles={x: a for x, a in angles.items() if a is not None and a.any()})
-    direction = np.concatenate([p["direction"] for p in parts])
-    state = replace(state, lines=_lines(parts, state, direction))
-    sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
-    rows = Rows(
-        column("y"),
-        np.zeros(n),
-        direction,
-        sees,
-        column("file").astype(int),
-        column("run").astype(int),
-        column("signal").astype(int),
-        column("line").astype(int),
-        state,
-        tuple(signals),
-        tuple(r.file for r in recordings),
-        tuple(r.kind for r in recordings),
-        (
-            {x: column(f"{x} other", np.nan) for x in letters}
-            if any(p["sees"] == "part" for p in parts)
-            else {}
-        ),
-        column("grain"),
-        column("rounding"),
-    )
-    return replace(rows, known=predicted(rows, machine))
-
-
-def _inside(parts: list[dict], letters: list[str]) -> dict[str, np.ndarray]:
-    """Axis, or "time", to (W, N): where, and when, the samples of each row were taken."""
-    most = max((len(p["inside"]["time"]) for p in parts if "inside" in p), default=0)
-    if most == 0:
-        return {}
-    result = {}
-    for name in ("time", *letters):
-        columns = []
-        for p in parts:
-            one = np.full((most, len(p["y"])), np.nan)
-            one[0] = p.get("time" if name == "time" else f"{name} position", 0.0)
-            own = p.get("inside", {}).get(name)
-            if own is not None:
-                one[: len(own)] = own
-            columns.append(one)
-        result[name] = np.concatenate(columns, axis=1)
-    return result
-
-
-def _paths(parts: list[dict], state: State) -> dict[str, np.ndarray]:
-    """Axis to (M, N) mm: the ways that its drive remembers; of rows without a path one turn, after
-    a long way."""
-    result = {}
-    for x in state.position:
-        most = max((p[f"{x} path"].shape[1] for p in parts if f"{x} path" in p), default=0)
-        if not most:
-            continue
-        ways = np.zeros((max(most, 2), len(state)))
-        ways[0], ways[1] = -FAR * state.approach[x], state.distance[x] * state.approach[x]
-        first = 0
-        for p in parts:
-            n = len(p["y"])
-            if f"{x} path" in p:
-                own = p[f"{x} path"].T
-                ways[:, first : first + n] = 0.0
-                ways[: len(own), first : first + n] = own
-            first += n
-        result[x] = ways
-    return result
-
-
-def _passages(parts: list[dict]) -> np.ndarray:
-    """(N,) number of each unbroken sampled motion, alike in all signals of a file; -1 at rest."""
-    result: list[int] = []
-    seen: dict[tuple[int, int], int] = {}
-    for p in parts:
-        for file, run, dense in zip(
-            p["file"],
-            np.broadcast_to(p["run"], len(p["y"])),
-            np.broadcast_to(p.get("dense", 0.0), len(p["y"])),
-            strict=True,
-        ):
-            result.append(seen.setdefault((int(file), int(run)), len(seen)) if dense else -1)
-    return np.array(result, float)
-
-
-def _travels(machine: Machine, letters: list[str]) -> dict[str, tuple[float, float]]:
-    """The range over which shapes are drawn: the travel, as for the compensator and the
-    simulator."""
-    return {x: machine.axes[x].travel for x in letters}
-
-
-def _filled(name: str, state: State) -> np.ndarray:
-    """A channel where it was not recorded: a temperature as it went from reading to reading, else
-    the mean, which tells nothing. A machine begins its day as warm as its room. A spindle of which
-    nobody says that it turned stood still, and what is no part has no walls."""
-    values, room = state.channels[name], state.channels.get("T_air_C")
-    known, timed = np.isfinite(values), _timed(state)
-    mean = known.any() and name not in NONE_ELSEWHERE
-    filled = np.where(known, values, values[known].mean() if mean else 0.0)
-    told = known & timed
-    if not name.startswith("T_") or not told.any():
-        return filled
-    order = np.argsort(state.time[told], kind="stable")
-    t, level = state.time[told][order], values[told][order]
-    if room is not None and (felt := np.isfinite(room) & timed).any():
-        first = np.flatnonzero(felt)[np.argmin(state.time[felt])]
-        if state.time[first] < t[0]:
-            t, level = np.append(state.time[first], t), np.append(room[first], level)
-    return np.where(timed & ~known, np.interp(state.time, t, level), filled)
-
-
-def _timed(state: State) -> np.ndarray:
-    """(N,) bool: rows of recordings whose times were recorded."""
-    files = [f for f in np.unique(state.file) if np.ptp(state.time[state.file == f]) > 0]
-    return np.isin(state.file, files)
-
-
-def _angles(machine: Machine, letter: str, state: State) -> np.ndarray | None:
-    table = machine.tables.get(letter)
-    if table is None or not any(row >= 3 for row in table.rows):
-        return None
-    parts = table.evaluate(state.position[letter], state.approach[letter])
-    return np.stack([np.zeros(len(state)) if v is None else v for v in parts[3:]])
-
-
-def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None:
-    """(3, N) rad: the rotations of an axis as this very experiment measured them, where the
-    machine's file has none; by the direction of approach where both were measured."""
-    result = np.zeros((3, len(state)))
-    for p in parts:
-        place = p.get(f"{letter} position")
-        if p["sees"] != "angle" or place is None or np.ptp(place) < 1e-3:
-            continue
-        k = int(np.abs(p["direction"][0]).argmax())
-        for side in (-1, 1):
-            own = p[f"{letter} approach"] == side
-            own = own if own.any() else np.ones(len(place), bool)
-            at, group = np.unique(np.round(place[own], 3), return_inverse=True)
-            value = np.bincount(group, p["y"][own] * p["direction"][own, k]) / np.bincount(group)
-            rows = (np.sign(state.approach[letter]) == side) | (
-                (state.approach[letter] == 0) & (side > 0)
-            )
-            result[k, rows] = np.interp(state.position[letter][rows], at, value)
-    return result if result.any() else None
-
-
-def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, str]:
-    """Axis to the axes that stood at two places, APART or more, while readings along it were taken
-    at rest at the same places."""
-    sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])
-    result: dict[str, str] = {}
-    for x in state.position:
-        own = (
-            np.isin(sees, ("laser", "tool"))
-            & (state.passage < 0)
-            & (np.abs(direction[:, XYZ.index(x)]) > ENTERS)
-        )
-        if not own.any():
-            continue
-        share = (state.share(x)[own] + 1) / 2
-        cell = np.clip((share * CELLS).astype(int), 0, CELLS - 1)
-        found = ""
-        for other, q in state.position.items():
-            # In one set-up: a beam that is aligned anew has an error of its own, which looks like
-            # that of another line.
-            apart = [
-                _apart(cell[state.file[own] == f], q[own][state.file[own] == f])
-                for f in np.unique(state.file[own])
-            ]
-            if other != x and any(apart):
-                found += other
-        if found:
-            result[x] = found
-    return result
-
-
-def _apart(cell: np.ndarray, place: np.ndarray) -> bool:
-    """Whether some readings in the same cells of one axis have places of another that lie APART."""
-    low, high = np.full(CELLS, np.inf), np.full(CELLS, -np.inf)
-    np.minimum.at(low, cell, place)
-    np.maximum.at(high, cell, place)
-    return bool(np.count_nonzero(high - low >= APART) >= FEWEST_CELLS)
-
-
-def predicted(rows: Rows, machine: Machine) -> np.ndarray:
-    """(N,) mm: what the machine's file says these readings are, apart from their zeros."""
-    from postproc.diagnose import library  # it builds on this module
-
-    result = np.zeros(len(rows))
-    tool = np.isin(rows.sees, ("laser", "tool")) | _turned(rows)
-    bare = replace(machine, effects=tuple(e for e in machine.effects if e.module is None))
-    if tool.any():
-        part = pick_state(rows.state, tool)
-        result[tool] = (deviation_at(bare, part) * rows.direction[tool].T).sum(axis=0)
-    part = (rows.sees == "part") & ~_turned(rows)
-    if part.any():
-        near, far = pick_state(rows.state, part), second_place(rows, part)
-        between = deviation_at(bare, near) - deviation_at(bare, far)
-        result[part] = (between * rows.direction[part].T).sum(axis=0)
-    # with their history: what a place alone decides is only what a program can correct
-    for term in machine.effects:
-        if term.module is not None and library.needed(rows, term.module, term.axis):
-            value, shape = term.module.coefficients(**term.parameters)
-            result += library.read(rows, term.module, term.axis, shape) @ value
-    for axis, angle in rows.state.angles.items():
-        if _angles(machine, axis, rows.state) is None:
-            continue  # they come from the very readings
-        turned = (rows.sees == "angle") & _moving(rows, axis)
-        result[turned] += (angle[:, turned] * rows.direction[turned].T).sum(axis=0)
-    return result
-
-
 def second_place(rows: Rows, which: np.ndarray) -> State:
     """The state at the other wall of features: its own place, reached from the other side."""
     there = pick_state(rows.state, which)
@@ -404,30 +120,8 @@ def second_place(rows: Rows, which: np.ndarray) -> State:
     )
 
 
-def _turned(rows: Rows) -> np.ndarray:
+def diameters(rows: Rows) -> np.ndarray:
     """(N,) bool: diameters of a lathe, whose place on the slide is known."""
     if not rows.other:
         return np.zeros(len(rows), bool)
     return (rows.sees == "part") & np.any([np.isnan(v) for v in rows.other.values()], axis=0)
-
-
-def _moving(rows: Rows, axis: str) -> np.ndarray:
-    """(N,) whether the axis moves in the row's signal."""
-    moves = np.zeros(len(rows), bool)
-    for signal in np.unique(rows.signal):
-        which = rows.signal == signal
-        moves[which] = np.ptp(rows.state.position[axis][which]) > 1e-6
-    return moves
-
-
-def deviation_at(machine: Machine, state: State) -> np.ndarray:
-    """(3, N) mm of the machine's model; axes that were not recorded stand at zero."""
-    n = len(state)
-    position = np.stack([state.position.get(x, np.zeros(n)) for x in machine.letters])
-    approach = np.stack([state.approach.get(x, np.zeros(n)) for x in machine.letters])
-    deviation = machine.deviation(position, approach)
-    result = np.zeros((3, n))
-    for i, x in enumerate(machine.letters):
-        if x in XYZ:
-            result[XYZ.index(x)] = deviation[i]
-    return result

@@ -20,7 +20,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from postproc.diagnose.locate import SIGNIFICANT, Place
-from postproc.diagnose.rows import XYZ, Rows
+from postproc.diagnose.rows import Rows
+from postproc.diagnose.signals import XYZ
 
 PARAMETERS = {
     "from_mm": "mm, the first target that departs",

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from postproc import effects, recordings
-from postproc.diagnose import library, rows
+from postproc.diagnose import assembly, library
 from postproc.diagnose.analysis import diagnose
 from postproc.effects import State, force_compliance, sag
 from postproc.machine.file import read_machine
@@ -51,7 +51,7 @@ def test_a_load_is_a_driver_as_a_force_is(column):
 
 
 def test_any_load_is_a_channel():
-    found = rows.of([recording("load_table_N")], MILL)
+    found = assembly.of([recording("load_table_N")], MILL)
     assert "load_table_N" in found.state.channels
     assert not library.needed(found, effects.load("force_compliance"), "X")
 

@@ -14,7 +14,7 @@ import pytest
 
 from postproc import effects, recordings
 from postproc.cli import main
-from postproc.diagnose import nuisances, rows
+from postproc.diagnose import assembly, nuisances
 from postproc.diagnose.signals import signals_of
 from postproc.effects import State
 from postproc.machine.file import read_machine
@@ -111,11 +111,11 @@ def test_a_screw_that_may_have_been_warm_is_offered_only_without_its_temperature
 def test_a_temperature_goes_from_reading_to_reading_and_begins_as_the_room():
     air = np.where(np.arange(12) < 6, 19.0, np.nan)
     screw = np.where(np.arange(12) < 6, np.nan, 25.0)
-    filled = rows._filled("T_screw_Z_C", state(T_air_C=air, T_screw_Z_C=screw))
+    filled = assembly._filled("T_screw_Z_C", state(T_air_C=air, T_screw_Z_C=screw))
     assert filled[0] == 19.0 and list(filled[6:]) == [25.0] * 6
     assert filled[3] == pytest.approx(19.0 + 6.0 * 1800.0 / 7140.0)
     untimed = replace(state(T_screw_Z_C=screw), time=np.zeros(12))
-    assert list(rows._filled("T_screw_Z_C", untimed)) == [25.0] * 12
+    assert list(assembly._filled("T_screw_Z_C", untimed)) == [25.0] * 12
 
 
 def changed(file: Path, wrong_ppm: float, ppm_h: float) -> None:
@@ -259,7 +259,7 @@ def test_the_map_errs_by_what_it_states(tmp_path):
 
     def terms() -> np.ndarray:
         machine = read_machine(folder)
-        return nuisances.of_map(rows.of(read, machine), machine)[0].columns
+        return nuisances.of_map(assembly.of(read, machine), machine)[0].columns
 
     (folder / "Z.csv").write_text("Z_mm,EXZ_um\n0,1\n200,1\n")
     text = (folder / "machine.toml").read_text()

@@ -10,7 +10,7 @@ import pytest
 
 from postproc import recordings
 from postproc.cli import main
-from postproc.diagnose import rows
+from postproc.diagnose import assembly
 from postproc.diagnose.analysis import diagnose
 from postproc.machine.file import read_machine
 
@@ -44,7 +44,7 @@ def test_the_test_that_is_for_windup_names_it(staircase):
 
 def test_there_was_no_time_to_overrun_a_step(staircase):
     """Out by 0.01 to 5 mm, back from afar."""
-    state = rows.of([staircase], MACHINE).state
+    state = assembly.of([staircase], MACHINE).state
     place, side, way = state.position["X"], state.approach["X"], state.distance["X"]
     out = np.flatnonzero((side[1:] != side[:-1]) & (np.abs(np.diff(place)) > 1e-6)) + 1
     step = np.abs(place[out] - place[out - 1])
@@ -69,7 +69,7 @@ def targets(feed: str, wait: float):
         last = place
         lines.append(f"1,{t},{place},{-1 if k in (3, 4) else 1},0.0{feed.partition('=')[2]}")
     read = recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))
-    return rows.of([read], MACHINE).state.distance["X"][[3, 5]] - 5.0
+    return assembly.of([read], MACHINE).state.distance["X"][[3, 5]] - 5.0
 
 
 def test_how_far_it_went_beyond_is_what_it_had_time_for():

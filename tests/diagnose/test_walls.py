@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from postproc import effects, recordings
-from postproc.diagnose import library, rows
+from postproc.diagnose import assembly, library
 from postproc.machine.file import read_machine
 
 MACHINES = Path(__file__).parents[2] / "machines"
@@ -33,7 +33,7 @@ def parts(machine, features: list[tuple[str, str, float]]):
         f"F{k},{kind},{axis},{size},{size},1,1" for k, (kind, axis, size) in enumerate(features)
     ]
     read = recordings.read(recordings.Source("parts.csv", "\n".join([*head, *lines, ""]).encode()))
-    return rows.of([read], machine)
+    return assembly.of([read], machine)
 
 
 def shown(readings, name: str, axis: str, **parameters: float) -> np.ndarray:
