@@ -22,10 +22,11 @@ ENTERS = 0.2  # of a reading
 class Rows:
     """N rows. y, known (N,) mm: measured, predicted by the machine's file; direction (N, 3): how
     the tool's deviation enters; sees: per row what kind of signal it is ("laser", "angle", "tool",
-    "scale", "part"); file, run, signal, line (N,);
-    state: of the rows; far: of the second place of a feature, None where there is none; grain (N,)
+    "scale", "part"); file, run, signal, line (N,); state: of the rows; signals, files, kinds:
+    names of signals and files, and of which kind each recording is; other: axis to mm (N,), the
+    second place of features, nan where it is not known, empty where no row is of a part; grain (N,)
     mm: what the noise of single samples leaves in an averaged row, 0 elsewhere; rounding (N,) mm:
-    what the log's own rounding gives. signals: names."""
+    what the log's own rounding gives."""
 
     y: np.ndarray
     known: np.ndarray
