@@ -32,6 +32,7 @@ from postproc.diagnose import (
 from postproc.diagnose.answer import Diagnosis
 from postproc.diagnose.assembly import of
 from postproc.diagnose.evidence import Evidence, Fit
+from postproc.diagnose.explained import scatter, shares
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows
@@ -94,8 +95,8 @@ def diagnose(
     options.told("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
-    said = evidence.explained(last)
-    alone = evidence.explained(evidence.learn((), None, steps=0)) | {"map": said["map"]}
+    said = shares(evidence, last)
+    alone = shares(evidence, evidence.learn((), None, steps=0)) | {"map": said["map"]}
     before, after = evidence.y - _fixed(alone), evidence.y - _fixed(said) - said["effects"]
     if held.any() and train.all():
         before[held], after[held] = _foretold(search, state, held)
@@ -140,7 +141,7 @@ def diagnose(
             *_leaning(rows, evidence, found),
         ],
         doubts=map_agreement.remaining(doubted, rows, _formed(rows, found)),
-        scatter=evidence.scatter(last, said),
+        scatter=scatter(evidence, last, said),
     )
     diagnosis.unknown = judge.judged(diagnosis, search, state)
     options.told("forces and currents")
@@ -167,10 +168,10 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
         if whole.blocks[k].name not in judge.NOT_FORETOLD:
             stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
-    said = rest.explained(rest.learn(tuple(chosen), None, on, STEPS))
+    said = shares(rest, rest.learn(tuple(chosen), None, on, STEPS))
     # zeros that know of no name
     plain = Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest
-    alone = plain.explained(plain.learn((), None, steps=0)) | {"map": said["map"]}
+    alone = shares(plain, plain.learn((), None, steps=0)) | {"map": said["map"]}
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
 
@@ -248,7 +249,7 @@ def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray,
             for kind in ("place", "turn")
             if p.processes[kind].any()
         )
-        said = evidence.explained(evidence.learn((), None, on, STEPS))
+        said = shares(evidence, evidence.learn((), None, on, STEPS))
         left = y - sum((v for name, v in said.items() if name != "noise"), np.zeros(len(y)))
         for unit, at_most in zip(units, most, strict=True):
             noise.learned(
@@ -272,7 +273,7 @@ def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list
         wide[part.whole.rows] = part.raw[:, use]
         columns.append(wide)
         sd.append(fit.parts[k].sd[part.of[use]])
-    noise_of = evidence.explained(fit)["noise"]
+    noise_of = shares(evidence, fit)["noise"]
     return locate.regions(
         rows.pick(own), noise_of[own], np.concatenate(columns, axis=1)[own], np.concatenate(sd)
     )

@@ -30,7 +30,6 @@ MAP_SURE, MAP_MOST = 60.0, 3.0
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
-GROWN = 4.0  # times what is usual
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 
@@ -180,7 +179,7 @@ class Evidence:
             shared, scale = self._renewed_shared(fit), self._renewed_scale(fit)
             parts = list(fit.parts)
             for k in touched:
-                at = self._at(k, chosen, shown[k])
+                at = self.where(k, chosen, shown[k])
                 sigma2, sd = self.parts[k].renewed(
                     parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k])
                 )
@@ -188,7 +187,7 @@ class Evidence:
             fit = self._joined(chosen, on, shared, scale, parts)
         return fit
 
-    def _at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
+    def where(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns of a unit stand among all shared ones."""
         z = self.shared.shape[1]
         found, at = [np.arange(z)], z
@@ -219,7 +218,7 @@ class Evidence:
         a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
         value = 0.0
         for k, part in enumerate(parts):
-            at = self._at(k, chosen, part.shown)
+            at = self.where(k, chosen, part.shown)
             a[np.ix_(at, at)] += part.inside
             b[at] += part.along
             value += part.value
@@ -278,7 +277,7 @@ class Evidence:
         dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
-            at = self._at(k, fit.chosen, old.shown)
+            at = self.where(k, fit.chosen, old.shown)
             if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
                 old.hd = solved(old.root, part.bd[old.use] / s2)
                 inside = old.hd.T @ old.hf
@@ -308,7 +307,7 @@ class Evidence:
     def _precision(self, fit: Fit, sd: np.ndarray) -> np.ndarray:
         a = np.diag(1.0 / sd**2)
         for k, part in enumerate(fit.parts):
-            at = self._at(k, fit.chosen, part.shown)
+            at = self.where(k, fit.chosen, part.shown)
             a[np.ix_(at, at)] += part.inside
         return a
 
@@ -353,7 +352,7 @@ class Evidence:
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             raw = columns[part.unit.rows]
-            at, s2 = self._at(k, fit.chosen, old.shown), old.sigma2
+            at, s2 = self.where(k, fit.chosen, old.shown), old.sigma2
             fy[at] += old.along
             if not raw.any():
                 continue
@@ -370,87 +369,3 @@ class Evidence:
             xx -= half[:, 1:].T @ half[:, 1:]
             xy -= half[:, 1:].T @ half[:, 0]
         return xx, xy
-
-    # -- what a fit says of the readings -----------------------------------------------------------
-
-    def explained(self, fit: Fit) -> dict[str, np.ndarray]:
-        """(N,) mm of the readings: "effects", "map", and each kind of own group; "noise": the
-        standard deviation of a reading by white noise, wander and zeros of runs."""
-        n = len(self.y)
-        z = self.shared.shape[1]
-        result = {"map": self.shared @ fit.mean[:z], "noise": np.zeros(n)}
-        result["effects"] = np.zeros(n)
-        at = z
-        for k in fit.chosen:
-            w = self.blocks[k].columns.shape[1]
-            result["effects"] += self.blocks[k].columns @ fit.mean[at : at + w]
-            at += w
-        for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
-            own, use = part.whole.rows, old.use
-            mean = inverted(old.root).T @ (
-                old.hy - old.hf @ fit.mean[self._at(k, fit.chosen, old.shown)]
-            )
-            variance = old.sigma2 * part.whole.r**2
-            for g in np.unique(part.of[use]):
-                which = part.of[use] == g
-                kind = part.kinds[g]
-                result.setdefault(kind, np.zeros(n))[own] += part.raw[:, use[which]] @ mean[which]
-                if kind in ("wander", "run"):
-                    variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(
-                        axis=1
-                    )
-            result["noise"][own] = np.sqrt(variance)
-        return result
-
-    def wandered(self, fit: Fit) -> bool:
-        """Whether what is learned of some unit or of the map has grown far beyond what is usual."""
-        own = (
-            np.any(old.sd[p.learned] > GROWN * p.usual[p.learned])
-            for p, old in zip(self.parts, fit.parts, strict=True)
-        )
-        return any(own) or bool(np.any(fit.shared > 1.5 * self.shared_usual))
-
-    def white(self, fit: Fit) -> np.ndarray:
-        """(N,) mm: standard deviation of each reading's white noise."""
-        result = np.zeros(len(self.y))
-        for part, old in zip(self.parts, fit.parts, strict=True):
-            result[part.whole.rows] = part.whole.r * np.sqrt(old.sigma2)
-        return result
-
-    def scatter(self, fit: Fit, said: dict[str, np.ndarray]) -> np.ndarray:
-        """(N,) mm: the noise of the readings as these have it: white noise, and what wandered and
-        what zeros of runs did in each unit, not what they do in others. said: of `explained`."""
-        result = self.white(fit)
-        moved = sum(
-            (said[kind] for kind in ("wander", "run") if kind in said), np.zeros(len(self.y))
-        )
-        for part in self.parts:
-            own = part.whole.rows
-            result[own] = np.hypot(result[own], float(np.std(moved[own])))
-        return result
-
-    def drawn(self, fit: Fit, rng: np.random.Generator, count: int) -> np.ndarray:
-        """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs'
-        zeros, the map's error."""
-        z = self.shared.shape[1]
-        y = (
-            self.shared * np.where(self.shared_free, 0.0, fit.shared[self.shared_of])
-        ) @ rng.normal(size=(z, count))
-        for part, old in zip(self.parts, fit.parts, strict=True):
-            n = len(part.unit)
-            e = rng.standard_t(5, size=(n, count)) * np.sqrt(3 / 5 * old.sigma2)
-            y[part.unit.rows] += colored(part.unit, e) * part.unit.r[:, None]
-            use = np.flatnonzero((old.sd[part.of] < FREE / 10) & part.usually)
-            y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(
-                size=(len(use), count)
-            )
-        return y
-
-
-def colored(unit: Unit, e: np.ndarray) -> np.ndarray:
-    """(n, R): innovations to an autoregression."""
-    result = e * np.sqrt(unit.innovation) if len(unit.ar) else e
-    for k in range(1, len(e)) if len(unit.ar) else ():
-        for lag, a in enumerate(unit.ar[:k], 1):
-            result[k] += a * result[k - lag]
-    return result

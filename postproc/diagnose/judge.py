@@ -7,6 +7,7 @@ import numpy as np
 
 from postproc.diagnose import telegraph
 from postproc.diagnose.answer import Diagnosis, Finding
+from postproc.diagnose.explained import shares
 from postproc.diagnose.nuisances import PROCESSES
 from postproc.diagnose.search import Found, Search
 from postproc.diagnose.unknown import Unknown, mapped
@@ -99,7 +100,7 @@ def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> 
 
 def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float, int]]:
     """(times what is worth a word, rms mm, unit) of processes that are no error of form."""
-    said = search.evidence.explained(state.fit)
+    said = shares(search.evidence, state.fit)
     found = []
     for unit in sorted({u for u, _ in state.fit.on}):
         part = search.evidence.parts[unit]

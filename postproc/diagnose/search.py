@@ -16,6 +16,7 @@ import numpy as np
 
 from postproc.diagnose import shapes
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
+from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import Block, found
 from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
@@ -110,7 +111,7 @@ class Search:
         """The likelier of two: from what was learned before, and from what is usual. Of a slow
         drift and a wander only one is large."""
         fit = self.evidence.learn(chosen, like.fit, on, RENEWED, least)
-        if not self.evidence.wandered(like.fit):
+        if not wandered(self.evidence, like.fit):
             return fit
         return max(
             fit,
@@ -214,7 +215,7 @@ class Search:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
         of nulls drawn with the noise that was learned, by a Gumbel distribution of their maxima."""
         null = self.null()
-        draws = self.evidence.drawn(null.fit, rng, NULLS)
+        draws = drawn(self.evidence, null.fit, rng, NULLS)
         best = (self.evidence.scan(null.fit, draws)[0] - self.cost[:, None]).max(axis=0)
         scale = float(np.std(best)) * np.sqrt(6.0) / np.pi
         tail = float(np.mean(best)) - 0.5772 * scale - scale * np.log(-np.log(1 - CHANCE))
@@ -226,7 +227,7 @@ class Search:
         alone = self._grown(self.null(), self._processes)
         # Something is there: two or three effects together may say it where none of them alone
         # does.
-        something = bool(alone[-1].fit.on) or self.evidence.wandered(self.null().fit)
+        something = bool(alone[-1].fit.on) or wandered(self.evidence, self.null().fit)
         named = self._grown(self.null(), self.children, AHEAD if something else 0)
         ends = [*named, *alone[-1:]]
         ends += [self._settled(self._grown(state, self._processes)[-1]) for state in named[-2:]]
@@ -425,9 +426,9 @@ class Search:
 
     def _look(self, state: Found) -> None:
         """Let in what is periodic in what a set leaves."""
-        said = self.evidence.explained(state.fit)
+        said = shares(self.evidence, state.fit)
         left = self.evidence.y - sum(v for name, v in said.items() if name not in ("noise",))
-        sigma = self.evidence.white(state.fit)
+        sigma = white(self.evidence, state.fit)
         known = {(b.key, b.shape) for b in self.blocks}
         new = [b for b in found(self.rows, left / sigma**2, sigma) if (b.key, b.shape) not in known]
         if new:

@@ -1,0 +1,98 @@
+"""What a fitted set says of the readings: what explains them, the noise that is left, and readings
+drawn as they would be without any effect."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.diagnose.evidence import Evidence, Fit
+from postproc.diagnose.noise import Unit
+from postproc.diagnose.nuisances import FREE
+from postproc.diagnose.parts import inverted
+
+GROWN = 4.0  # times what is usual
+
+
+def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
+    """(N,) mm of the readings: "effects", "map", and each kind of own group; "noise": the
+    standard deviation of a reading by white noise, wander and zeros of runs."""
+    n = len(evidence.y)
+    z = evidence.shared.shape[1]
+    result = {"map": evidence.shared @ fit.mean[:z], "noise": np.zeros(n)}
+    result["effects"] = np.zeros(n)
+    at = z
+    for k in fit.chosen:
+        w = evidence.blocks[k].columns.shape[1]
+        result["effects"] += evidence.blocks[k].columns @ fit.mean[at : at + w]
+        at += w
+    for k, (part, old) in enumerate(zip(evidence.parts, fit.parts, strict=True)):
+        own, use = part.whole.rows, old.use
+        mean = inverted(old.root).T @ (
+            old.hy - old.hf @ fit.mean[evidence.where(k, fit.chosen, old.shown)]
+        )
+        variance = old.sigma2 * part.whole.r**2
+        for g in np.unique(part.of[use]):
+            which = part.of[use] == g
+            kind = part.kinds[g]
+            result.setdefault(kind, np.zeros(n))[own] += part.raw[:, use[which]] @ mean[which]
+            if kind in ("wander", "run"):
+                variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(axis=1)
+        result["noise"][own] = np.sqrt(variance)
+    return result
+
+
+def wandered(evidence: Evidence, fit: Fit) -> bool:
+    """Whether what is learned of some unit or of the map has grown far beyond what is usual."""
+    own = (
+        np.any(old.sd[p.learned] > GROWN * p.usual[p.learned])
+        for p, old in zip(evidence.parts, fit.parts, strict=True)
+    )
+    return any(own) or bool(np.any(fit.shared > 1.5 * evidence.shared_usual))
+
+
+def white(evidence: Evidence, fit: Fit) -> np.ndarray:
+    """(N,) mm: standard deviation of each reading's white noise."""
+    result = np.zeros(len(evidence.y))
+    for part, old in zip(evidence.parts, fit.parts, strict=True):
+        result[part.whole.rows] = part.whole.r * np.sqrt(old.sigma2)
+    return result
+
+
+def scatter(evidence: Evidence, fit: Fit, said: dict[str, np.ndarray]) -> np.ndarray:
+    """(N,) mm: the noise of the readings as these have it: white noise, and what wandered and
+    what zeros of runs did in each unit, not what they do in others. said: of `shares`."""
+    result = white(evidence, fit)
+    moved = sum(
+        (said[kind] for kind in ("wander", "run") if kind in said), np.zeros(len(evidence.y))
+    )
+    for part in evidence.parts:
+        own = part.whole.rows
+        result[own] = np.hypot(result[own], float(np.std(moved[own])))
+    return result
+
+
+def drawn(evidence: Evidence, fit: Fit, rng: np.random.Generator, count: int) -> np.ndarray:
+    """(N, count) mm of readings without any effect: white noise, autoregression, wander, runs'
+    zeros, the map's error."""
+    z = evidence.shared.shape[1]
+    y = (
+        evidence.shared * np.where(evidence.shared_free, 0.0, fit.shared[evidence.shared_of])
+    ) @ rng.normal(size=(z, count))
+    for part, old in zip(evidence.parts, fit.parts, strict=True):
+        n = len(part.unit)
+        e = rng.standard_t(5, size=(n, count)) * np.sqrt(3 / 5 * old.sigma2)
+        y[part.unit.rows] += _colored(part.unit, e) * part.unit.r[:, None]
+        use = np.flatnonzero((old.sd[part.of] < FREE / 10) & part.usually)
+        y[part.whole.rows] += (part.raw[:, use] * old.sd[part.of[use]]) @ rng.normal(
+            size=(len(use), count)
+        )
+    return y
+
+
+def _colored(unit: Unit, e: np.ndarray) -> np.ndarray:
+    """(n, R): innovations to an autoregression."""
+    result = e * np.sqrt(unit.innovation) if len(unit.ar) else e
+    for k in range(1, len(e)) if len(unit.ar) else ():
+        for lag, a in enumerate(unit.ar[:k], 1):
+            result[k] += a * result[k - lag]
+    return result
