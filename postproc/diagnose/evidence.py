@@ -64,7 +64,7 @@ class Evidence:
         shared: list[Group],
         train: np.ndarray,
     ):
-        self.y, self.train, self.groups = y, train, shared
+        self.y, self.groups = y, shared
         self.shared = (
             np.concatenate([g.columns for g in shared], axis=1) if shared else np.zeros((len(y), 0))
         )
@@ -179,7 +179,7 @@ class Evidence:
             shared, scale = self._renewed_shared(fit), self._renewed_scale(fit)
             parts = list(fit.parts)
             for k in touched:
-                at = self.where(k, chosen, shown[k])
+                at = self.shared_at(k, chosen, shown[k])
                 sigma2, sd = self.parts[k].renewed(
                     parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k])
                 )
@@ -187,7 +187,7 @@ class Evidence:
             fit = self._joined(chosen, on, shared, scale, parts)
         return fit
 
-    def where(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
+    def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns of a unit stand among all shared ones."""
         z = self.shared.shape[1]
         found, at = [np.arange(z)], z
@@ -218,7 +218,7 @@ class Evidence:
         a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
         value = 0.0
         for k, part in enumerate(parts):
-            at = self.where(k, chosen, part.shown)
+            at = self.shared_at(k, chosen, part.shown)
             a[np.ix_(at, at)] += part.inside
             b[at] += part.along
             value += part.value
@@ -277,7 +277,7 @@ class Evidence:
         dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
-            at = self.where(k, fit.chosen, old.shown)
+            at = self.shared_at(k, fit.chosen, old.shown)
             if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
                 old.hd = solved(old.root, part.bd[old.use] / s2)
                 inside = old.hd.T @ old.hf
@@ -307,7 +307,7 @@ class Evidence:
     def _precision(self, fit: Fit, sd: np.ndarray) -> np.ndarray:
         a = np.diag(1.0 / sd**2)
         for k, part in enumerate(fit.parts):
-            at = self.where(k, fit.chosen, part.shown)
+            at = self.shared_at(k, fit.chosen, part.shown)
             a[np.ix_(at, at)] += part.inside
         return a
 
@@ -352,7 +352,7 @@ class Evidence:
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             raw = columns[part.unit.rows]
-            at, s2 = self.where(k, fit.chosen, old.shown), old.sigma2
+            at, s2 = self.shared_at(k, fit.chosen, old.shown), old.sigma2
             fy[at] += old.along
             if not raw.any():
                 continue
