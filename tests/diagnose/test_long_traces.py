@@ -12,11 +12,11 @@ import pytest
 from postproc import recordings
 from postproc.cli import main
 from postproc.diagnose import averages
-from postproc.recordings import contract
+from postproc.recordings import _columns
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDER = str(ROOT / "machines" / "studer-s36")
-N = 2 * contract.BLOCK + 321
+N = 2 * _columns.BLOCK + 321
 
 
 def log(rows: list[str]) -> bytes:

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from postproc.diagnose import library, outliers, rows
+from postproc.diagnose import assembly, library, outliers
 from postproc.effects import State, structure_drift, tool_wear
 
 
@@ -96,11 +96,11 @@ def test_a_spindle_of_which_nobody_says_that_it_turned_stood_still():
         state(np.zeros(4)), channels={"spindle_rpm": told, "part": told, "force_X_N": told}
     )
     assert (
-        rows._filled("spindle_rpm", at).tolist()
-        == rows._filled("part", at).tolist()
+        assembly._filled("spindle_rpm", at).tolist()
+        == assembly._filled("part", at).tolist()
         == [1500.0, 0.0, 0.0, 750.0]
     )
-    assert rows._filled("force_X_N", at).tolist() == [1500.0, 1125.0, 1125.0, 750.0]
+    assert assembly._filled("force_X_N", at).tolist() == [1500.0, 1125.0, 1125.0, 750.0]
 
 
 def test_a_slip_at_the_end_of_a_passage_is_seen_by_another_run():
