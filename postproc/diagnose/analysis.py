@@ -36,7 +36,8 @@ from postproc.diagnose.explained import scatter, shares
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.search import Found, Search
+from postproc.diagnose.search import Search
+from postproc.diagnose.sets import Found, Sets
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 
@@ -85,11 +86,11 @@ def diagnose(
         )
     options.told("learning the noise")
     evidence = _learned(rows, machine, units, train, jumps)
-    search = Search(rows, evidence, blocks)
+    search = Search(Sets(rows, evidence, blocks))
     options.told("calibrating")
     search.calibrate(np.random.default_rng(SEED))
     options.told("locating")
-    places = _places(rows, evidence, search.null().fit, train)
+    places = _places(rows, evidence, search.sets.null().fit, train)
     options.told("choosing")
     state = search.run()
     options.told("showing")
@@ -105,7 +106,7 @@ def diagnose(
     for jump, columns in jumps:
         own = slice(at, at + columns.shape[1])
         at, value = own.stop, state.fit.mean[own]
-        before = before + columns @ search.null().fit.mean[own]
+        before = before + columns @ search.sets.null().fit.mean[own]
         found.insert(0, findings.of_jump(jump, rows, columns, value, said["noise"], held, machine))
         places = [*shared_jump.places(jump, rows, columns @ value), *places]
     places = locate.measured(places, rows, before)
@@ -116,7 +117,7 @@ def diagnose(
     limits = {
         key: size for key, size in findings.limits(search, state).items() if key not in unseen
     }
-    sigma = np.hypot(said["noise"], findings.form(search, state))
+    sigma = np.hypot(said["noise"], findings.form(search.sets, state))
     diagnosis = Diagnosis(
         machine,
         recordings,
@@ -143,7 +144,7 @@ def diagnose(
         doubts=map_agreement.remaining(doubted, rows, _formed(rows, found)),
         scatter=scatter(evidence, last, said),
     )
-    diagnosis.unknown = judge.judged(diagnosis, search, state)
+    diagnosis.unknown = judge.judged(diagnosis, search.sets, state)
     options.told("forces and currents")
     diagnosis.drives = drive.drives(usable.recordings)
     return diagnosis
@@ -153,12 +154,12 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     """(H,) mm, (H,) mm: what is left of the readings that are held out without and with the effects
     that were found, everything fitted to the others; what no other run foretells (its own jumps,
     the phase of an oscillation) as it was found."""
-    whole, fit = search.evidence, state.fit
+    whole, fit = search.sets.evidence, state.fit
     y = whole.y.copy()
     own = np.zeros(len(y))
     for k in state.members:
         if whole.blocks[k].name in judge.NOT_FORETOLD:
-            own += whole.blocks[k].columns @ search.value(fit, k)
+            own += whole.blocks[k].columns @ search.sets.value(fit, k)
     units, groups = [p.whole for p in whole.parts], [p.groups for p in whole.parts]
     rest = Evidence(y - own, units, groups, whole.groups, ~held)
     left = [k for k, p in enumerate(whole.parts) if not held[p.whole.rows].all()]

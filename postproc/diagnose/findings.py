@@ -11,7 +11,8 @@ from postproc.diagnose import intervals, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.search import MATERIAL, Found, Search
+from postproc.diagnose.search import Search
+from postproc.diagnose.sets import MATERIAL, Found, Sets
 from postproc.machine.model import Machine
 
 CYCLE_MS = 5.0  # a control's position cycle is shorter: its own log is not later
@@ -54,33 +55,32 @@ def of_jump(
 
 def of_member(search: Search, state: Found, k: int) -> Finding:
     """A member of the set that was found."""
-    block, value = search.blocks[k], search.value(state.fit, k)
-    rest = search.without(state, k)
-    scores = search.scores(rest)
-    named, ci = intervals.of(search, state, k, scores)
-    own = search.worth(state, k)
+    sets = search.sets
+    block, value = sets.blocks[k], sets.value(state.fit, k)
+    rest = sets.without(state, k)
+    scores = sets.scores(rest)
+    named, ci = intervals.of(sets, state, k, scores)
+    own = sets.worth(state, k)
     children = sorted(search.children(rest, SETS, state), key=lambda child: child.score)
-    others = {search.blocks[search.new(c, rest)].key: c for c in children}  # the best of each name
-    enough = search.at_own_form(state).score - LIKELY - FORMS * own
+    others = {sets.blocks[c.added_to(rest)].key: c for c in children}  # the best of each name
+    enough = sets.at_own_form(state).score - LIKELY - FORMS * own
     alike = sorted(
         (key for key, c in others.items() if key != block.key and c.score >= enough),
         key=lambda key: -others[key].score,
     )
     # What explains something else besides is no other name for this: with it this must lose most of
     # what it is worth.
-    alike = [key for key in alike if _needless(search, rest, search.new(others[key], rest), k, own)]
+    alike = [key for key in alike if _needless(sets, rest, others[key].added_to(rest), k, own)]
     contribution = block.columns @ value
     if block.name == "servo_lag" and named["tau_ms"] > CYCLE_MS and "delay:" not in alike:
         # of a log that is late by more than a control's cycle nobody can tell
         alike.insert(0, "delay:")
-    alike = alike + [
-        n for n in unrecorded.names(search.rows, block, contribution) if n not in alike
-    ]
+    alike = alike + [n for n in unrecorded.names(sets.rows, block, contribution) if n not in alike]
     less = {
         name: max(0.0, enough + LIKELY - others[name].score) if name in others else 0.0
         for name in alike
     }
-    power, along = search.evidence.beside(state.fit, block.columns, but=k)
+    power, along = sets.evidence.beside(state.fit, block.columns, but=k)
     fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
     return Finding(
         block, named, ci, contribution, own, fall, alike, names=probable(block.key, less)
@@ -96,35 +96,36 @@ def probable(own: str, less: dict[str, float]) -> dict[str, float]:
     return {name: w / whole for name, w in sorted(weight.items(), key=lambda item: -item[1])}
 
 
-def _needless(search: Search, rest: Found, other: int, k: int, own: float) -> bool:
+def _needless(sets: Sets, rest: Found, other: int, k: int, own: float) -> bool:
     """Whether a member is worth little beside another name for the same."""
-    instead = search.of((*rest.members, other), rest.fit.on, rest)
-    both = search.of((*rest.members, other, k), rest.fit.on, rest)
+    instead = sets.of((*rest.members, other), rest.fit.on, rest)
+    both = sets.of((*rest.members, other, k), rest.fit.on, rest)
     return both.score - instead.score < NEEDLESS * own
 
 
-def form(search: Search, state: Found) -> np.ndarray:
+def form(sets: Sets, state: Found) -> np.ndarray:
     """(N,) mm: by how much the found effects may be of another form than the library's."""
-    total = np.zeros(len(search.rows))
+    total = np.zeros(len(sets.rows))
     for k in state.members:
-        total += (OF_EFFECT * search.blocks[k].columns @ search.value(state.fit, k)) ** 2
+        total += (OF_EFFECT * sets.blocks[k].columns @ sets.value(state.fit, k)) ** 2
     return np.sqrt(total)
 
 
 def limits(search: Search, state: Found) -> dict[str, float]:
     """effect:axis to mm: from which size on it would have been seen: where its worth reaches the
     threshold and twice its root."""
-    _, _, spread = search.evidence.scan(state.fit)
+    sets = search.sets
+    _, _, spread = sets.evidence.scan(state.fit)
     result: dict[str, float] = {}
     wanted = search.least + 2 * np.sqrt(search.least)
-    for k, block in enumerate(search.blocks):
-        if k in search.evidence.fixed:
+    for k, block in enumerate(sets.blocks):
+        if k in sets.evidence.fixed:
             continue
-        first = search.evidence.first[k]
-        slab = float(search.evidence.slab[first])
+        first = sets.evidence.first[k]
+        slab = float(sets.evidence.slab[first])
         power = 1 / float(spread[first]) ** 2 - 1 / slab**2
         peak = float(np.abs(block.columns[:, 0]).max(initial=0.0))
         if power * slab**2 > TELLS:
-            size = np.sqrt((wanted + search.cost[k] + np.log1p(power * slab**2)) / power) * peak
+            size = np.sqrt((wanted + sets.cost[k] + np.log1p(power * slab**2)) / power) * peak
             result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))
     return result

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from postproc.diagnose.library import FOUND, Block, read
-from postproc.diagnose.search import Found, Search
+from postproc.diagnose.sets import Found, Sets
 from postproc.diagnose.shapes import continuous
 
 TWO_SIDED = 1.96
@@ -25,28 +25,28 @@ LIKELY = 1e-3  # of the likeliest shape's weight: less counts for nothing
 Ends = dict[str, tuple[float, float]]
 
 
-def of(search: Search, state: Found, k: int, scores: np.ndarray) -> tuple[dict[str, float], Ends]:
+def of(sets: Sets, state: Found, k: int, scores: np.ndarray) -> tuple[dict[str, float], Ends]:
     """Named parameters of a member and their intervals. scores (B,): of all blocks given the other
     members."""
-    block = search.blocks[k]
-    named, sd = _spread(search, state, k)
+    block = sets.blocks[k]
+    named, sd = _spread(sets, state, k)
     parts = [(1.0, named, sd)]
     if block.name not in FOUND and block.module.PER != "all":
-        parts += _others(search, state, k, scores, sd)
+        parts += _others(sets, state, k, scores, sd)
     return named, {name: _ends([(w, v[name], s[name]) for w, v, s in parts]) for name in named}
 
 
-def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dict[str, float]]:
+def _spread(sets: Sets, state: Found, k: int) -> tuple[dict[str, float], dict[str, float]]:
     """Named parameters and the standard deviation of each."""
-    block, value = search.blocks[k], search.value(state.fit, k)
+    block, value = sets.blocks[k], sets.value(state.fit, k)
     free = list(continuous(block))
-    slopes = [_slope(search, block, value, name) for name in free]
+    slopes = [_slope(sets, block, value, name) for name in free]
     columns = np.concatenate([block.columns, *(s[:, None] for s in slopes)], axis=1)
-    power, _ = search.evidence.beside(state.fit, columns, but=k)
-    first = search.evidence.first[k]
+    power, _ = sets.evidence.beside(state.fit, columns, but=k)
+    first = sets.evidence.first[k]
     prior = np.concatenate(
         [
-            search.evidence.slab[first : first + len(value)],
+            sets.evidence.slab[first : first + len(value)],
             [UNKNOWN * dict(block.shape)[name] for name in free],
         ]
     )
@@ -56,15 +56,15 @@ def _spread(search: Search, state: Found, k: int) -> tuple[dict[str, float], dic
     sd = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
     fitted = {name for name, d in by.items() if d[: len(value)].any()}
     return named, {
-        name: math.hypot(s, _of_form(search, block, name, named[name], name in fitted))
+        name: math.hypot(s, _of_form(sets, block, name, named[name], name in fitted))
         for name, s in sd.items()
     }
 
 
-def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool) -> float:
+def _of_form(sets: Sets, block: Block, name: str, value: float, fitted: bool) -> float:
     """Standard deviation of a parameter for want of the exact form: a size to a few percent, a
     period to some of what the readings resolve, a moment to the readings beside it."""
-    rows = search.rows
+    rows = sets.rows
     shown = np.any(block.columns != 0, axis=1)
     if name in ("t_s", "second_s", "third_s"):
         t = np.unique(rows.state.time)
@@ -82,15 +82,13 @@ def _of_form(search: Search, block: Block, name: str, value: float, fitted: bool
     return OF_SIZE * abs(value) if fitted else 0.0
 
 
-def _slope(search: Search, block: Block, value: np.ndarray, name: str) -> np.ndarray:
+def _slope(sets: Sets, block: Block, value: np.ndarray, name: str) -> np.ndarray:
     """(N,) by how much the block's part changes with a value of its shape."""
     shape = dict(block.shape)
     step = STEP * shape[name]
     if block.name in FOUND:  # so that the wave keeps its phase within the readings
         place = (
-            search.rows.state.time
-            if name == "frequency_hz"
-            else search.rows.state.position[block.axis]
+            sets.rows.state.time if name == "frequency_hz" else sets.rows.state.position[block.axis]
         )
         step = min(
             step,
@@ -99,11 +97,11 @@ def _slope(search: Search, block: Block, value: np.ndarray, name: str) -> np.nda
             / max(float(np.ptp(place)), 1e-9),
         )
     high, low = (
-        read(search.rows, block.module, block.axis, {**shape, name: shape[name] + way * step})
+        read(sets.rows, block.module, block.axis, {**shape, name: shape[name] + way * step})
         for way in (1, -1)
     )
     if high.shape[1] != len(value):
-        return np.zeros(len(search.evidence.y))
+        return np.zeros(len(sets.evidence.y))
     return (high - low) @ value / (2 * step)
 
 
@@ -127,22 +125,22 @@ def _derivatives(
 
 
 def _others(
-    search: Search, state: Found, k: int, scores: np.ndarray, sd: dict[str, float]
+    sets: Sets, state: Found, k: int, scores: np.ndarray, sd: dict[str, float]
 ) -> list[tuple[float, dict[str, float], dict[str, float]]]:  # fmt: skip
     """Weight, parameters and their standard deviations of other shapes of the same effect and
     axis."""
-    block, own, result = search.blocks[k], float(scores[k]), []
-    chosen_now = block.module.parameters(search.value(state.fit, k), dict(block.shape))
-    for number, (other, score) in enumerate(zip(search.blocks, scores, strict=True)):
+    block, own, result = sets.blocks[k], float(scores[k]), []
+    chosen_now = block.module.parameters(sets.value(state.fit, k), dict(block.shape))
+    for number, (other, score) in enumerate(zip(sets.blocks, scores, strict=True)):
         if other.key != block.key or number == k or not np.isfinite(score + own):
             continue
         weight = math.exp(min((float(score) - own) / 2, 0.0))
         if weight < LIKELY:
             continue
-        power, along = search.evidence.beside(state.fit, other.columns, but=k)
-        first = search.evidence.first[number]
+        power, along = sets.evidence.beside(state.fit, other.columns, but=k)
+        first = sets.evidence.first[number]
         covariance = np.linalg.inv(
-            power + np.diag(1 / search.evidence.slab[first : first + len(along)] ** 2)
+            power + np.diag(1 / sets.evidence.slab[first : first + len(along)] ** 2)
         )
         value = covariance @ along
         named = other.module.parameters(value, dict(other.shape))

@@ -9,7 +9,7 @@ from postproc.diagnose import telegraph
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.explained import shares
 from postproc.diagnose.nuisances import PROCESSES
-from postproc.diagnose.search import Found, Search
+from postproc.diagnose.sets import Found, Sets
 from postproc.diagnose.unknown import Unknown, mapped
 
 # smaller is not worth a word
@@ -22,35 +22,35 @@ NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
 
-def judged(d: Diagnosis, search: Search, state: Found) -> Unknown | None:
+def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     """What no name explains, with its map. Names become tentative where the recordings can not be
     trusted, where runs that took no part do not bear them out, and where more of what they explain
     comes back than they explain."""
     for f in d.findings:
         if d.doubts:
             f.status = "tentative"
-    left = sorted(_left(d, search, state), reverse=True)
-    parts = [part.whole.rows for part in search.evidence.parts]
+    left = sorted(_left(d, sets, state), reverse=True)
+    parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
         sizes = [float(np.std(f.contribution[own])) for own in parts]
         if any(sizes[unit] == max(sizes) < rms for _, rms, unit in left):
             f.status = "tentative"
     _borne_out(d)
-    _electronics(d, search)
+    _electronics(d, sets)
     _curves(d)
     if not left:
         return None
     _, rms, unit = left[0]
-    own = search.evidence.parts[unit].whole.rows
+    own = sets.evidence.parts[unit].whole.rows
     signal = int(d.rows.signal[own[0]])
     total = float(np.mean(d.before[own] ** 2))
     return mapped(d, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
 
 
-def _electronics(d: Diagnosis, search: Search) -> None:
+def _electronics(d: Diagnosis, sets: Sets) -> None:
     """A lost step is tentative where an instrument of the same recording switches between levels:
     one change of its reading may be of that kind too."""
-    units = [part.whole for part in search.evidence.parts]
+    units = [part.whole for part in sets.evidence.parts]
     files = telegraph.switching(d.rows, units, telegraph.levels(d.rows, units))
     files |= telegraph.switching(d.rows, units, telegraph.steps(d.rows, units))
     for f in d.findings:
@@ -98,12 +98,12 @@ def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> 
     return sums[0], sums[1]
 
 
-def _left(d: Diagnosis, search: Search, state: Found) -> list[tuple[float, float, int]]:
+def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, int]]:
     """(times what is worth a word, rms mm, unit) of processes that are no error of form."""
-    said = shares(search.evidence, state.fit)
+    said = shares(sets.evidence, state.fit)
     found = []
     for unit in sorted({u for u, _ in state.fit.on}):
-        part = search.evidence.parts[unit]
+        part = sets.evidence.parts[unit]
         own = part.unit.rows
         values = sum((said[kind][own] for kind in PROCESSES if kind in said), np.zeros(len(own)))
         rms, explained = float(np.std(values)), float(np.std(said["effects"][own]))

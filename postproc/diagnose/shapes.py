@@ -5,19 +5,18 @@ travel."""
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.diagnose import library
+from postproc.diagnose.evidence import SLAB, Fit
+from postproc.diagnose.evidence import TRIED as TRIED_SIZES
 from postproc.diagnose.library import FOUND, Block
+from postproc.diagnose.parts import surprise
 from postproc.diagnose.prior import plausible
+from postproc.diagnose.sets import Sets
 from postproc.effects import UM
 from postproc.effects.step_loss import MOMENTS
-
-if TYPE_CHECKING:
-    from postproc.diagnose.evidence import Fit
-    from postproc.diagnose.search import Search
 
 WORTH = 6.0  # that what comes with a wave must add
 # factor between values that are tried, how often its root is taken; beyond the range: another
@@ -32,43 +31,35 @@ FEWEST_BETWEEN = 6  # readings between two jumps: fewer are readings that are of
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
-def polished(search: Search, fit: Fit, k: int) -> int:
+def polished(sets: Sets, fit: Fit, k: int) -> int:
     """The number of the block, or of one at a likelier shape, or with what comes with such a
     wave."""
-    block = search.blocks[k]
+    block = sets.blocks[k]
     if "t_s" in dict(block.shape):
-        return (
-            _best(search, fit, k, _moment(search, fit, block), 0.0) if len(block.shape) == 1 else k
-        )
+        return _best(sets, fit, k, _moment(sets, fit, block), 0.0) if len(block.shape) == 1 else k
     if block.name not in FOUND:
-        return _best(search, fit, k, _between(search, fit, block), 0.0)
-    k = _best(search, fit, k, _nearby(search, fit, block), 0.0)
-    plain = search.blocks[k]
+        return _best(sets, fit, k, _between(sets, fit, block), 0.0)
+    k = _best(sets, fit, k, _nearby(sets, fit, block), 0.0)
+    plain = sets.blocks[k]
     for shape in plain.module.fuller(dict(plain.shape)) if hasattr(plain.module, "fuller") else ():
-        fuller = at(search, plain, shape)
+        fuller = at(sets, plain, shape)
         if fuller is not None:
-            k = _best(search, fit, k, fuller, WORTH)
+            k = _best(sets, fit, k, fuller, WORTH)
     return k
 
 
-def _best(search: Search, fit: Fit, k: int, other: Block | None, by: float) -> int:
-    if other is None or other is search.blocks[k]:
+def _best(sets: Sets, fit: Fit, k: int, other: Block | None, by: float) -> int:
+    if other is None or other is sets.blocks[k]:
         return k
     return (
-        search.let_in(other)
-        if worth(search, fit, other) > worth(search, fit, search.blocks[k]) + by
-        else k
+        sets.let_in(other) if worth(sets, fit, other) > worth(sets, fit, sets.blocks[k]) + by else k
     )
 
 
-def worth(search: Search, fit: Fit, block: Block) -> float:
+def worth(sets: Sets, fit: Fit, block: Block) -> float:
     """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible
     one."""
-    from postproc.diagnose.evidence import SLAB
-    from postproc.diagnose.evidence import TRIED as TRIED_SIZES
-    from postproc.diagnose.parts import surprise
-
-    a, b = search.evidence.beside(fit, block.columns)
+    a, b = sets.evidence.beside(fit, block.columns)
     best = -np.inf
     for scale in TRIED_SIZES:
         slab = scale * SLAB / np.maximum(np.abs(block.columns).max(axis=0), 1e-12)
@@ -81,27 +72,27 @@ def worth(search: Search, fit: Fit, block: Block) -> float:
     return best
 
 
-def at(search: Search, block: Block, shape: dict[str, float]) -> Block | None:
+def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     """The block in another shape; None where these readings do not show all of it."""
-    columns = library.read(search.rows, block.module, block.axis, shape)
+    columns = library.read(sets.rows, block.module, block.axis, shape)
     if not (np.abs(columns).max(axis=0) > 1e-9).all():
         return None
     return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
 
 
-def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
+def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:
     """The block at the likeliest period or frequency near its own."""
     name = "period_mm" if "period_mm" in dict(block.shape) else "frequency_hz"
     shown = np.any(block.columns != 0, axis=1)
     if name == "period_mm":
-        span = float(np.ptp(search.rows.state.position[block.axis][shown]))
+        span = float(np.ptp(sets.rows.state.position[block.axis][shown]))
     else:
-        passages = search.rows.state.passage[shown]
+        passages = sets.rows.state.passage[shown]
         span = max(
-            float(np.ptp(search.rows.state.time[shown][passages == p])) for p in np.unique(passages)
+            float(np.ptp(sets.rows.state.time[shown][passages == p])) for p in np.unique(passages)
         )
     within = WITHIN / max(span, 1e-9)
-    best, most = block, worth(search, fit, block)
+    best, most = block, worth(sets, fit, block)
     for _ in range(ROUNDS):
         value = dict(best.shape)[name]
         middle = 1 / value if name == "period_mm" else value
@@ -111,86 +102,84 @@ def _nearby(search: Search, fit: Fit, block: Block) -> Block | None:
                 if f > 0
                 else None
             )
-            tried = at(search, block, shape) if shape else None
+            tried = at(sets, block, shape) if shape else None
             if (
                 tried is not None
                 and tried.columns.shape == block.columns.shape
-                and (now := worth(search, fit, tried)) > most
+                and (now := worth(sets, fit, tried)) > most
             ):
                 best, most = tried, now
         within /= (TRIED - 1) / 2
     return best
 
 
-def _moment(search: Search, fit: Fit, block: Block) -> Block | None:
+def _moment(sets: Sets, fit: Fit, block: Block) -> Block | None:
     """The block at the likeliest moment between two readings near its own: a long recording has
     more of them than the grid."""
-    times = np.unique(search.rows.state.time)
+    times = np.unique(sets.rows.state.time)
     middle = (times[1:] + times[:-1]) / 2
-    best, most = block, worth(search, fit, block)
+    best, most = block, worth(sets, fit, block)
     for stride in (8, 1):
         near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
         for k in range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride):
-            tried = at(search, block, {"t_s": float(middle[k])})
-            if tried is not None and (now := worth(search, fit, tried)) > most:
+            tried = at(sets, block, {"t_s": float(middle[k])})
+            if tried is not None and (now := worth(sets, fit, tried)) > most:
                 best, most = tried, now
     return best
 
 
-def jumps(search: Search, fit: Fit) -> list[int]:
+def jumps(sets: Sets, fit: Fit) -> list[int]:
     """Blocks of two or three jumps of an axis, the likeliest of all that the dictionary's moments
     make: steps that are lost and found again show in no single jump."""
     result: list[int] = []
-    single = [k for k, b in enumerate(search.blocks) if tuple(n for n, _ in b.shape) == ("t_s",)]
-    for axis in sorted({search.blocks[k].axis for k in single}):
-        own = [k for k in single if search.blocks[k].axis == axis]
+    single = [k for k, b in enumerate(sets.blocks) if tuple(n for n, _ in b.shape) == ("t_s",)]
+    for axis in sorted({sets.blocks[k].axis for k in single}):
+        own = [k for k in single if sets.blocks[k].axis == axis]
         if len(own) < FEWEST_MOMENTS:
             continue
-        first = search.blocks[own[0]]
+        first = sets.blocks[own[0]]
         chosen = _jumps(
-            search,
+            sets,
             fit,
-            np.concatenate([search.blocks[k].columns for k in own], axis=1),
+            np.concatenate([sets.blocks[k].columns for k in own], axis=1),
             first.siblings,
         )
-        moments = sorted(dict(search.blocks[own[k]].shape)["t_s"] for k in chosen)
-        block = at(search, first, dict(zip(MOMENTS, moments, strict=False))) if moments else None
+        moments = sorted(dict(sets.blocks[own[k]].shape)["t_s"] for k in chosen)
+        block = at(sets, first, dict(zip(MOMENTS, moments, strict=False))) if moments else None
         if block is not None:
-            result.append(search.let_in(replace(block, siblings=first.siblings ** len(moments))))
+            result.append(sets.let_in(replace(block, siblings=first.siblings ** len(moments))))
     return result
 
 
-def _jumps(search: Search, fit: Fit, columns: np.ndarray, tried: int) -> list[int]:
+def _jumps(sets: Sets, fit: Fit, columns: np.ndarray, tried: int) -> list[int]:
     """Numbers of the likeliest two or three of columns (N, K), that stand so far apart that no few
     readings are off; tried: moments that there are."""
-    a, b = search.evidence.beside(fit, columns)
+    a, b = sets.evidence.beside(fit, columns)
     later = (columns != 0).sum(axis=0)
-    sets = np.stack(np.triu_indices(len(later), 1), axis=1)
+    picks = np.stack(np.triu_indices(len(later), 1), axis=1)
     chosen: list[int] = []
     now = -np.inf
-    while len(sets):
-        apart = np.diff(np.sort(later[sets], axis=1), axis=1).min(axis=1) >= FEWEST_BETWEEN
+    while len(picks):
+        apart = np.diff(np.sort(later[picks], axis=1), axis=1).min(axis=1) >= FEWEST_BETWEEN
         if not apart.any():
             break
-        sets = sets[apart]
-        value = _values(a, b, sets) - 2 * np.log(tried) * (sets.shape[1] - 1)
+        picks = picks[apart]
+        value = _values(a, b, picks) - 2 * np.log(tried) * (picks.shape[1] - 1)
         best = int(np.argmax(value))
         if value[best] < now + WORTH or len(chosen) == len(MOMENTS):
             break
-        chosen, now = sets[best].tolist(), float(value[best])
+        chosen, now = picks[best].tolist(), float(value[best])
         rest = np.setdiff1d(np.arange(len(later)), chosen)
-        sets = np.column_stack([np.repeat([chosen], len(rest), axis=0), rest])
+        picks = np.column_stack([np.repeat([chosen], len(rest), axis=0), rest])
     return chosen
 
 
-def _values(a: np.ndarray, b: np.ndarray, sets: np.ndarray) -> np.ndarray:
-    """(S,) twice the logarithm of the Bayes factor of sets (S, K) of columns of 1 um, of their
+def _values(a: np.ndarray, b: np.ndarray, picks: np.ndarray) -> np.ndarray:
+    """(S,) twice the logarithm of the Bayes factor of picks (S, K) of columns of 1 um, of their
     products a (M, M) and b (M,)."""
-    from postproc.diagnose.evidence import SLAB
-
     slab = SLAB / UM
-    scaled = a[sets[:, :, None], sets[:, None, :]] * slab**2 + np.eye(sets.shape[1])
-    along = b[sets] * slab
+    scaled = a[picks[:, :, None], picks[:, None, :]] * slab**2 + np.eye(picks.shape[1])
+    along = b[picks] * slab
     told = np.linalg.solve(scaled, along[:, :, None])[:, :, 0]
     return np.einsum("sk,sk->s", along, told) - np.linalg.slogdet(scaled)[1]
 
@@ -206,19 +195,19 @@ def continuous(block: Block) -> dict[str, tuple[float, float]]:
     }
 
 
-def _between(search: Search, fit: Fit, block: Block) -> Block | None:
+def _between(sets: Sets, fit: Fit, block: Block) -> Block | None:
     """The block at the likeliest values of its shape near those of the grid."""
     if not continuous(block):
         return None
-    best, most = block, worth(search, fit, block)
+    best, most = block, worth(sets, fit, block)
     for name, (low, high) in continuous(block).items():
         factor = FIRST
         for _ in range(HALVINGS):
             middle = dict(best.shape)[name]
             for value in (middle / factor, middle * factor):
                 shape = {**dict(best.shape), name: float(np.clip(value, low, high))}
-                tried = at(search, block, shape)
-                if tried is not None and (now := worth(search, fit, tried)) > most:
+                tried = at(sets, block, shape)
+                if tried is not None and (now := worth(sets, fit, tried)) > most:
                     best, most = tried, now
             factor = float(np.sqrt(factor))
     return best

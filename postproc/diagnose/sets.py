@@ -1,0 +1,271 @@
+"""Sets of effects and what each is worth, at the errors of form of what it explains.
+
+A set is worth twice the logarithm of its evidence, less what its members cost: a rare cause, one of
+many shapes that were tried. No effect has exactly the form of the library: beside each member stand
+terms by which it may differ, and no unit's noise is taken for less than that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
+from postproc.diagnose.explained import wandered
+from postproc.diagnose.library import Block
+from postproc.diagnose.prior import cost_of, plausible, unusual
+from postproc.diagnose.rows import Rows
+
+MATERIAL = 7e-4  # mm
+UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
+UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
+FORM = 0.1  # of what an effect explains at most, a textbook form is wrong by in single readings
+OF_OTHERS = 0.1  # of the largest effect that an instrument shows: less is its error of form
+FORM_SD = 0.1  # of what it explains, by the place, by the time
+BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
+FORMED = 1e-3  # mm: the error of form of less is nothing
+TOLD = 0.2  # of the white noise
+OPEN = 5e-3  # mm: a set-up that may be so far off is open
+RENEWED = 3  # steps in which sizes are learned again beside a new member
+
+
+@dataclass(frozen=True)
+class Found:
+    """A set: its fit, what it is worth, and the least variance of each unit at which that was
+    found."""
+
+    fit: Fit
+    score: float
+    least: np.ndarray
+    members: tuple[int, ...] = ()
+
+    @property
+    def key(self) -> tuple:
+        return tuple(sorted(self.members)), self.fit.on
+
+    def added_to(self, parent: Found) -> int:
+        """The member that it has beside those of another."""
+        return next(k for k in self.members if k not in parent.members)
+
+
+class Sets:
+    """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a
+    member."""
+
+    def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
+        self.rows, self.evidence = rows, evidence
+        evidence.add(blocks)
+        self.cost = np.array([cost_of(b) for b in blocks])
+        self._open = [_open(part) for part in evidence.parts]
+        self.seen: dict[tuple, Found] = {}
+        self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
+
+    @property
+    def blocks(self) -> list[Block]:
+        return self.evidence.blocks
+
+    def let_in(self, block: Block) -> int:
+        """The number of a block, which is added where it is new."""
+        for k, known in enumerate(self.blocks):
+            if (known.key, known.shape) == (block.key, block.shape):
+                return k
+        return self.add([block])[0]
+
+    def add(self, blocks: list[Block]) -> list[int]:
+        """Let blocks in; their numbers."""
+        self.cost = np.append(self.cost, [cost_of(b) for b in blocks])
+        return self.evidence.add(blocks)
+
+    def null(self) -> Found:
+        """No effect at all."""
+        if () not in self.seen:
+            fit = self.evidence.learn((), None, steps=3 * RENEWED)
+            self.seen[()] = Found(fit, 0.0, np.full(len(self.evidence.parts), QUIETEST))
+        return self.seen[()]
+
+    def of(self, chosen: tuple[int, ...], on: On, like: Found) -> Found:
+        """A set at the error of form of another one, that it is compared with; its score is that of
+        the other and the difference."""
+        base = self.at_own_form(like)
+        forms = tuple(f for f in base.fit.chosen if self._of_form.get(f, -1) in chosen)
+        key = tuple(sorted(chosen)), on, base.fit.chosen, base.fit.on
+        if key not in self.seen:
+            fit = self._learned((*key[0], *forms), base, on, base.least)
+            worth = self.worth_of(fit) - self.worth_of(base.fit)
+            self.seen[key] = Found(fit, base.score + worth, base.least, key[0])
+        return self.seen[key]
+
+    def _learned(self, chosen: tuple[int, ...], like: Found, on: On, least: np.ndarray) -> Fit:
+        """The likelier of two: from what was learned before, and from what is usual. Of a slow
+        drift and a wander only one is large."""
+        fit = self.evidence.learn(chosen, like.fit, on, RENEWED, least)
+        if not wandered(self.evidence, like.fit):
+            return fit
+        return max(
+            fit,
+            self.evidence.learn(chosen, like.fit, on, RENEWED, least, afresh=True),
+            key=lambda fit: fit.value,
+        )
+
+    def worth_of(self, fit: Fit) -> float:
+        """Of a fit: its evidence, less what its members cost."""
+        members = self.members(fit)
+        odd = sum(unusual(self.blocks[k], self.value(fit, k)) for k in members)
+        return (
+            fit.value
+            - float(self.cost[list(members)].sum())
+            - UNNAMED * len(fit.on)
+            - UNUSUAL * odd
+        )
+
+    def at_own_form(self, state: Found) -> Found:
+        """The same set with the errors of form of what it explains: terms, and noise no less than
+        that."""
+        members = self.members(state.fit)
+        if not members:
+            return state
+        key = "own", members, state.fit.on
+        if key not in self.seen:
+            least, forms = self.form(state.fit), self._forms(state.fit)
+            fit = self.evidence.learn((*members, *forms), state.fit, state.fit.on, RENEWED, least)
+            self.seen[key] = Found(fit, state.score, least, members)
+        return self.seen[key]
+
+    def members(self, fit: Fit) -> tuple[int, ...]:
+        """Of a set: the effects, without the terms of their errors of form."""
+        return tuple(k for k in fit.chosen if k not in self.evidence.fixed)
+
+    def _forms(self, fit: Fit) -> list[int]:
+        """Terms by which what is explained may be of another form, in all instruments alike: larger
+        on one end of the travel, at one time, or a little later."""
+        made: list[Block] = []
+        whose: list[int] = []
+        for k in self.members(fit):
+            block, value = self.blocks[k], self.value(fit, k)
+            part = block.columns @ value
+            if np.abs(part).max() < FORMED:
+                continue
+            terms = [
+                part * np.clip(self.rows.state.share(x), -1.2, 1.2)
+                for x in block.axis
+                if x in self.rows.state.position
+            ]
+            t = self.rows.state.time
+            terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
+            terms.append(_later(self.rows, part))
+            for x in block.axis:
+                if x in self.rows.state.since:
+                    since = np.where(self.rows.state.passage >= 0, self.rows.state.since[x], np.inf)
+                    terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
+            columns = np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
+            whose.append(k)
+            made.append(
+                Block(
+                    block.module,
+                    block.axis,
+                    (("form", float(len(self.blocks) + len(made))),),
+                    columns,
+                )
+            )
+        self.cost = np.append(self.cost, np.full(len(made), np.inf))
+        numbers = self.evidence.add(made, FORM_SD) if made else []
+        self._of_form |= dict(zip(numbers, whose, strict=True))
+        return numbers
+
+    def form(self, fit: Fit) -> np.ndarray:
+        """(U,) variance of each unit that the error of form of its largest effect gives (1: of its
+        white noise)."""
+        most = np.zeros(len(self.evidence.parts))
+        for k in self.members(fit):
+            part = self.blocks[k].columns @ self.value(fit, k)
+            for u, (p, free) in enumerate(zip(self.evidence.parts, self._open, strict=True)):
+                shown = part[p.unit.rows]
+                shown = shown - free @ (free.T @ shown)
+                # Of a spike that few readings show, all have the error of a harmonic of its power.
+                size = min(_swing(shown), float(np.sqrt(2 * np.mean(shown**2))))
+                most[u] = max(most[u], size / float(np.median(p.unit.r)))
+        return np.maximum(QUIETEST, (FORM * most) ** 2)
+
+    def value(self, fit: Fit, k: int) -> np.ndarray:
+        """(K,) coefficients of a member."""
+        return fit.mean[self.part(fit, k)]
+
+    def part(self, fit: Fit, k: int) -> slice:
+        """Where a member's coefficients stand among the shared ones."""
+        at = self.evidence.shared.shape[1]
+        for other in fit.chosen:
+            width = self.blocks[other].columns.shape[1]
+            if other == k:
+                return slice(at, at + width)
+            at += width
+        raise KeyError(k)
+
+    def worth(self, state: Found, k: int) -> float:
+        """Of a member beside the others."""
+        state = self.at_own_form(state)
+        return state.score - self.without(state, k).score
+
+    def without(self, state: Found, k: int) -> Found:
+        return self.of(tuple(c for c in state.members if c != k), state.fit.on, state)
+
+    def fits(self, fit: Fit, k: int) -> bool:
+        """Whether a member is of a plausible size, and somewhere large enough to matter: beside the
+        noise, and beside the error of form of the others."""
+        value = self.value(fit, k)
+        if not plausible(self.blocks[k], value):
+            return False
+        others = [self.blocks[c].columns @ self.value(fit, c) for c in self.members(fit) if c != k]
+        own = self.blocks[k].columns @ value
+        for part, free in zip(self.evidence.parts, self._open, strict=True):
+            rows = part.unit.rows
+            if not own[rows].any():
+                continue
+            scale = 1e-3 if part.unit.sees == "angle" else 1.0
+            least = max(MATERIAL * scale, TOLD * float(np.median(part.unit.r)))
+            least = max([least, *(OF_OTHERS * _swing(other[rows]) for other in others)])
+            if _swing(own[rows] - free @ (free.T @ own[rows])) > least:
+                return True
+        return False
+
+    def scores(self, state: Found) -> np.ndarray:
+        """(B,) worth of every block beside a set, implausible ones -inf."""
+        scores, coefficients, _ = self.evidence.scan(state.fit)
+        scores = scores - self.cost
+        for k, b in enumerate(self.blocks):
+            if k in self.evidence.fixed:
+                continue
+            first = self.evidence.first[k]
+            value = coefficients[first : first + b.columns.shape[1]]
+            scores[k] -= UNUSUAL * unusual(b, value)
+            if scores[k] > 0 and not plausible(b, value):
+                scores[k] = -np.inf
+        return scores
+
+
+def _later(rows: Rows, part: np.ndarray) -> np.ndarray:
+    """(N,) by how much what is explained differs from sample to sample of an unbroken motion."""
+    result = np.zeros(len(part))
+    passage = rows.state.passage
+    same = (np.diff(passage) == 0) & (passage[1:] >= 0) & (np.diff(rows.signal) == 0)
+    result[1:][same] = np.diff(part)[same]
+    return result
+
+
+def _swing(values: np.ndarray) -> float:
+    """The size that so many readings have at least as there must be to show a short spike."""
+    few = min(len(values), max(2, len(values) // 2000))
+    return float(np.partition(np.abs(values), len(values) - few)[len(values) - few])
+
+
+def _open(part) -> np.ndarray:
+    """(n, M) orthonormal columns of a unit's zeros and set-ups."""
+    which = np.isin(
+        part.of,
+        [k for k, g in enumerate(part.groups) if g.kind in ("zero", "set-up") and g.sd > OPEN],
+    )
+    if not which.any():
+        return np.zeros((len(part.unit), 0))
+    q, r = np.linalg.qr(part.raw[part.use][:, which])
+    size = np.abs(np.diag(r))
+    return q[:, size > 1e-9 * size.max(initial=0.0)]
