@@ -22,18 +22,11 @@ from postproc.diagnose.rows import Rows
 
 # mm, rad: resolution
 FLOOR = {"laser": 1e-4, "angle": 1e-7, "tool": 1e-4, "scale": 5e-5, "part": 3e-4}
-USUAL = {
-    "laser": 3e-4,
-    "angle": 5e-7,
-    "tool": 5e-4,
-    "scale": 3e-4,
-}  # mm, rad: what they scatter by (unverified: workshops, the design of the experiment)
+# mm, rad: what they scatter by (unverified: workshops, the design of the experiment)
+USUAL = {"laser": 3e-4, "angle": 5e-7, "tool": 5e-4, "scale": 3e-4}
 # readings from which a unit's noise is told by itself; how many readings what is usual counts as
 # (unverified)
-FEW, KNOWN = (
-    12,
-    6.0,
-)
+FEW, KNOWN = 12, 6.0
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
 CHANCE = 0.46  # of the logarithm: two standard deviations of a median of 31 absolute differences

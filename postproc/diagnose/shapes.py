@@ -21,11 +21,7 @@ from postproc.effects.step_loss import MOMENTS
 WORTH = 6.0  # that what comes with a wave must add
 # factor between values that are tried, how often its root is taken; beyond the range: another
 # meaning
-FIRST, HALVINGS, FAR = (
-    1.4,
-    4,
-    1.5,
-)
+FIRST, HALVINGS, FAR = 1.4, 4, 1.5
 FEWEST_MOMENTS = 4  # between which jumps are looked for
 FEWEST_BETWEEN = 6  # readings between two jumps: fewer are readings that are off
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
