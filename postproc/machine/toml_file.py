@@ -96,3 +96,17 @@ class TomlFile:
             message = f"{key} = {value!r} is not a text" if key in data else f"{key} is missing"
             raise self.fault(section, key, message, index=index)
         return value
+
+    def own(self, section: str, key: str, name: str, index: int = 0) -> Path:
+        """A file of its folder. Raises MachineError for one that lies elsewhere: a machine comes
+        from a stranger as well, and may name no other file of this computer."""
+        path = intake.inside(self.path.parent, name)
+        if path is None:
+            raise self.fault(
+                section,
+                key,
+                f"{key} = {name!r} leads out of the machine's folder",
+                "copy the file into the folder, and name it without a path",
+                index,
+            )
+        return path

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pytest import approx
 
-from postproc.machine.file import read_table
+from postproc.machine.axis_file import read_table
 from postproc.machine.write import axis_table, machine_toml, number, runs_table
 
 texts = st.text(max_size=20)
