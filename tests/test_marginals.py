@@ -11,10 +11,11 @@ import pytest
 from pytest import approx
 
 from postproc.machine import marginals as module
+from postproc.machine.axis import Axis
 from postproc.machine.chain import Chain
 from postproc.machine.file import read_machine
 from postproc.machine.marginals import marginals
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.units import UM, URAD
 

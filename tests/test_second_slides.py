@@ -16,9 +16,10 @@ from postproc.commands import machine_facts
 from postproc.compensate import Options
 from postproc.errors import GcompError, ProgramError
 from postproc.filter import Filter, setup_of
+from postproc.machine.axis import Axis
 from postproc.machine.chain import along, parse
 from postproc.machine.file import read_machine
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.pages import machine as machine_page

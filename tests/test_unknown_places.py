@@ -9,8 +9,9 @@ import pytest
 
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
+from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ, parse
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.nc import dialects
 

@@ -19,9 +19,10 @@ from postproc.calibrate.outliers import Outlier
 from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
 from postproc.errors import GcompError, Place
+from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ
 from postproc.machine.lacks import lacks
-from postproc.machine.model import Axis, Limits, Machine
+from postproc.machine.model import Limits, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.recordings import Recording
 

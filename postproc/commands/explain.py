@@ -17,6 +17,7 @@ import numpy as np
 from postproc import ports
 from postproc.commands import as_json, compensate, expansion, reading, reading_options
 from postproc.machine import growth
+from postproc.machine.contributions import contributions
 from postproc.machine.model import Machine
 from postproc.machine.tip import TipMachine, seen_by_tip
 from postproc.machine.uncertainty import MapUncertainty, micrometres
@@ -180,7 +181,7 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     turn = filter_.carry.sides.side[:, None].astype(float)
     total = machine.deviation(target, turn)[:, 0]
     # Told along the words of the tip, what an axis errs by has no direction of its own.
-    parts = [] if isinstance(machine, TipMachine) else machine.contributions(target, turn)
+    parts = [] if isinstance(machine, TipMachine) else contributions(machine, target, turn)
     for row in machine.corrected:
         named = ", ".join(
             f"{name} {value[row, 0] / UM:+.1f}"

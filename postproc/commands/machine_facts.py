@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR, ROTARY
 from postproc.machine.doubts import doubts
 from postproc.machine.lacks import lacks
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
 from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
 from postproc.units import UM, URAD

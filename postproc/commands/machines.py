@@ -14,11 +14,12 @@ from postproc import ports
 from postproc.commands import as_json, machine_facts, machine_new
 from postproc.errors import GcompError, UsageError
 from postproc.machine import places
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.doubts import doubts
 from postproc.machine.file import read_machine
 from postproc.machine.lacks import lacks
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
 from postproc.machine.uncertainty import micrometres
 from postproc.units import UM, URAD

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ, along
-from postproc.machine.model import Axis
 from postproc.machine.toml_file import TomlFile
 from postproc.units import UM, URAD
 

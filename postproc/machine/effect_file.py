@@ -12,8 +12,9 @@ from typing import TypeVar
 import numpy as np
 
 from postproc import effects, intake
+from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ
-from postproc.machine.model import Axis, EffectTerm
+from postproc.machine.model import EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.machine.toml_file import TomlFile
 

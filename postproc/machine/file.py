@@ -17,10 +17,11 @@ from postproc import intake
 from postproc.errors import MachineError, Place
 from postproc.machine import chain as chains
 from postproc.machine.angle_file import location, squareness, squareness_u
+from postproc.machine.axis import Axis
 from postproc.machine.axis_section import UNCERTAINTY, read_axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.effect_file import read_effects
-from postproc.machine.model import Axis, ControlTable, Limits, Machine
+from postproc.machine.model import ControlTable, Limits, Machine
 from postproc.machine.toml_file import TomlFile
 from postproc.machine.tool_point import read_tool_point
 from postproc.units import UM

@@ -18,8 +18,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from postproc.machine.axis import Axis, Expansion
 from postproc.machine.chain import LINEAR, along
-from postproc.machine.model import Axis, EffectTerm, Expansion, Machine
+from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.tables import AxisTable
 from postproc.units import UM
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from postproc import intake
-from postproc.machine.model import Expansion
+from postproc.machine.axis import Expansion
 from postproc.machine.toml_file import TomlFile
 
 KEYS = {

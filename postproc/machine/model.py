@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.machine import dependence, rotary
+from postproc.machine.axis import Axis, Expansion
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import (
     LINEAR,
@@ -25,67 +26,11 @@ from postproc.machine.chain import (
     tip_deviation,
 )
 from postproc.machine.chain import arms as chain_arms
-from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
+from postproc.machine.tables import AxisTable, GridTable
 from postproc.machine.tool_point import ToolPoint
 
 if TYPE_CHECKING:
     from postproc.machine.growth import Driver
-
-
-@dataclass(frozen=True)
-class Expansion:
-    """Growth with temperature, linear from the point that does not move. scale, work: 1/K,
-    expansion of the axis' scale (or screw) and of the workpiece; their temperatures, degrees
-    Celsius; fixed: mm, slide position that stays. sensors: columns of a log for the scale, with mm,
-    the slide position at which each thermometer sits, None: they are averaged; work_sensors: for
-    the work."""
-
-    scale: float = 0.0
-    scale_at: float = 20.0
-    work: float = 0.0
-    work_at: float = 20.0
-    fixed: float = 0.0
-    sensors: tuple[tuple[str, float | None], ...] = ()
-    work_sensors: tuple[str, ...] = ()
-
-    @property
-    def rate(self) -> float:
-        """mm/mm that the axis goes too far, seen by a part that is measured at 20 degrees
-        Celsius."""
-        return self.scale * (self.scale_at - 20.0) - self.work * (self.work_at - 20.0)
-
-
-@dataclass(frozen=True)
-class Axis:
-    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees
-    of the programmed word; measured_at (3,): mm, where the other axes stood, as stated
-    (`Machine.measured`: what counts); optic: what the measured point was fixed to, "" for the side
-    that the axis carries; centre (3,): mm, a point on
-    a rotary axis' line while all slides stand at zero; location (6,): mm and rad, how that line
-    lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
-    table, None where the folder states none; left_out: components that were measured and are
-    within their uncertainty, so that no table holds them; centre_stated: the directions in which
-    the folder states the centre; velocity: mm/s, its fastest, 0: not stated."""
-
-    letter: str
-    travel: tuple[float, float]
-    least_increment: float
-    measured_at: np.ndarray
-    table: AxisTable | None = None
-    optic: str = ""
-    centre: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    location: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    grids: tuple[GridTable, ...] = ()
-    expansion: Expansion | None = None
-    uncertainty: AxisUncertainty | None = None
-    left_out: tuple[str, ...] = ()
-    centre_stated: tuple[str, ...] = ()
-    velocity: float = 0.0
-
-    @property
-    def bare(self) -> Axis:
-        """The same axis without errors."""
-        return replace(self, table=None, grids=(), expansion=None, location=np.zeros(6))
 
 
 @dataclass(frozen=True)
@@ -338,7 +283,7 @@ class Machine:
     @cached_property
     def turns(self) -> bool:
         """Whether any axis has a rotation, so that the tool's length matters."""
-        tables = [t for axis in self.axes.values() for t in _tables(axis)]
+        tables = [t for axis in self.axes.values() for t in axis.tables]
         return bool(self.chain.rotary) or any(max(t.rows, default=0) >= 3 for t in tables)
 
     def carrying(self, letters: tuple[str, ...]) -> Machine:
@@ -465,58 +410,10 @@ class Machine:
             part = _sum(part, more)
         return part
 
-    def contributions(
-        self, position: np.ndarray, approach: np.ndarray
-    ) -> list[tuple[str, np.ndarray]]:
-        """Name and (A, N) mm of every part of the deviation by itself: components, squareness,
-        effects."""
-        result = []
-        bare = {x: axis.bare for x, axis in self.axes.items()}
-
-        def add(name: str, x: str = "", square=None, effects=(), **errors) -> None:
-            axes = {**bare, x: replace(bare[x], **errors)} if x else bare
-            part = replace(self, axes=axes, square=square or {}, effects=effects)
-            result.append((name, part.deviation(position, approach)))
-
-        for x, axis in self.axes.items():
-            for table in _tables(axis):
-                for i in table.rows:
-                    only = (np.arange(6) == i).reshape((6,) + (1,) * (table.forward.ndim - 1))
-                    forward, reverse = (
-                        np.where(only, table.forward, 0.0),
-                        np.where(only, table.reverse, 0.0),
-                    )
-                    one = replace(table, forward=forward, reverse=reverse)
-                    by = f" by {table.other}" if isinstance(table, GridTable) else ""
-                    add(
-                        f"{COMPONENTS[i]}{x}{by}",
-                        x,
-                        **({"grids": (one,)} if by else {"table": one}),
-                    )
-            if x in self.expansions:
-                add(f"heat {x}", x, expansion=axis.expansion)
-            for i in map(int, np.flatnonzero(axis.location)):
-                add(
-                    f"{(XYZ + ROTARY)[i]}0{x}",
-                    x,
-                    location=np.where(np.arange(6) == i, axis.location, 0.0),
-                )
-        for x, lean in self.square.items():
-            for i in map(int, np.flatnonzero(lean)):
-                add(f"{ROTARY[i]}0{x}", square={x: np.where(np.arange(3) == i, lean, 0.0)})
-        for term in self.effects:
-            add(term.name, effects=(term,))
-        return result
-
     @cached_property
     def bounds(self) -> Bounds:
         """How far the deviation can bend and change."""
         return Bounds(self)
-
-
-def _tables(axis: Axis) -> list[AxisTable | GridTable]:
-    own: list[AxisTable | GridTable] = [axis.table] if axis.table is not None else []
-    return own + list(axis.grids)
 
 
 def _sum(part: Parts | None, more: Parts) -> Parts:

@@ -13,8 +13,9 @@ from typing import TypeVar
 
 import numpy as np
 
+from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR
-from postproc.machine.model import Axis, EffectTerm, Machine
+from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 Table = TypeVar("Table", AxisTable, GridTable)

@@ -16,8 +16,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from postproc.errors import MachineError
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, SECOND, XYZ, Chain
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.machine import overshoot
+from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.lacks import lacks
-from postproc.machine.model import Axis, EffectTerm, Machine
+from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.tables import COMPONENTS
 from postproc.machine.uncertainty import MapUncertainty, micrometres
 from postproc.pages import charts

@@ -12,8 +12,9 @@ from pytest import approx
 
 from postproc.calibrate import Options, opening
 from postproc.calibrate.calibration import calibrate
+from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ, parse
-from postproc.machine.model import Axis, Limits, Machine
+from postproc.machine.model import Limits, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.recordings import Recording
 

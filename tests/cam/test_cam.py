@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from postproc.filter import Filter, setup_of
+from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ, parse
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.nc.recognise import between

@@ -14,9 +14,10 @@ from pytest import approx
 
 from postproc.control_tables import ErrorTable, ExportOptions, TableError, etalon, isg_csv
 from postproc.errors import MachineError
+from postproc.machine.axis import Axis
 from postproc.machine.chain import Chain
 from postproc.machine.file import read_machine
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable, GridTable
 from postproc.recordings import Source
 

@@ -17,8 +17,9 @@ from postproc.commands import expansion
 from postproc.compensate import Options
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
+from postproc.machine.axis import Axis
 from postproc.machine.chain import parse
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.nc.expand import written

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from postproc.errors import MachineError
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ, parse
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from tests.reference.kinematics import Link, tip
 

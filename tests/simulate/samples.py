@@ -9,9 +9,10 @@ import numpy as np
 
 from postproc import effects
 from postproc.filter import Filter, setup_of
+from postproc.machine.axis import Axis
 from postproc.machine.chain import parse
 from postproc.machine.file import read_machine
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.nc import dialects
 from postproc.simulate import timeline as timelines
 from postproc.simulate.actual import Reality, Term, terms_of

@@ -1,0 +1,72 @@
+"""One axis as the folder states it: travel, tables, where it was measured, growth with
+temperature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from postproc.machine.tables import AxisTable, AxisUncertainty, GridTable
+
+
+@dataclass(frozen=True)
+class Expansion:
+    """Growth with temperature, linear from the point that does not move. scale, work: 1/K,
+    expansion of the axis' scale (or screw) and of the workpiece; their temperatures, degrees
+    Celsius; fixed: mm, slide position that stays. sensors: columns of a log for the scale, with mm,
+    the slide position at which each thermometer sits, None: they are averaged; work_sensors: for
+    the work."""
+
+    scale: float = 0.0
+    scale_at: float = 20.0
+    work: float = 0.0
+    work_at: float = 20.0
+    fixed: float = 0.0
+    sensors: tuple[tuple[str, float | None], ...] = ()
+    work_sensors: tuple[str, ...] = ()
+
+    @property
+    def rate(self) -> float:
+        """mm/mm that the axis goes too far, seen by a part that is measured at 20 degrees
+        Celsius."""
+        return self.scale * (self.scale_at - 20.0) - self.work * (self.work_at - 20.0)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees
+    of the programmed word; measured_at (3,): mm, where the other axes stood, as stated
+    (`Machine.measured`: what counts); optic: what the measured point was fixed to, "" for the side
+    that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at
+    zero; location (6,): mm and rad, how that line
+    lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
+    table, None where the folder states none; left_out: components that were measured and are
+    within their uncertainty, so that no table holds them; centre_stated: the directions in which
+    the folder states the centre; velocity: mm/s, its fastest, 0: not stated."""
+
+    letter: str
+    travel: tuple[float, float]
+    least_increment: float
+    measured_at: np.ndarray
+    table: AxisTable | None = None
+    optic: str = ""
+    centre: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    location: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    grids: tuple[GridTable, ...] = ()
+    expansion: Expansion | None = None
+    uncertainty: AxisUncertainty | None = None
+    left_out: tuple[str, ...] = ()
+    centre_stated: tuple[str, ...] = ()
+    velocity: float = 0.0
+
+    @property
+    def bare(self) -> Axis:
+        """The same axis without errors."""
+        return replace(self, table=None, grids=(), expansion=None, location=np.zeros(6))
+
+    @property
+    def tables(self) -> list[AxisTable | GridTable]:
+        """Its measured errors: over its own position, and over a second axis' too."""
+        own: list[AxisTable | GridTable] = [self.table] if self.table is not None else []
+        return own + list(self.grids)
