@@ -39,11 +39,11 @@ class Axis:
     of the programmed word; measured_at (3,): mm, where the other axes stood, as stated
     (`Machine.measured`: what counts); optic: what the measured point was fixed to, "" for the side
     that the axis carries; centre (3,): mm, a point on a rotary axis' line while all slides stand at
-    zero; location (6,): mm and rad, how that line
-    lies beside the nominal one; grids: what depends on a second axis too; uncertainty: of the
-    table, None where the folder states none; left_out: components that were measured and are
-    within their uncertainty, so that no table holds them; centre_stated: the directions in which
-    the folder states the centre; velocity: mm/s, its fastest, 0: not stated."""
+    zero; location (6,): mm and rad, how that line lies beside the nominal one; grids: what depends
+    on a second axis too; uncertainty: of the table, None where the folder states none; left_out:
+    components that were measured and are within their uncertainty, so that no table holds them;
+    centre_stated: the directions in which the folder states the centre; velocity: mm/s, its
+    fastest, 0: not stated."""
 
     letter: str
     travel: tuple[float, float]

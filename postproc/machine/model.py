@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EffectTerm:
-    """One accepted effect with its parameters. tables: axis to the errors that it adds where the
+    """One accepted effect with its parameters. tables, grids: the errors that it adds where the
     slides stand, none for an effect that a place alone does not decide. spread: for each parameter
     whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
     by how much U changes the tables. measured mm: from where to where readings told it; its tables
@@ -81,9 +81,8 @@ class Limits:
 class Machine:
     """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
     U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,)
-    mm;
-    offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which they
-    are stated; signs: "verified" where a measurement after compensation has shown them,
+    mm; offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which
+    they are stated; signs: "verified" where a measurement after compensation has shown them,
     "unverified" where it is said that none has, "" where nothing is said; tool_stated: whether the
     folder states the tool's point; tool_point: how the control follows it; growth: what moves it
     from moment to moment (growth.py), empty where nobody follows its temperatures."""
