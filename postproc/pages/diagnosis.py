@@ -11,7 +11,7 @@ import numpy as np
 from postproc.diagnose import machine_effects, prose, words
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.summary import fit_of, next_test
-from postproc.pages import charts, findings, left
+from postproc.pages import charts, circles, findings, left
 from postproc.pages.frame import Page
 
 MOST = 6  # signals that are drawn; the others have a line
@@ -33,7 +33,7 @@ def page(d: Diagnosis) -> Page:
         ("recordings", ", ".join(Path(r.file).name for r in d.recordings)),
     ]
     drawn = left.signals(d)
-    rounds = list(left.circles(d))
+    rounds = list(circles.of_diagnosis(d))
     _first(made, d, drawn, rounds)
     _tiles(made, d)
     if d.doubts:

@@ -1,31 +1,21 @@
-"""The page of tests by the ISO 230 series: each drawn as its standard draws it, with its parameters
-and their uncertainty."""
+"""The page of tests by the ISO 230 series: each with its figure, its parameters and their
+uncertainty."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import Any
-
-import numpy as np
 
 from postproc.iso import Result
 from postproc.iso.causes import Causes
-from postproc.iso.circles import Trace
-from postproc.iso.drift import HOUR, Drift
-from postproc.iso.figure import about_centre, round_down
+from postproc.iso.drift import Drift
 from postproc.iso.positioning import Positioning
-from postproc.iso.report import decimals, number, scale
-from postproc.iso.straightness import NAMES, Straightness
+from postproc.iso.straightness import Straightness
 from postproc.pages import charts
 from postproc.pages.frame import Page
+from postproc.pages.measured_figures import along, at_rest, circle, shown
 from postproc.units import UM
 
-SIDE = 0.86  # of the width; beside it stand the widths E, M and A
-ROLES = {1: "plus", -1: "minus"}
-FILL = 0.5  # of the radius, which the largest deviation of a circle is drawn to fill
 LEAST = 0.005  # of the sum: a cause of less is not drawn
-MOST_READINGS, MOST_POINTS = 4000, 2500  # of a figure
 
 
 def html(results: Sequence[Result], left: Sequence[str] = ()) -> str:
@@ -45,11 +35,11 @@ def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
         chosen = f"{result.chosen[:1].upper()}{result.chosen[1:]}."
         made.section(f"{result.subject}: {result.test}, {result.standard}", chosen)
         if isinstance(result.detail, Positioning | Straightness):
-            made.figure(_along(result, f"test-{k}"))
+            made.figure(along(result, f"test-{k}"))
         elif isinstance(result.detail, list) and result.detail:
-            made.figure(_circle(result, f"test-{k}"))
+            made.figure(circle(result, f"test-{k}"))
         elif isinstance(result.detail, Drift):
-            made.figure(_at_rest(result, f"test-{k}"))
+            made.figure(at_rest(result, f"test-{k}"))
         if result.causes:
             _causes(made, result.causes, f"test-{k}-causes")
         _parameters(made, result)
@@ -66,23 +56,19 @@ def _headline(results: Sequence[Result]) -> str:
     for result in results[:4]:
         main = next((p for p in result.parameters if p.value is not None), None)
         if main is not None:
-            u = "" if main.U is None else f" +- {_shown(result, main.U)}"
-            size = f"{_shown(result, main.value)}{u} {result.unit}"
+            u = "" if main.U is None else f" +- {shown(result, main.U)}"
+            size = f"{shown(result, main.value)}{u} {result.unit}"
             said.append(f"{result.subject}: {main.means} ({main.name}) {size}")
     return "; ".join(said) + (f"; and {len(results) - 4} more." if len(results) > 4 else ".")
-
-
-def _shown(result: Result, value: float | None) -> str:
-    return number(None if value is None else value / scale(result), decimals(result))
 
 
 def _parameters(made: Page, result: Result) -> None:
     rows = [
         (
             p.name,
-            _shown(result, p.value),
-            _shown(result, p.U),
-            _shown(result, p.runs),
+            shown(result, p.value),
+            shown(result, p.U),
+            shown(result, p.runs),
             p.means + (f", {p.at}" if p.at else ""),
         )
         for p in result.parameters
@@ -91,227 +77,8 @@ def _parameters(made: Page, result: Result) -> None:
     if result.terms:
         made.text("In U, k = 1:")
         made.listing(
-            [f"{t.name}: {_shown(result, t.u)} {result.unit}; {t.said}" for t in result.terms]
+            [f"{t.name}: {shown(result, t.u)} {result.unit}; {t.said}" for t in result.terms]
         )
-
-
-# -- along an axis ---------------------------------------------------------------------------------
-
-
-def _along(result: Result, name: str) -> charts.Figure:
-    """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand
-    for."""
-    test: Positioning = (
-        result.detail.test if isinstance(result.detail, Straightness) else result.detail
-    )
-    unit = scale(result)
-    x = charts.column(test.target, 4)
-    data: list[charts.Trace] = []
-    for row, way in enumerate((1, -1)):
-        mean, s = test.mean[row] / unit, test.s[row] / unit
-        there = np.isfinite(mean) & np.isfinite(s)
-        if there.any():
-            low, high = (charts.column((mean + k * s)[there], 3) for k in (-2, 2))
-            role = f"{ROLES[way]}-fill"
-            data.append(
-                charts.band(
-                    charts.column(test.target[there], 4),
-                    low,
-                    high,
-                    "mean +- 2 s",
-                    role,
-                    showlegend=False,
-                )
-            )
-    for row, way in enumerate((1, -1)):
-        rows = np.flatnonzero(test.way == way)
-        rows = rows[:: max(1, len(rows) // MOST_READINGS)]
-        if not len(rows):
-            continue
-        sign = "+" if way > 0 else "-"
-        hover = f"%{{x}}: %{{y:.2f}} {result.unit}, run %{{customdata}}<extra></extra>"
-        data.append(
-            charts.dots(
-                charts.column(test.position[rows], 4),
-                charts.column(test.reading[rows] / unit, 3),
-                f"readings, {sign}",
-                ROLES[way],
-                size=4,
-                opacity=0.4,
-                showlegend=False,
-                customdata=charts.column(test.run[rows], 0),
-                hovertemplate=hover,
-            )
-        )
-        data.append(
-            charts.line(
-                x,
-                charts.column(test.mean[row] / unit, 3),
-                f"mean, approached in {sign}",
-                ROLES[way],
-                mode="lines+markers",
-                marker={"size": 5, "color": f"@{ROLES[way]}"},
-            )
-        )
-    if test.two_way:
-        data.append(
-            charts.line(
-                x, charts.column(test.middle / unit, 3), "mean, two-way", "still", dash="dash"
-            )
-        )
-    notes: list[dict[str, Any]] = []
-    if isinstance(result.detail, Straightness):
-        data += _lines(result, result.detail, unit)
-        domain = 1.0
-    else:
-        widths, notes = _widths(result, test, unit)
-        data += widths
-        domain = SIDE if widths else 1.0
-    along = "degrees" if result.test == "rotary" else "mm"
-    letter = result.subject.split(",")[0] if result.test == "diagonal" else result.subject[2:3]
-    return charts.figure(
-        name,
-        "Readings (dots), their means with 2 s, in each direction of approach. Actual - commanded.",
-        data,
-        f"{letter}, {along}",
-        f"deviation, {result.unit}",
-        400,
-        annotations=notes,
-        xaxis={"domain": [0, domain], "range": charts.reach(x)},
-        xaxis2={
-            "domain": [min(domain + 0.02, 0.99), 1],
-            "visible": False,
-            "fixedrange": True,
-            "range": [-0.6, 2.6],
-        },
-    )
-
-
-def _widths(
-    result: Result, test: Positioning, unit: float
-) -> tuple[list[charts.Trace], list[dict[str, Any]]]:
-    """E, M and A as bars beside the curves, each with its name and size."""
-    spread = np.isfinite(test.s).any()
-    both = test.both.any()
-    ends = {
-        "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if both else None,
-        "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
-        "A": (
-            (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
-            if spread
-            else None
-        ),
-    }
-    known = {p.name: p.value for p in result.parameters}
-    sign = "" if known.get("E") is not None else "+" if known.get("E+") is not None else "-"
-    data, notes = [], []
-    for k, (letter, low_high) in enumerate(ends.items()):
-        value = known.get(f"{letter}{sign}")
-        if low_high is None or value is None:
-            continue
-        low, high = (round(float(v) / unit, 3) for v in low_high)
-        label = f"{letter}{sign}"
-        data.append(
-            charts.line(
-                [k, k],
-                [low, high],
-                label,
-                "ink",
-                xaxis="x2",
-                showlegend=False,
-                mode="lines+markers",
-                marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
-                hovertemplate=f"{label} {_shown(result, value)} {result.unit}<extra></extra>",
-            )
-        )
-        notes.append(
-            {
-                "x": k,
-                "y": high,
-                "xref": "x2",
-                "yref": "y",
-                "yanchor": "bottom",
-                "yshift": 6,
-                "showarrow": False,
-                "text": f"{label}<br>{_shown(result, value)}<br>{result.unit}",
-                "brief": label,  # the numbers stand in the table
-                "font": {"color": "@ink", "size": 11},
-            }
-        )
-    return data, notes
-
-
-def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trace]:
-    """The reference line and the zone of the straightness error about it."""
-    line, name = lines.lines[lines.best], lines.best
-    if line is None:
-        return []
-    test, x = lines.test, charts.column(lines.test.target, 4)
-    y = test.middle if name == NAMES[0] else test.mean[NAMES.index(name) - 1]
-    level = line.value(test.target)
-    off = (y - level)[np.isfinite(y)]
-    size = _shown(result, lines.errors[name])
-    data = [charts.line(x, charts.column(level / unit, 3), f"{lines.kind} line", "ink", width=1.2)]
-    for k, edge in enumerate((off.max(), off.min())):
-        data.append(
-            charts.line(
-                x,
-                charts.column((level + edge) / unit, 3),
-                f"zone: {name} {size} {result.unit}",
-                "ink",
-                dash="dashdot",
-                width=1,
-                showlegend=not k,
-            )
-        )
-    return data
-
-
-# -- at rest ---------------------------------------------------------------------------------------
-
-
-def _at_rest(result: Result, name: str) -> charts.Figure:
-    """Readings over the time, from the first one on, with the range that the first parameter is."""
-    d: Drift = result.detail
-    unit, step = scale(result), max(1, len(d.time) // MOST_READINGS)
-    hours = (d.time - d.time[0]) / HOUR
-    moved = (d.reading - d.reading[0]) / unit
-    data = [
-        charts.line(
-            charts.column(hours[::step], 4),
-            charts.column(moved[::step], 3),
-            f"reading along {d.letter}",
-            "plus",
-            mode="lines+markers",
-            marker={"size": 3, "color": "@plus"},
-            hovertemplate=f"%{{x:.2f}} h: %{{y:.2f}} {result.unit}<extra></extra>",
-        )
-    ]
-    main = result.parameters[0]
-    said = f"{main.name}: {_shown(result, main.value)} {result.unit}"
-    for k, level in enumerate((moved.min(), moved.max())):
-        data.append(
-            charts.line(
-                charts.column(hours[[0, -1]], 4),
-                charts.column([level, level], 3),
-                said,
-                "ink",
-                dash="dashdot",
-                width=1,
-                showlegend=not k,
-                hoverinfo="skip",
-            )
-        )
-    return charts.figure(
-        name,
-        "Readings from the first one on, while no slide moves; between the lines: the range over"
-        " the whole time.",
-        data,
-        "time, h",
-        f"reading, {result.unit}",
-        400,
-        xaxis={"range": charts.reach(charts.column(hours, 4))},
-    )
 
 
 def _causes(made: Page, causes: Causes, name: str) -> None:
@@ -357,61 +124,4 @@ def _causes(made: Page, causes: Causes, name: str) -> None:
             "above zero it means",
         ),
         rows,
-    )
-
-
-# -- circles ---------------------------------------------------------------------------------------
-
-
-def _circle(result: Result, name: str) -> charts.Figure:
-    """Circles about their least-squares centre (arcs as they stand), deviations magnified."""
-    traces: list[Trace] = result.detail
-    nominal = traces[0].nominal
-    about = [about_centre(t) for t in traces]
-    largest = max(float(np.abs(radial).max()) for _, radial in about)
-    times = round_down(FILL * nominal / max(largest, 1e-6))
-    plane = result.subject.split(",")[0]
-    data: list[charts.Trace] = []
-    seen: set[int] = set()
-    for t, (angle, radial) in zip(traces, about, strict=True):
-        step = max(1, len(angle) // (MOST_POINTS // min(len(traces), 5)))
-        sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
-        data.append(
-            {
-                "type": "scatterpolar",
-                "mode": "lines",
-                "name": f"from +{sense[0].upper()} to +{sense[1].upper()}",
-                "theta": charts.column(np.degrees(angle[::step]), 2),
-                "r": charts.column((nominal + times * radial)[::step], 4),
-                "customdata": charts.um(radial[::step], 2),
-                "hovertemplate": "%{theta:.0f} degrees: %{customdata} um<extra></extra>",
-                "line": {"color": f"@{ROLES[1 if t.way > 0 else -1]}", "width": 1.2},
-                "showlegend": t.way not in seen,
-            }
-        )
-        seen.add(t.way)
-    turn = np.linspace(0, 360, 181)
-    data.append(
-        {
-            "type": "scatterpolar",
-            "mode": "lines",
-            "name": f"nominal, {nominal:g} mm",
-            "theta": charts.column(turn, 1),
-            "r": [nominal] * len(turn),
-            "line": {"color": "@ink", "width": 1, "dash": "dot"},
-            "hoverinfo": "skip",
-        }
-    )
-    division = round_down(max(largest, 1e-4))
-    edge = math.ceil(largest / division)
-    rings = division * np.arange(-edge, edge + 1)
-    return charts.figure(
-        name,
-        f"About the least-squares centre, deviations {times:g} times larger; one ring is"
-        f" {division * 1000:g} um.",
-        data,
-        "",
-        "",
-        560,
-        polar=charts.polar(list(plane), list(nominal + times * rings), list(rings * 1000)),
     )
