@@ -10,16 +10,15 @@ do not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
-from postproc.machine.model import Machine
 from postproc.machine.poses import axes_of
-from postproc.machine.tip import TipMachine, seen_by_tip, tool_directions
+from postproc.machine.tip import TipMachine, tool_directions
 from postproc.machine.uncertainty import AlongPath
 from postproc.motions import FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
@@ -27,19 +26,17 @@ from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
-from postproc.spaces import Space
 from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM
 from postproc.verify import report
 from postproc.verify.cutter import CentreVerifier
-from postproc.verify.distance import all_known, points_of, to_path
+from postproc.verify.distance import PLACES, all_known, points_of, to_path
 from postproc.verify.heat import Warm
+from postproc.verify.holes import holes_of
+from postproc.verify.machines import Machines
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
-# golden section: never in step with the nodes
-PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0
-
 
 NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
 
@@ -90,13 +87,13 @@ class Verifier:
         self.at_contour = Largest()
         self.centre = CentreVerifier(self.machine, self.follows)
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
-        self.seen_by: dict[tuple[int, Space | None, tuple[int, ...]], Machine] = {}
         self.tips = False  # whether any motion was one of the tip
         self.motions_in = self.motions_out = 0
         # Line and file that a line of a program that was written out came from; None: it is the
         # program itself.
         self.source: Callable[[int], tuple[int, str]] | None = None
         self.warm = Warm(filter_)
+        self.machines = Machines(self.machine, self.oriented, self.warm)
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(
@@ -170,7 +167,7 @@ class Verifier:
             ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
             counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
             end, sense = begin + pieces.share, own.way(own.leg(every, one))
-            there = self._slides(
+            there = self.machines.slides(
                 motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0)
             )
             ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
@@ -219,39 +216,18 @@ class Verifier:
     ) -> None:
         """The axis of each hole from R to its bottom sideways (`axes`, `taps`), and the bottom
         along it (`ends`)."""
-        holes, drilled = nominal.holes, run.holes
-        counts = (
-            all_known(self.machine, nominal.target_known)[holes.motion]
-            & ~nominal.alone[holes.motion]
-            if len(holes)
-            else holes.initial
-        )
-        for k in np.flatnonzero(counts):
-            row, motion = int(holes.axis[k]), int(holes.motion[k])
-            t = np.concatenate([PLACES[:32], [1.0]])
-            command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
-            top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
-            command[row] = top + (bottom - top) * t
-            of, rapid = np.full(len(t), drilled.motion[k]), np.ones(len(t), bool)
-            for slides, weight in enumerate(led.at(of, 1.0 * rapid, command, 0 * command, rapid)):
-                weight[row] = np.sign(bottom - top)
+        for hole in holes_of(self.machine, nominal, run):
+            motion = hole.motion
+            for slides, weight in enumerate(hole.weights(led)):
+                weight = weight * self.follows
                 if ends is self.corrected and not slides:
-                    self.map.see(
-                        command,
-                        weight * self.follows,
-                        run.length[:, of] / TICKS_PER_MM,
-                        line[0 * of + motion],
-                    )
-                off = command + self._deviation(run, (of, t), command, weight * self.follows)
-                off -= nominal.target[:, [motion]] / TICKS_PER_MM
-                deep = float(
-                    off[row, -1] + (nominal.target[row, motion] - holes.bottom[k]) / TICKS_PER_MM
-                )
-                off[row] = 0.0
-                aside = float(np.linalg.norm(off[list(self.machine.corrected)], axis=0).max())
-                if row in self.machine.corrected:
-                    ends.take(abs(deep), int(line[motion]), bool(slides))
-                (taps if holes.tap[k] else axes).take(aside, int(line[motion]), bool(slides))
+                    lengths = run.length[:, hole.of] / TICKS_PER_MM
+                    self.map.see(hole.command, weight, lengths, line[0 * hole.of + motion])
+                off = self.machines.deviation(run, (hole.of, hole.t), hole.command, weight)
+                deep, aside = hole.off(hole.command + off, list(self.machine.corrected))
+                if hole.row in self.machine.corrected:
+                    ends.take(deep, int(line[motion]), bool(slides))
+                (taps if hole.tap else axes).take(aside, int(line[motion]), bool(slides))
 
     def _measure(
         self,
@@ -316,12 +292,12 @@ class Verifier:
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
             weights = led[1].at(
-                row, place, self._slides(run, row, command), sense, run.code[row] == RAPID
+                row, place, self.machines.slides(run, row, command), sense, run.code[row] == RAPID
             )
             if into is self.corrected:
                 lengths = run.length[:, row] / TICKS_PER_MM
                 self.map.see(
-                    self._slides(run, row, command),
+                    self.machines.slides(run, row, command),
                     weights[0] * self.follows,
                     lengths,
                     line[owner[row]],
@@ -329,7 +305,7 @@ class Verifier:
             if self.machine.chain.rotary:
                 self._lean(nominal, run, (row, owner[row], t), (command, weights[0]), line, into)
             for slides, weight in enumerate(weights if self.machine.two_way.any() else weights[:1]):
-                actual = command + self._deviation(
+                actual = command + self.machines.deviation(
                     run, (row, place), command, weight * self.follows
                 )
                 distance = to_path(self.machine, nominal, owner[row], t, actual)
@@ -356,7 +332,7 @@ class Verifier:
 
         def u(some: np.ndarray) -> np.ndarray:
             rows = row[path][some]
-            slides = self._slides(run, rows, there[1][:, path][:, some])
+            slides = self.machines.slides(run, rows, there[1][:, path][:, some])
             return self.map.at(
                 slides, weight[:, path][:, some] * self.follows, run.length[:, rows] / TICKS_PER_MM
             )
@@ -381,52 +357,14 @@ class Verifier:
         moves = all_known(self.machine, nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
         should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
         actual = np.zeros_like(should)
-        for machine, of in self._machines(run, row):
+        for machine, of in self.machines.each(run, row):
             base = machine.base if isinstance(machine, TipMachine) else machine
-            slides = self._slides(run, row[of], command[:, of])
+            slides = self.machines.slides(run, row[of], command[:, of])
             actual[:, of] = tool_directions(base, slides, weight[:, of] * self.follows)
         lean = np.linalg.norm(np.cross(should, actual, axis=0), axis=0)
         worst = int(np.argmax(lean))
         if lean[worst] > into.lean:
             into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])
-
-    def _deviation(self, run: Motions, where, command, weight) -> np.ndarray:
-        """(A, K) mm at commands (A, K) of motions (K,) when a share (K,) of their time is over."""
-        result = np.zeros_like(command)
-        for machine, of in self._machines(run, where[0]):
-            result[:, of] = machine.deviation(command[:, of], weight[:, of])
-        for one, value in self.warm.parts(run, where):
-            for machine, of in self._machines(run, where[0], one):
-                result[:, of] += value[of] * machine.deviation(command[:, of], weight[:, of])
-        return result
-
-    def _machines(
-        self, run: Motions, row: np.ndarray, only: Machine | None = None
-    ) -> Iterator[tuple[Machine, np.ndarray]]:
-        """The machine (or `only`) with each tool and space; (K,) bool, which motions it runs."""
-        whole = only or self.machine
-        if not (whole.turns and run.length.any()) and not run.space.any():
-            yield whole, np.ones(len(row), bool)
-            return
-        every, which = np.unique(
-            np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True
-        )
-        for k, key in enumerate(every.T):
-            told = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
-            if told not in self.seen_by:
-                long = key[:-1] / TICKS_PER_MM
-                self.seen_by[told] = seen_by_tip(whole, long, told[1], self.oriented)
-            yield self.seen_by[told], which.ravel() == k
-
-    def _slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
-        """(A, K) slide positions at commands (A, K) of motions `row`."""
-        if not run.space.any():
-            return command
-        result = command.copy()
-        for machine, of in self._machines(run, row):
-            if isinstance(machine, TipMachine):
-                result[:, of] = machine.slides(command[:, of])
-        return result
 
     @property
     def allowed(self) -> float:

@@ -9,6 +9,9 @@ from postproc.machine.model import Machine
 from postproc.motions import CLOCKWISE, COUNTER, RAPID, Motions
 from postproc.units import TICKS_PER_MM
 
+# shares of a motion at which it is looked at, in golden section: never in step with the nodes
+PLACES = (np.arange(1, 129) * 0.6180339887498949) % 1.0
+
 
 def all_known(machine: Machine, axes: np.ndarray) -> np.ndarray:
     """(N,) bool: whether all axes that carry the tool or the part are known, of (A, N)."""

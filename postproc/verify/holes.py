@@ -1,0 +1,74 @@
+"""Holes of drilling cycles, sampled from R to the bottom: how far the axis of each is off sideways,
+and its bottom along it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.machine.model import Machine
+from postproc.motions import Motions
+from postproc.slides import Led
+from postproc.units import TICKS_PER_MM
+from postproc.verify.distance import PLACES, all_known
+
+
+@dataclass(frozen=True)
+class Hole:
+    """One hole. row: of its axis; motion: number of the nominal one; tap: whether it is one; of, t
+    (K,): motion of the run and place in it; command (A, K) mm; sense: -1 or +1, of the way down;
+    target (A, 1) mm: the nominal one; bottom mm: nominal place of the bottom less that of the
+    target."""
+
+    row: int
+    motion: int
+    tap: bool
+    of: np.ndarray
+    t: np.ndarray
+    command: np.ndarray
+    sense: float
+    target: np.ndarray
+    bottom: float
+
+    def weights(self, led: Led) -> Iterator[np.ndarray]:
+        """(A, K) with which sides each place is reached: by the direction last commanded, and with
+        lost motion as such."""
+        rapid = np.ones(len(self.t), bool)
+        for weight in led.at(self.of, 1.0 * rapid, self.command, 0 * self.command, rapid):
+            weight[self.row] = self.sense
+            yield weight
+
+    def off(self, actual: np.ndarray, rows: list[int]) -> tuple[float, float]:
+        """mm: of actual places (A, K) the bottom along the axis, and the farthest sideways in
+        `rows`."""
+        off = actual - self.target
+        deep = float(off[self.row, -1] - self.bottom)
+        off[self.row] = 0.0
+        return abs(deep), float(np.linalg.norm(off[rows], axis=0).max())
+
+
+def holes_of(machine: Machine, nominal: Motions, run: Motions) -> Iterator[Hole]:
+    """The holes of a run whose nominal place is known and that are corrected."""
+    holes, drilled = nominal.holes, run.holes
+    if not len(holes):
+        return
+    counts = all_known(machine, nominal.target_known)[holes.motion] & ~nominal.alone[holes.motion]
+    for k in np.flatnonzero(counts):
+        row, motion = int(holes.axis[k]), int(holes.motion[k])
+        t = np.concatenate([PLACES[:32], [1.0]])
+        command = np.repeat(run.target[:, [drilled.motion[k]]] / TICKS_PER_MM, len(t), axis=1)
+        top, bottom = drilled.level[k] / TICKS_PER_MM, drilled.bottom[k] / TICKS_PER_MM
+        command[row] = top + (bottom - top) * t
+        yield Hole(
+            row,
+            motion,
+            bool(holes.tap[k]),
+            np.full(len(t), drilled.motion[k]),
+            t,
+            command,
+            float(np.sign(bottom - top)),
+            nominal.target[:, [motion]] / TICKS_PER_MM,
+            (holes.bottom[k] - nominal.target[row, motion]) / TICKS_PER_MM,
+        )

@@ -1,0 +1,61 @@
+"""The machine as each motion finds it: with its tool, in its space, as warm as it is then."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from postproc.machine.model import Machine
+from postproc.machine.tip import TipMachine, seen_by_tip
+from postproc.motions import Motions
+from postproc.spaces import Space
+from postproc.units import TICKS_PER_MM
+from postproc.verify.heat import Warm
+
+
+class Machines:
+    """A machine and what it is for each tool and space. oriented: whether the tool's direction is
+    corrected too; warm: what heat does along the programs."""
+
+    def __init__(self, whole: Machine, oriented: bool, warm: Warm):
+        self.whole, self.oriented, self.warm = whole, oriented, warm
+        self._seen: dict[tuple[int, Space | None, tuple[int, ...]], Machine] = {}
+
+    def deviation(self, run: Motions, where, command, weight) -> np.ndarray:
+        """(A, K) mm at commands (A, K) of motions (K,) when a share (K,) of their time is over."""
+        result = np.zeros_like(command)
+        for machine, of in self.each(run, where[0]):
+            result[:, of] = machine.deviation(command[:, of], weight[:, of])
+        for one, value in self.warm.parts(run, where):
+            for machine, of in self.each(run, where[0], one):
+                result[:, of] += value[of] * machine.deviation(command[:, of], weight[:, of])
+        return result
+
+    def each(
+        self, run: Motions, row: np.ndarray, only: Machine | None = None
+    ) -> Iterator[tuple[Machine, np.ndarray]]:
+        """The machine (or `only`) with each tool and space; (K,) bool, which motions it runs."""
+        whole = only or self.whole
+        if not (whole.turns and run.length.any()) and not run.space.any():
+            yield whole, np.ones(len(row), bool)
+            return
+        every, which = np.unique(
+            np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True
+        )
+        for k, key in enumerate(every.T):
+            told = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
+            if told not in self._seen:
+                long = key[:-1] / TICKS_PER_MM
+                self._seen[told] = seen_by_tip(whole, long, told[1], self.oriented)
+            yield self._seen[told], which.ravel() == k
+
+    def slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
+        """(A, K) slide positions at commands (A, K) of motions `row`."""
+        if not run.space.any():
+            return command
+        result = command.copy()
+        for machine, of in self.each(run, row):
+            if isinstance(machine, TipMachine):
+                result[:, of] = machine.slides(command[:, of])
+        return result
