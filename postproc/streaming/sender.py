@@ -18,6 +18,7 @@ from postproc.streaming.holds import Hold
 from postproc.streaming.limits import Limits
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome, Tally, off_by, verdict, with_rest
+from postproc.streaming.outgoing import Outgoing
 from postproc.streaming.path import CLEAR, LOOK, OFF, Path
 from postproc.streaming.polling import AGAIN, Poll
 from postproc.streaming.protocols import Protocol
@@ -70,13 +71,8 @@ class Sender:
         self.log: list[tuple[str, object, float]] = []
         self.asks: list[tuple[WireLine, str]] = []
         self._queue: deque[WireLine] = deque()
-        self._left = self._put = 0  # bytes that have left, and that have been put into _out
-        self._marks: deque[tuple[int, WireLine]] = (
-            deque()
-        )  # lines of a link without answers, by where their last byte stands
-        self._marked: WireLine | None = None
         self._sent: dict[int, WireLine] = {}
-        self._urgent = self._out = b""
+        self.out = Outgoing()
         self._last: WireLine | None = None  # the last line answered
         self._end: tuple[float, ...] = ()
         self._heard = self._moved = self._ticked = -math.inf
@@ -119,7 +115,7 @@ class Sender:
     def hold(self, now: float) -> None:
         """Feed hold: the machine slows down and stands; no further line leaves."""
         if self.outcome is None and self.state in (RUNNING, HELD):
-            self._urgent += self.protocol.urgent("hold")
+            self.out.urgent += self.protocol.urgent("hold")
             self.state = HELD
             self._hold.order(now)
 
@@ -127,7 +123,7 @@ class Sender:
         """Go on where the hold was, also one that the program (M0) or the machine made, or a
         refused line."""
         if self.outcome is None and self.state in (RUNNING, HELD):
-            self._urgent += self.protocol.urgent("resume")
+            self.out.urgent += self.protocol.urgent("resume")
             self.asks.clear()
             self._hold.release(now)
             self._goes_on(now)
@@ -141,7 +137,7 @@ class Sender:
         """Change the rate of feed, rapids or spindle while it runs ("feed+", "rapid 50", ...);
         False: there is no such order."""
         data = self.protocol.urgent(what)
-        self._urgent += data
+        self.out.urgent += data
         return bool(data)
 
     def decide(self, go_on: bool, now: float) -> None:
@@ -160,8 +156,8 @@ class Sender:
     def stop(self, now: float, why: str = "stopped by the user") -> None:
         """What was sent and not executed is dropped, where the protocol can do that."""
         if self.outcome is None and self.state != STOPPING:
-            self._urgent += self.protocol.urgent("stop")
-            self._out = b""
+            self.out.urgent += self.protocol.urgent("stop")
+            self.out.drop()
             self._queue.clear()
             self._end_soon(endings.stopped(why, self.protocol), now, STOPPING)
 
@@ -199,30 +195,22 @@ class Sender:
     def urgent_out(self) -> bytes:
         """Realtime bytes (a hold, a stop, a question), to be written before anything is told or
         kept."""
-        data, self._urgent = self._urgent, b""
-        return data
+        return self.out.take_urgent()
 
     def bytes_out(self) -> bytes:
         """What to write now, at most what the protocol lets go; the rest comes next time."""
-        if self._urgent:
+        if self.out.urgent:
             return self.urgent_out()
-        n = min(self.protocol.release(), len(self._out))
-        data, self._out = self._out[:n], self._out[n:]
-        self._left += n
-        return data
+        return self.out.take(self.protocol.release())
 
     def written(self) -> tuple[int, WireLine | None]:
         """Of a link without answers: bytes that have left, and the last line of which all have."""
-        while self._marks and self._marks[0][0] <= self._left:
-            line = self._marks.popleft()[1]
-            self._marked = line if line.number > 0 else self._marked
-        return self._left, self._marked
+        return self.out.left, self.out.written()
 
     def unwritten(self, data: bytes) -> None:
         """The port did not take these bytes: they go first next time. Realtime bytes still pass
         them."""
-        self._out = data + self._out
-        self._left -= len(data)
+        self.out.give_back(data)
 
     @property
     def waiting(self) -> tuple[WireLine, ...]:
@@ -243,7 +231,7 @@ class Sender:
             self._insert(self.protocol.check_mode())
         if self.path.watched and self.status is None and now - self._moved < AGAIN:
             return  # where does it stand?
-        while self._queue and self.state == RUNNING and len(self._out) < BACKLOG:
+        while self._queue and self.state == RUNNING and len(self.out) < BACKLOG:
             if not self.protocol.ready(self._queue[0].text):
                 break
             line = self._queue.popleft()
@@ -251,13 +239,10 @@ class Sender:
                 self._moved = now  # waiting begins with the first line that waits
                 self._idle_since = None
             data = self.protocol.send(line.number, line.text)
-            if self.protocol.confirms != "nothing":
+            answered = self.protocol.confirms != "nothing"
+            if answered:
                 self._sent[line.number] = line
-            else:
-                self._marks.append((self._put + len(data), line))
-                self.written()
-            self._put += len(data)
-            self._out += data
+            self.out.put(data, None if answered else line)
             self.tally.peak = max(self.tally.peak, getattr(self.protocol, "used", 0))
             if line.number > 0:
                 self.tally.sent += 1
@@ -285,7 +270,7 @@ class Sender:
         if request and self._reports.due(
             now, self.limits, watched, self.path.doubts > 0, self._moved
         ):
-            self._urgent += request
+            self.out.urgent += request
             self._reports.ask(now)
 
     def _watch(self, now: float) -> None:
@@ -316,7 +301,7 @@ class Sender:
             self._ended
             and not self._queue
             and not self._sent
-            and not self._out
+            and not self.out
             and not (self._pending or self.asks)
         ):
             self._drain(now)
@@ -326,7 +311,7 @@ class Sender:
         if self.protocol.confirms == "answers":
             self._done(self.status)
         elif self.protocol.confirms == "nothing":
-            self._finish(endings.sent(self.tally.sent, self._left))
+            self._finish(endings.sent(self.tally.sent, self.out.left))
         elif self._drained is None:
             self._drained, self._rests = now, 0
 
@@ -347,7 +332,7 @@ class Sender:
             self._end_soon(endings.altered(event, self._sent.get(event.number)), now, hold=True)
         elif isinstance(event, events.Write):
             if self.state in (RUNNING, HELD):
-                self._out += event.data
+                self.out.put(event.data)
                 self._moved = now
         elif isinstance(event, events.Busy):
             self._moved = now
@@ -431,10 +416,10 @@ class Sender:
             self.state == HALTING
             and status.state in ("hold", "idle")
             and status.detail != "1"
-            and not self._urgent
+            and not self.out.urgent
         ):
             if self.spindle_off and status.state == "hold":
-                self._urgent += self.protocol.urgent("spindle stop")
+                self.out.urgent += self.protocol.urgent("spindle stop")
             self._deadline = min(self._deadline, now)
         if self.state in (RUNNING, HELD):
             self._looked(self.path.judge(status), status, now)
@@ -461,7 +446,7 @@ class Sender:
         self._idle_since, self._rests, self._moved = None, 0, now
         if news == holds.AGAIN:
             # it was lost on the way, or while EEPROM was written
-            self._urgent += self.protocol.urgent("hold")
+            self.out.urgent += self.protocol.urgent("hold")
         elif self.state in (RUNNING, HELD) and news == holds.FOREIGN:
             self.log.append(
                 ("hold", holds.words(status, next(iter(self._sent.values()), None)), now)
@@ -511,7 +496,7 @@ class Sender:
         if not again:
             self._end_soon(endings.stalled(self.waiting, how), now, hold=True)
             return
-        self._out += again  # a numbered line that the receiver will not take twice
+        self.out.put(again)  # a numbered line that the receiver will not take twice
         self._moved, self._idle_since = now, None
 
     def _end_soon(
@@ -523,7 +508,7 @@ class Sender:
             self._pending = outcome
         self._hold.release(now)
         if hold:
-            self._urgent += self.protocol.urgent("hold")
+            self.out.urgent += self.protocol.urgent("hold")
             self._hold.order(now)
         self.state = state
         self.asks.clear()

@@ -180,7 +180,7 @@ def test_memory_stays_flat_however_long_the_control_waits():
     sender.give(lines_of(program(2000)))
     for k in range(50):
         sender.tick(k * 0.1)
-    assert len(sender._out) < 700 and sender.queued > 1900
+    assert len(sender.out) < 700 and sender.queued > 1900
 
 
 def test_a_control_that_is_fed_is_never_recognised():
