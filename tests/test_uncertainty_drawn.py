@@ -10,8 +10,9 @@ import pytest
 from pytest import approx
 
 from postproc.errors import MachineError
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ, parse
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable, AxisUncertainty
 from postproc.machine.uncertainty import MapUncertainty
 from tests.reference.kinematics import Link, tip
