@@ -143,24 +143,32 @@ def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(path):
             }, f"{where} imports a clock or a port"
 
 
-LONGEST = 450  # lines of a module
-LONGER = {  # one thing each, or not parted yet
-    "verify/__init__.py": 460,
-    "streaming/sender.py": 550,
-    "machine/model.py": 530,
-    "nc/expand/resolve.py": 505,
-    "nc/expand/siemens.py": 460,
-    "nc/interpreter.py": 455,
-    "diagnose/search.py": 485,
-    "diagnose/evidence.py": 460,
-    "diagnose/noise.py": 460,
+LONGEST = 400  # lines of a module
+LONGER = {  # lines that it may have, and why it is one thing
+    "compensate/batch.py": (450, "the columns of one batch, each worked out from others of them"),
+    "compensate/compensator.py": (450, "one batch to its pieces, in the order of the steps"),
+    "diagnose/plausibility.py": (435, "one recording on its way through all its checks"),
+    "machine/model.py": (425, "what a machine states, and the one deviation made of all of it"),
+    "nc/emitter.py": (450, "one block to its text: what need not change keeps its bytes"),
+    "nc/expand/fanuc.py": (450, "one language: macro B runs as one interpreter"),
+    "nc/expand/resolve.py": (505, "one stage: a line passes cycles, then frames, then the tracker"),
+    "nc/expand/siemens.py": (460, "one language: a Sinumerik program runs as one interpreter"),
+    "nc/expand/siemens_blocks.py": (450, "one grammar: what a Sinumerik line says"),
+    "nc/expand/siemens_flow.py": (450, "where control goes from a line, of one control"),
+    "nc/interpreter.py": (460, "words and modal state to motions, in the order of execution"),
+    "nc/lexer.py": (450, "one grammar, from bytes to words"),
+    "streaming/protocols/_numbered.py": (430, "one exchange: number, answer and request of a line"),
+    "streaming/sender.py": (530, "one state machine: every event meets the same state of a job"),
 }
 
 
 def test_a_module_stays_in_one_head():
-    """A guide made a law at its upper end: what grows beyond this is two things in one file."""
+    """A guide made a law at its upper end: what grows beyond this is two things in one file, or
+    says here why it is one."""
     lines = {str(p.relative_to(PACKAGE)): len(p.read_text("utf-8").splitlines()) for p in modules()}
-    assert not {name: n for name, n in lines.items() if n > LONGER.get(name, LONGEST)}
+    most = {name: n for name, (n, _) in LONGER.items()}
+    assert not {name: n for name, n in lines.items() if n > most.get(name, LONGEST)}
+    assert not {name for name in LONGER if lines.get(name, 0) <= LONGEST}, "no exception any more"
 
 
 def test_the_slow_tests_are_named_as_they_are():
