@@ -3,8 +3,9 @@ outcome.
 
 Bytes and time in, bytes out: receive(data, now), tick(now), bytes_out(). A line that has left is
 never sent again by the sender (a protocol that numbers its lines may do so on request). Success is
-said only when every line is answered, the controller reports that it stands still, twice, with
-nothing strange in between, and it stands where the last line ends.
+said only when every line is answered, and of a controller that reports its state when it stands
+still in two reports, with nothing strange in between, where the last line ends; of a link without
+answers nothing more is said than that all was sent.
 """
 
 from __future__ import annotations
