@@ -9,8 +9,9 @@ import numpy as np
 
 from postproc.diagnose.predicted import angles_of, predicted
 from postproc.diagnose.rows import ENTERS, Rows
-from postproc.diagnose.signals import FAR, XYZ, signals_of
+from postproc.diagnose.signals import FAR, signals_of
 from postproc.effects import State
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 

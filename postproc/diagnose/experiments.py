@@ -3,9 +3,9 @@ simulate --test`."""
 
 from __future__ import annotations
 
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 
-XYZ = "XYZ"
 SHOWS = {  # effect: (experiment, what about it matters)
     "scale": (
         "positioning:{a}",

@@ -13,7 +13,7 @@ import numpy as np
 from postproc import effects
 from postproc.diagnose import spectra, telegraph
 from postproc.diagnose.rows import Rows, second_place
-from postproc.diagnose.signals import XYZ
+from postproc.machine.chain import XYZ
 
 SIGNALS = {  # what an effect must be able to show in -> kinds of signals
     "tool": ("laser", "tool"),

@@ -16,7 +16,7 @@ import numpy as np
 
 from postproc.diagnose.fit import Projector
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.signals import XYZ
+from postproc.machine.chain import XYZ
 
 CELLS = 12
 TARGETS = 30  # places of their own: no more of them than that are each a cell

@@ -13,8 +13,8 @@ import numpy as np
 
 from postproc.diagnose.assembly import of
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.signals import XYZ
 from postproc.errors import Place
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 

@@ -14,8 +14,8 @@ import numpy as np
 from postproc.diagnose import telegraph
 from postproc.diagnose.noise import Unit, hats, wander
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.signals import XYZ
 from postproc.effects import legendre
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 
 FREE = 1e3  # mm: a zero that nobody knows

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.errors import Place
+from postproc.machine.chain import XYZ
 from postproc.recordings import Recording, RecordingError
 
-XYZ = "XYZ"
 # of the steps within runs: then it is no disorder but a column that runs the other way
 BACKWARDS = 0.9
 AGAINST = 0.2  # of the steps of each way may contradict their sign of approach

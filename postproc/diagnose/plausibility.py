@@ -13,10 +13,10 @@ import numpy as np
 
 from postproc.diagnose import order, saturation, thermometers
 from postproc.errors import Place
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 
-XYZ = "XYZ"
 FEWEST = {"targets": 8, "ballbar": 32, "trace": 32, "features": 2}  # rows
 READS = ("targets", "ballbar")  # kinds with one column of readings
 BESIDE = 2  # rows of a recording beside others: what it shows they can bear out
@@ -63,6 +63,7 @@ def connected(recordings: list[Recording]) -> tuple[list[Recording], list[str]]:
 
 
 def _reading(recording: Recording) -> str:
+    """The column of its readings."""
     if recording.kind == "ballbar":
         return "radial_um"
     return "reading_urad" if recording.quantity == "angle" else "reading_um"
@@ -331,7 +332,7 @@ class _Check:
         self.r, notices = order.approaches(self.r)
         for notice in notices:
             self.note(notice)
-        name = "reading_urad" if self.r.quantity == "angle" else "reading_um"
+        name = _reading(self.r)
         end = saturation.at_an_end(self.r.columns[name], self._place())
         self.without(
             end,

@@ -8,8 +8,8 @@ import numpy as np
 
 from postproc.diagnose import library
 from postproc.diagnose.rows import Rows, diameters, pick_state, second_place
-from postproc.diagnose.signals import XYZ
 from postproc.effects import State
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 
 

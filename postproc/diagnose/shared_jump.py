@@ -21,7 +21,7 @@ import numpy as np
 
 from postproc.diagnose.locate import SIGNIFICANT, Place
 from postproc.diagnose.rows import Rows
-from postproc.diagnose.signals import XYZ
+from postproc.machine.chain import XYZ
 
 PARAMETERS = {
     "from_mm": "mm, the first target that departs",

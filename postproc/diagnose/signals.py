@@ -13,10 +13,10 @@ import numpy as np
 from postproc import effects
 from postproc.diagnose import rounding
 from postproc.diagnose.averages import averaged, together
+from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
 
-XYZ = "XYZ"
 # mm: by how much a target is usually overrun before it is approached from the other side
 OVERRUN = 3.0
 RESTS = 2e-5  # mm from sample to sample

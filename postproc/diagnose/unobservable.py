@@ -8,7 +8,7 @@ from postproc import effects
 from postproc.diagnose import library
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import ENTERS, Rows
-from postproc.diagnose.signals import XYZ
+from postproc.machine.chain import XYZ
 
 SENSES = ("servo_mismatch", "squareness")  # one turns over with the sense, the other does not
 SAME = 0.98  # cosine between two effects that nothing tells apart
