@@ -100,3 +100,15 @@ def test_a_resting_axis_between_two_increments_stays_there(tmp_path):
     out = corrected(folder, "G21 G90\nG1 X50.00005 Z0 F500\nZ300\nM2\n", 0.5 * UM)
     body = [row for row in out.splitlines()[2:] if row[0] != "("]
     assert len(body) == 4 and not any("X" in row for row in body), out
+
+
+@pytest.mark.parametrize("um", [0.6, -0.6])
+def test_a_node_off_the_chord_by_more_than_the_tolerance_is_a_cut(tmp_path, um):
+    """X is out by 0.6 um at Z = 100 and by nothing at both ends; the tolerance is 0.5 um."""
+    x = "X_mm,EXX_um\n-10,0\n400,0\n"
+    z = f"Z_mm,EXZ_um\n-10,0\n0,0\n100,{um}\n200,0\n900,0\n"
+    folder = machine(tmp_path / "m", x, z)
+    text = "G21 G90\nG1 X50 Z0 F500\nZ200\nM2\n"
+    out = corrected(folder, text, 0.5 * UM)
+    assert left(folder, text, text) > 0.55 * UM
+    assert left(folder, text, out) < 0.1 * UM

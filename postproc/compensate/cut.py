@@ -181,8 +181,6 @@ def _cuts(b: Batch, chosen: np.ndarray):
     there = start[axis[node], owner[node]] + way * t[node]
     t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
     exact[:, node] = _along(b, chosen, owner[node], t[node])
-    worth = ~nodes.worthless(b.machine, target - start, owner, t, axis, b.c.chord / 2)
-    owner, t, exact = owner[worth], t[worth], exact[:, worth]
     written = (b.grid(chosen[owner], exact) / TICKS_PER_MM) - exact
     correction = exact - (start[:, owner] + (target - start)[:, owner] * t)
     # The ends are settled already, rounding and all.

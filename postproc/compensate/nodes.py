@@ -84,22 +84,6 @@ def tidy(owner: np.ndarray, t: np.ndarray) -> np.ndarray:
     return order[keep]
 
 
-def worthless(
-    machine: Machine,
-    way: np.ndarray,
-    owner: np.ndarray,
-    t: np.ndarray,
-    axis: np.ndarray,
-    spare: float,
-) -> np.ndarray:
-    """(K,) bool: nodes so near an end of their motion, whose way is (A, M) mm, that no chord to
-    that end misses what is there by more than `spare` mm: slopes differ by at most `bounds.kink`,
-    so it misses by kink times the distance at most."""
-    near = np.minimum(t, 1 - t) * np.linalg.norm(way, axis=0)[owner]
-    result: np.ndarray = (axis >= 0) & (near * machine.bounds.kink < spare)
-    return result
-
-
 def merge(
     owner: np.ndarray,
     t: np.ndarray,
