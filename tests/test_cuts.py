@@ -108,7 +108,7 @@ def test_a_node_off_the_chord_by_more_than_the_tolerance_is_a_cut(tmp_path, um):
     x = "X_mm,EXX_um\n-10,0\n400,0\n"
     z = f"Z_mm,EXZ_um\n-10,0\n0,0\n100,{um}\n200,0\n900,0\n"
     folder = machine(tmp_path / "m", x, z)
-    text = "G21 G90\nG1 X50 Z0 F500\nZ200\nM2\n"
+    text = "G21 G90\nG1 X50 Z0 F500\nX51 Z200\nM2\n"
     out = corrected(folder, text, 0.5 * UM)
     assert left(folder, text, text) > 0.55 * UM
     assert left(folder, text, out) < 0.1 * UM
