@@ -301,7 +301,7 @@ def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndar
             block[straight[block]],
             f"{letter} in a straight motion",
             (
-                "corner rounding and chamfers: --expand writes RND, CHF and CHR out"
+                "corner rounding, chamfers and angles: --expand writes RND, CHF, CHR and ANG out"
                 if b.dialect.grammar.assigns
                 else "corner rounding and chamfers: --expand writes them out"
                 if b.dialect.tool_offsets and b.dialect.language

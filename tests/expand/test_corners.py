@@ -66,6 +66,11 @@ def plain(program: str, diameter: frozenset[str] = frozenset()) -> list[str]:
             ],
         ),
         ("G1 X50 RND=5", ["G1 X50"]),
+        # ANG: from the first axis of the plane, 30 degrees up over 20 and 120 degrees over -10
+        ("G1 X20 ANG=30|ANG=120 X10", ["G1 X20 Y11.547005", "Y28.867513 X10"]),
+        ("G91 G1 Y5 ANG=135|X5 ANG=0", ["G91 G1 Y5 X-5.", "X5 Y0."]),
+        ("G1 X10 ANG=0 RND=2|Y10 ANG=90", ["G1 X8. Y0.", "G3 X10. Y2. I0. J2.", "G1 Y10. X10."]),
+        ("G18|G1 X10 ANG=150", ["G18", "G1 X10 Z-8.660254"]),
         # G18 of a lathe: the plane is Z X, X a diameter, from Z to X is against the clock.
         (
             "G18|G1 Z-20 RND=2|X30",

@@ -3,8 +3,9 @@ or a line.
 
 Siemens, SINUMERIK NC Programming Manual, "Chamfer, rounding (CHF, CHR, RND, RNDM, FRC, FRCM)": RND
 is the radius of an arc that touches both lines, RNDM the same for all corners until RNDM=0; CHR is
-how far a chamfer begins before the corner, CHF how long it is, and it stands alike on both. The
-corner lies in the plane in force, behind the block that names it.
+how far a chamfer begins before the corner, CHF how long it is, and it stands alike on both. ANG is
+the angle of a line of which one end is not said ("Contour definition programming: one straight
+line"). The corner lies in the plane in force, behind the block that names it.
 
 Followed between two straight feeds in the plane. Refused: corners at arcs and rapids, beside polar
 words, with a feed of their own (FRC), longer than their lines. None is made at the end of the
@@ -19,12 +20,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.drawing_fanuc import on_line
 from postproc.nc.cycles.frames import CORNERS
 from postproc.nc.cycles.scene import CENTRES, Scene
 from postproc.nc.expand import Line
 from postproc.nc.expand.tracker import number
 
-FOUND = re.compile(rb"(?<![A-Za-z0-9_$])(?:RNDM?|CHF|CHR)[ \t]*=", re.IGNORECASE)
+FOUND = re.compile(rb"(?<![A-Za-z0-9_$])(?:RNDM?|CHF|CHR|ANG)[ \t]*=", re.IGNORECASE)
 FEED = 10
 ENDS = (2, 17, 30)
 IDLE = "NMFSTHD"  # letters of blocks between the lines of a corner
@@ -109,8 +111,30 @@ class Corners:
         return self._line(line, plain, own)
 
     def _read(self, line: Line) -> Block:
-        """The block of a line."""
-        return Block.of(line.text, self.scene.dialect.grammar)
+        """The block of a line, with both ends of a line that its angle says."""
+        block = Block.of(line.text, self.scene.dialect.grammar)
+        return block if block.get("ANG") is None else self._angled(block)
+
+    def _angled(self, block: Block) -> Block:
+        """ANG: the angle of a straight line with the first axis of the plane, one of whose ends is
+        not said."""
+        scene, names = self.scene, self.scene.plane[:2]
+        word = block.word("ANG")
+        missing = [x for x in names if block.word(x) is None]
+        if len(missing) != 1 or self._motion(block) not in (0, FEED):
+            raise scene.fault(
+                "ANG elsewhere than at a straight line with one of the plane's axes",
+                f"write {names[0]} and {names[1]} of its end",
+                word,
+            )
+        start = self.held.end if self.held else self._here(names)
+        end, (axis,) = self._end(block, names, start), missing
+        place = [None if x == axis else end[k] for k, x in enumerate(names)]
+        k = names.index(axis)
+        at = on_line(scene, start, block.get("ANG") or 0.0, place[0], place[1])[k]
+        new = scene.text(axis, (at - start[k] * self._distances(block)) * scene.double(axis))
+        out = {i for i, w in enumerate(block.words) if w.letter == "ANG"}
+        return Block.of(block.written(out, new), scene.dialect.grammar)
 
     def _switches(self, block: Block) -> bool:
         return all(w.letter in IDLE for w in block.words)

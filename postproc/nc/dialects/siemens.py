@@ -30,6 +30,7 @@ _QUIET = (
     " DYNSEMIFIN DYNFINISH DYNPREC FENDNORM DIAMCYCOF UPATH SPATH PDELAYON PDELAYOF SPOF SPON PON"
     " CUT2D CUT2DF STOPRE DISPLOF DISPLON SBLOF SBLON COMPON COMPCURV COMPCAD COMPSURF COMPPATH"
     " BNAT BTAN BAUTO ENAT ETAN EAUTO ORIWKS ORIMKS ORIAXES ORIVECT ORIEULER ORIRPY ORIRPY2 OSOF"
+    " ORISON ORISOF"
     " OSC OSS OSSE OSD OST NEWCONF"
 )
 _CYCLES = (
@@ -47,7 +48,7 @@ _DRILLED = (  # --expand writes these out
 _FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
 _PARAMETERS = (
     # words that move no slide
-    "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL"
+    "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL FP"
 )
 _KEYWORDS = (
     "TRANS",
@@ -291,6 +292,7 @@ DIALECT = Dialect(
             ("RND", "R"),
             ("CHF", "R"),
             ("CHR", "R"),
+            ("ANG", "R"),
             *((name, "") for name in _PARAMETERS.split()),
         ),
         ignores=(
@@ -306,6 +308,8 @@ DIALECT = Dialect(
             ),
             r"^[ \t]*%_N_[^\n]*",
         ),
+        # names of machine axes (G74 X1=0, G75 FP=1 Z1=0): the values say nothing
+        macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*G[ \t]*0*7[45](?![0-9.])[^;=\n]*=[^;\n]*", 0),),
         assigns=True,
     ),
     language="siemens",
