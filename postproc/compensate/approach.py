@@ -83,7 +83,7 @@ def bear(
 
 def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.ndarray:
     """(A, S) the last value (A, S) that was given, or carry (A,)."""
-    if not value.shape[1]:
+    if np.count_nonzero(given) == value.size:
         return value
     last = np.maximum.accumulate(np.where(given, np.arange(value.shape[1]), -1), axis=1)
     row = np.arange(len(value))[:, None]

@@ -101,10 +101,10 @@ class AxisTable:
 
         Beyond the ends the first or last interval's, with share 0 or 1.
         """
-        last = len(self.nodes) - 2
         if self.step:
-            place = (position - self.nodes[0]) * (1.0 / self.step)
-            place = np.minimum(np.maximum(place, 0.0, out=place), last + 1.0, out=place)
+            first, per, zero, top, last = self._even
+            place = (position - first) * per
+            np.minimum(np.maximum(place, zero, out=place), top, out=place)
             interval = np.minimum(place.astype(np.int64), last)
             return interval, np.subtract(place, interval, out=place)
         low, high, inner, width = self._uneven
@@ -113,6 +113,14 @@ class AxisTable:
         # interval.
         interval = inner.searchsorted(inside, side="right")
         return interval, (inside - self.nodes[interval]) / width[interval]
+
+    @cached_property
+    def _even(self) -> tuple[np.ndarray, ...]:
+        """The first node mm, intervals per mm, 0, how many there are, and the last one's index. As
+        arrays: with a number a call takes half as long again, which counts where N is 1."""
+        last = len(self.nodes) - 2
+        numbers = (self.nodes[0], 1.0 / self.step, 0.0, last + 1.0, last)
+        return tuple(np.array([number]) for number in numbers)
 
     @cached_property
     def _uneven(self) -> tuple[float, float, np.ndarray, np.ndarray]:

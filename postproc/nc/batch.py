@@ -37,8 +37,10 @@ def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
         power = 10 ** np.minimum(decimals, 17)
         number = np.where(decimals > 0, number // power, number)
         number = np.where((decimals < 18) & (number * power == mantissa * 10), number, -1)
-    number = np.where((number >= 0) & (number < codes.KEYWORD), number, -1)
-    return np.where(w.letter[place] == KEYWORD_LETTER, codes.KEYWORD + mantissa, number)
+    number[(number < 0) | (number >= codes.KEYWORD)] = -1
+    keyword = w.letter[place] == KEYWORD_LETTER
+    number[keyword] = codes.KEYWORD + mantissa[keyword]
+    return number
 
 
 @lru_cache
