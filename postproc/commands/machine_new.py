@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -129,6 +130,37 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     if not options.name:
         raise UsageError("how is the machine called?", "gcomp machines new NAME --kind router ...")
     kind = first.KINDS.get(options.kind or "")
+    said, chain = _chain(options, kind)
+    control = _control(options, kind)
+    reach = dict(options.travel)
+    for x in chain.axes:
+        if x not in reach:
+            raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    by_circles = _ballbar(options)
+    stated = _squareness(options)
+    play, scales = dict(options.backlash), dict(options.scale)
+    one = first.First(
+        name=Path(options.name).name,
+        title=options.title or (f"{options.kind}: {kind.title}" if kind else options.name),
+        control=control,
+        chain=said,
+        travel=reach,
+        least=options.least_increment,
+        diameter=kind.diameter if kind else (),
+        square={name: (value, how) for name, (value, how, _) in stated.items()},
+        backlash=play,
+        scale=scales,
+        home=options.home,
+        square_u={name: u for name, (_, _, u) in stated.items() if u is not None},
+        backlash_u=_of_two(play, options.u_gauge) | by_circles,
+        scale_u=_of_two(scales, options.u_length),
+    )
+    _of_chain(one, chain)
+    return Path(options.output or f"machines/{one.name}"), first.folder(one)
+
+
+def _chain(options: argparse.Namespace, kind: first.Kind | None) -> tuple[str, chains.Chain]:
+    """As it is said, and read. Raises UsageError for none, and for one that can not be read."""
     said = options.chain or (kind.chain if kind else "")
     if not said:
         raise UsageError(
@@ -136,44 +168,31 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
             f"--kind {' or '.join(first.KINDS)}, or --chain w-b-Y-X-Z-t",
         )
     try:
-        chain = chains.parse(said)
+        return said, chains.parse(said)
     except ValueError as error:
         raise UsageError(f"--chain: {error}") from None
+
+
+def _control(options: argparse.Namespace, kind: first.Kind | None) -> str:
+    """The name of its dialect. Raises UsageError for none, and for one that there is not."""
     if not options.control:
         usual = f" ({kind.control} is usual on a {options.kind})" if kind else ""
         raise UsageError(
             "its control is not said", f"--control{usual}: {', '.join(dialects.names())}"
         )
-    control = dialects.load(options.control).name
-    reach = dict(options.travel)
-    for x in chain.axes:
-        if x not in reach:
-            raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
-    options.by_circles = {}
-    _ballbar(options)
-    stated = _squareness(options)
-    one = first.First(
-        Path(options.name).name,
-        options.title or (f"{options.kind}: {kind.title}" if kind else options.name),
-        control,
-        said,
-        reach,
-        options.least_increment,
-        kind.diameter if kind else (),
-        {n: one[:2] for n, one in stated.items()},
-        dict(options.backlash),
-        dict(options.scale),
-        options.home,
-        {n: u for n, (_, _, u) in stated.items() if u is not None},
-        _play_u(options),
-        (
-            {x: options.u_length * math.sqrt(2) for x in dict(options.scale)}
-            if options.u_length
-            else {}
-        ),
-    )
+    return dialects.load(options.control).name
+
+
+def _of_two(axes: Iterable[str], u: float | None) -> dict[str, float]:
+    """Axis to mm: the standard uncertainty of a difference of two readings, each of u; none where
+    nobody said u."""
+    return {x: u * math.sqrt(2) for x in axes} if u else {}
+
+
+def _of_chain(one: first.First, chain: chains.Chain) -> None:
+    """Raises UsageError for an axis that the chain has not."""
     for what, given in (
-        ("--travel", reach),
+        ("--travel", one.travel),
         ("--backlash", one.backlash),
         ("--scale", one.scale),
         ("--home", one.home),
@@ -181,22 +200,23 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
         for x in given:
             if x not in chain.axes:
                 raise UsageError(
-                    f"{what} names {x}, and the chain {said} has none",
+                    f"{what} names {x}, and the chain {one.chain} has none",
                     f"axes: {' '.join(chain.axes)}",
                 )
-    for name in stated:
+    for name in one.square:
         if not all(x in chain.axes for x in square.pair_of(name)):
             raise UsageError(
                 f"squareness {name} is between {' and '.join(square.pair_of(name))}, and the chain"
-                f" {said} has not both"
+                f" {one.chain} has not both"
             )
-    return Path(options.output or f"machines/{one.name}"), first.folder(one)
 
 
-def _ballbar(options: argparse.Namespace) -> None:
+def _ballbar(options: argparse.Namespace) -> dict[str, float]:
     """Adds what circles tell to the squareness and to the lost motion that is not stated; a lost
-    motion within its own uncertainty is none. Raises UsageError for a file of another kind,
-    CalibrationError for what is no circle."""
+    motion within its own uncertainty is none. Returns axis to mm, the standard uncertainty of the
+    lost motions added. Raises UsageError for a file of another kind, CalibrationError for what is
+    no circle."""
+    added: dict[str, float] = {}
     planes: dict[str, list[Recording]] = {}
     for one in read_files(options.ballbar, "", ReadingOptions(strict=False)):
         if one.kind != "ballbar":
@@ -216,18 +236,8 @@ def _ballbar(options: argparse.Namespace) -> None:
         ):
             if x not in dict(options.backlash) and abs(play) > 2 * u:
                 options.backlash.append((x, play))
-                options.by_circles[x] = u
-
-
-def _play_u(options: argparse.Namespace) -> dict[str, float]:
-    """Axis to mm: of the lost motions whose standard uncertainty is known; a gauge is read twice
-    for one."""
-    by_gauge = (
-        {x: options.u_gauge * math.sqrt(2) for x in dict(options.backlash)}
-        if options.u_gauge
-        else {}
-    )
-    return by_gauge | options.by_circles
+                added[x] = u
+    return added
 
 
 def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, float | None]]:
