@@ -116,18 +116,14 @@ def _same(one: Recording, other: Recording) -> bool:
 
 
 class _Check:
-    """One recording on its way through the checks."""
+    """One recording on its way through the checks. r: what is left of it; told: where faults and
+    notices go; least: rows that must be left."""
 
     def __init__(
         self, recording: Recording, number: int, machine: Machine, told: Sound, least: int
     ):
-        self.r, self.number, self.machine, self.told, self.least = (
-            recording,
-            number,
-            machine,
-            told,
-            least,
-        )
+        self.r, self.number, self.machine = recording, number, machine
+        self.told, self.least = told, least
         if len(recording.lines) != len(recording):
             self.r = replace(recording, lines=np.arange(1, len(recording) + 1))
 

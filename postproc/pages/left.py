@@ -103,11 +103,8 @@ def of_signal(d: Diagnosis, signal: int) -> list[charts.Figure]:
     axis = axis_of(d, which)
     rows, few = thinned(which)
     scale, unit = scaled(d, signal)
-    place, side, (time, said) = (
-        d.rows.state.position[axis][rows],
-        np.sign(d.rows.state.approach[axis][rows]),
-        times(d, rows),
-    )
+    place, side = d.rows.state.position[axis][rows], np.sign(d.rows.state.approach[axis][rows])
+    time, said = times(d, rows)
     layout = {
         "yaxis": {"domain": ABOVE, "title": {"text": f"before, {unit}"}},
         "yaxis2": {"domain": BELOW, "title": {"text": f"after, {unit}"}},

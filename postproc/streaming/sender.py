@@ -55,14 +55,8 @@ class Sender:
         path: Path | None = None,
         spindle_off: bool = False,
     ):
-        self.spindle_off = spindle_off
-        self.protocol, self.limits, self.on_error, self.check, self.order = (
-            protocol,
-            limits,
-            on_error,
-            check,
-            order,
-        )
+        self.protocol, self.limits, self.order = protocol, limits, order
+        self.on_error, self.check, self.spindle_off = on_error, check, spindle_off
         self.path = path or Path(protocol.controller, order or (), watched=False)
         self.account = self.path.account
         self.outcome: Outcome | None = None
@@ -258,12 +252,11 @@ class Sender:
         late = now - self._ticked - LOOKS
         self._ticked = now
         if late > 0:
-            self._heard, self._moved, self._deadline = (
-                self._heard + late,
-                self._moved + late,
-                self._deadline + late,
-            )
-            self._idle_since = None if self._idle_since is None else self._idle_since + late
+            self._heard += late
+            self._moved += late
+            self._deadline += late
+            if self._idle_since is not None:
+                self._idle_since += late
 
     def _poll(self, now: float) -> None:
         request = self.protocol.urgent("status")

@@ -44,9 +44,8 @@ NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
 @dataclass
 class Largest:
     """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same
-    with lost motion as such;
-    `lean`, `lean_line`: rad, by how much the tool leans away from its nominal direction in the
-    part."""
+    with lost motion as such; `lean`, `lean_line`: rad, by how much the tool leans away from its
+    nominal direction in the part."""
 
     deviation: float = 0.0
     line: int = 0
@@ -78,10 +77,8 @@ class Verifier:
         self.nominal_slides, self.slides = (Slides(self.machine, self.hysteresis) for _ in range(2))
         self.corrected, self.uncorrected = Largest(), Largest()
         self.hole_tolerance = filter_.compensator.hole_tolerance
-        self.holes, self.taps = (
-            Largest(),
-            Largest(),
-        )  # how far axes of holes stay off sideways, whose cycle holds its place
+        # how far axes of holes stay off sideways, whose cycle holds its place
+        self.holes, self.taps = Largest(), Largest()
         self.map = AlongPath(self.machine)
         # inside cutter radius compensation, where the centre is not followed
         self.at_contour = Largest()
