@@ -11,7 +11,6 @@ do not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -33,32 +32,13 @@ from postproc.verify.cutter import CentreVerifier
 from postproc.verify.distance import PLACES, all_known, points_of, to_path
 from postproc.verify.heat import Warm
 from postproc.verify.holes import holes_of
+from postproc.verify.largest import Largest
 from postproc.verify.machines import Machines
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
 
 NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
-
-
-@dataclass
-class Largest:
-    """The largest distance in mm, and the input line it belongs to; `slide`, `slide_line`: the same
-    with lost motion as such; `lean`, `lean_line`: rad, by how much the tool leans away from its
-    nominal direction in the part."""
-
-    deviation: float = 0.0
-    line: int = 0
-    slide: float = 0.0
-    slide_line: int = 0
-    lean: float = 0.0
-    lean_line: int = 0
-
-    def take(self, deviation: float, line: int, slides: bool) -> None:
-        if slides and deviation > self.slide:
-            self.slide, self.slide_line = deviation, line
-        if not slides and deviation > self.deviation:
-            self.deviation, self.line = deviation, line
 
 
 class Verifier:

@@ -22,18 +22,11 @@ from postproc.nc.beside_refusals import begun, block_of
 from postproc.nc.shifted import Gouge, Shifted, Way
 from postproc.pieces import Pieces
 from postproc.units import TICKS_PER_MM, UM
+from postproc.verify.largest import Largest
 
 STEP_MM = 2.0
 PLAY_MM = 0.01  # an axis that moves less has not turned back
 FEWEST, MOST = 5, 65  # samples of one way
-
-
-@dataclass
-class Found:
-    """The largest distance in mm, and the input line it belongs to."""
-
-    deviation: float = 0.0
-    line: int = 0
 
 
 @dataclass
@@ -56,7 +49,7 @@ class CentreVerifier:
 
     def __init__(self, machine: Machine, directed: bool):
         self.machine, self.directed = machine, directed
-        self.corrected, self.uncorrected = Found(), Found()
+        self.corrected, self.uncorrected = Largest(), Largest()
         self.refused = ""
         self.nominal: Contour | None = None
         self.run: Contour | None = None
@@ -160,7 +153,7 @@ class CentreVerifier:
             way.measured = way.owner < limit
         self.nominal.ways = [w for w in self.nominal.ways if w.owner >= limit - 2]
 
-    def _measure(self, contour: Contour, way: Way, near: list[Way], into: Found) -> None:
+    def _measure(self, contour: Contour, way: Way, near: list[Way], into: Largest) -> None:
         t = (
             np.ones(1)
             if way.rapid
@@ -174,8 +167,7 @@ class CentreVerifier:
             np.min([_distance(w, actual, rows) for w in near], axis=0) if near else np.zeros(len(t))
         )
         worst = int(np.argmax(distance))
-        if distance[worst] > into.deviation:
-            into.deviation, into.line = float(distance[worst]), self.lines.get(way.owner, 0)
+        into.take(float(distance[worst]), self.lines.get(way.owner, 0))
 
     def _approach(self, contour: Contour, way: Way, t: np.ndarray) -> np.ndarray:
         """(A, K) -1 to 1: in which direction each axis moves or has moved last."""
