@@ -21,10 +21,12 @@ from unittest.mock import patch
 import numpy as np
 
 from postproc.diagnose import (
+    isolated,
     map_agreement,
     noise,
     nuisances,
     search,
+    sets,
     shapes,
     shared_jump,
     telegraph,
@@ -54,8 +56,8 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
         (nuisances, "processes", lambda rows, unit: [])
     ],
     "without errors of form": lambda: [
-        (search, "FORM", 0.0),
-        (search.Search, "_forms", lambda self, fit: []),
+        (sets, "FORM", 0.0),
+        (sets.Sets, "_forms", lambda self, fit: []),
     ],
     "without a search: the single best name": lambda: [(search, "MOST", 1)],
     "without shapes between those of the grid": lambda: [(shapes, "polished", _unpolished)],
@@ -66,7 +68,7 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
     "without a look at the thermometers": lambda: [
         (thermometers, "faulty", lambda value, time: None)
     ],
-    "without lone wrong readings": lambda: [(noise, "isolated", _nothing_isolated)],
+    "without lone wrong readings": lambda: [(isolated, "isolated", _nothing_isolated)],
     "without departures that several readings share": lambda: [
         (shared_jump, "find", lambda *_: [])
     ],

@@ -55,8 +55,8 @@ class Guess:
 def problem(case: Path) -> Problem:
     """The rows of a case."""
     from postproc import recordings
-    from postproc.diagnose import noise
-    from postproc.diagnose.rows import of
+    from postproc.diagnose import isolated
+    from postproc.diagnose.assembly import of
     from postproc.machine.file import read_machine
 
     options = recordings.ReadingOptions(strict=False)
@@ -66,7 +66,7 @@ def problem(case: Path) -> Problem:
     ]
     machine = read_machine(case / "machine")
     rows = of(read, machine)
-    rows = rows.pick(noise.isolated(rows, rows.residual, _sigma(rows))[0] < 6.0)
+    rows = rows.pick(isolated.isolated(rows, rows.residual, _sigma(rows))[0] < 6.0)
     return Problem(rows, rows.residual, _sigma(rows), *_nuisances(rows, machine), ~held_out(rows))
 
 

@@ -162,12 +162,12 @@ def _names(covariance: Covariance, table: rows.Rows) -> list[tuple[str, float]]:
     """Names and what the best block of each is worth, the best first."""
     sigma = np.full(len(table), SURE)
     blocks = library.blocks(table) + library.found(table, table.residual / sigma**2, sigma)
-    search: Any = SimpleNamespace(rows=table, blocks=blocks, evidence=covariance)
+    sets: Any = SimpleNamespace(rows=table, blocks=blocks, evidence=covariance)
     beside: Any = None  # the covariance asks for no fit
-    search.let_in = lambda block: search.blocks.append(block) or len(search.blocks) - 1
+    sets.let_in = lambda block: sets.blocks.append(block) or len(sets.blocks) - 1
 
     def worth(k: int) -> float:
-        return shapes.worth(search, beside, search.blocks[k]) - cost_of(search.blocks[k])
+        return shapes.worth(sets, beside, sets.blocks[k]) - cost_of(sets.blocks[k])
 
     best: dict[str, tuple[float, int]] = {}
     for k in range(len(blocks)):
@@ -175,7 +175,7 @@ def _names(covariance: Covariance, table: rows.Rows) -> list[tuple[str, float]]:
         if np.isfinite(value) and value > best.get(key, (-np.inf, 0))[0]:
             best[key] = (value, k)
     for key in sorted(best, key=lambda key: -best[key][0])[:POLISHED]:
-        k = shapes.polished(search, beside, best[key][1])
+        k = shapes.polished(sets, beside, best[key][1])
         best[key] = (worth(k), k)
     return sorted(((key, value) for key, (value, _) in best.items()), key=lambda one: -one[1])
 

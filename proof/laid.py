@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from postproc import recordings
-from postproc.diagnose import plausibility, rows
+from postproc.diagnose import assembly, plausibility, rows
 from postproc.machine.file import read_machine
 
 
@@ -38,6 +38,6 @@ def table(place: Path) -> rows.Rows | None:
             recordings.read(recordings.Source(p.name, p.read_bytes()), options=lenient)
             for p in files(place)
         ]
-        return rows.of(plausibility.checked(read, machine).recordings, machine)
+        return assembly.of(plausibility.checked(read, machine).recordings, machine)
     except recordings.RecordingError:
         return None

@@ -147,7 +147,6 @@ LONGEST = 400  # lines of a module
 LONGER = {  # lines that it may have, and why it is one thing
     "compensate/batch.py": (450, "the columns of one batch, each worked out from others of them"),
     "compensate/compensator.py": (450, "one batch to its pieces, in the order of the steps"),
-    "diagnose/plausibility.py": (435, "one recording on its way through all its checks"),
     "machine/model.py": (425, "what a machine states, and the one deviation made of all of it"),
     "nc/emitter.py": (450, "one block to its text: what need not change keeps its bytes"),
     "nc/expand/fanuc.py": (450, "one language: macro B runs as one interpreter"),

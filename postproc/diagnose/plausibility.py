@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from postproc.diagnose import order, saturation, thermometers
+from postproc.diagnose import order, saturation, sensors
 from postproc.errors import Place
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
@@ -25,7 +25,6 @@ LONGEST = 1e5  # mm: no slide goes farther
 LARGEST = 1e5  # um: no machine is off by more
 LATEST = 1e9  # s
 BEYOND = 0.02  # of the travel: by how much an axis may overrun what its machine's file says
-WARM = (-60.0, 150.0)  # degrees Celsius that a sensor on a machine can read
 RUNS = 1e9
 COVERED = 0.2  # of the travel: places that fit it as another unit cover so much
 ROUND = 0.01  # of the radius
@@ -252,40 +251,8 @@ class _Check:
         ]
 
     def _sensors(self) -> None:
-        """Channels lose what a sensor can not read; the rows stay."""
-        columns = dict(self.r.columns)
-        for name, value in self.r.columns.items():
-            if value.dtype == object or not name.startswith(
-                ("T_", "force_", "load_", "spindle_rpm", "feed_mm_min")
-            ):
-                continue
-            low, high = WARM if name.startswith("T_") else (-1e7, 1e7)
-            bad = np.isfinite(value) & ((value < low) | (value > high))
-            if bad.any():
-                first = int(np.flatnonzero(bad)[0])
-                columns[name] = np.where(bad, np.nan, value)
-                self.told.faults.append(
-                    (
-                        self.number,
-                        int(self.r.lines[first]),
-                        (
-                            f"{name} = {value[first]:.4g}, which no sensor reads; {int(bad.sum())}"
-                            " such values are taken as not recorded"
-                        ),
-                        0.0,
-                    )
-                )
-        warm = [n for n in columns if n.startswith("T_") and columns[n].dtype != object]
-        for name in warm if "t_s" in columns and self.r.kind != "features" else ():
-            order_of = np.argsort(columns["t_s"], kind="stable")
-            while found := thermometers.faulty(columns[name][order_of], columns["t_s"][order_of]):
-                rows = order_of[found[0]]
-                said = f"sensor_drift: {name} {found[1]}; it is taken as not recorded"
-                self.told.faults.append((self.number, int(self.r.lines[rows[0]]), said, 0.0))
-                columns[name] = columns[name].copy()
-                columns[name][rows] = np.nan
-        gone = [n for n in warm if not np.isfinite(columns[n]).any()]
-        self.r = replace(self.r, columns={n: v for n, v in columns.items() if n not in gone})
+        self.r, faults = sensors.readable(self.r)
+        self.told.faults += [(self.number, line, said, 0.0) for line, said in faults]
 
     def _ordered(self) -> None:
         self.r, copies, notice = order.by_time(self.r)

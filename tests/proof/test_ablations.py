@@ -5,10 +5,12 @@ from __future__ import annotations
 import pytest
 
 from postproc.diagnose import (
+    isolated,
     map_agreement,
     noise,
     nuisances,
     search,
+    sets,
     shapes,
     shared_jump,
     telegraph,
@@ -17,11 +19,14 @@ from postproc.diagnose import (
 from proof import ablations
 
 PLACES = (
+    isolated,
     map_agreement,
     noise,
     nuisances,
     search,
     search.Search,
+    sets,
+    sets.Sets,
     shapes,
     shared_jump,
     telegraph,
