@@ -3,7 +3,8 @@
 
 FOLDER holds programs of other people, DIALECT/SOURCE/FILE: the dialect of their control, and where
 they come from. They are no part of the project; what is kept of them are the figures (`--write`:
-share.csv, from which docs/COVERAGE.md is made).
+share.csv, from which docs/COVERAGE.md is made; `--add`: with those of programs that are not at hand
+any more).
 Each is run as its user would: the command line, a machine with 6 m of travel on every axis whose
 map is smooth, all offsets stated as zero, home where the control has one. A refusal is answered
 once, by the option that its advice names.
@@ -41,7 +42,7 @@ COLUMNS = (
 )
 TITLE = "## The share of real programs that are corrected"
 SAID = """Programs of other people, read from public repositories and from the examples that LinuxCNC's package brings along, each in the
-dialect of its control; long ones with fewer of their motions. Where a search named no repository each program is a source
+dialect of its control; long ones with fewer of their motions, each as it was measured last. Where a search named no repository each program is a source
 of its own. `gcomp --verify` runs as its user would run it: a machine with 6 m of travel and a smooth two-way map, all offsets
 stated as zero, home stated, 1 um; a refusal is answered by the option that its advice names (`python -m tests.corpus.share`).
 *Broken*: the control would stop at it too. *Not in the text*: what is cut depends on what only the machine knows (probing,
@@ -239,6 +240,14 @@ def table(rows: list[dict[str, str]]) -> list[str]:
     return lines
 
 
+def beside(rows: list[dict[str, str]]) -> list[dict[str, str]]:
+    """These rows, and those of share.csv of other sources or dialects."""
+    own = {(row["source"], row["dialect"]) for row in rows}
+    with FIGURES.open(newline="") as file:
+        kept = [r for r in csv.DictReader(file) if (r["source"], r["dialect"]) not in own]
+    return sorted([*rows, *kept], key=lambda r: (r["source"], r["dialect"]))
+
+
 def section() -> list[str]:
     """Of docs/COVERAGE.md: what was measured last."""
     if not FIGURES.exists():
@@ -251,6 +260,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--write", action="store_true", help="keep the figures in share.csv")
+    parser.add_argument(
+        "--add", action="store_true", help="as --write; other sources stay as they were measured"
+    )
     options = parser.parse_args(arguments)
     results = []
     with tempfile.TemporaryDirectory() as made:
@@ -266,7 +278,9 @@ def main(arguments: list[str] | None = None) -> int:
                 )
     rows = figures(results)
     print("\n".join(table(rows)))
-    if options.write:
+    if options.add:
+        rows = beside(rows)
+    if options.write or options.add:
         with FIGURES.open("w", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS)
             writer.writeheader()
