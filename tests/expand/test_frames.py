@@ -286,3 +286,17 @@ def test_the_tracker_hears_what_leaves():
     for line in lines:
         tracker.take(line.text)
     assert [tracker.work(x) for x in "XYZ"] == pytest.approx([0, 20, 5])
+
+
+def test_local_coordinates_of_nothing_stay_none_within_a_mirror():
+    """G52 X0 Y0 where none are in force (Haas, mill operator's manual, G52): nothing moves, as
+    without it. With a shift, before or in it, which of both comes first is not said."""
+    text = START + "G101 Y0|{}G1 X3. Y4. F100|G100 Y0|X5."
+    made, plain = (moved(text.format(x), "haas") for x in ("G52 X0. Y0 Z0|", ""))
+    assert ends(made) == pytest.approx(ends(plain), abs=CLOSE)
+    assert list(ends(made)[0, :2]) == pytest.approx([3, -4])
+    for shift in ("G52 Y1.|", "G52 Y1. X0|"):
+        with pytest.raises(ProgramError, match="local coordinates"):
+            moved(text.format(shift), "haas")
+    with pytest.raises(ProgramError, match="local coordinates"):
+        moved(START + "G52 Y1.|G101 Y0|G52 Y0|G1 X3. Y4. F100", "haas")

@@ -153,7 +153,7 @@ class FanucFrames:
         ]
         for code in block.codes:
             row = scene.table.get(code)
-            if row is None or identity:
+            if row is None or identity or (row.does == "local" and self._idle(named)):
                 continue
             moves = row.does in FRAME_KEYS and row.does not in LENGTHS and row.does != "data"
             if row.group in ("work offset", "units") or (moves and (named or not row.takes)):
@@ -166,6 +166,15 @@ class FanucFrames:
                     f" {self.frames.why}",
                     CANCEL,
                 )
+
+    def _idle(self, words: list[Word]) -> bool:
+        """Whether a G52 with these words leaves local coordinates that are none."""
+        frame, axes = self.scene.tracker.state.frame, self.scene.tracker.setup.axes
+        return all(
+            w.value == 0 and (frame is None or not frame.local[axes.index(w.letter)])
+            for w in words
+            if w.letter in axes
+        )
 
     # -- what the codes set ------------------------------------------------------------------------
 
