@@ -31,7 +31,9 @@ from postproc.nc.cycles.drawing_fanuc import (
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
-BARE = re.compile(rb"[CRAIK][ \t]*[-+]?[0-9.]", re.IGNORECASE)
+BARE = re.compile(rb"[CRA][ \t]*[-+]?[0-9.]", re.IGNORECASE)
+ONE_WAY = re.compile(rb"[IK][ \t]*[-+]?[0-9.]", re.IGNORECASE)
+ARC = re.compile(rb"G[ \t]*0*[23](?![0-9.])", re.IGNORECASE)  # whose I and K are its centre
 QUIET = (FEED, 900, 910)
 
 
@@ -54,7 +56,10 @@ class FanucCorners(Corners):
         """Whether a line must go through here."""
         if self.held is not None or split(line.text)[1] is not None:
             return True
-        return bool(self.letters) and bool(BARE.search(COMMENT.sub(b"", line.text)))
+        if not self.letters:
+            return False
+        text = COMMENT.sub(b"", line.text)
+        return bool(BARE.search(text) or (ONE_WAY.search(text) and not ARC.search(text)))
 
     def _read(self, line: Line) -> Block:
         """The block without its corner, which is kept, and with both ends of its line."""
