@@ -20,7 +20,16 @@ import numpy as np
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
-from postproc.diagnose.parts import SURE, Part, Reduced, cholesky, inverted, solved, surprise
+from postproc.diagnose.parts import (
+    SURE,
+    Part,
+    Products,
+    Reduced,
+    cholesky,
+    inverted,
+    solved,
+    surprise,
+)
 
 # mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to
 # 50 um)
@@ -342,28 +351,41 @@ class Evidence:
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
         the fit taken out, but for one of its members."""
+        found = [
+            part.products(columns[part.unit.rows], old.shown)
+            for part, old in zip(self.parts, fit.parts, strict=True)
+        ]
+        return self._beside(fit, found, columns.shape[1], but)
+
+    def among(self, fit: Fit, numbers: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """The same of the columns of blocks of the dictionary, whose products are known."""
+        width = [self.blocks[k].columns.shape[1] for k in numbers]
+        found = [
+            part.own_beside(numbers, width, old.shown)
+            for part, old in zip(self.parts, fit.parts, strict=True)
+        ]
+        return self._beside(fit, found, sum(width))
+
+    def _beside(
+        self, fit: Fit, found: list[Products | None], many: int, but: int = -1
+    ) -> tuple[np.ndarray, np.ndarray]:
         sd = self._sd(fit.chosen, fit.shared, fit.scale)
         if but >= 0:
             sd[
                 len(self.shared_of)
                 + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))
             ] = NOTHING
-        f, many = len(sd), columns.shape[1]
+        f = len(sd)
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
-        for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
-            raw = columns[part.unit.rows]
+        for k, (old, x) in enumerate(zip(fit.parts, found, strict=True)):
             at, s2 = self.shared_at(k, fit.chosen, old.shown), old.sigma2
             fy[at] += old.along
-            if not raw.any():
+            if x is None:
                 continue
-            x = part.unit.whitened(raw)
-            crossed = np.concatenate(
-                [part.z.T @ x, *(part.d[:, part.where[c]].T @ x for c in old.shown)]
-            )
-            hx = solved(old.root, (part.b.T @ x)[old.use] / s2)
-            fx[at] += crossed / s2 - old.hf.T @ hx
-            xx += x.T @ x / s2 - hx.T @ hx
-            xy += x.T @ part.y / s2 - hx.T @ old.hy
+            hx = solved(old.root, x.own[old.use] / s2)
+            fx[at] += x.shared / s2 - old.hf.T @ hx
+            xx += x.within / s2 - hx.T @ hx
+            xy += x.along / s2 - hx.T @ old.hy
         if f:
             half = solved(cholesky(self._precision(fit, sd)), np.column_stack([fy, fx]))
             xx -= half[:, 1:].T @ half[:, 1:]

@@ -214,17 +214,26 @@ def _scan(
     n = windows.shape[1]
     member = np.zeros((len(evidence), n))
     member[which, cell] = 1.0
-    normal = member.T @ projector(member)
+    normal = _sums(projector(member)[which], cell, n)
     wide = windows.astype(float)
     power = np.einsum("wi,ij,wj->w", wide, normal, wide)
     told = power > 1e-9 * max(float(np.trace(normal)), 1e-30)
-    score = (wide @ (member.T @ evidence)) ** 2 / np.where(told, power, np.inf)[:, None]
+    score = (wide @ _sums(evidence[which], cell, n)) ** 2 / np.where(told, power, np.inf)[:, None]
     # Beside a free zero a stretch and all the rest of the way tell the same: the shorter one is
     # meant.
     most = float(score[:, 0].max())
     alike = np.flatnonzero(score[:, 0] >= (1 - TIE) * most)
     size = (windows[alike] @ member.sum(axis=0)).astype(int)
     return np.flatnonzero(windows[alike[np.argmin(size)]][cell]), most, score[:, 1:].max(axis=0)
+
+
+def _sums(value: np.ndarray, cell: np.ndarray, n: int) -> np.ndarray:
+    """(n, K) sums of the rows (M, K) of each cell (M,)."""
+    result = np.zeros((n, value.shape[1]))
+    order = np.argsort(cell, kind="stable")
+    there, first = np.unique(cell[order], return_index=True)
+    result[there] = np.add.reduceat(value[order], first)
+    return result
 
 
 def _program(rows: Rows, which: np.ndarray) -> tuple[int, int] | None:

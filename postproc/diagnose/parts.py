@@ -4,6 +4,7 @@ its own columns taken out."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
@@ -44,6 +45,16 @@ class Reduced:
     dd: np.ndarray | None = None
 
 
+class Products(NamedTuple):
+    """Of columns x (n, K), whitened, with what a unit has: own (q, K) with its own columns, shared
+    (f, K) with those that it shares, within (K, K), along (K,) with its readings."""
+
+    own: np.ndarray
+    shared: np.ndarray
+    within: np.ndarray
+    along: np.ndarray
+
+
 class Part:
     """What one unit contributes: its columns, whitened, and their products."""
 
@@ -80,6 +91,7 @@ class Part:
             np.zeros(0),
         )
         self._crossed: dict[int, np.ndarray] = {}
+        self._within: dict[tuple[int, ...], np.ndarray] = {}
         self.where: dict[int, slice] = {}  # block to its columns here
         self.processes = {
             kind: np.isin(self.of, [k for k, g in enumerate(groups) if g.kind == kind])
@@ -112,6 +124,34 @@ class Part:
             new = self.d[:, self.where[k]].T @ self.d[:, known.shape[1] :]
             known = self._crossed[k] = np.concatenate([known, new], axis=1)
         return known
+
+    def products(self, raw: np.ndarray, shown: tuple[int, ...]) -> Products | None:
+        """Of columns raw (n, K) that are not in the dictionary; None: they do not show here."""
+        if not raw.any():
+            return None
+        x = self.unit.whitened(raw)
+        shared = [self.z.T @ x, *(self.d[:, self.where[c]].T @ x for c in shown)]
+        return Products(self.b.T @ x, np.concatenate(shared), x.T @ x, x.T @ self.y)
+
+    def own_beside(
+        self, numbers: tuple[int, ...], width: list[int], shown: tuple[int, ...]
+    ) -> Products | None:
+        """The same of blocks of the dictionary, `width` columns each."""
+        shows = [k in self.where for k in numbers]
+        if not any(shows):
+            return None
+        here = np.repeat(shows, width)
+        at = np.concatenate([np.r_[self.where[k]] for k in numbers if k in self.where])
+        if numbers not in self._within:
+            self._within[numbers] = self.d[:, at].T @ self.d[:, at]
+        shared = np.concatenate([self.zd[:, at], *(self.crossed(c)[:, at] for c in shown)])
+        own, many = len(self.by), len(here)
+        empty = [np.zeros((n, many)) for n in (own, len(shared), many)]
+        result = Products(empty[0], empty[1], empty[2], np.zeros(many))
+        result.own[:, here], result.shared[:, here] = self.bd[:, at], shared
+        result.within[np.ix_(here, here)] = self._within[numbers]
+        result.along[here] = self.dy[at]
+        return result
 
     def own_products(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(P,) products of pairs of own columns of the dictionary."""

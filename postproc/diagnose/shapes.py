@@ -134,12 +134,7 @@ def jumps(sets: Sets, fit: Fit) -> list[int]:
         if len(own) < FEWEST_MOMENTS:
             continue
         first = sets.blocks[own[0]]
-        chosen = _jumps(
-            sets,
-            fit,
-            np.concatenate([sets.blocks[k].columns for k in own], axis=1),
-            first.siblings,
-        )
+        chosen = _jumps(sets, fit, tuple(own), first.siblings)
         moments = sorted(dict(sets.blocks[own[k]].shape)["t_s"] for k in chosen)
         block = at(sets, first, dict(zip(MOMENTS, moments, strict=False))) if moments else None
         if block is not None:
@@ -147,11 +142,11 @@ def jumps(sets: Sets, fit: Fit) -> list[int]:
     return result
 
 
-def _jumps(sets: Sets, fit: Fit, columns: np.ndarray, tried: int) -> list[int]:
-    """Numbers of the likeliest two or three of columns (N, K), that stand so far apart that no few
-    readings are off; tried: moments that there are."""
-    a, b = sets.evidence.beside(fit, columns)
-    later = (columns != 0).sum(axis=0)
+def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
+    """Which two or three of the blocks `own`, a column each, are likeliest, that stand so far apart
+    that no few readings are off; tried: moments that there are."""
+    a, b = sets.evidence.among(fit, own)
+    later = np.array([np.count_nonzero(sets.blocks[k].columns) for k in own])
     picks = np.stack(np.triu_indices(len(later), 1), axis=1)
     chosen: list[int] = []
     now = -np.inf

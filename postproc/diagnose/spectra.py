@@ -205,10 +205,14 @@ def _polished(
     parts are largest."""
     for _ in range(3):
         tried = frequency + within * np.linspace(-1.0, 1.0, 9)
-        value = [
-            sum(abs(np.exp(-2j * np.pi * f * (t - t[0])) @ w) ** 2 / p for t, w, p in parts)
-            for f in tried
-        ]
+        value = np.zeros(len(tried))
+        for t, w, p in parts:
+            # from one frequency to the next every reading turns by the same: no new sines
+            wave = w * np.exp(-2j * np.pi * tried[0] * (t - t[0]))
+            turn = np.exp(-2j * np.pi * (tried[1] - tried[0]) * (t - t[0]))
+            for k in range(len(tried)):
+                value[k] += abs(wave.sum()) ** 2 / p
+                wave *= turn
         frequency = float(tried[int(np.argmax(value))])
         within /= 4
     return frequency
