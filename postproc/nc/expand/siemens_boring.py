@@ -1,8 +1,9 @@
 """Sinumerik's cycles for holes in which the spindle stops or turns back: CYCLE84 (rigid tapping),
 CYCLE86 (boring, the tool lifted off), CYCLE87 and CYCLE88 (out by hand), CYCLE89 (boring).
 
-Source: Siemens "SINUMERIK 840D sl / 828D", Programming Guide Cycles, "Drilling cycles", the
-sequence of operations of each; G331 and G332 are what CYCLE84 itself is made of. MPIT is the size
+Source: Siemens "SINUMERIK 840D/840Di/810D", Programming Guide Cycles (PGZ), chapter 2.1, the
+sequence of operations of each, from general knowledge of that guide and unverified on a control;
+G331 and G332 are what CYCLE84 itself is made of. MPIT is the size
 of a metric thread, 3 to 48: its lead is that of the coarse series, ISO 261. Pecks of CYCLE84
 (_VARI), and what its newer values ask for, are refused.
 """
