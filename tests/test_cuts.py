@@ -112,3 +112,22 @@ def test_a_node_off_the_chord_by_more_than_the_tolerance_is_a_cut(tmp_path, um):
     out = corrected(folder, text, 0.5 * UM)
     assert left(folder, text, text) > 0.55 * UM
     assert left(folder, text, out) < 0.1 * UM
+
+
+BY = "X_mm,Z_mm,EXX_um\n" + "".join(
+    f"{x},{z},{um}\n" for x, um in ((-10, 0), (100, 0), (200, 20), (400, 20)) for z in (-10, 900)
+)
+
+
+def test_a_node_of_a_table_of_two_axes_is_a_cut_where_nothing_else_bends(tmp_path):
+    """EXX by X and Z, the same for every Z: it rises from X = 100 to X = 200 by 20 um, so the chord
+    from 50 to 190 misses it by 20 * 0.9 * 50 / 140 = 6.4 um at X = 100."""
+    folder = machine(tmp_path / "m", "", NOTHING)
+    text = (folder / "machine.toml").read_text()
+    (folder / "machine.toml").write_text(text.replace('table = "X.csv"', 'by = { Z = "XZ.csv" }'))
+    (folder / "X.csv").unlink()
+    (folder / "XZ.csv").write_text(BY)
+    text = "G21 G90\nG1 X50 Z0 F500\nX190 Z140\nM2\n"
+    out = corrected(folder, text, 0.5 * UM)
+    lines = [row for row in out.splitlines() if row[0] == "X"]
+    assert len(lines) == 2 and "X100.0" in lines[0], out
