@@ -12,17 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from postproc.nc.expand import siemens_boring, siemens_drilling
-from postproc.nc.expand.siemens_blocks import (
-    HEAD,
-    JUMPS,
-    NAME,
-    PASSES,
-    Jump,
-    Right,
-    Statement,
-    Target,
-    Words,
-)
+from postproc.nc.expand.siemens_blocks import HEAD, JUMPS, NAME, PASSES, Words
+from postproc.nc.expand.siemens_statements import Jump, Right, Statement, Target
 from postproc.nc.expand.siemens_values import Node, Refusal
 from postproc.nc.expand.siemens_words import end_of_code
 

@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 
 from postproc.nc.codes import WRITE_OUT
 from postproc.nc.expand import siemens_boring, siemens_drilling, siemens_patterns
-from postproc.nc.expand.siemens_blocks import Call
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_patterns import Pattern
+from postproc.nc.expand.siemens_statements import Call
 from postproc.nc.expand.siemens_values import Refusal, Value
 from postproc.nc.expand.tracker import Tracker
 
