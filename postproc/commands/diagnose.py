@@ -126,12 +126,12 @@ def run(options: argparse.Namespace) -> int:
         from postproc.pages import diagnosis
 
         told("drawing")
-        _write(options.report, diagnosis.html(found))
+        _write(options.report, diagnosis.html(found, options.write_machine or ""))
         told("")
     if options.json:
         as_json.put(options.json, answer)
     else:
-        print(report.as_text(found))
+        print(report.as_text(found, options.write_machine or ""))
     if left and not options.quiet:
         print(
             "gcomp: notice: measured after compensation, against nominal targets: judged beside a"

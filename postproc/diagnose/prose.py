@@ -15,8 +15,9 @@ SHOWN, WHERE = 5, 3  # rows of a kind, and regions
 NO_HELP = 0.95  # of what is there: what a map takes off is nothing
 
 
-def as_text(d: Diagnosis) -> str:
-    """What a person wants to know: what, where, how large, how sure, what to do next."""
+def as_text(d: Diagnosis, written: str = "") -> str:
+    """What a person wants to know: what, where, how large, how sure, what to do next. written:
+    the folder into which a machine with the accepted effects was written."""
     lines = [headline(d), ""]
     lines += [f"DOUBT: {text}." for text in d.doubts]
     for f in d.findings:
@@ -32,7 +33,7 @@ def as_text(d: Diagnosis) -> str:
     lines += faults(d)
     lines += [f"NOTE: {text}." for text in d.notices]
     lines.append(f"HELD OUT: {held_out_words(d)}.")
-    lines += [f"NEXT: {text}" for text in next_steps(d)]
+    lines += [f"NEXT: {text}" for text in next_steps(d, written)]
     if seen := words.limits(d.limits):
         lines.append(f"Would have been seen from {seen}")
     if d.blind:
@@ -163,8 +164,8 @@ def held_out_words(d: Diagnosis) -> str:
     return f"{fit['held_out']} took no part in this: {before}{after}, {noise}; {within}"
 
 
-def next_steps(d: Diagnosis) -> list[str]:
-    """What to do now, in order."""
+def next_steps(d: Diagnosis, written: str = "") -> list[str]:
+    """What to do now, in order. written: as in `as_text`."""
     accepted = [f for f in d.findings if f.status == "accepted"]
     steps = []
     if d.doubts:
@@ -180,9 +181,10 @@ def next_steps(d: Diagnosis) -> list[str]:
         f.block.module.KIND == "machine" and hasattr(f.block.module, "coefficients")
         for f in accepted
     ):
+        has = f"{written} holds" if written else "--write-machine FOLDER writes"
         steps.append(
-            "--write-machine FOLDER writes a machine with the accepted effects; record again and"
-            " diagnose with it: nothing should be left."
+            f"{has} a machine with the accepted effects; record again and diagnose with it: nothing"
+            " should be left."
         )
     if d.verdict == "nothing-left-out" and d.places:
         steps.append("record the same again: what comes back at the same places is no chance.")

@@ -17,13 +17,13 @@ from postproc.pages.frame import Page
 MOST = 6  # signals that are drawn; the others have a line
 
 
-def html(d: Diagnosis) -> str:
+def html(d: Diagnosis, written: str = "") -> str:
     """The file's text of `page`."""
-    return page(d).html()
+    return page(d, written).html()
 
 
-def page(d: Diagnosis) -> Page:
-    """The page of a diagnosis."""
+def page(d: Diagnosis, written: str = "") -> Page:
+    """The page of a diagnosis. written: the folder of the machine that was written with it."""
     mood = {"nothing-left-out": "good", "left-out-physics": "bad", "unknown": "open"}[d.verdict]
     made = Page(f"Diagnosis of {d.machine.name}", prose.headline(d), "open" if d.doubts else mood)
     made.subject = [
@@ -47,7 +47,7 @@ def page(d: Diagnosis) -> Page:
     made.section("Shown on what took no part", f"{_upper(prose.held_out_words(d))}.")
     if d.held.any():
         made.figure(findings.held_out(d))
-    if steps := prose.next_steps(d):
+    if steps := prose.next_steps(d, written):
         made.section("What to do next")
         made.listing([_upper(step) for step in steps])
     _written(made, d)

@@ -145,6 +145,12 @@ def test_names_have_probabilities(bar):
     assert sum(figure["x"]) == pytest.approx(100, abs=1)
 
 
+def test_a_machine_that_was_written_is_not_advised_again(bar):
+    """What is to be done next names its folder, not the option."""
+    assert f"{bar.folder / 'written'} holds a machine with the accepted effects" in bar.html
+    assert "--write-machine FOLDER writes a machine" not in bar.html
+
+
 def test_the_written_machine_is_drawn_as_it_is_written(bar):
     made, own = (gcomp.load_machine(m) for m in (bar.folder / "written", "studer-s36"))
     curves = drawn.curves(bar.html, "written-Z")
