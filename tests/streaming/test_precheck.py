@@ -3,6 +3,8 @@ settings, and by its own check mode."""
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
@@ -116,15 +118,17 @@ def test_the_controller_reads_the_program_before_it_moves(place):
     the job begins, alike."""
     body = "".join(f"G1 X-{i % 50} Y-{i % 7} F6000\n" for i in range(60))
     with PtyHost(made(), speed=4.0) as host:
-        status, err = job(
-            place, body + "G1 X-5 H7\nM2\n", host, "--check-first", "auto", machine=RAW
-        )
+        words = ("--check-first", "auto", "--report", "run.html", "--json", "run.json")
+        status, err = job(place, body + "G1 X-5 H7\nM2\n", host, *words, machine=RAW)
         assert (
             status == 10
             and "nothing has moved: in the controller's check mode" in err
             and "source line 63" in err
         ), err
         assert not host.model.ends and host.model.state == "Idle"
+        said = json.loads((place / "run.json").read_text())
+        assert said["exit_status"] == 10 and said["message"].startswith("nothing has moved: in")
+        assert "Nothing has moved: in the controller" in (place / "run.html").read_text("utf-8")
     with PtyHost(made(), speed=4.0) as host:
         status, err = job(place, body + "M2\n", host, "--check-first", "auto")
         assert status == 0, err

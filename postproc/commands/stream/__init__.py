@@ -203,11 +203,10 @@ def _stream(
             if answers is not None:
                 answers.close()
         dry = getattr(options, "dry", False)
-        if not dry or outcome.exit_status:
-            show.tell(
-                ("nothing has moved: in the controller's check mode, " if dry else "")
-                + outcome.text()
-            )
+        ends = not dry or outcome.exit_status != 0  # behind a pass that finds nothing the job runs
+        before = "nothing has moved: in the controller's check mode, " if dry else ""
+        if ends:
+            show.tell(before + outcome.text())
         fault = prefetch.fault
         # of a pipe: what came before the fault was sent
         if fault is not None and str(fault) not in outcome.text():
@@ -218,7 +217,7 @@ def _stream(
                 " program as it was when the job began"
             )
         show.end(outcome)
-        if (options.report or options.json) and not dry:
+        if (options.report or options.json) and ends:
             about = {
                 "program": job.name,
                 "sha256": job.copy.digest if job.copy else None,
@@ -228,7 +227,8 @@ def _stream(
                 "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             }
             fields = show.report(outcome, time.monotonic(), about)
-            told.write(options, fields, show.history, outcome.text())
+            fields["message"] = before + fields["message"]
+            told.write(options, fields, show.history, before + outcome.text())
     if prefetch.fault is not None:
         return outcome.exit_status or REFUSED
     return outcome.exit_status
