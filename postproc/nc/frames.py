@@ -189,7 +189,8 @@ def _data(b: Batch, axis_words, word: str) -> None:
     if number_of(b, "R") is not None and not b.dialect.tool_offsets and not b.dialect.extended_by_p:
         b.frame = with_known(b.frame, "data", ("G10 R turns the coordinates", EXPAND))
         return
-    old = stated(b, name)
+    also = _named_too(b, name, p)
+    old = next((place for x in (name, *also) if (place := stated(b, x)) is not None), None)
     reason = None
     place = dict(old or {})
     incremental = (
@@ -209,8 +210,15 @@ def _data(b: Batch, axis_words, word: str) -> None:
         note_presets(b, axis_words, values)
     if old is None and (set(values) < set(b.setup.axes) & set("XYZ") or incremental):
         reason = ask_for(b, name, "work")
-    b.offsets = {**b.offsets, name: place}
+    b.offsets = {**b.offsets, **dict.fromkeys((name, *also), place)}
     b.frame = with_known(b.frame, f"data {name}", reason)
+
+
+def _named_too(b: Batch, name: str, p: int) -> tuple[str, ...]:
+    """Haas: G110 to G129 are G154 P1 to P20 (96-8210, "G110-G129", "G154")."""
+    code = b.dialect.by_number.get((109 + p) * 10)
+    own = name.startswith("G54.1") and code is not None and code.group == "work offset"
+    return (code.word,) if own and code is not None else ()
 
 
 def _turned(b: Batch, axis_words, word: str) -> None:

@@ -353,7 +353,10 @@ CURVES = [
 SUB = "|M30|O9|G1 X#1 F100|M99"
 MACROS = [
     macro("X#", "X#100", how={}, also={}),
-    macro("#5221=1", "G10 L2 P1 X1.|G0 X2. Y2. Z5."),
+    macro("G91|#5221=1|G90", "G90|#5221=1|G91|G90|G0 X2. Y2. Z5."),
+    macro("#5221=#0", "#5221=0|G0 X2. Y2. Z5."),
+    macro("#5229=1", "G0 X3."),
+    macro("#5201=1", "#5221=1|G0 X2. Y2. Z5.", dialect="haas"),
     Case(M, "O1|X#5041", "O1|G0 X#5041 Y1. Z1.", first={"start": NOWHERE}, how=WRITE),
     macro("#2001=1", "G0 X3."),
     macro("#0=1", "#1=1"),

@@ -225,6 +225,29 @@ def test_positions():
     assert plain(lathe, dialect="fanuc-lathe", setup=LATHE)[1:] == ["X32. Z-5.", "X32.", "W-6."]
 
 
+def test_work_offsets_are_written():
+    """B-64484EN, "Workpiece zero point offset values": #5221 on are G54, #5201 on the external one,
+    #7001 on G54.1 P1, #14021 on P2. Where the machine stands (#5021) is worked out by hand."""
+    setup = replace(MILL, offsets={"G54": dict.fromkeys("XYZ", 0.0), "EXT": {"X": 0.5}})
+    text = (
+        "G54 G90 G1 X10. Y5. Z2. F100\n#5221=#5221+5.\nX10.\nY#5021\n"  # 10 + 5 + 0.5
+        "#5201=1.5\nX10.\nY#5021\n"  # + 1.5
+        "#[7000+1]=100.\n#7002=2.\n#7003=3.\nG54.1 P1 X10.\nY#5021 Z#7001\n"  # 10 + 100 + 1.5
+        "#14021=-7.\n#14022=0\n#14023=-3.\nG54.1 P2 X10.\nY#5021\n"  # 10 - 7 + 1.5
+    )
+    assert plain(text, setup=setup)[1:] == [
+        "G10 L2 P1 X5.", "X10.", "Y15.5", "G10 L2 P0 X1.5", "X10.", "Y16.5",
+        "G10 L20 P1 X100.", "G10 L20 P1 Y2.", "G10 L20 P1 Z3.", "G54.1 P1 X10.", "Y111.5 Z100.",
+        "G10 L20 P2 X-7.", "G10 L20 P2 Y0.", "G10 L20 P2 Z-3.", "G54.1 P2 X10.", "Y4.5",
+    ]  # fmt: skip
+    lathe = "#5221=4.\nG1 X30. Z-5. F0.1\nZ#5021\n"  # diameters
+    assert plain(lathe, dialect="fanuc-lathe", setup=LATHE)[2:] == ["Z34."]
+    assert plain("G20\n#5242=1/3\n")[1:] == ["G10 L2 P2 Y0.3333"]
+    haas = "#7001=1.\n#7002=2.\n#7003=0\nG110 G90 G1 X10. Y5. Z2. F100\nZ#5021\nG154 P1\nX#5022\n"
+    assert plain(haas, dialect="haas")[4:] == ["Z11.", "G154 P1", "X7."]  # G110 is G154 P1
+    refused("#5201=1", "G52", dialect="haas")
+
+
 def test_modal_information():
     text = (
         "G1 G91 X1. F250\n#1=#4001\n#3=#4003\nG90 G0 X0\nG#1 G#3 X#4109\nG#4006 X#4012 F#4109\nG66"

@@ -249,6 +249,8 @@ class Runner:
             )
         if number == 3006:
             return block.comment or None
+        if data := self.variables.data_block(number, value):
+            return data.encode()
         self.variables.write(number, value)
         return None
 

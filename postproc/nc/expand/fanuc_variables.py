@@ -17,6 +17,7 @@ from typing import NoReturn
 
 from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value
 from postproc.nc.expand.tracker import Tracker
+from postproc.nc.expand.tracker import number as text_of
 
 LETTERS = "XYZABCUVW"  # axes in the order in which controls number them
 MILL = {
@@ -151,11 +152,6 @@ class Variables:
             return  # what counts times or parts moves nothing, and reading it is refused
         elif number == 0:
             raise Misread("#0 is always vacant and can not be set", "use another variable")
-        elif self._offset_of(number):
-            raise Misread(
-                f"#{number} is a work offset, set in the middle of a program",
-                "G10 L2 P1 X.. says the same in a block",
-            )
         else:
             what = next(
                 (what for first, last, what in FOREIGN if first <= number <= last),
@@ -165,6 +161,36 @@ class Variables:
                 f"#{number} is set: {what}",
                 "this has no plain block: take it out, or do it before the program",
             )
+
+    def data_block(self, number: int, value: Value | Unknown) -> str | None:
+        """The G10 that writes a work offset as setting this variable does; None: it is none. In
+        force from the next block on, as of G10 (B-64484EN, "System variables", "Workpiece zero
+        point offset values"). Raises Misread where G10 would not say the same."""
+        index = (number - 1) % 20
+        if not self._offset_of(number):
+            return None
+        if self.haas and number < 5221:
+            raise Misread(
+                f"#{number} is set: the shift of G52, which is taken differently by setting 33",
+                "write the shift into G54 itself: #5221, or G10 L2 P1 X..",
+            )
+        if self.tracker.code("distance") == 910:
+            raise Misread(
+                f"#{number} is set under G91, where G10, which stands for it, adds to the offset",
+                "write G90 before this block, and G91 again behind it",
+            )
+        axes = self.axes[index : index + 1]
+        if not axes or axes[0] not in self.tracker.setup.axes:
+            raise Misread(
+                f"#{number} is set: this machine has no axis number {index + 1}",
+                "take the block out: it moves nothing here",
+            )
+        if _value(value) is None:
+            raise Misread(f"#{number} would be vacant", f"write the number: #{number}=0")
+        length = text_of(float(_value(value) or 0.0), self.decimals(axes[0]))
+        first = max(n for n in (5201, 7001, 14001) if n <= number)
+        place, more = (number - first) // 20, first != 5201
+        return f"G10 L{20 if more else 2} P{place + more} {axes[0]}{length}"
 
     def _is_common(self, number: int) -> bool:
         return (
@@ -291,7 +317,7 @@ class Variables:
         for first, last in ((7001, 7959), (14001, 19999)):
             if first <= number <= last and (number - first) % 20 < 9:
                 n = (number - first) // 20 + 1
-                return f"G54.1P{n}", f"G{109 + n}"
+                return f"G54.1 P{n}", f"G{109 + n}"
         return ()
 
     def _offset(self, number: int) -> float:
