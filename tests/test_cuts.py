@@ -3,8 +3,10 @@ own interpreter and machine, and by hand."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from postproc.compensate import Options
@@ -119,14 +121,38 @@ BY = "X_mm,Z_mm,EXX_um\n" + "".join(
 )
 
 
-def test_a_node_of_a_table_of_two_axes_is_a_cut_where_nothing_else_bends(tmp_path):
-    """EXX by X and Z, the same for every Z: it rises from X = 100 to X = 200 by 20 um, so the chord
-    from 50 to 190 misses it by 20 * 0.9 * 50 / 140 = 6.4 um at X = 100."""
-    folder = machine(tmp_path / "m", "", NOTHING)
+def by_two(folder: Path, rows: str) -> Path:
+    """EXX by X and Z."""
+    machine(folder, "", NOTHING)
     text = (folder / "machine.toml").read_text()
     (folder / "machine.toml").write_text(text.replace('table = "X.csv"', 'by = { Z = "XZ.csv" }'))
     (folder / "X.csv").unlink()
-    (folder / "XZ.csv").write_text(BY)
+    (folder / "XZ.csv").write_text(rows)
+    return folder
+
+
+def test_a_table_of_two_axes_bends_within_a_cell(tmp_path):
+    """By hand: 20 um at one corner of a cell of 400 mm and nothing at the others: on its diagonal
+    20 t^2, which its chord misses by 20 / 4 = 5 um in the middle."""
+    rows = "X_mm,Z_mm,EXX_um\n0,0,0\n0,400,0\n400,0,0\n400,400,20\n"
+    folder = by_two(tmp_path / "m", rows)
+    out = corrected(folder, "G21 G90\nG1 X0 Z0 F500\nX390 Z390\nM2\n", 0.5 * UM)
+    ends = [(0.0, 0.0)]
+    for row in out.splitlines()[2:]:
+        if row[0] == "X":
+            x, z = row[1:].split("Z")
+            ends.append((float(x), float(z)))
+    begin, end = np.array(ends[:-1]), np.array(ends[1:])
+    x, z = (begin[:, None] + (end - begin)[:, None] * np.linspace(0, 1, 50)[:, None]).T
+    off = x + 0.020 * (x / 400) * (z / 400) - z  # from the line X = Z, times the root of 2
+    assert np.abs(off).max() / math.sqrt(2) < 0.5 * UM + 0.02 * UM
+    assert 3 < len(ends) < 20
+
+
+def test_a_node_of_a_table_of_two_axes_is_a_cut_where_nothing_else_bends(tmp_path):
+    """EXX by X and Z, the same for every Z: it rises from X = 100 to X = 200 by 20 um, so the chord
+    from 50 to 190 misses it by 20 * 0.9 * 50 / 140 = 6.4 um at X = 100."""
+    folder = by_two(tmp_path / "m", BY)
     text = "G21 G90\nG1 X50 Z0 F500\nX190 Z140\nM2\n"
     out = corrected(folder, text, 0.5 * UM)
     lines = [row for row in out.splitlines() if row[0] == "X"]

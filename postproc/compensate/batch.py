@@ -323,8 +323,6 @@ class Batch:
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         self.bound &= not self.tip
         self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
-        # Nor is a hole's place that of the rapid before it: its middle is of other depths.
-        self.bound &= code != HOLE
         self.enough = np.where(self.flipped, self.c.chord, self.c.hold) * TICKS_PER_MM
         self.begin = self.before.copy()
         for row in range(len(self.end)):
