@@ -11,6 +11,9 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
+from postproc.nc.expand.tracker import Tracker
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.state import Setup
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import ours
 
@@ -87,3 +90,27 @@ def test_h0_against_linuxcnc(text):
     theirs = [m.end[:3] for m in oracle.motions(program, tools=tools) if m.end != m.start]
     found = [tuple(m["end"][:3]) for m in ours(program, {"tools": tools})]
     assert found == [pytest.approx(e, abs=1e-9) for e in theirs]
+
+
+@pytest.mark.parametrize(
+    ("block", "radius"),
+    [
+        ("G10 L12 P1 R5.", 5.0),
+        ("G10 L12 P1 R10.", 5.0),  # parameter 5004#2, Haas setting 40: a diameter
+        ("G10 L12 P1 R4.", None),
+        ("G20 G10 L12 P1 R.19685039", 5.0),  # 5 mm to 1e-7 mm
+        ("G91 G10 L12 P1 R5.", None),
+        ("G10 L13 P1 R0", 5.0),
+        ("G10 L13 P1 R-.02", None),
+        ("G10 L13 P2 R-.02", 5.0),
+    ],
+)
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas"])
+def test_a_radius_that_the_program_writes_is_known_where_it_is_as_stated(block, radius, dialect):
+    """By hand: R 5 mm is stated for D1."""
+    setup = Setup(("X", "Y", "Z"), offsets={"D1": {"R": 5.0}})
+    tracker = Tracker(Interpreter(dialects.load(dialect), setup))
+    tracker.take(block.encode())
+    place = tracker.state.offsets.get("D1", setup.offsets["D1"])
+    assert place.get("R") == radius
+    assert not tracker.state.frame.unknown

@@ -18,7 +18,15 @@ import numpy as np
 from postproc.nc import planes, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
-from postproc.nc.lengths import length_by, length_of, length_words, no_length, set_tool
+from postproc.nc.lengths import (
+    length_by,
+    length_of,
+    length_words,
+    lines_of_data,
+    no_length,
+    set_radius,
+    set_tool,
+)
 from postproc.nc.lexer import KEYWORD_LETTER
 from postproc.nc.state import NONE
 from postproc.nc.zeros import (
@@ -157,7 +165,7 @@ def _data(b: Batch, axis_words, word: str) -> None:
         return
     if line is None and b.dialect.tool_offsets and number is not None:
         line = 10.0
-    if line not in (1, 2, 10, 11, 20) or number is None or number != int(number) or number < 0:
+    if line not in lines_of_data(b) or number is None or number != int(number) or number < 0:
         b.frame = with_known(
             b.frame,
             "data",
@@ -168,6 +176,9 @@ def _data(b: Batch, axis_words, word: str) -> None:
         )
         return
     p = int(number)
+    if line in (12, 13):
+        set_radius(b, p, int(line))
+        return
     if line in (1, 10, 11):
         set_tool(b, axis_words, p, int(line), values)
         return

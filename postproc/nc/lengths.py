@@ -62,6 +62,28 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
     b.offsets = {**b.offsets, name: place}
 
 
+def lines_of_data(b: Batch) -> tuple[int, ...]:
+    """The L of G10 that are followed: 12 and 13 are a cutter's radius and its wear (Fanuc mills
+    B-64304EN-2, "Tool compensation values", G10; Haas 96-8210, "G10")."""
+    mill = b.dialect.extended_by_p and not b.dialect.tool_offsets
+    return (1, 2, 10, 11, 20, *((12, 13) if mill else ()))
+
+
+def set_radius(b: Batch, p: int, line: int) -> None:
+    """G10 L12 L13 P R: the radius of D. Whether R is a radius or a diameter (parameter 5004#2,
+    Haas setting 40), and the other part of the sum, the program does not say. So the radius that
+    is stated holds where R of L12 is that or twice that, or L13 takes the wear away; else it is
+    not known."""
+    place, value = stated_tool(b, "D", p), number_of(b, "R")
+    if value is None:
+        return
+    unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0] / TICKS_PER_MM
+    adds = line == 13 or int(np.broadcast_to(b.held("distance"), b.n)[0]) == 910
+    expected = [0.0] if adds else [k * (place or {}).get("R", np.nan) for k in (1, 2)]
+    if not np.isclose(value * unit, expected, rtol=0, atol=1e-6).any():
+        b.offsets = {**b.offsets, f"D{p}": {}}
+
+
 def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
     """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the
     offset value of H0 is always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured):
