@@ -19,7 +19,7 @@ from pathlib import Path
 
 SAMPLE = Path("/usr/share/doc/linuxcnc/examples/sample-configs/sim/axis")
 START = 60.0  # s
-HANGS = 90.0  # s; it takes 4 on an idle computer
+HANGS = 25.0  # s; it takes 2 on an idle computer, 9 under a load of 8
 TEXTS = """proc texts w {
     set found ""
     if {[winfo class $w] eq "Text"} {append found [$w get 0.0 end]}
