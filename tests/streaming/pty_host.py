@@ -4,8 +4,11 @@ seeded plan on the way."""
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import os
 import select
+import struct
+import termios
 import threading
 import time
 import tty
@@ -61,6 +64,11 @@ class PtyHost:
         while not holds() and time.monotonic() < end:
             time.sleep(0.002)
         return holds()
+
+    def idle(self) -> bool:
+        """Whether the model has read and executed all that was written."""
+        unread = fcntl.ioctl(self.master, termios.FIONREAD, struct.pack("i", 0))
+        return struct.unpack("i", unread)[0] == 0 and self.model.state == "Idle"
 
     def press(self, data: bytes) -> None:
         """Buttons at the machine: realtime bytes that come from nobody's port."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import re
-import time
 
 import pytest
 
@@ -60,9 +59,7 @@ def test_A10_A11_killed_and_resumed_from_the_journal(place):
         past = journal.read((place / "job.nc.journal").read_bytes(), "j")
         assert 0 < past.answered <= past.sent and past.certain > 20
         assert len(sent_rows(host)) >= past.answered
-        deadline = time.monotonic() + PATIENCE
-        while host.model.state != "Idle" and time.monotonic() < deadline:  # it executes what it has
-            time.sleep(0.05)
+        assert host.soon(host.idle)  # it executes what it has
         arrived = len(host.model.received)
         status, _, err = stream(place, host, "job.nc", "--resume-from", "job.nc.journal")
         assert status == 2 and "say --yes" in err and "G53 G0 Z-180" in err
