@@ -65,9 +65,6 @@ DARK = {
 }
 # From little to much; each step is seen on white and on black, and its lightness falls evenly.
 SEQUENTIAL = [[0.0, "#74b9d6"], [0.35, "#e3c75a"], [0.65, "#ee8a3a"], [1.0, "#b3123f"]]
-# From below zero to above it.
-DIVERGING = [[0.0, "#0072b2"], [0.5, "#b9c0c6"], [1.0, "#d55e00"]]
-DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 FONT = 'system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif'
 
 

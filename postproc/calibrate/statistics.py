@@ -8,7 +8,7 @@ row 1 in -.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -136,11 +136,6 @@ def _scatter(s: np.ndarray, n: np.ndarray) -> Scatter:
     if pooled:
         return Scatter(np.full(s.shape, np.sqrt(common)), np.full(s.shape, total), True)
     return Scatter(np.sqrt(variance), np.where(few, total, dof), False)
-
-
-def with_mean(cells: Cells, mean: np.ndarray) -> Cells:
-    """The same cells about other means."""
-    return replace(cells, mean=mean)
 
 
 def step_of(reading: np.ndarray) -> float:

@@ -37,13 +37,6 @@ from postproc.units import UM
 
 HELP = "write a machine's map as the control's own compensation table, or read such a table"
 EXAMPLE = "gcomp export --machine studer-s36 --control linuxcnc -o tables/"
-FROM_OPTIONS = {
-    "axis",
-    "axes",
-    "template",
-    "settings",
-    "settings_name",
-}  # keys of `extra` that have an option of their own
 
 
 def run(options: argparse.Namespace) -> int:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import ModuleType
 
@@ -111,30 +110,3 @@ def load(name: str) -> ModuleType:
             f"there are no tables of a control {name!r}", f"controls: {', '.join(names())}"
         )
     return importlib.import_module(f"{__name__}.{name.replace('-', '_')}")
-
-
-def correction_of(
-    tables: Sequence[ErrorTable],
-    position: dict[str, np.ndarray],
-    approach: dict[str, np.ndarray] | None = None,
-) -> dict[str, np.ndarray]:
-    """What active tables add to the command: axis letter to (N,) mm, for every axis that a table
-    corrects.
-
-    position: axis to (N,) mm, commanded slide positions in the control's machine coordinates;
-    approach: axis to (N,) -1 to +1, the direction of its last move, 0 (or left out) the mean. A map
-    that was measured without the tables is, with them active, larger by what this returns. Raises
-    TableError where a table's axis has no position.
-    """
-    result: dict[str, np.ndarray] = {}
-    for table in tables:
-        if table.moving not in position:
-            raise TableError(
-                f"{table.name} is a table over {table.moving}, and no position of {table.moving} is"
-                " given",
-                f"positions are given of {', '.join(position) or 'no axis'}",
-            )
-        way = (approach or {}).get(table.moving, 0.0)
-        part = -table.at(np.asarray(position[table.moving], float), way)
-        result[table.along] = result[table.along] + part if table.along in result else part
-    return result

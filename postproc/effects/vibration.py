@@ -37,8 +37,6 @@ TEXT = (
 )
 SIDES = (-2, -1, 0, 1, 2)  # over the time of a passage
 MOST = 12  # passages that may wander: each costs ten columns
-# of critical: welded steel, bolted machine, guideways with much friction
-DAMPINGS = (0.01, 0.03, 0.1)
 USUAL = 1000.0  # mm/s2
 # s: within so much on either side an acceleration that was told from places has changed
 HALF = 0.02
@@ -47,15 +45,6 @@ JUMP, LEAST = 0.3, 10.0  # of the largest acceleration; mm/s2: what is a jump
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return []  # found from the spectrum of what is left, see diagnose
-
-
-def richer(shape: dict[str, float]) -> list[dict[str, float]]:
-    """The same frequency as a mode has it: a narrow band, or rung by the motion."""
-    plain = {"frequency_hz": shape["frequency_hz"]}
-    return [
-        plain | {"passages": 1.0, "band": 1.0},
-        *(plain | {"passages": 0.0, "damping": z} for z in DAMPINGS),
-    ]
 
 
 def columns(

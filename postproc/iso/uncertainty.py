@@ -20,7 +20,6 @@ from postproc.units import UM, URAD
 
 REVERSALS = frozenset({"B", "Bm"})
 SCATTERS = frozenset({"R", "R+", "R-"})
-RANGES = frozenset({"E", "E+", "E-", "M", "A", "A+", "A-"})
 
 
 def rectangular(width: float) -> float:

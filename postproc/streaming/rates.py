@@ -14,12 +14,6 @@ from postproc.streaming.pace import Pace
 # lines over which controller and buffer even the load out: about a planner and a receive buffer
 AHEAD = 32
 MOST = 0.8  # part of the link that a job may use
-BITS = 10  # a byte on an asynchronous line
-
-
-def bytes_per_second(baud: int) -> float:
-    """What a line of 8N1 carries."""
-    return baud / BITS
 
 
 @dataclass

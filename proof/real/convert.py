@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import math
 import re
-import tomllib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -200,10 +199,3 @@ def recording_columns(path: Path) -> dict[str, list[float]]:
     ]
     rows = list(csv.DictReader(lines))
     return {name: [float(r[name]) for r in rows] for name in rows[0]}
-
-
-def head_of(path: Path) -> dict:
-    lines = [
-        line[2:] for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("# ")
-    ]
-    return tomllib.loads("\n".join(lines))

@@ -245,17 +245,3 @@ def test_a_control_is_a_module_with_all_that_the_command_shows():
     for name in control_tables.names():
         module = control_tables.load(name)
         assert isinstance(module.TITLE, str) and isinstance(module.VERIFIED, bool) and module.SIGN
-
-
-def test_what_active_tables_do_is_the_negative_deviation_of_all_that_correct_an_axis():
-    nodes = np.array([0.0, 100.0])
-    own = ErrorTable("X", "X", nodes, np.array([0.0, 0.010]), np.array([0.002, 0.012]))
-    cross = ErrorTable("Z", "X", nodes, np.array([0.001, 0.001]), np.array([0.001, 0.001]))
-    x, z = np.array([50.0, 200.0, 50.0]), np.zeros(3)
-    done = control_tables.correction_of(
-        [own, cross], {"X": x, "Z": z}, {"X": np.array([1.0, -1.0, 0.0])}
-    )
-    np.testing.assert_allclose(done["X"], [-0.006, -0.013, -0.007], atol=1e-12)
-    assert set(done) == {"X"}
-    with pytest.raises(control_tables.TableError, match="no position of Z"):
-        control_tables.correction_of([own, cross], {"X": x})

@@ -54,7 +54,8 @@ def test_a_circle_and_the_noise_of_places_are_no_jumps():
     assert not len(vibration.jumps(t, a)[0])
 
 
-@pytest.mark.parametrize("damping", vibration.DAMPINGS)
+# Of critical: welded steel, bolted machine, guideways with much friction.
+@pytest.mark.parametrize("damping", [0.01, 0.03, 0.1])
 def test_what_rings_down_is_the_sum_over_the_jumps(damping):
     at = state(trapezoid())
     when, size = vibration.jumps(at.time, at.acceleration["X"])
@@ -110,10 +111,6 @@ def test_many_passages_have_one_wave_each():
     "shape", [{"passages": 1.0, "band": 1.0}, {"passages": 0.0, "damping": 0.03}]
 )
 def test_shapes_name_their_parameters(shape):
-    assert any(
-        s == {"frequency_hz": F} | shape
-        for s in vibration.richer({"frequency_hz": F, "passages": 1.0})
-    )
     at = state(trapezoid())
     columns = vibration.columns(at, "X", F, **shape)
     value = np.zeros(len(columns))
