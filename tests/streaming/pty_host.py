@@ -65,6 +65,10 @@ class PtyHost:
             time.sleep(0.002)
         return holds()
 
+    def orders(self) -> list[int]:
+        """Feed holds, resumes and resets, in the order in which they came."""
+        return [value for _, value in self.times]
+
     def idle(self) -> bool:
         """Whether the model has read and executed all that was written."""
         unread = fcntl.ioctl(self.master, termios.FIONREAD, struct.pack("i", 0))

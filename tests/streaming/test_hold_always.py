@@ -151,14 +151,14 @@ def test_every_signal_that_could_end_it_holds_first(place, sign):
         took = at_hold(host) - sent
         if sign in (signal.SIGINT, signal.SIGTSTP):  # which hold, and no more
             time.sleep(0.5)
-            assert process.poll() is None and host.model.state == "Hold"
+            assert host.soon(lambda: host.model.state == "Hold") and process.poll() is None
             process.kill()
             process.communicate()
         else:  # then it ends when it stands: no alarm, the position is kept
             _, err = process.communicate(timeout=PATIENCE)
             assert process.returncode == 130 and sign.name in err.decode(), err
             assert host.soon(lambda: host.model.state == "Idle")
-            assert [value for _, value in host.times] == [HOLD, RESET]
+            assert host.soon(lambda: host.orders() == [HOLD, RESET])
             assert whole(place, host).outcome == "aborted"
         return took
 
@@ -217,7 +217,7 @@ def test_a_reader_that_closes_the_pipe(place):
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 130 and "nobody reads standard output" in err.decode()
         assert host.soon(lambda: host.model.state == "Idle")
-        assert [value for _, value in host.times] == [HOLD, RESET]
+        assert host.soon(lambda: host.orders() == [HOLD, RESET])
         records = (place / "job.nc.journal").read_text().splitlines()
         assert whole(place, host).outcome == "aborted" and len(records) > 20
         return took
@@ -250,7 +250,7 @@ def test_a_terminal_that_is_gone(place):
         os.close(master)
         took = at_hold(host) - gone
         assert process.wait(PATIENCE) == 130
-        assert [value for _, value in host.times][-1] == RESET
+        assert host.soon(lambda: host.orders()[-1] == RESET)
         assert whole(place, host).outcome == "aborted"
         return took
 
@@ -291,7 +291,7 @@ def test_a_fault_of_gcomp_itself(place, error):
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 1 and "gcomp failed" in err.decode(), err
         assert host.soon(lambda: host.model.state == "Hold")
-        assert [value for _, value in host.times] == [HOLD]
+        assert host.soon(lambda: host.orders() == [HOLD])
         assert whole(place, host).outcome == "failed"
         return at_hold(host) - float((place / "failed").read_text())
 
@@ -319,7 +319,7 @@ def test_before_the_job(place, phase):
             took.append(at_hold(host) - sent)
             _, err = process.communicate(timeout=PATIENCE)
             assert process.returncode == 130 and "interrupted (SIGINT)" in err.decode(), err
-            assert [value for _, value in host.times] == [HOLD] + [RESET] * homing
+            assert host.soon(lambda: host.orders() == [HOLD] + [RESET] * homing)
             assert not sent_rows(host) and "Traceback" not in err.decode()
         if took[-1] <= SOON:
             break

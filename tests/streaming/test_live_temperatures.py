@@ -40,5 +40,5 @@ def test_a_log_that_fails_in_the_middle_of_a_job_ends_it_in_a_hold(tmp_path):
         assert process.returncode not in (0, None) and "Traceback" not in err, err
         assert "no line can be prepared any more: " in err
         assert "log.csv:4: T_scale_X_C goes from 20.1 to 85 C in 30 s" in err
-        assert host.model.state.startswith("Hold"), host.model.state
+        assert host.soon(lambda: host.model.state.startswith("Hold")), host.model.state
         assert 8 <= len(sent_rows(host)) < 350

@@ -85,7 +85,7 @@ def test_A5_ask_continue_goes_on_without_the_line(place):
     assert sent_rows(host) == [
         row.replace(" ", "") for row in rows if row and not row.startswith("(")
     ]
-    assert [value for _, value in host.times] == [ord("!"), ord("~"), ord("!"), ord("~")]
+    assert host.orders() == [ord("!"), ord("~"), ord("!"), ord("~")]
 
 
 @pytest.mark.parametrize("typed", ["s", "\x04"])
@@ -131,7 +131,7 @@ def test_A8_a_button_at_the_machine_is_told_and_a_key_goes_on(place):
         assert host.model.state == "Hold"
         person.types("r")
         assert person.end() == 0, person.text
-    assert sent_rows(host)[-1] == "M30" and [value for _, value in host.times] == [ord("~")]
+    assert sent_rows(host)[-1] == "M30" and host.orders() == [ord("~")]
 
 
 def test_A8_keys_hold_override_and_stop_without_enter(place):
@@ -151,8 +151,12 @@ def test_A8_keys_hold_override_and_stop_without_enter(place):
         person.until("r goes on, s stops the job here, x resets")
         person.types("s")
         assert person.end() == 130, person.text
-    assert [value for _, value in host.times] == [
-        ord("!"),
-        0x18,
-    ] and "stopped by the user" in person.text
+    assert (
+        host.orders()
+        == [
+            ord("!"),
+            0x18,
+        ]
+        and "stopped by the user" in person.text
+    )
     assert host.model.state == "Idle"  # it stood before it was reset: no alarm, no lost step
