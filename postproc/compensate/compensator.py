@@ -205,14 +205,7 @@ class Compensator:
                 raise
             except MachineError as fault:  # a pose at which no slide helps
                 raise MotionFault(first, fault.message, fault.advice) from None
-            arcs = int(np.searchsorted(motions.arcs.motion, first))
-            parts.append(
-                replace(
-                    pieces,
-                    motion=pieces.motion + first,
-                    arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1),
-                )
-            )
+            parts.append(_counted_on(pieces, first, motions))
             notices += [replace(n, line=n.line + first) for n in more]
         return joined(parts), carry, notices
 
@@ -321,14 +314,7 @@ class Compensator:
                 one = one.part(0, int(hit.argmax()))
                 b = self._worked_out(one, carry, span)
             pieces, carry, more = self._finished(b, carry)
-            arcs = int(np.searchsorted(motions.arcs.motion, first))
-            parts.append(
-                replace(
-                    pieces,
-                    motion=pieces.motion + first,
-                    arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1),
-                )
-            )
+            parts.append(_counted_on(pieces, first, motions))
             notices += [replace(n, line=n.line + first) for n in more]
             first, size = first + len(one), FEW if hit.any() else 2 * size
         return joined(parts), carry, notices
@@ -389,6 +375,17 @@ def _radii(motions: Motions) -> np.ndarray:
     radius = np.zeros(len(motions), np.int64)
     radius[motions.arcs.motion] = motions.arcs.by_radius
     return radius
+
+
+def _counted_on(pieces: Pieces, first: int, motions: Motions) -> Pieces:
+    """Pieces of the motions from `first` on, with the numbers that motions and arcs have in the
+    whole."""
+    arcs = int(np.searchsorted(motions.arcs.motion, first))
+    return replace(
+        pieces,
+        motion=pieces.motion + first,
+        arc=np.where(pieces.arc >= 0, pieces.arc + arcs, -1),
+    )
 
 
 @cache

@@ -63,6 +63,7 @@ DIALECT = Dialect(
         11: "chuck or clamp",
         23: "chamfering on",
         24: "chamfering off",
+        29: "rigid tapping",
         40: "gear",
         41: "gear",
         42: "gear",

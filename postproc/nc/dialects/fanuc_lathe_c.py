@@ -4,24 +4,24 @@ G72-G78 the others.
 Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column C.
 """
 
+from dataclasses import replace
+
 from postproc.nc import codes
-from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.dialects import fanuc_lathe
 from postproc.nc.rows import (
-    BLANKS,
     CUTTER,
     DISTANCE,
     FANUC_LATHE,
     FEED_MODE,
     MACRO_SIGNS,
-    PRINTS,
     RETURN,
     SET,
     THREAD,
     rows,
 )
 
-DIALECT = Dialect(
+DIALECT = replace(
+    fanuc_lathe.DIALECT,
     name="fanuc-lathe-c",
     title="Fanuc lathe, G-code system C",
     codes=(
@@ -46,40 +46,7 @@ DIALECT = Dialect(
         *rows("motion", {"77": "grooving"}, refuses=codes.CYCLE, like="G75"),
         *rows("", {"78": "threading in many passes"}, takes=True, does="thread cycle", like="G76"),
     ),
-    m_codes={
-        **codes.SPINDLE_AND_COOLANT,
-        10: "chuck or clamp",
-        11: "chuck or clamp",
-        23: "chamfering on",
-        24: "chamfering off",
-        29: "rigid tapping",
-        40: "gear",
-        41: "gear",
-        42: "gear",
-        43: "gear",
-        44: "gear",
-    },
-    again=(99,),
-    motion=0,
-    m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS)),
-    language="fanuc",
-    plane=180,
-    increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
-    dwell="PXU",
-    tool_offsets=True,
-    extended_by_p=True,
-    level_from_start=True,
-    repeats="KL",
-    exact_stops=(90, 610),
     threads_chained=(330,),
-    thread_words="FE",
-    integer_notice=(
-        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
-        " input); on a control that reads them as least increments the program means something else"
-    ),
-    one_code_per_group=False,
-    letters="E",
     signs=(
         *MACRO_SIGNS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
@@ -91,6 +58,4 @@ DIALECT = Dialect(
         r"G7[01][ \t]*$",
     ),
     remarks=(r"\bFANUC\b",),
-    # Haas: O of five digits; a call within the program
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
 )
