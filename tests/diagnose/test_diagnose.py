@@ -15,6 +15,7 @@ from postproc.diagnose import report
 from postproc.diagnose.analysis import diagnose
 from postproc.machine import places
 from postproc.machine.file import read_machine
+from tests.diagnose.command import diagnosed, simulated
 
 ROOT = Path(__file__).resolve().parents[2]
 PRACTICE = ROOT.parent / "shared" / "recordings" / "practice"
@@ -26,53 +27,13 @@ def simulate(
     folder: Path, effects: tuple[str, ...] = (), seed: int = 1, tests=TESTS, machine: str = STUDER
 ) -> list[str]:
     """Recordings of a machine that has more errors than its file says."""
-    files = []
-    for number, test in enumerate(tests):
-        file = folder / f"r{number + 1}.csv"
-        extra = [word for effect in effects for word in ("--with", effect)]
-        assert (
-            main(
-                [
-                    "simulate",
-                    "--test",
-                    test,
-                    "--machine",
-                    machine,
-                    *extra,
-                    "--noise",
-                    "0.4",
-                    "--seed",
-                    str(seed + number),
-                    "-o",
-                    str(file),
-                    "--quiet",
-                ]
-            )
-            == 0
-        )
-        files.append(str(file))
-    return files
+    extra = [word for effect in effects for word in ("--with", effect)]
+    files = [folder / f"r{k + 1}.csv" for k in range(len(tests))]
+    return simulated(files, tests, machine, seed, *extra)
 
 
 def answer(files: list[str], machine: str, folder: Path, *more: str) -> dict:
-    out = folder / "answer.json"
-    assert (
-        main(
-            [
-                "diagnose",
-                *files,
-                "--machine",
-                machine,
-                "--json",
-                str(out),
-                "--force",
-                "--quiet",
-                *more,
-            ]
-        )
-        == 0
-    )
-    return json.loads(out.read_text())
+    return diagnosed(files, machine, folder / "answer.json", *more)
 
 
 def accepted(told: dict) -> list[tuple[str, str]]:

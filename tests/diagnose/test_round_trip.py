@@ -12,6 +12,8 @@ import pytest
 from postproc import effects
 from postproc.cli import main
 from postproc.machine.file import read_machine
+from tests.diagnose import command
+from tests.diagnose.command import diagnosed
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDER = ROOT / "machines" / "studer-s36"
@@ -21,43 +23,10 @@ TESTS = ("positioning:Z", "positioning:X", "ballbar:XZ")
 def simulated(folder: Path, machine: str, seed: int, *more: str) -> list[str]:
     files = []
     for k, test in enumerate(TESTS):
-        files.append(str(folder / f"{seed}-{k}.csv"))
         rate = ["--set", "rate=50"] if test.startswith("ballbar") else []
-        words = [
-            "simulate",
-            "--test",
-            test,
-            *rate,
-            "--machine",
-            machine,
-            "--noise",
-            "0.4",
-            "--seed",
-            str(seed + k),
-            *more,
-        ]
-        assert main([*words, "-o", files[-1], "--quiet"]) == 0
+        file = folder / f"{seed}-{k}.csv"
+        files += command.simulated([file], [test], machine, seed + k, *rate, *more)
     return files
-
-
-def diagnosed(files: list[str], machine: str, out: Path, *more: str) -> dict:
-    assert (
-        main(
-            [
-                "diagnose",
-                *files,
-                "--machine",
-                machine,
-                "--json",
-                str(out),
-                "--force",
-                "--quiet",
-                *more,
-            ]
-        )
-        == 0
-    )
-    return json.loads(out.read_text())
 
 
 @pytest.mark.parametrize(

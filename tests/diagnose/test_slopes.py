@@ -18,6 +18,7 @@ from postproc.diagnose import assembly, nuisances
 from postproc.diagnose.signals import signals_of
 from postproc.effects import State
 from postproc.machine.file import read_machine
+from tests.diagnose.command import diagnosed
 
 STUDER = str(Path(__file__).resolve().parents[2] / "machines" / "studer-s36")
 HEAD = (
@@ -205,19 +206,7 @@ def bare(folder: Path) -> str:
 
 
 def answered(folder: Path, path: str) -> dict:
-    main(
-        [
-            "diagnose",
-            path,
-            "--machine",
-            bare(folder),
-            "--json",
-            str(folder / "a.json"),
-            "--quiet",
-            "--force",
-        ]
-    )
-    return json.loads((folder / "a.json").read_text())
+    return diagnosed([path], bare(folder), folder / "a.json")
 
 
 def test_a_frame_drifts_across_the_axis_that_moves(tmp_path):

@@ -3,7 +3,6 @@ and never where only noise is left."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 from postproc.cli import main
 from postproc.diagnose import unknown
 
+from .command import diagnosed
 from .damage import cells, split
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,25 +59,9 @@ def strange(text: str) -> str:
 
 
 def answer(text: str, folder: Path, *more: str) -> dict:
-    file, out = folder / "r.csv", folder / "a.json"
+    file = folder / "r.csv"
     file.write_text(text)
-    assert (
-        main(
-            [
-                "diagnose",
-                str(file),
-                "--machine",
-                STUDER,
-                "--json",
-                str(out),
-                "--force",
-                "--quiet",
-                *more,
-            ]
-        )
-        == 0
-    )
-    return json.loads(out.read_text())
+    return diagnosed([str(file)], STUDER, folder / "a.json", *more)
 
 
 def test_what_no_name_explains_is_mapped(plain, tmp_path):
