@@ -56,6 +56,13 @@ ARCS = [
     frame("G2 X9 Y9 I5 AR=40", "G2 X9 Y9 AR=40"),
     frame("G2 AR=40", "G2 I5 J0 AR=40"),
     frame("G2 X0 Y0 AR=40", "G2 X9 Y0 AR=40"),
+    frame("CIP X9 Y0 I1=5 J1=3 CR=9", "G2 X9 Y0 CR=9"),
+    frame("CIP X9 Y0 I1=5 J1=3 Z4", "CIP X9 Y0 I1=5 J1=3"),
+    frame("CIP X9 Y0 I1=5", "CIP X9 Y0 I1=5 J1=3"),
+    frame("CIP X9 Y0 I1=5 J1=0", "G1 X9 Y0"),
+    frame("DIAM90|G1 X9|CT X12 Y3", "DIAMOF|G1 X9|CT X12 Y3"),
+    frame("CT X12 Y3", "G1 X9|CT X12 Y3"),
+    frame("G1 X9|CT X12 Y0", "G1 X9|G1 X12 Y0"),
 ]
 TAKES, VAR = (
     {"library": {"TAKES": "PROC TAKES(VAR REAL aa)|M17"}},

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
+from postproc.nc.cycles.arcs_placed_siemens import PlacedArcs
 from postproc.nc.cycles.arcs_siemens import Openings
 from postproc.nc.cycles.before import Chain
 from postproc.nc.cycles.block import Block
@@ -129,10 +130,10 @@ class CornersAndDirections(Chain):
 class ArcsAndCorners(Chain):
     """Of Sinumerik."""
 
-    codes = Polynomials.codes
+    codes = PlacedArcs.codes + Polynomials.codes
 
     def __init__(self, scene: Scene):
-        super().__init__(Openings(scene), Polynomials(scene))
+        super().__init__(Openings(scene), PlacedArcs(scene), Polynomials(scene))
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:

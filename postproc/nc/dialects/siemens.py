@@ -110,8 +110,7 @@ DIALECT = Dialect(
             "motion",
             {"CIP": "arc through a point", "CT": "tangential arc"},
             refuses=(
-                "its circle follows from other "
-                "places: write the arc with its centre I J K or with CR="
+                "its circle follows from other places: --expand writes it with its centre I J K"
             ),
         ),
         *rows(
