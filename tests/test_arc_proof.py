@@ -87,6 +87,32 @@ def test_nothing_hides_between_samples(tmp_path, monkeypatch, two_way, seed):
         assert judged(f, rows, f.total + half) <= 1.0
 
 
+def test_a_run_is_proven_the_same_alone_and_among_others(tmp_path, monkeypatch):
+    """Where an arc is cut follows from how far its runs were off, which runs beside it must not
+    change: a batch may end anywhere."""
+    tried, looked, apart = fit.Cutting.tried, 0, []
+
+    def alone(cutting, low, high, which=slice(None)):
+        nonlocal looked
+        good, proof = tried(cutting, low, high, which)
+        rows = np.arange(len(cutting.rows))[which]
+        for k in range(0, len(good), 5):
+            one = slice(k, k + 1)
+            same, by_itself = tried(cutting, low[one], high[one], rows[one])
+            looked += 1
+            if (same[0], by_itself.excess[0]) != (good[k], proof.excess[k]):
+                apart.append((good[k], same[0], proof.excess[k], by_itself.excess[0]))
+        return good, proof
+
+    monkeypatch.setattr(fit.Cutting, "tried", alone)
+    machine = read_machine(write_mill(tmp_path / "mill", True))
+    options = Options(tolerance=0.001)
+    filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), options)
+    filter_.feed(random_arcs(1, 60).encode())
+    filter_.finish()
+    assert looked > 100 and not apart
+
+
 def test_a_smooth_map_asks_for_two_pieces_an_arc(tmp_path):
     """The arcs and the mill of the benchmarks: 200 arcs of 0.5 to 20 mm, 0.35 to 5 rad, and 21
     errors of up to 30 um."""

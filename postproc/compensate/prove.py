@@ -92,9 +92,13 @@ class Proof:
         good, radius = np.zeros(len(rows), bool), np.zeros(len(rows), np.int64)
         centre = np.zeros((2, len(rows)), np.int64)
         for there, word, most, kept in self._candidates():
-            if not (~good & np.isfinite(there[0])).any():
+            tried = ~good & np.isfinite(there[0])
+            if not tried.any():
                 continue
-            holds = ~good & self._holds(there, most, kept)
+            held, excess = self._holds(there, most, kept)
+            # of a run that needs no more of it, or has none of it, the others must not tell
+            self.excess = np.where(tried, excess, self.excess)
+            holds = ~good & held
             way = np.where(holds, there - self.begin, 0.0)
             ticks = np.rint(way * TICKS_PER_MM).astype(np.int64)
             good, radius, centre = (
@@ -270,17 +274,18 @@ class Proof:
         found = self.begin + tried[:, best, column] / TICKS_PER_MM
         return np.where(np.isfinite(cost[best, column]), found, np.nan)
 
-    def _holds(self, centre: np.ndarray, most: Most, kept: np.ndarray) -> np.ndarray:
+    def _holds(
+        self, centre: np.ndarray, most: Most, kept: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the
         tolerance, and `most` mm in the plane, or are `kept` (R,) whatever that leaves, and are
-        arcs to a control."""
+        arcs to a control; and (R,) the farthest place as a share of the limit."""
         f, arcs = self.f, self.f.arcs
         there = np.isfinite(centre[0])
         centre = np.where(there, centre, 0.0)  # one run must not reach into the next
         radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
         turned, closed = self._turned(centre)
         good, excess = self._near(centre, radius0, radius1, turned, most)
-        self.excess = np.where(there, excess, 0.0)
         good = (good | kept) & there
         # Rounding must not turn a sliver into a circle, nor a circle into a sliver.
         good &= np.abs(turned - self.sweep) < np.minimum(0.5 * np.abs(self.sweep), np.pi)
@@ -297,7 +302,7 @@ class Proof:
         # Together they must stay below the control's limit, twice the mismatch; what misses by more
         # already, by no more.
         good &= np.abs(radius1 - radius0) <= np.where(was <= f.mismatch, was + f.mismatch, was)
-        return good
+        return good, excess
 
     def _near(
         self,
