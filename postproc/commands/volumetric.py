@@ -23,8 +23,6 @@ HELP = (
     " diagonals, spheres"
 )
 EXAMPLE = "gcomp volumetric cloud.csv --like example-mill -o machines/mine"
-# places of an axis that are nodes as they are; nodes where there are more of them
-MOST_NODES, EVEN = 15, 11
 SHARE = 0.1  # of the readings of either direction, so that lost motion is told
 
 
@@ -66,14 +64,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         type=int,
         help=(
-            "nodes of each axis (default: the places that were read, 11 where they are more"
-            " than 15)"
+            "nodes of each axis (default: of each component the places that were read, 11 where"
+            " they are more than 15)"
         ),
     )
     reading_arguments(parser)
 
 
 def run(options: argparse.Namespace) -> int:
+    from postproc.volumetric import nodes as placed
     from postproc.volumetric import solve, written
     from postproc.volumetric.observations import rows_of
     from postproc.volumetric.unknowns import Unknowns, components, locations
@@ -94,7 +93,11 @@ def run(options: argparse.Namespace) -> int:
         every = locations(machine, frozenset())
         groups, known = locations(machine, zero), _slides(machine)
     else:
-        nodes = _nodes(rows, machine, options.nodes)
+        nodes = placed.of_axes(rows, machine, options.nodes)
+        if not nodes:
+            raise UsageError("no slide moves in these recordings")
+        if options.nodes is None:
+            nodes |= placed.of_components(rows, bare, nodes)
         both = _two_way(rows, machine)
         every = components(machine, nodes, frozenset(), both)
         groups, known = components(machine, nodes, zero, both), bare
@@ -154,22 +157,6 @@ def _slides(machine: Machine) -> Machine:
     axes = {x: a if x in XYZ else replace(a, location=np.zeros(6)) for x, a in machine.axes.items()}
     square = {x: lean for x, lean in machine.square.items() if x in XYZ}
     return replace(machine, axes=axes, square=square)
-
-
-def _nodes(rows, machine: Machine, number: int | None) -> dict[str, np.ndarray]:
-    """Axis to its nodes: the places that were read, or even ones between the first and the last."""
-    found = {}
-    for x in (x for x in XYZ if x in machine.chain.axes):
-        at = np.unique(np.round(np.concatenate([r.q[machine.letters.index(x)] for r in rows]), 3))
-        if at[-1] - at[0] < 1e-3:
-            continue
-        if number is not None or len(at) > MOST_NODES:
-            at = np.round(np.linspace(at[0], at[-1], number or EVEN), 6)
-        if len(at) >= 2:
-            found[x] = at
-    if not found:
-        raise UsageError("no slide moves in these recordings")
-    return found
 
 
 def _two_way(rows, machine: Machine) -> frozenset[str]:

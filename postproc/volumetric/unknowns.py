@@ -44,17 +44,20 @@ class Group:
 
 
 def components(
-    machine: Machine, nodes: dict[str, np.ndarray], zero: frozenset[str], two_way: frozenset[str]
+    machine: Machine,
+    nodes: dict[str, np.ndarray],
+    zero: frozenset[str] = frozenset(),
+    two_way: frozenset[str] = frozenset(),
 ) -> list[Group]:
     """The errors of the slides: six components of each axis on its nodes, squareness of each pair,
-    lost motion where both directions were read. zero: names that are taken as zero."""
+    lost motion where both directions were read. nodes: (K,) mm by axis (X), or by component (EYX)
+    where that has its own; zero: names that are taken as zero."""
     slides = [x for x in XYZ if x in nodes]
     found = []
     for x in slides:
-        at = nodes[x]
-        origin = np.eye(len(at))[int(np.argmin(np.abs(at)))]
         for row, name in enumerate(COMPONENTS):
-            fixed = [origin]
+            at = nodes.get(f"{name}{x}", nodes[x])
+            fixed = [np.eye(len(at))[int(np.argmin(np.abs(at)))]]
             if row < 3 and row != XYZ.index(x):
                 if XYZ[row] not in machine.chain.axes:
                     continue

@@ -79,8 +79,8 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
         out.append(text + way)
     if fit.widened:
         out.append(
-            f"what is left is {np.sqrt(fit.chi):.1f} times the stated u (chi2 {fit.chi:.1f} of"
-            f" {fit.free} degrees of freedom): every u is widened by it"
+            f"what is left is {np.sqrt(fit.chi):.1f} times the stated u (chi2 {fit.chi:.1f} for"
+            f" each of {fit.free} degrees of freedom): every u is widened by it"
         )
     if not fit.unknowns.bare.chain.rotary:
         out.append(
@@ -213,7 +213,8 @@ def _not_told(fit: Fit) -> list[str]:
 
 def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tuple[str, str]:
     """The axis table and the table of its U."""
-    nodes = own[0].nodes if own else np.array(fit.unknowns.bare.axes[letter].travel)
+    travel = np.array(fit.unknowns.bare.axes[letter].travel)
+    nodes = np.unique(np.concatenate([g.nodes for g in own])) if own else travel
     half = fit.values(turned)[0][0] / 2 if turned else 0.0
     half_u = fit.values(turned)[1][0] / 2 if turned else 0.0
     along = f"E{letter}{letter}"
@@ -223,7 +224,9 @@ def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tu
         group = next((g for g in own if g.name == name), None)
         if group is None and not (turned and name == along):
             continue
-        value, u = fit.values(group) if group else (np.zeros(len(nodes)), np.zeros(len(nodes)))
+        value = u = np.zeros(len(nodes))
+        if group:  # between two nodes u is theirs by shares at most
+            value, u = (np.interp(nodes, group.nodes, v) for v in fit.values(group))
         unit, one = ("urad", URAD) if COMPONENTS.index(name[:2]) >= 3 else ("um", UM)
         if turned and name == along:
             both = np.hypot(u, half_u)
