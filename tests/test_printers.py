@@ -419,3 +419,21 @@ def test_g93_needs_the_number_of_every_f():
 
 def test_words_that_are_no_f_or_s_still_need_a_number():
     assert refused("G0 X0 Y0 Z0\nG1 X#5 F#6\n", "linuxcnc").place.line == 2
+
+
+# -- words twice -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("dialect", ["marlin", "klipper"])
+def test_the_last_of_two_feeds_holds(dialect):
+    """As pcb2gcode's output stands for such printers: G1 F300 X1 F600. Both words stay."""
+    begin = "G1 F3000 X0 Y0 Z3\n"
+    twice = written(begin + "G1 F300 X80 Y10 F600\nG1 X10 Y80\n", dialect, HOME)
+    once = written(begin + "G1 X80 Y10 F600\nG1 X10 Y80\n", dialect, HOME)
+    assert [line.replace("F300 ", "") for line in twice] == once
+    assert sum("F300" in line and "F600" in line for line in twice) == 1
+
+
+def test_two_feeds_stay_an_error_where_a_control_calls_them_one():
+    assert refused("G1 F300 X80 Y10 F600\n", "grbl", HOME).message.startswith("two F words")
+    assert refused("G1 X80 Y10 X60 F600\n", "marlin", HOME).message.startswith("two X words")

@@ -136,7 +136,7 @@ class Batch:
         return w.mantissa[place] in self.dialect.again and w.block[place] not in w.block[p]
 
     def once(self, letter: str) -> np.ndarray:
-        """Word indices of a letter that may stand once in a block."""
+        """Word indices of a letter that may stand once in a block, or of which the last holds."""
         place = self.places.get(letter)
         if place is None:
             return NO_WORDS
@@ -144,6 +144,8 @@ class Batch:
             return place
         block = self.words.block[place]
         twice = (block[1:] == block[:-1]).nonzero()[0]
+        if len(twice) and letter in self.dialect.last_holds:
+            return np.delete(place, twice)
         if len(twice):
             raise self.fault(
                 place[twice[0] + 1],

@@ -90,6 +90,7 @@ NOT_THERE = (  # what the text does not say
     "belongs to the control",
     "a value is missing",
     "there is no program O",
+    "there is no sub o",
     "nor a subprogram that it has",
 )
 
@@ -119,8 +120,9 @@ def machine_folder(machines: Machines, dialect: str) -> Path:
     path.write_text(text)
     names = {
         **offsets(),
-        **{f"H{n}": {} for n in range(100, 200)},
-        **{f"D{n}": {} for n in range(100, 200)},
+        **{f"{letter}{n}": {} for letter in "HDT" for n in range(100, 1000)},
+        **{f"G15 H{n}": {} for n in range(1, 100)},  # Okuma
+        **{f"G54.1 P{n}": {} for n in range(49, 100)},  # Haas: G154
     }
     letters = [x for x in offsets()["G54"] if x in XYZ and not (lathe and x == "Y")]
     rows = [

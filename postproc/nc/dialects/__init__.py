@@ -54,6 +54,7 @@ class Dialect:
     programs from others. `local_is_preset`: G52 is kept where G92 is. `extended_by_p`: G10 L20 P
     and G54.1 P name additional work offsets (Fanuc), and G10 P0 the external one. `extended_name`:
     of the work offsets that a code chooses by a number, its letter last (G15 H of Okuma).
+    `last_holds`: letters that may stand in a block more than once, where the last one holds.
     `repeats`: letters that say how often a canned cycle is run. `letters`: further letters that are
     parameters of codes. `motion`: ten times the motion code that holds before a program names one.
     `increments_travel_shifts`: the first increment after TRANS goes along with the shift (SD42440
@@ -130,6 +131,7 @@ class Dialect:
     local_is_preset: bool = False
     extended_by_p: bool = False
     extended_name: str = "G54.1 P"
+    last_holds: str = ""
     repeats: str = "L"
     letters: str = ""
     motion: int = NONE

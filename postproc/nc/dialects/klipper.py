@@ -1,12 +1,12 @@
 """Klipper: printers. Marlin's commands, one a line, and commands with names: its own, and the
 printer's macros.
 
-Commands: Klipper3d/klipper, klippy/gcode.py (a letter and a number, or a name with NAME=value
-behind it; case does not matter), klippy/extras/gcode_move.py (G0 G1 G20 G21 G90-G92 M82 M83 M114
-M220 M221; E counts as incremental under G91 or M83), homing.py (G28), gcode_arcs.py (G2 G3 G17-G19:
-centres by the two words of the plane; R and G91 are refused), firmware_retraction.py (G10 G11),
-documentation in docs/G-Codes.md. Every other code and name is a macro of printer.cfg, if it is
-anything.
+Commands: Klipper3d/klipper, klippy/gcode.py (a letter and a number, the last of its letter, or a
+name with NAME=value behind it; case does not matter), klippy/extras/gcode_move.py (G0 G1 G20 G21
+G90-G92 M82 M83 M114 M220 M221; E counts as incremental under G91 or M83), homing.py (G28),
+gcode_arcs.py (G2 G3 G17-G19: centres by the two words of the plane; R and G91 are refused),
+firmware_retraction.py (G10 G11), documentation in docs/G-Codes.md. Every other code and name is a
+macro of printer.cfg, if it is anything.
 """
 
 from postproc.nc import codes
@@ -47,6 +47,7 @@ _NO_INCH = "this control has no inches: let the slicer or CAM program write mill
 
 DIALECT = Dialect(
     name="klipper",
+    last_holds="F",
     title="Klipper",
     codes=(
         *MOTION,

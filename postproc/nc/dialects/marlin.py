@@ -9,7 +9,8 @@ begins with two letters is no command, and passed over with a message, and so is
 has not (parser.cpp, parse; gcode.cpp, process_parsed_command); printers of other makers have more
 of them (G280). Arcs take the two centre words of the plane (motion/G2_G3.cpp). G28 Z may go to the
 bed's middle (calibrate/G28.cpp, home_z_safely). G80 levels the bed on Prusa's printers
-(Prusa-Firmware, Marlin_main.cpp); Tx, Tc and T? load filament there.
+(Prusa-Firmware, Marlin_main.cpp); Tx, Tc and T? load filament there. Of two F words in a line the
+last one holds (parser.h, set).
 """
 
 from postproc.nc import codes
@@ -264,6 +265,7 @@ _SHIFTS = (
 
 DIALECT = Dialect(
     name="marlin",
+    last_holds="F",
     title="Marlin 2",
     codes=(
         *MOTION,
