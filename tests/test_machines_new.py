@@ -159,14 +159,19 @@ def test_a_word_that_can_not_be_read_is_named(tmp_path, capsys, word, says):
 
 
 def test_it_asks_what_it_must_know(tmp_path, capsys, monkeypatch):
-    """A wrong answer is asked again, an empty one leaves a measurement out."""
-    answers = "printer\n\n0,200\n5\n0,210\n0,250\n141.62,141.22,100,100\n\n\n\n0.04\n\n"
+    """A wrong answer is asked again, an empty one leaves a measurement out. XY by diagonals, XZ
+    not, YZ by a square: Y drifts by -0.03 mm while Z goes 150, so Z leans towards -Y, by hand A0Z
+    is +200 urad."""
+    answers = (
+        "printer\n\n0,200\n5\n0,210\n0,250\n141.62,141.22,100,100\n\n\n\n-0.03,150\n\n0.04\n\n"
+    )
     monkeypatch.setattr(sys, "stdin", io.StringIO(answers))
     monkeypatch.setattr(sys.stdin, "isatty", lambda: True, raising=False)
     assert gcomp("machines", "new", "p", "-o", tmp_path / "p") == 0
     m = read_machine(tmp_path / "p")
     assert m.control == "marlin" and m.axes["Y"].travel == (0.0, 210.0)
     assert m.square["Y"][2] == approx(-2828.4e-6) and [e.axis for e in m.effects] == ["Y"]
+    assert m.square["Z"] == approx([200e-6, 0.0, 0.0])
     assert "'Y=5' is not like X=0,400" in capsys.readouterr().out
     monkeypatch.setattr(sys, "stdin", io.StringIO("mill\n"))
     monkeypatch.setattr(sys.stdin, "isatty", lambda: True, raising=False)

@@ -111,7 +111,8 @@ def run(options: argparse.Namespace) -> int:
     if options.report:
         _put_page(done, options.report)
     if done.verifier and asked:
-        print(f"gcomp: verified: {done.verifier.report()}", file=sys.stderr)
+        part = f" for {', '.join(options.only)} alone" if options.only else ""
+        print(f"gcomp: verified{part}: {done.verifier.report()}", file=sys.stderr)
         if lacking := lacks.sentence(machine):
             print(f"gcomp: {lacking}", file=sys.stderr)
     if left := reading.left_by_only(options):

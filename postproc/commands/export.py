@@ -247,6 +247,7 @@ def told_of(
         step=options.step,
         two_way=not options.one_way,
         program=intake.label(machine.name) if machine else "gcomp",
+        rest=bool(options.residual),
         extra=extra,
     )
 

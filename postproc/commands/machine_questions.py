@@ -44,7 +44,14 @@ def asked(options: argparse.Namespace) -> None:
                 f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty:"
                 " not measured): "
             )
-            options.diagonals += filter(None, [_answer(text, _of(a + b, machine_values.diagonals))])
+            if found := _answer(text, _of(a + b, machine_values.diagonals)):
+                options.diagonals.append(found)
+                continue
+            text = (
+                f"or along a square: drift of {a} in mm, and the way of {b} on which it does,"
+                " like 0.05,300 (empty: not measured): "
+            )
+            options.drift += filter(None, [_answer(text, _of(f"{a}/{b}", machine_values.drift))])
     if not options.backlash:
         for x in letters:
             text = f"lost motion of {x} by a dial gauge, mm (empty: not measured): "

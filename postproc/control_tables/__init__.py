@@ -61,8 +61,8 @@ class ExportOptions:
     between points where they must be even, 0: as dense as the map's nodes ask for; reference: axis
     to mm, the reference (home) position; first: axis to the number of the first or the reference
     point; step: mm of one detection unit; two_way: whether the table of both directions is written
-    where the control knows one; program: name for files and comments; extra: what one control alone
-    wants, by its name."""
+    where the control knows one; program: name for files and comments; rest: whether programs are
+    corrected for what the control leaves; extra: what one control alone wants, by its name."""
 
     unit: str = "mm"
     spacing: float = 0.0
@@ -71,6 +71,7 @@ class ExportOptions:
     step: float = 0.001
     two_way: bool = True
     program: str = "gcomp"
+    rest: bool = False
     extra: dict[str, str] = field(default_factory=dict)
 
 

@@ -34,10 +34,13 @@ class Settings:
     notices: list[str] = field(default_factory=list)
 
 
-def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings:
+def settings(
+    tables: list[ErrorTable], control: str, backlash: bool, rest: bool = False
+) -> Settings:
     """Factors and lost motion of the tables, least squares over the nodes, and what they leave.
-    backlash: whether the control takes up lost motion. Raises TableError for no tables, or one
-    twice."""
+    backlash: whether the control takes up lost motion; rest: whether programs are corrected for
+    what is left: then an axis that leans the other way round stays to them, and the part is not
+    turned. Raises TableError for no tables, or one twice."""
     result = Settings()
     for table in common.checked(tables):
         mean = common.mean(table).forward
@@ -61,9 +64,12 @@ def settings(tables: list[ErrorTable], control: str, backlash: bool) -> Settings
                 f"{table.name} leans by {slope:.3f} mm per mm",
                 "a slip in the data or a wrong unit is likely",
             )
+        other = table.along > table.moving
+        if other and rest:
+            slope = 0.0
         plane = "".join(sorted(table.name[1:].lower()))
         result.skew[plane] += slope
-        if table.along > table.moving and slope:
+        if other and slope:
             result.notices.append(
                 f"{table.name} leans by {slope / URAD:.1f} urad: corrected as skew {plane}; the"
                 " part lies turned by as much"

@@ -33,7 +33,7 @@ DECIMALS = 9  # of mm: a factor to 1e-11
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One file of commands for the start of every job. Raises TableError."""
-    found = skews.settings(tables, "Klipper", False)
+    found = skews.settings(tables, "Klipper", False, options.rest)
     planes = []
     for plane, factor in found.skew.items():
         ac, bd = math.hypot(SIDE + SIDE * factor, SIDE), math.hypot(SIDE - SIDE * factor, SIDE)

@@ -30,7 +30,7 @@ DECIMALS = 9  # of a factor: 1 um in a kilometre; Marlin keeps a float
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One file of commands for the start of every job, or for M500. Raises TableError."""
-    found = skews.settings(tables, "Marlin", options.two_way)
+    found = skews.settings(tables, "Marlin", options.two_way, options.rest)
     factors = " ".join(f"{LETTERS[p]}{common.fixed(f, DECIMALS)}" for p, f in found.skew.items())
     lines = [f"; {options.program}: skew factors and lost motion", "G21", f"M852 {factors}"]
     if found.lost:

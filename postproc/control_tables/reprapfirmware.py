@@ -32,7 +32,7 @@ LEAST_HEIGHT = 10.0  # below, the firmware ignores the block
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One file of commands for config.g. Raises TableError."""
-    found = skews.settings(tables, "RepRapFirmware", options.two_way)
+    found = skews.settings(tables, "RepRapFirmware", options.two_way, options.rest)
     xy, xz, yz = (found.skew[p] for p in skews.PLANES)
     values = (-xy * HEIGHT, -yz * HEIGHT, -(xz - xy * yz) * HEIGHT)
     skew = " ".join(f"{x}{common.fixed(v, 8)}" for x, v in zip("XYZ", values, strict=True))

@@ -10,6 +10,7 @@ import re
 from pathlib import Path
 
 import models
+import models_part2
 import numpy as np
 import pytest
 
@@ -111,6 +112,32 @@ def test_klipper_is_told_the_diagonals_that_a_caliper_read(tmp_path, capsys):
     q = np.array([[50.0, 50.0], [0.0, 200.0], [0.0, 0.0]])
     off = rest.deviation(q, np.zeros_like(q))
     assert off[0, 0] == pytest.approx(off[0, 1], abs=0.01 * UM)
+
+
+@pytest.mark.parametrize(
+    "control, model",
+    [
+        ("klipper", models_part2.Klipper),
+        ("marlin", models_part2.Marlin),
+        ("reprapfirmware", models_part2.RepRap),
+    ],
+)
+def test_skew_of_a_machine_whose_other_axes_lean_too(tmp_path, capsys, control, model):
+    """example-mill's X leans towards Y and Z, its Y towards Z as well, which a skew factor could
+    only take out with the part turned: the program corrects that, and firmware and program are the
+    machine. The start position counts as +, so all go up."""
+    files, rest = exported(tmp_path, control)
+    assert "turned" not in capsys.readouterr().out
+    (text,) = (data.decode() for data in files.values())
+    firmware = model(text)
+    whole = read_machine(ROOT / "machines" / "example-mill")
+    rng = np.random.default_rng(2)
+    q = np.stack([rng.uniform(*whole.axes[x].travel, 400) for x in "XYZ"])
+    way = np.ones_like(q)
+    sent = np.array([firmware.sent(p, w) for p, w in zip(q.T, way.T, strict=True)]).T
+    apart = whole.deviation(q, way) + (sent - q) - rest.deviation(q, way)
+    assert np.ptp(apart, axis=1).max() < 0.3 * UM
+    assert np.abs(sent - q).max() > 10 * UM
 
 
 def test_a_mean_table_leaves_the_reversal_to_the_program(tmp_path, capsys):
