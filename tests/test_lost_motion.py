@@ -118,10 +118,8 @@ def test_turning_places_are_those_behind_which_it_turns_back_far_enough():
     """Up 5, down 3, up 1 (too little to count against 2), down 4, up 6: pivots at the top and at
     the bottom."""
     course = np.array([0, 5, 2, 3, -1, 5])
-    assert _pivots(course, 0, len(course), 2.0) == [1, 4]
-    assert _pivots(np.array([0, 1, -4]), 0, 3, 3.0) == [], (
-        "it has not gone up before by half as much"
-    )
+    assert _pivots(course.tolist(), 0, 2.0) == [1, 4]
+    assert _pivots([0, 1, -4], 0, 3.0) == [], "it has not gone up before by half as much"
 
 
 # -- by hand ---------------------------------------------------------------------------------------

@@ -17,13 +17,17 @@ def points(
     p = start[:, arc] + (target - start)[:, arc] * t
     angle = arcs.angle[arc] + arcs.sweep[arc] * t
     radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
-    column = np.arange(len(arc))
     inner = (t > 0) & (t < 1)  # ends stay as programmed, to the bit
-    for axis, value in (
-        (arcs.first[arc], arcs.centre[0, arc] + radius * np.cos(angle)),
-        (arcs.second[arc], arcs.centre[1, arc] + radius * np.sin(angle)),
+    for axes, value in (
+        (arcs.first, arcs.centre[0, arc] + radius * np.cos(angle)),
+        (arcs.second, arcs.centre[1, arc] + radius * np.sin(angle)),
     ):
-        p[axis[inner], column[inner]] = value[inner]
+        one = int(axes[0]) if len(axes) else 0
+        if (axes == one).all():
+            p[one] = np.where(inner, value, p[one])
+        else:
+            which = inner.nonzero()[0]
+            p[axes[arc[which]], which] = value[which]
     return p
 
 

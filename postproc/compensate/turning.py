@@ -8,6 +8,7 @@ up, so the motion is divided there.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from postproc.compensate.batch import Batch
 
 SAMPLES = (8, 64)  # of an arc, at least and at most
+PORTION = 500  # arcs looked at at once: the samples of more leave the processor's cache
 LOOKS = 17  # places on a motion of the tip at which its slides are looked at
 APART = 1e-9  # of a motion: closer places are one
 
@@ -130,13 +132,35 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     chosen = chosen[_bends(b, chosen, least)]
     if not len(chosen):
         return []
-    owner, t, place = _places(b, chosen, most, least)
-    deviation = b.machine.deviation(place, np.sign(m.target - m.start)[:, owner])
     plane = np.zeros(m.start.shape, bool)  # those turn back at quadrants
     for axes in (m.arcs.first, m.arcs.second):
         plane[axes, m.arcs.motion] = True
-    course = np.where(plane[:, owner], 0.0, place - deviation)
-    return [_on_increments(b, *_turns(owner, t, course[row], least)) for row in rows]
+    sense, found = np.sign(m.target - m.start), []
+    for part, places in _looked_at(b, chosen):
+        owner, t, place = places(b, part, most, least)
+        deviation = b.machine.deviation(place, sense[:, owner])
+        for row in rows:
+            if plane[row, part].all():
+                continue
+            course = np.where(plane[row, owner], 0.0, place[row] - deviation[row])
+            found.append(_on_increments(b, *_turns(owner, t, course, least)))
+    return found
+
+
+Looked = Callable[
+    ["Batch", np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray, np.ndarray]
+]
+
+
+def _looked_at(b: Batch, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, Looked]]:
+    """The straight motions among those chosen, and the arcs in portions, each with what gives
+    their places."""
+    straight = b.m.code[chosen] == FEED
+    if straight.any():
+        yield chosen[straight], _on_straight
+    arcs = chosen[~straight]
+    for first in range(0, len(arcs), PORTION):
+        yield arcs[first : first + PORTION], _on_arcs
 
 
 def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -154,30 +178,30 @@ def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndar
     return motion[inside], t[inside]
 
 
-def _places(
+def _on_straight(
     b: Batch, chosen: np.ndarray, most: np.ndarray, least: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(K,) motion, (K,) t and (A, K) mm of places along motions, in order, between which no
-    deviation turns unseen."""
+    """(K,) motion, (K,) t and (A, K) mm of places along straight motions, in order, between which
+    no deviation turns unseen."""
     m = b.m
-    straight = chosen[m.code[chosen] == FEED]
-    start, target = m.start[:, straight] / TICKS_PER_MM, m.target[:, straight] / TICKS_PER_MM
+    start, target = m.start[:, chosen] / TICKS_PER_MM, m.target[:, chosen] / TICKS_PER_MM
     of, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
-    arcs = chosen[m.code[chosen] != FEED]
-    count = np.clip(np.ceil(2 * most[arcs] / least), *SAMPLES).astype(np.int64)
-    on, index = nodes.spread(count - 1)
-    owner = np.concatenate([straight[of], arcs[on], chosen, chosen])
     zero = np.zeros(len(chosen))
-    t = np.concatenate([t, (index + 1) / count[on], zero, zero + 1])
+    owner, t = np.concatenate([chosen[of], chosen, chosen]), np.concatenate([t, zero, zero + 1])
     order = np.lexsort((t, owner))
     owner, t = owner[order], t[order]
     begin, end = m.start[:, owner] / TICKS_PER_MM, m.target[:, owner] / TICKS_PER_MM
-    place = begin + (end - begin) * t
-    curved = b.arc_of[owner] >= 0
-    if curved.any():
-        arc = b.arc_of[owner[curved]]
-        place[:, curved] = points(m.arcs, b.arc_start, b.arc_target, arc, t[curved])
-    return owner, t, place
+    return owner, t, begin + (end - begin) * t
+
+
+def _on_arcs(
+    b: Batch, chosen: np.ndarray, most: np.ndarray, least: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same along arcs: equal parts."""
+    count = np.clip(np.ceil(2 * most[chosen] / least), *SAMPLES).astype(np.int64)
+    of, index = nodes.spread(count + 1)
+    owner, t = chosen[of], index / count[of]
+    return owner, t, points(b.m.arcs, b.arc_start, b.arc_target, b.arc_of[owner], t)
 
 
 def _turns(
@@ -195,17 +219,26 @@ def _turns(
     begin = first.nonzero()[0]
     both = np.minimum(np.maximum.reduceat(fall, begin), np.maximum.reduceat(rise, begin))
     stop = np.append(begin[1:], len(owner))
-    bent = (both > least / 2 * TICKS_PER_MM).nonzero()[0].tolist()
-    places = [
-        k for i in bent for k in _pivots(base, int(begin[i]), int(stop[i]), least * TICKS_PER_MM)
+    bent = (both > least / 2 * TICKS_PER_MM).nonzero()[0]
+    # between two places where it turns at all it goes on
+    step = np.sign(base[1:] - base[:-1])
+    turns = np.ones(len(base), bool)
+    turns[1:-1] = step[1:] * step[:-1] <= 0
+    turns[begin] = turns[stop - 1] = True
+    at = turns.nonzero()[0]
+    first, behind = at.searchsorted(begin[bent]).tolist(), at.searchsorted(stop[bent]).tolist()
+    value = base[at]
+    pivots = [
+        k
+        for one, two in zip(first, behind, strict=True)
+        for k in _pivots(value[one:two].tolist(), one, least * TICKS_PER_MM)
     ]
-    return owner[places], t[places]
+    return owner[at[pivots]], t[at[pivots]]
 
 
-def _pivots(base: np.ndarray, begin: int, stop: int, least: float) -> list[int]:
-    """Indices of the highest and lowest places behind which `base` turns back by more than `least`;
-    before the first one it has gone half as far."""
-    value = base[begin:stop].tolist()
+def _pivots(value: list[int], begin: int, least: float) -> list[int]:
+    """Indices, from `begin` on, of the highest and lowest places behind which `value` turns back by
+    more than `least`; before the first one it has gone half as far."""
     low = high = sense = 0
     pivots: list[int] = []
     for k, here in enumerate(value):
