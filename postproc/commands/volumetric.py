@@ -20,7 +20,7 @@ from postproc.machine.model import Machine
 
 HELP = (
     "make a machine folder of readings all over the volume: a laser tracker's points, lengths,"
-    " diagonals, spheres"
+    " diagonals, circles, spheres"
 )
 EXAMPLE = "gcomp volumetric cloud.csv --like example-mill -o machines/mine"
 SHARE = 0.1  # of the readings of either direction, so that lost motion is told

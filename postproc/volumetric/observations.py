@@ -12,7 +12,7 @@ from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 from postproc.units import UM
-from postproc.volumetric import VolumetricError, stairs
+from postproc.volumetric import VolumetricError, circles, stairs
 from postproc.volumetric.rows import SAME, Rows, nominal_tip
 
 # mm, standard deviation of a station's stated place: a ball on a table is set with a rule
@@ -35,11 +35,13 @@ def rows_of(recording: Recording, machine: Machine, others: dict[str, float]) ->
         return _lengths(recording, machine, base)
     if recording.kind == "sphere":
         return _spheres(recording, machine, base)
+    if recording.kind == "ballbar":
+        return circles.rows_of(recording, machine, base)
     if recording.kind == "targets":
         return _lines(recording, machine, base)
     raise VolumetricError(
         f"a recording of {recording.kind} tells nothing of the volume here",
-        "kinds: points, lengths, sphere, targets",
+        "kinds: points, lengths, ballbar, sphere, targets",
         Place(recording.file, 1),
     )
 

@@ -28,7 +28,8 @@ class Rows:
     sphere; q, approach (A, N); value: mm, of clouds and shifts (3, N), else (N,); u: mm or rad,
     nan: not stated; tool (3,) mm; along (3,): direction of lines; letter, row: of angles; aside (3,
     N) mm: of stairs, from their line; start: nuisances to begin with; loose: 1/mm, by how much each
-    is held there, nothing: not at all; name: of the file."""
+    is held there, nothing: not at all; name: of the file; alike: how many readings beside each
+    other are off by the same, so that they tell no more than one."""
 
     kind: str
     q: np.ndarray
@@ -43,6 +44,12 @@ class Rows:
     row: int = 0
     aside: np.ndarray = field(default_factory=lambda: np.zeros((3, 0)))
     loose: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    alike: float = 1.0
+
+    @property
+    def counted(self) -> float:
+        """mm or rad: the u with which each reading counts, so that `alike` of them make one."""
+        return self.u * float(np.sqrt(self.alike))
 
     def __len__(self) -> int:
         return self.value.size

@@ -112,7 +112,7 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
         x[: unknowns.number],
         inverse[: unknowns.number, : unknowns.number] * factor,
         tuple(rows),
-        tuple(part * r.u for part, r in zip(left, rows, strict=True)),
+        tuple(part * r.counted for part, r in zip(left, rows, strict=True)),
         float(chi),
         max(round(free), 1),
         bool(widened),
@@ -139,7 +139,8 @@ def _left_over(
     theirs."""
     mine = [not s and r.kind == kind if kind else s for r, s in zip(rows, said, strict=True)]
     which = np.repeat(mine, [len(r) for r in rows])
-    part, scatter = jacobian[: len(which)][which], residual[: len(which)][which]
+    each = residual[: len(which)] * np.repeat(np.sqrt([r.alike for r in rows]), [*map(len, rows)])
+    part, scatter = jacobian[: len(which)][which], each[which]
     free = len(part) - float(np.einsum("ni,ij,nj->", part, inverse, part, optimize=True))
     return float(scatter @ scatter) / max(free, 1e-6), max(free, 1.0 if not kind else 0.0)
 
@@ -210,7 +211,7 @@ def _solved(
         for k, (r, f) in enumerate(zip(rows, fixed, strict=True)):
             off = f.known + np.einsum("p,pin->in", x[:p], f.columns)
             angle = x[:p] @ f.angles if f.angles.shape[1] else np.zeros(r.q.shape[1])
-            found.append(r.residual(off, x[edges[k] : edges[k + 1]], f.nominal, angle) / r.u)
+            found.append(r.residual(off, x[edges[k] : edges[k + 1]], f.nominal, angle) / r.counted)
         return np.concatenate([*found, x[:p] / unknowns.prior, (x[p:] - stated) * loose])
 
     def jacobian(x: np.ndarray) -> np.ndarray:
@@ -219,8 +220,8 @@ def _solved(
         for k, (r, f) in enumerate(zip(rows, fixed, strict=True)):
             off = f.known + np.einsum("p,pin->in", x[:p], f.columns)
             by, more = r.slopes(f.columns, off, x[edges[k] : edges[k + 1]], f.nominal, f.angles)
-            made[at : at + len(r), :p] = by / r.u
-            made[at : at + len(r), edges[k] : edges[k + 1]] = more / r.u
+            made[at : at + len(r), :p] = by / r.counted
+            made[at : at + len(r), edges[k] : edges[k + 1]] = more / r.counted
             at += len(r)
         made[at:] = np.diag(np.concatenate([1 / unknowns.prior, loose]))
         return made
@@ -238,7 +239,7 @@ def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.nd
     at, first, last = unknowns, 0, len(jacobian) - jacobian.shape[1]
     for r in rows:
         own = slice(at, at + len(r.start))
-        read, held = jacobian[first : first + len(r), own] * r.u, jacobian[last:, own]
+        read, held = jacobian[first : first + len(r), own] * r.counted, jacobian[last:, own]
         block = np.vstack([read, held])
         size = np.linalg.norm(block, axis=0)
         least = np.linalg.svd(block / np.maximum(size, FLAT), compute_uv=False)[-1]

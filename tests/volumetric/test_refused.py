@@ -29,7 +29,12 @@ from tests.volumetric.readings import MILL, ROOT, fit_of, gcomp, lengths
         (
             "ballbar",
             {"X_cmd_mm": [0, 1], "Y_cmd_mm": [0, 1], "Z_cmd_mm": [0, 1]},
-            "a recording of ballbar tells nothing of the volume",
+            "the centre names no two slides",
+        ),
+        (
+            "trace",
+            {"X_cmd_mm": [0, 1], "Y_cmd_mm": [0, 1], "Z_cmd_mm": [0, 1]},
+            "a recording of trace tells nothing of the volume",
         ),
     ],
 )

@@ -1,0 +1,90 @@
+"""Circles of a ballbar (ISO 230-4) as lengths from their centre: straightness, positioning, lost
+motion and squareness together, as far as the circles at hand part them.
+
+The two balls' distance is the commanded radius and what was read; where the ball on the table
+stands, and the bar's own length, belong to the set-up and are found. One circle alone can not part
+bows of one axis from bows of the other; circles at several places, or a laser beside them, do. A
+motion has what a machine at rest has not: axes that follow unlike turn the ellipse with the sense,
+so both senses are asked for, and spikes where an axis turns stay in what is left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from postproc.errors import Place
+from postproc.machine.chain import XYZ
+from postproc.machine.model import Machine
+from postproc.recordings import Recording
+from postproc.volumetric import VolumetricError
+from postproc.volumetric.rows import Rows, nominal_tip
+
+SECTORS = (
+    180  # of a turn, each one reading (waves of 2 to a turn lose 0.02 %); axes turn between two
+)
+BESIDE = 0.1  # mm from the commanded circle: further out it is the run-in
+# parts of a turn within which what the model leaves is taken as alike (as calibrate/circles.py
+# does): between nodes, and while axes follow their commands, a circle is off in waves
+PARTS = 16
+HELD = 1.0  # mm, standard deviation of the centre's place: a ball on a table is set by the slides
+
+
+def rows_of(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
+    """All runs of a file, one set-up: its readings averaged in sectors, each run by itself.
+
+    base: slide positions of all samples. Raises VolumetricError for one sense alone, and for a
+    circle that is none.
+    """
+    centre = recording.head.get("centre", {})
+    axes = [x for x in XYZ if x in centre]
+    where = [machine.letters.index(x) for x in axes if x in machine.letters]
+    if len(axes) != 2 or len(where) != 2:
+        raise VolumetricError(
+            "the centre names no two slides of this machine",
+            "centre = { X = .., Y = .. }",
+            Place(recording.file, 1),
+        )
+    radius, sense = float(recording.head["radius_mm"]), recording.columns["sense"]
+    arm = base.q[where] - np.array([[float(centre[x])] for x in axes])
+    on = np.abs(np.hypot(*arm) - radius) <= BESIDE
+    if len(np.unique(np.sign(sense[on]))) < 2:
+        raise VolumetricError(
+            "the circles turn one way only: squareness and axes that follow unlike look the same",
+            "record both senses",
+            Place(recording.file, 1),
+        )
+    turn = np.mod(np.arctan2(arm[1], arm[0]), 2 * np.pi)
+    sector = np.minimum((turn / (2 * np.pi) * SECTORS).astype(int), SECTORS - 1)
+    groups = [
+        g
+        for run in np.unique(recording.columns["run"])
+        for k in range(SECTORS)
+        if (g := (on & (recording.columns["run"] == run) & (sector == k))).any()
+    ]
+    q = np.stack([base.q[:, g].mean(axis=1) for g in groups], axis=1)
+    # the mean of a sector lies inside of its arc
+    middle = np.array([turn[g].mean() for g in groups])
+    for i, x, way in zip(where, axes, (np.cos(middle), np.sin(middle)), strict=True):
+        q[i] = float(centre[x]) + radius * way
+    approach = np.zeros_like(q)
+    ways = np.array([np.sign(sense[g].mean()) for g in groups])
+    approach[where[0]] = -ways * np.sign(np.sin(middle))
+    approach[where[1]] = ways * np.sign(np.cos(middle))
+    value = np.array([recording.reading[g].mean() for g in groups])
+    place = base.q[:, on].mean(axis=1)
+    place[where] = [float(centre[x]) for x in axes]
+    stands = nominal_tip(machine, place[:, None], base.tool)[:, 0]
+    return [
+        replace(
+            base,
+            kind="length",
+            q=q,
+            approach=approach,
+            value=radius + value,
+            start=np.append(stands, 0.0),
+            loose=np.array([1 / HELD] * 3 + [0.0]),
+            alike=max(len(value) / (2 * PARTS), 1.0),  # of both senses; more runs tell no more
+        )
+    ]
