@@ -153,7 +153,8 @@ def test_what_turns_back_within_the_hysteresis_is_held(tmp_path):
 
 
 def test_a_small_take_up_is_left_out_where_the_tolerance_allows(tmp_path):
-    m = machine(tmp_path / "m", backlash("X", 1.0))
+    """An eighth of 5 um is kept for what follows, and three axes share the rest: 2.53 um each."""
+    m = machine(tmp_path / "m", backlash("X", 2.4))
     text = "G0 X0 Y0\nG1 X10 F500\nX0\nX10\n"
     fine, coarse = (corrected(m, text, tolerance=t)[0] for t in (0.5 * UM, 5 * UM))
     assert len(fine) == 7 and len(coarse) == 4

@@ -323,7 +323,6 @@ class Batch:
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         self.bound &= not self.tip
         self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
-        self.enough = np.where(self.flipped, self.c.chord, self.c.hold) * TICKS_PER_MM
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
@@ -343,7 +342,7 @@ class Batch:
         """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
         off = self.wanted[row] - before
         back = self.bound[row] & (off * self.weight_begin[row] < 0)
-        return self.turning & (np.abs(off) > self.enough[row]) & ~back
+        return self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
 
     def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(K,) ticks at which strokes `still` end, one after the other, since each rests where the
@@ -369,7 +368,7 @@ class Batch:
         leashed = (leash < cutter.FREELY) & ~stays
         plain = ~turning & ~leashed
         columns = onward, before, end[still], low, high, plain
-        here, value = 0, []
+        here, value, enough = 0, [], self.c.chord * TICKS_PER_MM
         for k, (goes_on, start, own, least, most, easy) in enumerate(
             zip(*(column.tolist() for column in columns), strict=True)
         ):
@@ -381,7 +380,7 @@ class Batch:
                 here = _leashed(here + int(self.travel[row, still[k]]), own, int(leash[k]))
             else:
                 wanted = int(self.wanted[row, still[k]])
-                off, enough = wanted - here, self.enough[row, still[k]]
+                off = wanted - here
                 if abs(off) > enough and off * side[k] >= 0:
                     here = wanted
                 here = here if least <= here <= most else own
