@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from postproc import cli
 from postproc.machine import places
 from postproc.machine.lacks import lacks, sentence
 
@@ -52,3 +53,13 @@ def test_travel_beyond_the_table_says_what_becomes_of_it():
     assert any("its end values hold there" in t for t in lacks(held))
     near = replace(grinder, limits=replace(grinder.limits, max_correction=20.0))
     assert not any("beyond" in t for t in lacks(near))
+
+
+def test_a_machine_that_nobody_measured_yet_lacks_everything(tmp_path):
+    """gcomp machines new with empty answers: it looked as perfect as `perfect`."""
+    new = ("machines", "new", "m", "--kind", "mill", "--control", "linuxcnc", "-o", tmp_path / "m")
+    travel = (w for x in ("X=0,600", "Y=0,400", "Z=-80,0") for w in ("--travel", x))
+    assert cli.main([*map(str, new), *travel]) == 0
+    found = lacks(places.load(str(tmp_path / "m")))
+    assert "60.0, 60.0, 40.0 um" in found[0]
+    assert found[1] == "all of X, all of Y, all of Z: never measured"

@@ -16,9 +16,9 @@ SQUARE = 100 * URAD  # what a squareness that is not known is imagined as: 0.1 m
 def lacks(machine: Machine) -> list[str]:
     """Sentences: squareness and components without a measurement, travel beyond the tables, signs
     that no second measurement has shown. Empty for a machine without any error, which lacks
-    nothing.
+    nothing, unless it says that its signs are unverified: then its errors are still to be measured.
     """
-    if machine.is_zero and not machine.square:
+    if machine.is_zero and not machine.square and machine.signs != "unverified":
         return []
     return [
         *_square(machine),

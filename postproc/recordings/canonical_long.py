@@ -188,6 +188,8 @@ def _one(
         notices.append(
             "forward is taken as +, reverse as - (--first - if the first run went towards minus)"
         )
+    if options.first and not any(row["relative"] for row in rows):
+        notices.append("the file says the directions itself (dir): --first is not used")
     columns: dict[str, list[float]] = {}
     for key, column in (PLACES | TEMPERATURES).items():
         has = [row for row in rows if key in row]

@@ -213,3 +213,14 @@ def test_linuxcnc_files_do_not_say_their_type():
     with pytest.raises(RecordingError, match="its unit") as caught:
         taken("Z.comp", text, extra={"type": "0"})
     assert "--unit" in caught.value.advice
+
+
+@pytest.mark.parametrize("word", ["+", "forward"])
+def test_a_long_table_that_says_its_directions_does_not_take_first(word):
+    rows = [f"EXX,X,{q},1,{way},1,um" for way in (word, "-" if word == "+" else "reverse")
+            for q in (0, 100)]  # fmt: skip
+    text = "\n".join(["component,axis,target,run,dir,value,unit", *rows]) + "\n"
+    plain, turned = (taken("l.csv", text, first=f) for f in (0, -1))
+    same = (plain.approach("X") == turned.approach("X")).all()
+    assert same == (word == "+")
+    assert any("--first is not used" in t for t in turned.notices) == (word == "+")
