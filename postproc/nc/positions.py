@@ -41,10 +41,23 @@ def position(
     b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
 ) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
-    w, n = b.words, b.n
-    shape = (len(b.rows), len(block))
+    p, shared = _nowhere(b, len(block)), _Shared(b)
+    idle = not (len(block) or shared.moves_without_words)
+    for letter, row in b.rows.items():
+        if idle and not any(map(len, axis_words[letter])):
+            continue
+        axis = _Axis(shared, letter, row)
+        axis.read(*axis_words[letter])
+        axis.travel()
+        axis.leave(p, block)
+        axis.write(p, block)
+    return p
+
+
+def _nowhere(b: Batch, n: int) -> Places:
+    shape = (len(b.rows), n)
     whole = [np.zeros(shape, np.int64) for _ in range(6)]
-    p = Places(
+    return Places(
         start=whole[0],
         target=whole[1],
         start_known=np.zeros(shape, bool),
@@ -60,130 +73,165 @@ def position(
         end_position=b.state.position.copy(),
         end_known=b.state.known.copy(),
     )
-    taken, machine = b.taken, b.machine
-    forget = b.loses | b.foreign
-    any_taken, any_machine, forgets = map(np.count_nonzero, (taken, machine, forget))
-    distance_held, carried_held, inch = (
-        b.held("distance"),
-        b.held("carried"),
-        b.held("units") == 200,
-    )
-    # whether any word says by itself that it is absolute or a distance
-    spelled = any(ord(letter) >= RELATIVE for letter in b.places)
-    earlier, from_begin = block - 1, len(block) > 0 and block[0] == 0
-    sends = 280 in b.single or 300 in b.single
-    was_sent = b.state.sent is not None and np.count_nonzero(b.state.sent)
-    nothing = not (len(block) or forgets or sends or was_sent or b.cycle)
-    for letter, row in b.rows.items():
-        if nothing and not any(map(len, axis_words[letter])):
-            continue
-        carried = letter in b.dialect.carried  # homing takes the slides away, not the filament
-        distance = carried_held if carried else distance_held
-        if carried and b.dialect.relative_with_distance:
-            distance = np.where(distance_held == 910, 910, carried_held)
+
+
+class _Shared:
+    """What all axes of a batch share: blocks whose words are no places or are places of the
+    machine, blocks that forget places, and the modal states by which a word is read."""
+
+    def __init__(self, b: Batch):
+        self.b = b
+        self.forget = b.loses | b.foreign
+        self.any_taken, self.any_machine, self.forgets = map(
+            np.count_nonzero, (b.taken, b.machine, self.forget)
+        )
+        self.distance, self.carried = b.held("distance"), b.held("carried")
+        self.inch = b.held("units") == 200
+        # whether any word says by itself that it is absolute or a distance
+        self.spelled = any(ord(letter) >= RELATIVE for letter in b.places)
+        self.sends = 280 in b.single or 300 in b.single
+        self.sent = b.state.sent if b.state.sent is not None else np.zeros(len(b.rows), bool)
+        self.moves_without_words = (
+            self.forgets or self.sends or np.count_nonzero(self.sent) or b.cycle
+        )
+
+
+class _Axis:
+    """One axis of a batch, in the order read(), travel(), leave(), write()."""
+
+    def __init__(self, shared: _Shared, letter: str, row: int):
+        b = shared.b
+        self.shared, self.b, self.letter, self.row = shared, b, letter, row
+        self.carried = letter in b.dialect.carried
+        self.distance = shared.carried if self.carried else shared.distance
+        if self.carried and b.dialect.relative_with_distance:
+            self.distance = np.where(shared.distance == 910, 910, shared.carried)
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
-        least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (
-            inch if letter in LINEAR else 0
+        self.scale, self.grid = scale // half, grid // half
+        self.least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (
+            shared.inch if letter in LINEAR else 0
         )
-        scale, grid = scale // half, grid // half
         offset = b.offset[row] if b.offset.shape[1] > 1 else b.offset[row, 0]
-        if any_machine:
-            offset = np.where(machine, 0, offset)
-        stood, was_known = b.state.position[row], b.state.known[row]
-        absolute, increment = axis_words[letter]
+        self.offset = np.where(b.machine, 0, offset) if shared.any_machine else offset
+        self.stood, self.was_known = b.state.position[row], b.state.known[row]
+        self.cycle = b.cycle if b.cycle is not None and b.cycle.letter == letter else None
+
+    def read(self, absolute: np.ndarray, increment: np.ndarray) -> None:
+        """Set `place` (K,), the words that say where the axis goes, `by` (K,), their blocks, and
+        `is_inc` (K,), whether they are distances. Raises ProgramError."""
+        b, w = self.b, self.b.words
         place = absolute
         if len(increment):
             both = np.intersect1d(w.block[absolute], w.block[increment])
             if len(both):
                 raise b.fault(
                     increment[w.block[increment] == both[0]][0],
-                    f"{letter} and its increment in one block",
+                    f"{self.letter} and its increment in one block",
                     "keep one of them",
                 )
             place = np.sort(np.concatenate([absolute, increment]))
-        if any_taken:
-            place = place[~taken[w.block[place]]]
-        cycle = b.cycle if b.cycle is not None and b.cycle.letter == letter else None
-        if cycle:
-            place = place[~cycle.mask[w.block[place]]]
-        by = w.block[place]
-        relative = distance == 910
-        some_relative = np.count_nonzero(relative)
-        is_inc = at(relative, by) & ~machine[by] if some_relative else np.zeros(len(by), bool)
-        if spelled or len(increment):
-            is_inc = np.where(w.letter[place] == ord(letter), is_inc, w.letter[place] < ABSOLUTE)
-        added, due = np.count_nonzero(is_inc), bool(b.frame.due[row])
-        named = np.zeros(n, bool)
-        if len(by) or cycle:
-            value = b.ticks(place, at(scale, by))
-            if b.frame.due[row] and len(by):
-                value = _due(b, row, letter, by, value, is_inc)
-            run: np.ndarray | int = 0
-            here, set_to = by, value
-            if added:
-                moved = np.zeros(n, np.int64)
-                moved[by[is_inc]] = value[is_inc]
-                run = moved.cumsum()
-                here, set_to = by[~is_inc], value[~is_inc]
-            named[here] = True
-            set_to = set_to + at(offset, here)
-            if len(here) == n and not cycle:  # every block says the place: nothing is held
-                position = set_to
-            else:
-                base = np.zeros(n, np.int64)
-                base[here] = set_to - (run[here] if isinstance(run, np.ndarray) else 0)
-                if cycle:
-                    holes = cycle.blocks
-                    base[holes] = cycle.target - (run[holes] if isinstance(run, np.ndarray) else 0)
-                    named[holes] = True
-                last = hold_index(named)
-                position = base[last]
-                position[: last.searchsorted(0)] = stood
-                position += run
+        if self.shared.any_taken:
+            place = place[~b.taken[w.block[place]]]
+        if self.cycle:
+            place = place[~self.cycle.mask[w.block[place]]]
+        self.place, self.by = place, w.block[place]
+        self.relative = self.distance == 910
+        self.some_relative = np.count_nonzero(self.relative)
+        if self.some_relative:
+            self.is_inc = at(self.relative, self.by) & ~b.machine[self.by]
         else:
-            position = np.empty(n, np.int64)
-            position.fill(stood)
-        drop = b.foreign if carried else forget
-        if sends and not carried:
-            position, named, drop, away = _away(b, letter, position, named, forget)
-            _since(p, row, away, block, b.state.sent is not None and bool(b.state.sent[row]))
-        elif b.state.sent is not None and b.state.sent[row]:
-            _since(p, row, np.zeros(n, bool), block, True)
-        known: np.ndarray | None = None
-        if not was_known or forgets or (cycle and not cycle.known):
-            event = np.where(drop, 0, np.where(named, 1, -1))
-            if cycle and not cycle.known:
-                event[cycle.blocks[cycle.initial]] = 0
-            known = hold_last(event, int(was_known)).astype(bool)
-        p.target[row], p.start[row] = position[block], position[earlier]
-        if known is None:
+            self.is_inc = np.zeros(len(self.by), bool)
+        if self.shared.spelled or len(increment):
+            own = w.letter[place] == ord(self.letter)
+            self.is_inc = np.where(own, self.is_inc, w.letter[place] < ABSOLUTE)
+        self.added = np.count_nonzero(self.is_inc)
+
+    def travel(self) -> None:
+        """Set `position` (B,) behind each block and `named` (B,), whether the block says it."""
+        n = self.b.n
+        self.named = np.zeros(n, bool)
+        self.due = bool(self.b.frame.due[self.row])
+        if not (len(self.by) or self.cycle):
+            self.position = np.empty(n, np.int64)
+            self.position.fill(self.stood)
+            return
+        here, set_to, run = self._read_values()
+        self.named[here] = True
+        if len(here) == n and not self.cycle:  # every block says the place: nothing is held
+            self.position = set_to
+            return
+        base = np.zeros(n, np.int64)
+        base[here] = set_to - at(run, here)
+        if self.cycle:
+            holes = self.cycle.blocks
+            base[holes] = self.cycle.target - at(run, holes)
+            self.named[holes] = True
+        last = hold_index(self.named)
+        self.position = base[last]
+        self.position[: last.searchsorted(0)] = self.stood
+        self.position += run
+
+    def _read_values(self) -> tuple[np.ndarray, np.ndarray, np.ndarray | int]:
+        """(H,) blocks with an absolute place, (H,) the places in machine coordinates, and (B,) the
+        sum of the distances up to each block, 0 where there are none."""
+        value = self.b.ticks(self.place, at(self.scale, self.by))
+        if self.due and len(self.by):
+            value = _due(self.b, self.row, self.letter, self.by, value, self.is_inc)
+        here = self.by
+        run: np.ndarray | int = 0
+        if self.added:
+            moved = np.zeros(self.b.n, np.int64)
+            moved[here[self.is_inc]] = value[self.is_inc]
+            here, value, run = here[~self.is_inc], value[~self.is_inc], moved.cumsum()
+        return here, value + at(self.offset, here), run
+
+    def leave(self, p: Places, block: np.ndarray) -> None:
+        """What G28 and G30 do with it, and `known` (B,), None where it is everywhere."""
+        b, shared = self.b, self.shared
+        drop = b.foreign if self.carried else shared.forget
+        sent = bool(shared.sent[self.row])
+        if shared.sends and not self.carried:  # homing takes the slides away, not the filament
+            self.position, self.named, drop, away = _away(
+                b, self.letter, self.position, self.named, shared.forget
+            )
+            _since(p, self.row, away, block, sent)
+        elif sent:
+            _since(p, self.row, np.zeros(b.n, bool), block, True)
+        self.known: np.ndarray | None = None
+        unsure = self.cycle is not None and not self.cycle.known
+        if not self.was_known or shared.forgets or unsure:
+            event = np.where(drop, 0, np.where(self.named, 1, -1))
+            if self.cycle is not None and unsure:
+                event[self.cycle.blocks[self.cycle.initial]] = 0
+            self.known = hold_last(event, int(self.was_known)).astype(bool)
+
+    def write(self, p: Places, block: np.ndarray) -> None:
+        """Fill the axis' row of `p` at the moving blocks."""
+        row, n, earlier = self.row, self.b.n, block - 1
+        p.target[row], p.start[row] = self.position[block], self.position[earlier]
+        if self.known is None:
             p.start_known[row] = p.target_known[row] = True
         else:
-            p.target_known[row], p.start_known[row] = known[block], known[earlier]
-        if from_begin:  # there is no block before the first
-            p.start[row, 0], p.start_known[row, 0] = stood, was_known
-        if len(by):
+            p.target_known[row], p.start_known[row] = self.known[block], self.known[earlier]
+        if len(block) and block[0] == 0:  # there is no block before the first
+            p.start[row, 0], p.start_known[row, 0] = self.stood, self.was_known
+        if len(self.by):
             word = np.empty(n, np.int64)
             word.fill(-1)
-            word[by] = place
+            word[self.by] = self.place
             p.word[row] = word[block]
-        if added or some_relative:
-            inc = np.broadcast_to(relative, n).copy()
-            if due:  # a word put in must not be one that may travel the shift: X=AC()
-                inc[: by[0] if len(by) else n] = False
-            inc[by] = is_inc
+        if self.added or self.some_relative:
+            inc = np.broadcast_to(self.relative, n).copy()
+            if self.due:  # a word put in must not be one that may travel the shift: X=AC()
+                inc[: self.by[0] if len(self.by) else n] = False
+            inc[self.by] = self.is_inc
             p.incremental[row] = inc[block]
-        p.grid[row] = at(grid, block)
-        p.least[row] = at(least, block)
-        p.scale[row] = at(scale, block)
-        p.origin[row] = at(offset, block)
+        p.grid[row], p.least[row] = at(self.grid, block), at(self.least, block)
+        p.scale[row], p.origin[row] = at(self.scale, block), at(self.offset, block)
         if n:
-            p.end_position[row], p.end_known[row] = (
-                position[-1],
-                True if known is None else known[-1],
-            )
-    return p
+            p.end_position[row] = self.position[-1]
+            p.end_known[row] = True if self.known is None else self.known[-1]
 
 
 @lru_cache
