@@ -104,7 +104,7 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     # Readings that scatter more than they say: what was found is known as much worse.
     widened = any(said) and chi > 1 + 3 * np.sqrt(2 / free)
     if widened:
-        factor *= chi * _few(free)
+        factor *= chi * _few(free) * _repeated(rows, said, left)
     if not any(said):
         chi, free = 1.0, sum(free for _, free in found.values())
     return Fit(
@@ -124,6 +124,22 @@ def _few(free: float) -> float:
     """By what a variance out of so many degrees of freedom is multiplied, so that 2 u hold as many
     as 2 u of a known one do: Student's t."""
     return float(max(student(max(round(free), 1)) / 2, 1.0) ** 2)
+
+
+def _repeated(rows: Sequence[Rows], said: Sequence[bool], left: Sequence[np.ndarray]) -> float:
+    """How many readings of one place are off alike, on average: 1 where the instrument scatters,
+    the number of readings where the model has no nodes for what the machine does there. A variance
+    out of readings that were taken as independent is that much too small (the design effect of
+    clusters, Kish 1965)."""
+    alike = each = 0.0
+    for r, s, part in zip(rows, said, left, strict=True):
+        if not s or r.alike > 1:
+            continue
+        at = np.unique(np.round(r.q, 3), axis=1, return_inverse=True)[1].ravel()
+        for one in part.reshape(-1, r.q.shape[1]):
+            sums = np.bincount(at, one)
+            alike, each = alike + float(sums @ sums), each + float(one @ one)
+    return max(alike / each, 1.0) if each else 1.0
 
 
 def _left_over(

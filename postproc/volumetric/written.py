@@ -77,6 +77,11 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
             f" {names[-1]} takes it as zero"
         )
         out.append(text + way)
+    if lost := [x for x in _without_lost_motion(fit) if f"B:{x}" not in zero]:
+        out.append(
+            f"lost motion of {', '.join(lost)} is not in these readings: approach places from both"
+            " sides (approach_X = -1 and 1)"
+        )
     if fit.widened:
         out.append(
             f"what is left is {np.sqrt(fit.chi):.1f} times the stated u (chi2 {fit.chi:.1f} for"
@@ -208,7 +213,19 @@ def turned(
 
 
 def _not_told(fit: Fit) -> list[str]:
-    return [f"Not in this map: {text}." for text in sentences(untold(fit))]
+    lost = _without_lost_motion(fit)
+    return [f"Not in this map: {text}." for text in sentences(untold(fit))] + (
+        [f"Not in this map: lost motion of {', '.join(lost)}."] if lost else []
+    )
+
+
+def _without_lost_motion(fit: Fit) -> list[str]:
+    """Slides whose lost motion was not asked for: they were not read from both sides."""
+    groups = fit.unknowns.groups
+    asked = {g.letter for g in groups if g.name.startswith("B:")}
+    return [
+        x for x in XYZ if x not in asked and any(g.letter == x and len(g.nodes) for g in groups)
+    ]
 
 
 def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tuple[str, str]:

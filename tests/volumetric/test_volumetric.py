@@ -127,7 +127,11 @@ def test_from_clouds_to_a_corrected_program(tmp_path, capsys):
         assert gcomp("simulate", "--machine", "example-mill", *words) == 0
     assert gcomp("volumetric", *clouds, "--like", "example-mill", "-o", tmp_path / "found") == 0
     said = capsys.readouterr().out
-    assert "these readings" not in said and "not told" not in said
+    assert "these readings can not" not in said and "not told" not in said
+    # all places of such a test are approached in +
+    assert "lost motion of X, Y, Z is not in these readings" in said
+    text = (tmp_path / "found" / "machine.toml").read_text()
+    assert "# Not in this map: lost motion of X, Y, Z." in text
     mine = read_machine(tmp_path / "found")
     assert mine.square_u and all(axis.uncertainty is not None for axis in mine.axes.values())
     rng = np.random.default_rng(1)
