@@ -267,34 +267,42 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
     """The table and the sum; returns the exit status: 0 all done, 2 some refused, 1 some failed for
     another reason."""
     counts = {s: sum(one["status"] == s for one in told) for s in ("done", "refused", "failed")}
-    before = sum(bool(one.get("before")) for one in told)
     out = as_json.beside(options.json)
+    wrong = [one for one in told if one["status"] != "done"]
     if not options.quiet:
-        shown = told if len(told) <= SHOWN else [one for one in told if one["status"] != "done"]
-        rows = [("", *COLUMNS[1:-1]), *((row(one)[0], *row(one)[1:-1]) for one in shown)]
-        widths = [max(len(r[k]) for r in rows) for k in range(len(rows[0]))]
-        for r in rows if len(shown) else ():
-            print(
-                "  ".join(
-                    c.ljust(w) if k < 3 else c.rjust(w)
-                    for k, (c, w) in enumerate(zip(r, widths, strict=True))
-                ).rstrip(),
-                file=out,
-            )
-    for one in told:
-        if one["status"] != "done":
-            colour.fault(one["text"])
+        for line in _rows(told if len(told) <= SHOWN else wrong):
+            print(line, file=out)
+    for one in wrong:
+        colour.fault(one["text"])
     if not options.quiet:
-        said = f"{counts['done']} of {len(told)} corrected" + (
-            f" ({before} of them in an earlier run)" if before else ""
-        )
-        said += "".join(f", {n} {name}" for name, n in counts.items() if n and name != "done")
-        print(f"{said}; all in {folder / TABLE}", file=out)
+        print(f"{_sum(told, counts)}; all in {folder / TABLE}", file=out)
     programs = [
         {k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told
     ]
     as_json.put(options.json, {"format": FORMAT, "counts": counts, "programs": programs})
     return 1 if counts["failed"] else 2 if counts["refused"] else 0
+
+
+def _rows(shown: list[dict[str, Any]]) -> list[str]:
+    """Jobs as a table with its head, none where there is no job."""
+    if not shown:
+        return []
+    rows = [("", *COLUMNS[1:-1]), *(row(one)[:-1] for one in shown)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            c.ljust(w) if k < 3 else c.rjust(w)
+            for k, (c, w) in enumerate(zip(r, widths, strict=True))
+        ).rstrip()
+        for r in rows
+    ]
+
+
+def _sum(told: list[dict[str, Any]], counts: dict[str, int]) -> str:
+    before = sum(bool(one.get("before")) for one in told)
+    earlier = f" ({before} of them in an earlier run)" if before else ""
+    others = "".join(f", {n} {name}" for name, n in counts.items() if n and name != "done")
+    return f"{counts['done']} of {len(told)} corrected{earlier}{others}"
 
 
 @contextlib.contextmanager

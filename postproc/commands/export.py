@@ -26,7 +26,7 @@ from postproc.commands.export_files import (
     write_files,
 )
 from postproc.commands.export_options import arguments as arguments
-from postproc.control_tables import ErrorTable, Export, ExportOptions
+from postproc.control_tables import ErrorTable, ExportOptions
 from postproc.errors import UsageError
 from postproc.machine import overshoot, places
 from postproc.machine.chain import XYZ
@@ -61,30 +61,30 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(
             "-o is missing: where to write?", "-o FOLDER, or -o FILE where it is only one"
         )
-    machine = places.load(options.machine)
+    return _write(options, module, places.load(options.machine))
+
+
+def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
+    """A map as the control's table, with what it leaves and its U where they are asked for."""
     tables, notices = _chosen(options, machine)
     told = told_of(options, module, machine)
-    whole = (
-        getattr(module, "write_machine", None) if not (options.axis or options.component) else None
-    )
+    whole = hasattr(module, "write_machine") and not (options.axis or options.component)
     if options.residual and whole:
         raise UsageError(
             f"{options.control} takes the whole map, so nothing is left for --residual",
             "leave --residual out, or --axis",
         )
-    export = whole(machine, told) if whole else module.write(tables, told)
-    rest = (
-        residual.held(options.control, machine, export, told, tables)
-        if options.residual
-        else ([], [])
-    )
-    known = {} if whole else {t.name: known_of(machine, t) for t in tables}
-    beside = _uncertainty(options, machine, tables, export, bool(whole))
+    export = module.write_machine(machine, told) if whole else module.write(tables, told)
+    rest: tuple[list, list] = ([], [])
+    if options.residual:
+        rest = residual.held(options.control, machine, export, told, tables)
+    beside = _uncertainty(options, machine, [t for t in tables if whole or held(t, export)])
     paths = places_of(
         export.files, Path(options.output), options.force, options.output.endswith(("/", "\\"))
     )
-    rest_told = (
-        residual.write(
+    rest_told = ""
+    if options.residual:
+        rest_told = residual.write(
             options.control,
             machine,
             options.machine,
@@ -93,14 +93,13 @@ def run(options: argparse.Namespace) -> int:
             rest,
             options.force,
         )
-        if options.residual
-        else ""
-    )
     write_files(paths)
     write_files(beside)
-    doubts = overshoot.found(machine, "" if whole else "".join(t.moving for t in tables))
-    loud, said = parted(module, [*doubts, *([] if whole else notices), *export.notices])
-    rows = components([] if whole else tables, export, known)
+    if whole:  # it is not written component by component
+        tables, notices = [], []
+    doubts = overshoot.found(machine, "".join(t.moving for t in tables))
+    loud, said = parted(module, [*doubts, *notices, *export.notices])
+    rows = components(tables, export, {t.name: known_of(machine, t) for t in tables})
     out = as_json.beside(options.json)
     print(report(options.control, module, machine, rows, said, loud, list(paths)), file=out)
     if rest_told:
@@ -120,11 +119,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _uncertainty(
-    options: argparse.Namespace,
-    machine: Machine,
-    tables: list[ErrorTable],
-    export: Export,
-    whole: bool,
+    options: argparse.Namespace, machine: Machine, tables: list[ErrorTable]
 ) -> dict[Path, bytes]:
     """The file of the U of what is written, none where it is not asked for. Raises UsageError where
     the folder states none, or the file is there."""
@@ -133,7 +128,7 @@ def _uncertainty(
     rows = [
         f"{t.name},{node:g},{value / UM:.4f}"
         for t in tables
-        if (whole or held(t, export)) and (u := known_of(machine, t)) is not None
+        if (u := known_of(machine, t)) is not None
         for node, value in zip(t.nodes, u, strict=True)
     ]
     if not rows:
@@ -157,54 +152,56 @@ def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTa
                 f"{machine.name} has no axis {x}", f"axes: {' '.join(machine.letters)}"
             )
     found, left = marginals(machine, options.at)
-    tables = [ErrorTable(*m) for m in found]
-    have = [t.name for t in tables]
+    every = [ErrorTable(*m) for m in found]
+    have = [t.name for t in every]
     for name in options.component:
         if name not in have:
             raise UsageError(
                 f"{machine.name} has no component {name} along a single axis",
                 f"components: {', '.join(have) or 'none'}",
             )
-    tables = [
+    tables = _asked(options, every)
+    notices = [
+        notice
+        for x in sorted({t.moving for t in tables})
+        for notice in _notices(options, machine, x, {t.name for t in tables})
+    ]
+    if options.axis or options.component:
+        kept = {t.name for t in tables}
+        left = [n for n in left if not re.match(r"E[XYZ][XYZ] ", n) or n[:3] in kept]
+    return tables, [*notices, *left]
+
+
+def _asked(options: argparse.Namespace, tables: list[ErrorTable]) -> list[ErrorTable]:
+    """Those of the axes and components that are named; where none is named all."""
+    return [
         t
         for t in tables
         if (not options.axis or t.moving in options.axis)
         and (not options.component or t.name in options.component)
     ]
+
+
+def _notices(options: argparse.Namespace, machine: Machine, x: str, names: set[str]) -> list[str]:
+    """Of the tables over axis x: where the others stand, what squareness they hold, and what the
+    words of x are. names: of the tables."""
+    pose = pose_of(machine, x, options.at)
+    stand = [f"{o} = {p:g}" for o, p in pose.items() if o != x and o in machine.chain.axes]
     notices = []
-    for x in sorted({t.moving for t in tables}):
-        stand = {
-            o: p
-            for o, p in pose_of(machine, x, options.at).items()
-            if o != x and o in machine.chain.axes
-        }
-        if stand:
-            notices.append(
-                f"over {x}: the other axes stand at"
-                f" {' '.join(f'{o} = {p:g}' for o, p in stand.items())} (--at)"
-            )
-        for o in range(3):
-            if (
-                any(t.name == f"E{XYZ[o]}{x}" for t in tables)
-                and x in machine.square
-                and machine.square[x].any()
-                and XYZ[o] != x
-            ):
-                notices.append(f"E{XYZ[o]}{x} holds the squareness of {x} as a line")
-        if x in machine.diameter:
-            notices.append(
-                f"words of {x} are diameters; positions and values here are slide positions,"
-                " radius: make sure that the table of the control is too"
-            )
-    kept = {t.name for t in tables}
-    wanted = [
-        n
-        for n in left
-        if not re.match(r"E[XYZ][XYZ] ", n)
-        or n[:3] in kept
-        or not (options.axis or options.component)
-    ]
-    return tables, notices + wanted
+    if stand:
+        notices.append(f"over {x}: the other axes stand at {' '.join(stand)} (--at)")
+    if x in machine.square and machine.square[x].any():
+        notices += [
+            f"E{o}{x} holds the squareness of {x} as a line"
+            for o in XYZ
+            if o != x and f"E{o}{x}" in names
+        ]
+    if x in machine.diameter:
+        notices.append(
+            f"words of {x} are diameters; positions and values here are slide positions,"
+            " radius: make sure that the table of the control is too"
+        )
+    return notices
 
 
 def told_of(
@@ -212,7 +209,34 @@ def told_of(
 ) -> ExportOptions:
     """What the command line says, for the control's module. Raises UsageError for a --set that the
     control does not know."""
-    extra: dict[str, str] = {}
+    extra = _settings(options, module)
+    if machine is not None:
+        extra.setdefault("axes", "".join(x for x in machine.letters if x in XYZ))
+    if options.template:
+        extra["template"] = _text(options.template)
+    if options.settings:
+        extra["settings"], extra["settings_name"] = _text(options.settings), options.settings
+    if machine is None and options.axis:
+        extra["axis"] = options.axis[0]
+    if any(v != int(v) for v in options.first.values()):
+        raise UsageError("--first is the number of a point, without a fraction", "--first X=1")
+    return ExportOptions(
+        unit=options.unit,
+        spacing=options.spacing,
+        reference=options.reference,
+        first={x: int(v) for x, v in options.first.items()},
+        step=options.step,
+        two_way=not options.one_way,
+        program=intake.label(machine.name) if machine else "gcomp",
+        rest=bool(options.residual),
+        extra=extra,
+    )
+
+
+def _settings(options: argparse.Namespace, module: Any) -> dict[str, str]:
+    """What --set says. Raises UsageError for a key that the control does not know, or needs and is
+    not told."""
+    found: dict[str, str] = {}
     known = getattr(module, "EXTRA", {})
     patterns = [re.sub(r"_[A-Z]$", "_[A-Z]", key) for key in known]
     for pair in options.extra:
@@ -223,33 +247,11 @@ def told_of(
                 f"keys: {', '.join(known) or 'none'} (gcomp export --list --control"
                 f" {options.control})",
             )
-        extra[key] = value
+        found[key] = value
     for key, why in getattr(module, "STATED", {}).items():
-        if key not in extra:
+        if key not in found:
             raise UsageError(f"--set {key}=... is not said, and {options.control} needs it", why)
-    if machine is not None:
-        slides = "".join(x for x in machine.letters if x in XYZ)
-        extra.setdefault("axes", slides)
-    if options.template:
-        extra["template"] = _text(options.template)
-    if options.settings:
-        extra["settings"], extra["settings_name"] = _text(options.settings), options.settings
-    if machine is None and options.axis:
-        extra["axis"] = options.axis[0]
-    first = {x: int(v) for x, v in options.first.items() if v == int(v)}
-    if len(first) < len(options.first):
-        raise UsageError("--first is the number of a point, without a fraction", "--first X=1")
-    return ExportOptions(
-        unit=options.unit,
-        spacing=options.spacing,
-        reference=options.reference,
-        first=first,
-        step=options.step,
-        two_way=not options.one_way,
-        program=intake.label(machine.name) if machine else "gcomp",
-        rest=bool(options.residual),
-        extra=extra,
-    )
+    return found
 
 
 def _text(path: str) -> str:
@@ -279,11 +281,7 @@ def read(options: argparse.Namespace, module: Any) -> list[ErrorTable]:
     """What a control's table takes out. Raises UsageError where it is nothing that was asked
     for."""
     source = Source(options.read, ports.read_whole(Path(options.read), intake.CONTROL_TABLE))
-    tables = module.read(source, told_of(options, module))
-    if options.axis:
-        tables = [t for t in tables if t.moving in options.axis]
-    if options.component:
-        tables = [t for t in tables if t.name in options.component]
+    tables = _asked(options, module.read(source, told_of(options, module)))
     if not tables:
         raise UsageError(
             f"{options.read} has no table of"

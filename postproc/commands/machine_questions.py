@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from itertools import combinations
 from typing import Any
 
 from postproc.calibrate import first
@@ -17,6 +18,21 @@ def asked(options: argparse.Namespace) -> None:
     """Fills in what the options leave open, one question each; an empty answer leaves it out."""
     if not options.name:
         options.name = _answer("name of the machine (a folder's name): ", str, needed=True)
+    kind = _kind_and_control(options)
+    said = options.chain or (kind.chain if kind else "")
+    letters = sorted(x for x in said if x in XYZ)
+    _travel(options, letters)
+    if not (options.squareness or options.drift or options.diagonals):
+        for a, b in combinations(letters, 2):
+            _squareness(options, a, b)
+    if not options.backlash:
+        for x in letters:
+            text = f"lost motion of {x} by a dial gauge, mm (empty: not measured): "
+            options.backlash += filter(None, [_answer(text, _of(x, machine_values.length_of))])
+
+
+def _kind_and_control(options: argparse.Namespace) -> first.Kind | None:
+    """The kind, which says the usual control; None where a chain is stated in place of it."""
     if not options.kind and not options.chain:
         for name, one in first.KINDS.items():
             print(f"  {name:<8} {one.title}")
@@ -27,35 +43,31 @@ def asked(options: argparse.Namespace) -> None:
         options.control = (
             _answer(f"control, one of {', '.join(dialects.names())} [{usual}]: ", _control) or usual
         )
-    said = options.chain or (kind.chain if kind else "")
-    letters = sorted(x for x in said if x in XYZ)
+    return kind
+
+
+def _travel(options: argparse.Namespace, letters: list[str]) -> None:
     reach = dict(options.travel)
-    for x in [x for x in letters if x not in reach]:
-        options.travel.append(
-            _answer(
-                f"travel of {x} from,to in mm, like 0,400: ",
-                _of(x, machine_values.travel),
-                needed=True,
-            )
-        )
-    if not (options.squareness or options.drift or options.diagonals):
-        for a, b in [(a, b) for i, a in enumerate(letters) for b in letters[i + 1 :]]:
-            text = (
-                f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty:"
-                " not measured): "
-            )
-            if found := _answer(text, _of(a + b, machine_values.diagonals)):
-                options.diagonals.append(found)
-                continue
-            text = (
-                f"or along a square: drift of {a} in mm, and the way of {b} on which it does,"
-                " like 0.05,300 (empty: not measured): "
-            )
-            options.drift += filter(None, [_answer(text, _of(f"{a}/{b}", machine_values.drift))])
-    if not options.backlash:
-        for x in letters:
-            text = f"lost motion of {x} by a dial gauge, mm (empty: not measured): "
-            options.backlash += filter(None, [_answer(text, _of(x, machine_values.length_of))])
+    for x in letters:
+        if x not in reach:
+            text = f"travel of {x} from,to in mm, like 0,400: "
+            options.travel.append(_answer(text, _of(x, machine_values.travel), needed=True))
+
+
+def _squareness(options: argparse.Namespace, a: str, b: str) -> None:
+    """By the diagonals of a rectangle, or along a square."""
+    text = (
+        f"diagonals of a rectangle made in {a}{b}: rising,falling,side {a},side {b} (empty:"
+        " not measured): "
+    )
+    if found := _answer(text, _of(a + b, machine_values.diagonals)):
+        options.diagonals.append(found)
+        return
+    text = (
+        f"or along a square: drift of {a} in mm, and the way of {b} on which it does,"
+        " like 0.05,300 (empty: not measured): "
+    )
+    options.drift += filter(None, [_answer(text, _of(f"{a}/{b}", machine_values.drift))])
 
 
 def _kind(text: str) -> str:

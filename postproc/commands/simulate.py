@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postproc import intake, marks, ports, standing
-from postproc.commands import as_json, expansion, reading, values
+from postproc.commands import as_json, expansion, reading
 from postproc.commands.simulate_options import FORMAT
 from postproc.commands.simulate_options import arguments as arguments
 from postproc.errors import GcompError, Notice, Place, UsageError
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from postproc.filter import Filter
     from postproc.machine.model import Machine
     from postproc.simulate.actual import Term
+    from postproc.simulate.instruments import Settings, Signal
     from postproc.simulate.limits import Limits
     from postproc.simulate.program import Steps
     from postproc.simulate.timeline import Timeline
@@ -43,19 +44,13 @@ NOT_HERE = (
 
 
 def run(options: argparse.Namespace) -> int:
-    from postproc.simulate import actual, instruments, nominal
+    from postproc.commands import simulate_named
+    from postproc.recordings.contract import write
+    from postproc.simulate import actual, instruments
     from postproc.simulate import limits as bounds
 
-    if options.json == "-" and options.output in (None, "-"):
-        raise UsageError("the recording goes to standard output, and --json - too", "-o FILE.csv")
-    for name in NOT_HERE:
-        if getattr(options, name) not in (None, False):
-            raise UsageError(
-                f"--{name.replace('_', '-')} is for corrections, and nothing is corrected here",
-                "gcomp corrects: gcomp --machine NAME FILE",
-            )
+    _refuse(options)
     machine = reading.machine_of(options)
-    given = dict(options.settings)
     text, name, own = _program(options, machine)
     instrument = options.instrument or (own.instrument if own else "")
     _spares(options, text if own else b"()")
@@ -67,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     if not instrument:
         raise UsageError("which instrument?", f"--instrument {' or '.join(instruments.names())}")
     module = instruments.load(instrument)
+    given = dict(options.settings)
     if given.pop("help", None):
         print("\n".join(f"{key}: {meaning}" for key, meaning in module.SETTINGS.items()))
         return 0
@@ -75,31 +71,13 @@ def run(options: argparse.Namespace) -> int:
     settings = instruments.Settings(instrument, module.SETTINGS, given)
     limits = bounds.of(machine, _stated(options.machine))
     run_, notices, corrected = _timeline(options, machine, limits, text, name)
-    if options.play is None and corrected:
-        notices.append(
-            Notice(
-                "play",
-                "this program is corrected: an axis that goes back by less than"
-                f" {machine.limits.hysteresis * 1e3:g} um (hysteresis_um) has not turned (--play)",
-            )
-        )
-    if limits.assumed:
-        notices.append(
-            Notice(
-                "limits",
-                f"{machine.name} states no velocity and acceleration of {' '.join(limits.assumed)}:"
-                f" taken as {bounds.VELOCITY * 60:g} mm/min and {bounds.ACCELERATION:g} mm/s2",
-            )
-        )
-    extra = [_term(word, machine) for word in options.terms]
-    terms = (*actual.terms_of(machine), *extra)
-    if options.nominal:
-        before = _nominal(options, machine, limits, corrected)
-        wanted = module.measure(actual.Reality(before, terms), settings)
-        aim = nominal.aimed(settings, wanted)
-        signal = nominal.against(module.measure(actual.Reality(run_, terms), aim), wanted)
-    else:
-        signal = module.measure(actual.Reality(run_, terms), settings)
+    notices += _assumed(options, machine, limits, corrected)
+    terms = (
+        *actual.terms_of(machine),
+        *(simulate_named.term(word, machine) for word in options.terms),
+    )
+    before = _nominal(options, machine, limits, corrected) if options.nominal else None
+    signal = _signal(module, settings, run_, before, terms)
     notices += _held(machine, signal.state.position)
     noise = instruments.Noise(
         options.noise,
@@ -109,28 +87,13 @@ def run(options: argparse.Namespace) -> int:
         options.seed,
         options.sensor_noise,
     )
-    head: dict[str, Any] = {
-        "machine": machine.name,
-        "program": Path(name).name,
-        "corner_mm": options.corner,
-    }
-    if corrected:
-        head |= {"compensated": True, "against": "nominal" if options.nominal else "commanded"}
-    if extra:
-        head["with"] = list(options.terms)
+    head = _head(options, machine, name, corrected)
     recording = instruments.recorded(
-        signal, noise, head, _without(options.without, signal.state.channels)
+        signal, noise, head, simulate_named.without(options.without, signal.state.channels)
     )
-    from postproc.recordings.contract import write
-
     _write(options.output or "-", write(recording).encode())
     if not options.quiet:
-        for notice in notices:
-            print(
-                f"gcomp: notice: {notice.message}"
-                + (f" (line {notice.line})" if notice.line else ""),
-                file=sys.stderr,
-            )
+        _say(notices)
         print(
             f"gcomp: {len(recording)} rows of {module.TITLE}, {run_.duration:.1f} s of machine"
             " time",
@@ -156,6 +119,83 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _refuse(options: argparse.Namespace) -> None:
+    """Raises UsageError for two outputs in one place, or an option of corrections."""
+    if options.json == "-" and options.output in (None, "-"):
+        raise UsageError("the recording goes to standard output, and --json - too", "-o FILE.csv")
+    for name in NOT_HERE:
+        if getattr(options, name) not in (None, False):
+            raise UsageError(
+                f"--{name.replace('_', '-')} is for corrections, and nothing is corrected here",
+                "gcomp corrects: gcomp --machine NAME FILE",
+            )
+
+
+def _assumed(
+    options: argparse.Namespace, machine: Machine, limits: Limits, corrected: bool
+) -> list[Notice]:
+    """What was taken for granted: the play of a corrected program, limits that are not stated."""
+    from postproc.simulate import limits as bounds
+
+    notices = []
+    if options.play is None and corrected:
+        notices.append(
+            Notice(
+                "play",
+                "this program is corrected: an axis that goes back by less than"
+                f" {machine.limits.hysteresis * 1e3:g} um (hysteresis_um) has not turned (--play)",
+            )
+        )
+    if limits.assumed:
+        notices.append(
+            Notice(
+                "limits",
+                f"{machine.name} states no velocity and acceleration of {' '.join(limits.assumed)}:"
+                f" taken as {bounds.VELOCITY * 60:g} mm/min and {bounds.ACCELERATION:g} mm/s2",
+            )
+        )
+    return notices
+
+
+def _signal(
+    module: Any,
+    settings: Settings,
+    run_: Timeline,
+    before: Timeline | None,
+    terms: tuple[Term, ...],
+) -> Signal:
+    """What the instrument reads: against the targets of the nominal program, where there is one."""
+    from postproc.simulate import actual, nominal
+
+    if before is None:
+        return module.measure(actual.Reality(run_, terms), settings)
+    wanted = module.measure(actual.Reality(before, terms), settings)
+    aim = nominal.aimed(settings, wanted)
+    return nominal.against(module.measure(actual.Reality(run_, terms), aim), wanted)
+
+
+def _head(
+    options: argparse.Namespace, machine: Machine, name: str, corrected: bool
+) -> dict[str, Any]:
+    """What the recording says of itself."""
+    head: dict[str, Any] = {
+        "machine": machine.name,
+        "program": Path(name).name,
+        "corner_mm": options.corner,
+    }
+    if corrected:
+        head |= {"compensated": True, "against": "nominal" if options.nominal else "commanded"}
+    if options.terms:
+        head["with"] = list(options.terms)
+    return head
+
+
+def _say(notices: list[Notice]) -> None:
+    for notice in notices:
+        where = f" (line {notice.line})" if notice.line else ""
+        print(f"gcomp: notice: {notice.message}{where}", file=sys.stderr)
+
+
 def _told(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
     """What was run, and where what came of it stands."""
     return {
@@ -174,6 +214,7 @@ def _timeline(
 ):
     """A program in time, notices, and whether gcomp has corrected it. Raises GcompError beyond a
     travel."""
+    from postproc.commands import simulate_named
     from postproc.simulate import timeline
     from postproc.simulate.history import Heat
 
@@ -186,7 +227,7 @@ def _timeline(
         play=play if options.play is None else options.play,
         heat=Heat(options.air, options.air_drift, options.screw_gain, max(options.screw_time, 1.0)),
         begin=options.begin,
-        force=_forces(options.force, machine),
+        force=simulate_named.forces(options.force, machine),
     )
     run_ = timeline.of(steps, machine, limits, conditions, letters)
     wrong = run_.outside()
@@ -282,41 +323,6 @@ def _stated(name: str) -> dict[str, Any]:
     )
 
 
-def _term(word: str, machine: Machine) -> Term:
-    """An effect from "backlash:X:size_um=9"."""
-    from postproc import effects
-    from postproc.simulate.actual import Term
-
-    name, _, rest = word.partition(":")
-    axis, _, text = rest.partition(":")
-    if name not in effects.names():
-        raise UsageError(f"there is no effect {name!r}", f"effects: {', '.join(effects.names())}")
-    module = effects.load(name)
-    number = {"all": 0, "axis": 1, "pair": 2}[module.PER]
-    good = (
-        len(axis) == number
-        and len(set(axis)) == number
-        and all(x in machine.axes and x in "XYZ" for x in axis)
-    )
-    if not good:
-        like = {0: "", 1: "X", 2: "XZ"}[number]
-        raise UsageError(
-            f"--with {word}: {axis!r} is not what {name} acts on",
-            f"like {name}:{like}:...; axes: {' '.join(machine.letters)}",
-        )
-    parameters = dict(getattr(module, "OPTIONAL", {}))
-    for item in filter(None, text.split(",")):
-        key, _, value = item.partition("=")
-        if key not in module.PARAMETERS:
-            told = "; ".join(f"{k} ({v})" for k, v in module.PARAMETERS.items())
-            raise UsageError(f"--with {word}: {name} has no {key!r}", f"its parameters: {told}")
-        parameters[key] = values.number(value)
-    missing = [key for key in module.PARAMETERS if key not in parameters]
-    if missing:
-        raise UsageError(f"--with {word}: {missing[0]} is missing", module.PARAMETERS[missing[0]])
-    return Term(module, axis, parameters)
-
-
 def _held(machine: Machine, position: dict) -> list[Notice]:
     """A notice for every axis that is read where its table does not reach."""
     result = []
@@ -333,31 +339,6 @@ def _held(machine: Machine, position: dict) -> list[Notice]:
                 )
             )
     return result
-
-
-def _forces(
-    given: list[tuple[str, tuple[float, ...]]], machine: Machine
-) -> dict[str, tuple[float, ...]]:
-    for axis, _ in given:
-        if axis not in machine.axes:
-            raise UsageError(
-                f"--force names {axis}, which is no axis of {machine.name}",
-                f"its axes are {' '.join(machine.letters)}",
-            )
-    return dict(given)
-
-
-def _without(text: str, channels: dict) -> tuple[str, ...]:
-    wanted = [word.strip() for word in text.split(",") if word.strip()]
-    found: list[str] = []
-    for word in wanted:
-        some = [c for c in channels if c == word or (word == "T" and c.startswith("T_"))]
-        if not some:
-            raise UsageError(
-                f"--without {word}: there is no such channel", f"channels: {', '.join(channels)}"
-            )
-        found += some
-    return tuple(found)
 
 
 def _spares(options: argparse.Namespace, text: bytes) -> None:

@@ -109,18 +109,9 @@ class Newest(Log):
 
 def read(name: str, data: bytes) -> Log:
     """Raises LogError with file and line."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise LogError(
-            f"byte {data[error.start]} is not UTF-8 text",
-            "save the file as UTF-8",
-            Place(name, line),
-        ) from None
     lines = [
         (k, line)
-        for k, line in enumerate(text.splitlines(), 1)
+        for k, line in enumerate(_text(name, data).splitlines(), 1)
         if line.strip() and not line.startswith("#")
     ]
     if len(lines) < 3:
@@ -131,37 +122,53 @@ def read(name: str, data: bytes) -> Log:
         )
     mark = next((c for c in ("\t", ";") if c in lines[0][1]), ",")
     head, *cells = (_row(name, line, text, mark) for line, text in lines)
+    numbers = [k for k, _ in lines]
     head = [cell.strip() for cell in head]
     for column in head:
         if column and head.count(column) > 1:
             raise LogError(
                 f"{head.count(column)} columns are called {column}",
                 "a name of its own for each thermometer",
-                Place(name, lines[0][0]),
+                Place(name, numbers[0]),
             )
     at = next((head.index(c) for c in head if c.lower() in TIMES), 0)
-    time, dated = _times(
-        name,
-        [
-            (k, row[at] if at < len(row) else "")
-            for (k, _), row in zip(lines[1:], cells, strict=True)
-        ],
-    )
-    columns, known = {}, {}
-    for i, column in enumerate(head):
-        if i != at and column:
-            values = np.array([_cell(row, i) for row in cells])
-            rows = np.flatnonzero(np.isfinite(values))
-            if len(rows):
-                columns[column] = np.interp(time, time[rows], values[rows])
-                known[column] = rows
+    moments = (row[at] if at < len(row) else "" for row in cells)
+    time, dated = _times(name, list(zip(numbers[1:], moments, strict=True)))
+    columns, known = _columns([c if i != at else "" for i, c in enumerate(head)], cells, time)
     if not columns:
         raise LogError(
             "no column holds numbers",
             "a column a thermometer, degrees Celsius",
-            Place(name, lines[0][0]),
+            Place(name, numbers[0]),
         )
-    return Log(name, time, columns, dated, known, np.array([k for k, _ in lines[1:]]))
+    return Log(name, time, columns, dated, known, np.array(numbers[1:]))
+
+
+def _text(name: str, data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise LogError(
+            f"byte {data[error.start]} is not UTF-8 text",
+            "save the file as UTF-8",
+            Place(name, line),
+        ) from None
+
+
+def _columns(
+    head: list[str], cells: list[list[str]], time: np.ndarray
+) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """(R,) degrees Celsius of each column that has a name and a number, gaps bridged; and its (K,)
+    rows that hold one."""
+    columns, known = {}, {}
+    for i, column in enumerate(head):
+        values = np.array([_cell(row, i) for row in cells])
+        rows = np.flatnonzero(np.isfinite(values))
+        if column and len(rows):
+            columns[column] = np.interp(time, time[rows], values[rows])
+            known[column] = rows
+    return columns, known
 
 
 def _row(name: str, line: int, text: str, mark: str) -> list[str]:

@@ -10,6 +10,7 @@ import hashlib
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -75,29 +76,8 @@ def read_machine(folder: Path) -> Machine:
         chain = chains.parse(toml.string("", data, "chain"))
     except ValueError as error:
         raise toml.fault("", "chain", str(error)) from None
-    sections = data.get("axes")
-    if not isinstance(sections, dict) or not sections:
-        raise toml.fault("axes", "", "no [axes.X] sections")
     digest = hashlib.sha256(toml.text.encode())
-    limits = _limits(toml)
-    axes = {
-        x: read_axis(toml, x, section, digest, limits, chain)
-        for x, section in sorted(
-            sections.items(), key=lambda item: (XYZ + ROTARY + "UVW").find(item[0])
-        )
-    }
-    for x in chain.axes:
-        if x not in axes:
-            raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
-    for x in axes:
-        if x not in chain.axes and (x in LINEAR or axes[x].table is not None or axes[x].grids):
-            raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {data['chain']}")
-        for grid in axes[x].grids:
-            if grid.other not in axes:
-                raise toml.fault(
-                    f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine"
-                )
-    axes = location(toml, axes)
+    limits, axes = _axes(toml, chain, digest)
     for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
         if path.name.removesuffix(UNCERTAINTY) not in axes:
             raise MachineError(
@@ -110,21 +90,16 @@ def read_machine(folder: Path) -> Machine:
         isinstance(d, str) and d in axes for d in diameter
     ):
         raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
-    reversal = toml.string("", data, "reversal", "step")
-    if reversal not in REVERSALS:
-        raise toml.fault(
-            "", "reversal", f"reversal = {reversal!r}", f"one of {', '.join(REVERSALS)}"
-        )
+    reversal = _choice(toml, "reversal", "step", REVERSALS, f"one of {', '.join(REVERSALS)}")
     tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
-    signs = toml.string("", data, "signs", "")
-    if signs not in ("", *SIGNS):
-        raise toml.fault(
-            "",
-            "signs",
-            f"signs = {signs!r}",
-            "has a measurement after compensation shown them? unverified or verified",
-        )
+    signs = _choice(
+        toml,
+        "signs",
+        "",
+        ("", *SIGNS),
+        "has a measurement after compensation shown them? unverified or verified",
+    )
     return Machine(
         name=toml.string("", data, "name", folder.name),
         title=toml.string("", data, "title", ""),
@@ -148,6 +123,42 @@ def read_machine(folder: Path) -> Machine:
         tool_point=read_tool_point(toml),
         square_stated=tuple(name for name in toml.table("squareness") if name != "u"),
     )
+
+
+def _choice(toml: TomlFile, key: str, usual: str, words: tuple[str, ...], hint: str) -> str:
+    """A word of the file's head, one of a few."""
+    found = toml.string("", toml.data, key, usual)
+    if found not in words:
+        raise toml.fault("", key, f"{key} = {found!r}", hint)
+    return found
+
+
+def _axes(toml: TomlFile, chain: chains.Chain, digest) -> tuple[Limits, dict[str, Axis]]:
+    """[limits], which hold for every table, and the [axes.X] sections, all of the chain. Tables are
+    added to digest."""
+    sections = toml.data.get("axes")
+    if not isinstance(sections, dict) or not sections:
+        raise toml.fault("axes", "", "no [axes.X] sections")
+    limits = _limits(toml)
+    axes = {
+        x: read_axis(toml, x, section, digest, limits, chain)
+        for x, section in sorted(
+            sections.items(), key=lambda item: (XYZ + ROTARY + "UVW").find(item[0])
+        )
+    }
+    for x in chain.axes:
+        if x not in axes:
+            raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
+    for x, axis in axes.items():
+        if x not in chain.axes and (x in LINEAR or axis.table is not None or axis.grids):
+            chained = toml.data["chain"]
+            raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {chained}")
+        for grid in axis.grids:
+            if grid.other not in axes:
+                raise toml.fault(
+                    f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine"
+                )
+    return limits, location(toml, axes)
 
 
 def _home(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
@@ -199,55 +210,57 @@ def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
         raise toml.fault(
             "", "control_table", "control tables are sections [[control_table]], with two brackets"
         )
-    result = []
-    for i, entry in enumerate(entries):
-        toml.check_keys("control_table", entry, KEYS["control_table"], i)
-        measured, active = entry.get("measured"), entry.get("active", True)
-        if measured not in ("on", "off") or not isinstance(active, bool):
-            raise toml.fault(
-                "control_table",
-                "measured",
-                f"measured = {measured!r}, active = {active!r}",
-                'was the map measured with this table "on" or "off"? and is it active (true or'
-                " false) at work?",
-                i,
-            )
-        files = {}
-        for key in ("file", "settings"):
-            if key in entry:
-                value = toml.string("control_table", entry, key, index=i)
-                path = toml.own("control_table", key, value, i)
-                if not path.is_file():
-                    raise toml.fault("control_table", key, f"there is no file {path}", index=i)
-                digest.update(intake.whole(path, intake.CONTROL_TABLE, MachineError))
-                files[key] = path
-        if "file" not in files and (measured == "on") != active:
-            raise toml.fault(
-                "control_table",
-                "control",
-                "what this table does is not known",
-                "file = the table's file",
-                i,
-            )
-        more = entry.get("set", {})
-        if not isinstance(more, dict):
-            raise toml.fault(
-                "control_table", "set", f"set = {more!r}", 'like set = { type = "1" }', i
-            )
-        control = toml.string("control_table", entry, "control", index=i)
-        axis = toml.string("control_table", entry, "axis", "", i)
-        result.append(
-            ControlTable(
-                control,
-                files.get("file"),
-                files.get("settings"),
-                measured == "on",
-                active,
-                axis,
-                {k: str(v) for k, v in more.items()},
-            )
+    return tuple(_control_table(toml, entry, i, digest) for i, entry in enumerate(entries))
+
+
+def _control_table(toml: TomlFile, entry: dict[str, Any], i: int, digest) -> ControlTable:
+    """The i-th of them. Its files are added to digest."""
+    toml.check_keys("control_table", entry, KEYS["control_table"], i)
+    measured, active = entry.get("measured"), entry.get("active", True)
+    if measured not in ("on", "off") or not isinstance(active, bool):
+        raise toml.fault(
+            "control_table",
+            "measured",
+            f"measured = {measured!r}, active = {active!r}",
+            'was the map measured with this table "on" or "off"? and is it active (true or'
+            " false) at work?",
+            i,
         )
-    return tuple(result)
+    files = {
+        key: _control_file(toml, entry, key, i, digest)
+        for key in ("file", "settings")
+        if key in entry
+    }
+    if "file" not in files and (measured == "on") != active:
+        raise toml.fault(
+            "control_table",
+            "control",
+            "what this table does is not known",
+            "file = the table's file",
+            i,
+        )
+    more = entry.get("set", {})
+    if not isinstance(more, dict):
+        raise toml.fault("control_table", "set", f"set = {more!r}", 'like set = { type = "1" }', i)
+    control = toml.string("control_table", entry, "control", index=i)
+    axis = toml.string("control_table", entry, "axis", "", i)
+    return ControlTable(
+        control,
+        files.get("file"),
+        files.get("settings"),
+        measured == "on",
+        active,
+        axis,
+        {k: str(v) for k, v in more.items()},
+    )
+
+
+def _control_file(toml: TomlFile, entry: dict[str, Any], key: str, i: int, digest) -> Path:
+    path = toml.own("control_table", key, toml.string("control_table", entry, key, index=i), i)
+    if not path.is_file():
+        raise toml.fault("control_table", key, f"there is no file {path}", index=i)
+    digest.update(intake.whole(path, intake.CONTROL_TABLE, MachineError))
+    return path
 
 
 def _offsets(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:

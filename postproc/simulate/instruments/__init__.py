@@ -141,23 +141,11 @@ def recorded(
     columns = dict(signal.columns)
     for name, unit in signal.noisy.items():
         columns[name] = columns[name] + noise.draw(rng, n) / unit
-    zeros = {}
-    for name, unit in signal.noisy.items():
-        if signal.kind == "features":
-            continue
-        if noise.zero == "first":
-            zeros[name] = -float(signal.columns[name][0])
-            if signal.kind == "trace":
-                zeros[name] += float(signal.columns[name.replace("_act_", "_cmd_")][0])
-        else:
-            zeros[name] = (
-                noise.spread * rng.standard_normal()
-                if noise.zero == "random"
-                else float(noise.zero)
-            ) / unit
-        columns[name] = columns[name] + zeros[name]
-    for name, unit in signal.noisy.items():
-        if noise.resolution:
+    zeros = {} if signal.kind == "features" else _zeros(signal, noise, rng)
+    for name, zero in zeros.items():
+        columns[name] = columns[name] + zero
+    if noise.resolution:
+        for name, unit in signal.noisy.items():
             columns[name] = (
                 np.round(columns[name] * unit / noise.resolution) * noise.resolution / unit
             )
@@ -185,6 +173,22 @@ def recorded(
         stated[f"resolution_{um}"] = noise.resolution
     stated[f"zero_{um}"] = {name: value * signal.noisy[name] for name, value in zeros.items()}
     return Recording(signal.kind, stated, columns)
+
+
+def _zeros(signal: Signal, noise: Noise, rng: np.random.Generator) -> dict[str, float]:
+    """What is added to each column by the instrument's zero: its first reading, at random, or a
+    number."""
+    zeros = {}
+    for name, unit in signal.noisy.items():
+        if noise.zero == "first":
+            zeros[name] = -float(signal.columns[name][0])
+            if signal.kind == "trace":
+                zeros[name] += float(signal.columns[name.replace("_act_", "_cmd_")][0])
+        elif noise.zero == "random":
+            zeros[name] = noise.spread * rng.standard_normal() / unit
+        else:
+            zeros[name] = float(noise.zero) / unit
+    return zeros
 
 
 def channel_names(state: State) -> tuple[str, ...]:
