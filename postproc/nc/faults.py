@@ -31,6 +31,18 @@ STATEMENT_WORD = re.compile(
     rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>",
     re.IGNORECASE,
 )
+SIEMENS_WORDS = (  # plain to read, and not followed: message and advice
+    (
+        re.compile(rb"(FB)[ \t]*=", re.IGNORECASE),
+        "is a feed for one block",
+        "write F in its place, and the F that held before it in the block behind it",
+    ),
+    (
+        re.compile(rb"(POS[AP]?)[ \t]*\[", re.IGNORECASE),
+        "moves an axis by itself, beside the path",
+        "write a G0 or G1 of that axis in its place",
+    ),
+)
 LETTER_O = re.compile(
     rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)"
 )
@@ -78,6 +90,10 @@ def bare(code: bytes, offset: int) -> tuple[str, str]:
             f"{word[0].decode('ascii').strip()!r} is a statement, not a plain block",
             ADVICE_EXPRESSION,
         )
+    for pattern, does, advice in SIEMENS_WORDS:
+        word = pattern.match(code, offset)
+        if word:
+            return f"{word[1].decode('ascii')} {does}", advice
     return f"the letter {chr(code[offset])} has no number", advice_at(code, offset)
 
 

@@ -50,6 +50,9 @@ _PARAMETERS = (
     # words that move no slide
     "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL FP"
 )
+# Programming Manual, "Dynamic response" and "Feedrate": limits of an axis' speed, acceleration and
+# jerk, and the radius at which F holds for a rotary axis: how fast, not where
+_LIMITS = "ACC VELOLIM JERKLIM FL FA FGREF"
 _KEYWORDS = (
     "TRANS",
     "ATRANS",
@@ -79,6 +82,7 @@ _KEYWORDS = (
     "SETMS",
     "MEAS",
     "MEAW",
+    "FGROUP",
     *_CYCLES.split(),
     *_QUIET.split(),
 )
@@ -266,6 +270,13 @@ DIALECT = Dialect(
             refuses=codes.WRITE_OUT,
         ),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
+        *rows(
+            "",
+            {"FGROUP": "the axes that F speaks of"},
+            refuses=(
+                "corrections of the others are without F: take it out, or name X, Y and Z there"
+            ),
+        ),
         *rows("", {"CYCLE832": "tolerance and dynamics", "SETMS": "master spindle"}),
         *rows("", dict.fromkeys(_QUIET.split(), "a way of moving, no place")),
     ),
@@ -297,6 +308,15 @@ DIALECT = Dialect(
         ignores=(
             r"\bMSG[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n])*\)",
             r"\b[SM][0-9]{1,2}[ \t]*=[ \t]*[0-9.]+",  # another spindle's
+            (
+                rf"\b(?:{'|'.join(_LIMITS.split())})[ \t]*\[[ \t]*[A-Z][A-Z0-9]*[ \t]*\]"
+                r"[ \t]*=[ \t]*[0-9.]+"
+            ),
+            # back to all axes of the geometry, or these and more: no correction is without F
+            (
+                r"\bFGROUP[ \t]*\([ \t]*(?:\)|(?=[^()\n]*\bX\b)(?=[^()\n]*\bY\b)"
+                r"(?=[^()\n]*\bZ\b)[A-Z0-9, \t]*\))"
+            ),
             r"\b(CYCLE832|SETMS|TRAORI|TRANSMIT|TRACYL|TRAANG)[ \t]*\([^()\n]*\)",
             r"\b("
             + "|".join(_CYCLES.split()[1:])
