@@ -42,7 +42,10 @@ class Rows:
     chord: np.ndarray
 
     def pick(self, which: np.ndarray) -> Rows:
-        return Rows(**{f: getattr(self, f)[..., which] for f in Rows.__dataclass_fields__})
+        if which.dtype == bool:
+            which = which.nonzero()[0]
+        fields = Rows.__dataclass_fields__
+        return Rows(**{f: getattr(self, f).take(which, axis=-1) for f in fields})
 
     def __len__(self) -> int:
         return len(self.arc)

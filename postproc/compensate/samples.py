@@ -129,15 +129,19 @@ def _samples(
     last = np.cumsum(count) - 1
     begin = last - count + 1
 
+    row = np.repeat(np.arange(len(rows)), count)
+
     def each(value: np.ndarray) -> np.ndarray:
-        return np.repeat(value, count, axis=-1)
+        return value.take(row, axis=-1)
 
     angle = each(arcs.angle[arc]) + each(arcs.sweep[arc]) * t
     unit = np.stack([np.cos(angle), np.sin(angle)])
     radius = each(arcs.radius[arc]) + each((arcs.radius_end - arcs.radius)[arc]) * t
     centre = each(arcs.centre[:, arc])
     start, target = f.start[:, arc], f.target[:, arc]
-    nominal = each(start) + each(target - start) * t
+    nominal = each(target - start)
+    nominal *= t
+    nominal += each(start)
     begun, over = rows.t0 == 0.0, rows.t1 == 1.0
     for k, axis in enumerate((first, second)):  # ends stay as programmed, to the bit
         nominal[axis] = centre[k] + radius * unit[k]
@@ -145,11 +149,11 @@ def _samples(
         nominal[axis, last[over]] = target[axis, over]
     rest = way.rest[which]
     if plain:
-        exact, miss = _commands(f, rows, t, nominal, way.shift[..., which], count)
+        exact, miss = _commands(f, rows, t, nominal, way.shift[..., which], row)
         miss = np.maximum.reduceat(miss, begin)
         rest = rest + f.total * SHARE / 8 + 2 * way.steep[which] * miss
     else:
-        exact = f.needed(rows, each(np.arange(len(rows))), t, nominal)
+        exact = f.needed(rows, row, t, nominal)
     place = exact[[first, second]] - centre
     radial = unit[0] * place[0] + unit[1] * place[1] - radius
     beside = tuple(k for k in f.machine.corrected if k not in (first, second))
@@ -178,20 +182,23 @@ def _commands(
     t: np.ndarray,
     nominal: np.ndarray,
     shift: np.ndarray,
-    count: np.ndarray,
+    row: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(A, N) mm exact commands of nominal places, `count` (R,) of each row, and (N,) mm by which
-    they were foreseen wrongly.
+    """(A, N) mm exact commands of nominal places of rows `row` (N,), and (N,) mm by which they
+    were foreseen wrongly.
 
     Between the ends, whose commands are known, the shift is nearly linear, so one look at the map
     tells it: looked up beside the true place by d, it is wrong by `steepest` d."""
     machine = f.machine
-    row = np.repeat(np.arange(len(rows)), count)
-    share = (t - rows.t0[row]) / (rows.t1 - rows.t0)[row]
-    guess = shift[0][:, row] + (shift[1] - shift[0])[:, row] * share
-    weight = f.weight(rows)[:, row]
-    found = -machine.deviation(nominal + guess, weight)
-    miss = np.abs(found - guess).max(axis=0)
+    share = (t - rows.t0.take(row)) / (rows.t1 - rows.t0).take(row)
+    guess = (shift[1] - shift[0]).take(row, axis=1)
+    guess *= share
+    guess += shift[0].take(row, axis=1)
+    weight = f.weight(rows).take(row, axis=1)
+    found = machine.deviation(nominal + guess, weight)
+    np.negative(found, out=found)
+    guess -= found
+    miss = np.abs(guess, out=guess).max(axis=0)
     exact = nominal + found
     again = miss * machine.bounds.steepest > f.total * SHARE / 8
     if again.any():
