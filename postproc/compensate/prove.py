@@ -67,20 +67,30 @@ class Proof:
         self.end = rows.end[axes] / TICKS_PER_MM - self.centre
         self.unit0, self.unit1 = samples.unit[:, low], samples.unit[:, high]
         self.sweep = arcs.sweep[arc] * (rows.t1 - rows.t0)
-        self.count = high - low + 1 + 2 * BESIDE
-        behind = np.cumsum(self.count)
-        begin = behind - self.count
-        self.edges = np.stack([begin + BESIDE, behind - BESIDE], axis=1).ravel()
-        at = np.arange(behind[-1]) + self._each(low - BESIDE - begin)
-        for k in range(BESIDE):
-            at[begin + k] = np.maximum(low - BESIDE + k, samples.begin)
-            at[behind - 1 - k] = np.minimum(high + BESIDE - k, samples.last)
-        self.s = samples.at(at)
-        self.s.smooth[begin] = self.s.smooth[behind - 1] = 0.0  # these lie beside another run
+        self.count = high - low + 1
+        whole = low[0] == 0 and high[-1] == len(samples.t) - 1
+        if whole and np.array_equal(low[1:], high[:-1] + 1):  # all samples: nothing lies beside
+            self.s, self.edges, self.runs = samples, low, 1
+        else:
+            self.s, self.runs = self._taken(samples), 2
         self.share = (self.s.t - self._each(rows.t0)) * self._each(1.0 / (rows.t1 - rows.t0))
         self.half = arcs.grid[:, arc].min(axis=0) / TICKS_PER_MM / 2
         self.limit = f.total + self.half - samples.rest
         self.excess = np.zeros(len(rows))
+
+    def _taken(self, samples: Samples) -> Samples:
+        """The samples of the runs, with those beside them; sets `count` and `edges`."""
+        self.count += 2 * BESIDE
+        behind = np.cumsum(self.count)
+        begin = behind - self.count
+        self.edges = np.stack([begin + BESIDE, behind - BESIDE], axis=1).ravel()
+        at = np.arange(behind[-1]) + self._each(self.low - BESIDE - begin)
+        for k in range(BESIDE):
+            at[begin + k] = np.maximum(self.low - BESIDE + k, samples.begin)
+            at[behind - 1 - k] = np.minimum(self.high + BESIDE - k, samples.last)
+        taken = samples.at(at)
+        taken.smooth[begin] = taken.smooth[behind - 1] = 0.0  # these lie beside another run
+        return taken
 
     def _each(self, value: np.ndarray) -> np.ndarray:
         """(..., N) the value (..., R) of its run for each sample."""
@@ -133,12 +143,12 @@ class Proof:
 
     def _total(self, value: np.ndarray) -> np.ndarray:
         """(R,) sums over the samples of each run."""
-        result: np.ndarray = np.add.reduceat(value, self.edges)[::2]
+        result: np.ndarray = np.add.reduceat(value, self.edges)[:: self.runs]
         return result
 
     def _largest(self, value: np.ndarray) -> np.ndarray:
         """(R,) largest of (N,) sizes over each run."""
-        result: np.ndarray = np.maximum.reduceat(value, self.edges)[::2]
+        result: np.ndarray = np.maximum.reduceat(value, self.edges)[:: self.runs]
         return result
 
     def _candidates(self) -> Iterator[tuple[np.ndarray, np.ndarray, Most, np.ndarray]]:

@@ -26,7 +26,7 @@ from postproc.machine.chain import (
     tip_deviation,
 )
 from postproc.machine.chain import arms as chain_arms
-from postproc.machine.tables import AxisTable, GridTable
+from postproc.machine.tables import PORTION, AxisTable, GridTable
 from postproc.machine.tool_point import ToolPoint
 
 if TYPE_CHECKING:
@@ -318,14 +318,16 @@ class Machine:
         the chain does not name have none. A deviation along a direction that the machine has no
         axis for is left out.
         """
-        q, each = self._at(position, approach)
-        if self.chain.rotary:
-            parts = rotary.tip_deviation(self.geometry, each, q)
-        else:
-            parts = tip_deviation(self.arms, each, self._leans, q)
         result = np.zeros(position.shape)
-        for row in self.corrected:
-            result[row] = parts[XYZ.index(self.letters[row])]
+        for first in range(0, position.shape[1], PORTION):
+            part = slice(first, first + PORTION)
+            q, each = self._at(position[:, part], approach[:, part])
+            if self.chain.rotary:
+                parts = rotary.tip_deviation(self.geometry, each, q)
+            else:
+                parts = tip_deviation(self.arms, each, self._leans, q)
+            for row in self.corrected:
+                result[row, part] = parts[XYZ.index(self.letters[row])]
         return result
 
     @cached_property

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
 
