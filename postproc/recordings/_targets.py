@@ -7,7 +7,7 @@ What the instrument did not write down is taken and said.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -40,6 +40,12 @@ class Readings:
     sign: Sequence[int] = ()
     columns: Mapping[str, Sequence[float]] = field(default_factory=dict)
     t: Sequence[float] | None = None
+
+    @classmethod
+    def of(cls, rows: Iterable[tuple[int, float, float, int, int]], **more: Any) -> Readings:
+        """From rows of run, target, value, line and sign."""
+        columns: list[Any] = list(zip(*rows, strict=True)) or [()] * 5
+        return cls(*columns, **more)
 
 
 def signs(

@@ -160,6 +160,12 @@ def times(
     return result
 
 
+def wrong_run(run: float) -> str:
+    """What is wrong with the number of a run; "" where nothing is."""
+    right = run == int(run) and 1 <= run <= 1e6
+    return "" if right else f"run {run:g} is not a whole number from 1 on"
+
+
 def told_decimal(extra: Mapping[str, str]) -> str:
     """The decimal sign that --set decimal says; "" where it says none. Raises UsageError for
     another sign."""

@@ -9,6 +9,7 @@ down, forward or reverse. One file may hold several components: each becomes a r
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source
@@ -23,6 +24,21 @@ EXTRA = {"decimal": ". or ,: the decimal sign, where it is not clear"}
 NEEDED = ("component", "axis", "target", "run", "dir", "value", "unit")
 PLACES = {"x": "X_mm", "y": "Y_mm", "z": "Z_mm"}
 TEMPERATURES = {"t_machine": "T_machine_C", "t_air": "T_air_C"}
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row as values, or its fault; numbers by the name of their column; relative: whether the
+    sign is so to the first run."""
+
+    line: int
+    component: str
+    fault: Fault | None = None
+    sign: int = 0
+    relative: bool = False
+    unit: units.Unit | None = None
+    time: str = ""
+    numbers: dict[str, float] = field(default_factory=dict)
 
 
 def recognises(source: Source) -> bool:
@@ -42,7 +58,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         raise RecordingError(
             f"the file holds {len(there)} components: {', '.join(there)}",
             "say which: --component " + there[0],
-            Place(source.name, next(r["line"] for r in rows if r["component"] == there[1])),
+            Place(source.name, next(r.line for r in rows if r.component == there[1])),
         )
     return _one(source, options, wanted or there[0], rows, table_notices)
 
@@ -56,65 +72,57 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     return [_one(source, options, name, rows, notices) for name in _components(rows)]
 
 
-def _components(rows: list[dict]) -> list[str]:
-    return list(dict.fromkeys(row["component"] for row in rows if "fault" not in row))
+def _components(rows: list[Row]) -> list[str]:
+    return list(dict.fromkeys(row.component for row in rows if row.fault is None))
 
 
-def _rows(source: Source, options: ReadingOptions) -> tuple[list[dict], list[str]]:
+def _rows(source: Source, options: ReadingOptions) -> tuple[list[Row], list[str]]:
     """The rows, checked; those that can not be used with their fault, where not strict."""
     content, encoding = text.decoded(source)
     table = text.table(source, content, text.told_decimal(options.extra))
-    notices = list(table.notices) + (
-        ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
-    )
+    notices = list(table.notices)
+    if encoding == "cp1252":
+        notices.append("the text is not UTF-8: read as cp1252")
+    names = _names(source, table)
+    rows = []
+    for number, row in table.rows[1:]:
+        try:
+            rows.append(_row(names, row, number, table.decimal, options.first or 1))
+        except ValueError as error:
+            if options.strict:
+                raise RecordingError(
+                    str(error),
+                    "mend the row; --lenient leaves such rows out",
+                    Place(source.name, number, table.delimiter.join(row)),
+                ) from None
+            rows.append(Row(number, row[0].strip().upper(), Fault(number, "", str(error))))
+    if all(row.fault for row in rows):
+        raise RecordingError("there are no rows", "", Place(source.name, table.rows[0][0]))
+    return rows, notices
+
+
+def _names(source: Source, table: text.Table) -> list[str]:
+    """Names of the columns, in small letters. Raises RecordingError where a needed one is not there
+    once."""
     line, cells = table.rows[0]
     names = [c.lower() for c in cells]
-    place = Place(source.name, line, table.delimiter.join(cells))
     for name in NEEDED:
         if names.count(name) != 1:
             what = "is missing" if name not in names else "stands twice"
             raise RecordingError(
                 f"the column {name} {what}",
                 f"columns here: {', '.join(c or '(none)' for c in cells)}",
-                place,
+                Place(source.name, line, table.delimiter.join(cells)),
             )
-    rows = []
-    for number, row in table.rows[1:]:
-        at = Place(source.name, number, table.delimiter.join(row))
-        try:
-            rows.append(
-                _row(
-                    dict(zip(names, row, strict=False)),
-                    len(row),
-                    len(names),
-                    number,
-                    table.decimal,
-                    options,
-                )
-            )
-        except ValueError as error:
-            if options.strict:
-                raise RecordingError(
-                    str(error), "mend the row; --lenient leaves such rows out", at
-                ) from None
-            rows.append(
-                {
-                    "fault": Fault(number, "", str(error)),
-                    "component": row[0].strip().upper(),
-                    "line": number,
-                }
-            )
-    if not any("fault" not in row for row in rows):
-        raise RecordingError("there are no rows", "", Place(source.name, line))
-    return rows, notices
+    return names
 
 
-def _row(
-    row: dict[str, str], n: int, wanted: int, line: int, decimal: str, options: ReadingOptions
-) -> dict:
-    """One row as values. Raises ValueError with the sentence that says what is wrong."""
-    if n != wanted:
-        raise ValueError(f"{n} cells under {wanted} columns")
+def _row(names: list[str], cells: list[str], line: int, decimal: str, start: int) -> Row:
+    """One row as values; start: sign of the first run. Raises ValueError with the sentence that
+    says what is wrong."""
+    if len(cells) != len(names):
+        raise ValueError(f"{len(cells)} cells under {len(names)} columns")
+    row = dict(zip(names, cells, strict=True))
     try:
         component = components.parsed(row["component"])
     except UsageError as error:
@@ -123,107 +131,121 @@ def _row(
         raise ValueError(
             f"axis is {row['axis']!r}, and {component.name} belongs to {component.axis}"
         )
+    numbers = _numbers(row, decimal)
+    way = text.direction(row["dir"])
+    if way is None:
+        raise ValueError(f"dir {row['dir']!r} is no direction, like + or -")
+    unit = _unit(row["unit"], component)
+    sign = way[0] * start if way[1] else way[0]
+    time = row.get("time", "")
+    return Row(line, component.name, None, sign, way[1], unit, time, numbers)
+
+
+def _numbers(row: dict[str, str], decimal: str) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for name in ("target", "run", "value", *PLACES, *TEMPERATURES):
         cell = row.get(name, "")
         value = text.number(cell, decimal)
-        if value is None and (cell or name in NEEDED):
-            raise ValueError(f"{name} {cell!r} is not a number" if cell else f"{name} is empty")
         if value is not None:
             numbers[name] = value
-    if numbers["run"] != int(numbers["run"]) or not 1 <= numbers["run"] <= 1e6:
-        raise ValueError(f"run {numbers['run']:g} is not a whole number from 1 on")
-    way = text.direction(row["dir"])
-    if way is None:
-        raise ValueError(f"dir {row['dir']!r} is no direction, like + or -")
-    unit = units.unit_of(row["unit"]) if row["unit"] else None
-    if row["unit"] and unit is None:
-        raise ValueError(f"{row['unit']!r} is no unit of readings: {', '.join(units.UNITS)}")
-    if unit and unit.quantity != components.QUANTITY_OF[component.quantity]:
+        elif cell or name in NEEDED:
+            raise ValueError(f"{name} {cell!r} is not a number" if cell else f"{name} is empty")
+    wrong = text.wrong_run(numbers["run"])
+    if wrong:
+        raise ValueError(wrong)
+    return numbers
+
+
+def _unit(cell: str, component: components.Component) -> units.Unit | None:
+    """The unit of a row, where it has one."""
+    if not cell:
+        return None
+    unit = units.unit_of(cell)
+    if unit is None:
+        raise ValueError(f"{cell!r} is no unit of readings: {', '.join(units.UNITS)}")
+    if unit.quantity != components.QUANTITY_OF[component.quantity]:
         raise ValueError(
             f"{component.name} is {components.article(component.quantity)}, and its unit here is"
             f" {unit.name}"
         )
-    sign = way[0] * (options.first or 1) if way[1] else way[0]
-    return {
-        "component": component.name,
-        "line": line,
-        "sign": sign,
-        "relative": way[1],
-        "unit": unit,
-        "time": row.get("time", ""),
-        **numbers,
-    }
+    return unit
 
 
 def _one(
-    source: Source, options: ReadingOptions, name: str, every: list[dict], table_notices: list[str]
+    source: Source, options: ReadingOptions, name: str, every: list[Row], table_notices: list[str]
 ) -> Recording:
     component = components.parsed(name)
     notices = list(table_notices)
-    faults = [row["fault"] for row in every if "fault" in row and row["component"] in ("", name)]
-    rows = [row for row in every if "fault" not in row and row["component"] == name]
+    faults = [row.fault for row in every if row.fault and row.component in ("", name)]
+    rows = [row for row in every if not row.fault and row.component == name]
     if options.axis and options.axis.strip().upper() != component.axis:
         raise UsageError(
             f"--axis {options.axis}, and {name} in {source.name} belongs to {component.axis}",
             "leave --axis out",
         )
-    said: dict[str, dict] = {}
-    for row in rows:
-        if row["unit"]:
-            said.setdefault(row["unit"].name, row)
-    if len(said) > 1:
-        raise RecordingError(
-            f"{name} is in {' and in '.join(said)}", "one unit for all readings of a component",
-            Place(source.name, list(said.values())[1]["line"]),
-        )  # fmt: skip
-    unit = components.unit_for(
-        options,
-        source,
-        component,
-        next(iter(said.values()))["unit"] if said else None,
-        rows[0]["line"],
-    )
-    if any(row["relative"] for row in rows) and not options.first:
+    said = _one_unit(source, name, rows)
+    unit = components.unit_for(options, source, component, said, rows[0].line)
+    relative = any(row.relative for row in rows)
+    if relative and not options.first:
         notices.append(
             "forward is taken as +, reverse as - (--first - if the first run went towards minus)"
         )
-    if options.first and not any(row["relative"] for row in rows):
+    if options.first and not relative:
         notices.append("the file says the directions itself (dir): --first is not used")
-    columns: dict[str, list[float]] = {}
-    for key, column in (PLACES | TEMPERATURES).items():
-        has = [row for row in rows if key in row]
-        if len(has) == len(rows) and not (
-            column == component.position and not _same(source, component, rows, key)
-        ):
-            columns[column] = [row[key] for row in rows]
-        elif has:
-            notices.append(f"{name}: {key} is not in every row: left out")
-    columns.pop(component.position, None)
-    readings = targets.Readings(
-        [int(row["run"]) for row in rows],
-        [row["target"] for row in rows],
-        [row["value"] for row in rows],
-        [row["line"] for row in rows],
-        [row["sign"] for row in rows],
-        columns,
-        text.times(source, [(row["line"], row["time"]) for row in rows]),
-    )
     heed = ReadingOptions(
         component=name, others=options.others, machine=options.machine, head=options.head
     )
+    readings = _readings(source, component, rows, notices)
     return targets.recording(
         source, heed, component, unit, readings, head={}, notices=notices, faults=faults
     )
 
 
-def _same(source: Source, component: components.Component, rows: list[dict], key: str) -> bool:
+def _one_unit(source: Source, name: str, rows: list[Row]) -> units.Unit | None:
+    """The unit that all rows of a component have; None where none says one."""
+    said: dict[str, tuple[units.Unit, int]] = {}
+    for row in rows:
+        if row.unit:
+            said.setdefault(row.unit.name, (row.unit, row.line))
+    if len(said) > 1:
+        raise RecordingError(
+            f"{name} is in {' and in '.join(said)}", "one unit for all readings of a component",
+            Place(source.name, list(said.values())[1][1]),
+        )  # fmt: skip
+    return next((unit for unit, _ in said.values()), None)
+
+
+def _readings(
+    source: Source, component: components.Component, rows: list[Row], notices: list[str]
+) -> targets.Readings:
+    """The readings of a component, with the places and temperatures that all its rows have."""
+    columns: dict[str, list[float]] = {}
+    for key, column in (PLACES | TEMPERATURES).items():
+        has = [row.numbers[key] for row in rows if key in row.numbers]
+        if has and len(has) < len(rows):
+            notices.append(f"{component.name}: {key} is not in every row: left out")
+        elif has and column == component.position:
+            _same(source, component, rows, key)
+        elif has:
+            columns[column] = has
+    return targets.Readings.of(
+        (
+            (int(n["run"]), n["target"], n["value"], row.line, row.sign)
+            for row in rows
+            for n in [row.numbers]
+        ),
+        columns=columns,
+        t=text.times(source, [(row.line, row.time) for row in rows]),
+    )
+
+
+def _same(source: Source, component: components.Component, rows: list[Row], key: str) -> None:
     """The place of the axis that moved must be its target."""
     for row in rows:
-        if abs(row[key] - row["target"]) > 1e-6:
+        there, target = row.numbers[key], row.numbers["target"]
+        if abs(there - target) > 1e-6:
             raise RecordingError(
-                f"{key} is {row[key]:g}, and the target of {component.axis} is {row['target']:g}",
+                f"{key} is {there:g}, and the target of {component.axis} is {target:g}",
                 f"{key} is where {component.axis} stood: leave it empty, or mend it",
-                Place(source.name, row["line"]),
+                Place(source.name, row.line),
             )
-    return True

@@ -10,7 +10,7 @@ semicolons, commas; decimal commas. Above the table may stand lines of key and v
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from postproc.errors import Place, UsageError
 from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source, _sheet
@@ -18,6 +18,8 @@ from postproc.recordings import _components as components
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
+from postproc.recordings._components import Component
+from postproc.recordings._units import Unit
 
 TITLE = "ISO 230-2 sheet as CSV (interleaved, blocks or long)"
 TAKES = (
@@ -80,36 +82,54 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     columns = _long(table)
     if options.layout == "long" or (columns is not None and not options.layout):
         return _read_long(source, options, table, columns, notices)
+    return _read_wide(source, options, table, notices)
+
+
+def _measured(source, options, said, before, heading, notices) -> tuple[Component, Unit, float]:
+    """The component, the unit of its readings, and mm (degrees) per unit of the targets under
+    `heading`, a line and its words."""
+    line, words = heading
+    axis = components.axis_in(_sheet.value_of(before, "axis", "achse"))
+    component = components.positioning(options, source, axis, said, line, notices)
+    unit = components.unit_for(options, source, component, said, line)
+    rotary = component.axis in "ABC"
+    return (
+        component,
+        unit,
+        _sheet.position_factor(source, words, line, options, rotary, notices),
+    )
+
+
+def _first(options: ReadingOptions, relative: bool, notices: list[str]) -> ReadingOptions:
+    """The options still to be heeded where signs that are relative to the first run were turned."""
+    if relative and not options.first:
+        notices.append("the first direction is not in the file: taken as + (--first - if it was -)")
+    return replace(options, first=0, bidirectional=None) if relative else options
+
+
+def _read_wide(
+    source: Source, options: ReadingOptions, table: text.Table, notices: list[str]
+) -> Recording:
+    """Targets down, runs across."""
     sheet = _sheet.find(source, table)
     if not sheet.columns:
         raise RecordingError(
             "there is no column of readings beside the targets", "", Place(source.name, sheet.line)
         )
     runs, relative = _runs(source, sheet, options)
-    start = options.first or 1
     said = _sheet.reading_unit(source, sheet)
-    axis = components.axis_in(_sheet.value_of(sheet.before, "axis", "achse"))
-    component = components.positioning(options, source, axis, said, sheet.line, notices)
-    unit = components.unit_for(options, source, component, said, sheet.line)
-    scale = _sheet.position_factor(
-        source, sheet.headings[sheet.target], sheet.line, options, component.axis in "ABC", notices
-    )
+    heading = (sheet.line, sheet.headings[sheet.target])
+    component, unit, scale = _measured(source, options, said, sheet.before, heading, notices)
     found, faults = _sheet.cells(source, table, sheet, options)
     notices += _sheet.missing(faults)
-    signs = {at: sign * start if at in relative else sign for at, (_, sign) in runs.items()}
-    readings = targets.Readings(
-        [runs[c.at][0] for c, *_ in found],
-        [t * scale for _, _, t, _ in found],
-        [v for *_, v in found],
-        [line for _, line, *_ in found],
-        [signs[c.at] for c, *_ in found],
+    readings = targets.Readings.of(
+        (run, target * scale, value, line, sign)
+        for column, line, target, value in found
+        for run, sign in [runs[column.at]]
     )
-    if relative and not options.first:
-        notices.append("the first direction is not in the file: taken as + (--first - if it was -)")
-    told = replace(options, first=0, bidirectional=None) if relative else options
     return targets.recording(
         source,
-        told,
+        _first(options, relative, notices),
         component,
         unit,
         readings,
@@ -139,6 +159,35 @@ def _long(table: text.Table) -> tuple[int, dict[str, int]] | None:
     return None
 
 
+@dataclass(frozen=True)
+class Row:
+    """A row of a long table: its numbers under target, run and value; its sign of approach, and
+    whether that is relative to the first run; what is wrong, in which column."""
+
+    line: int
+    numbers: dict[str, float | None]
+    sign: int
+    relative: bool
+    time: str
+    wrong: str
+    column: str
+
+
+def _row(line: int, cells: list[str], at: dict[str, int], titles: list[str], decimal: str) -> Row:
+    """One reading; titles: the headings."""
+    cell = {what: cells[j] if j < len(cells) else "" for what, j in at.items()}
+    numbers = {what: text.number(cell[what], decimal) for what in ("target", "run", "value")}
+    way = text.direction(cell["direction"]) if "direction" in at else (0, False)
+    column = next((what for what, number in numbers.items() if number is None), "")
+    if column:
+        wrong = f"{titles[at[column]]!r} is not a number"
+    else:
+        wrong = text.wrong_run(numbers["run"] or 0.0)
+    if not wrong and way is None:
+        wrong = f"{cell['direction']!r} is no direction, like +, -, up, down, forward, reverse"
+    return Row(line, numbers, *(way or (0, False)), cell.get("time", ""), wrong, column)
+
+
 def _read_long(source, options, table, columns, notices) -> Recording:
     """One reading a row."""
     if columns is None:
@@ -149,133 +198,124 @@ def _read_long(source, options, table, columns, notices) -> Recording:
         )
     top, at = columns
     line, headings = table.rows[top]
-    said = next((u for u in (units.in_heading(headings[at["value"]]),) if u), None)
     before = _sheet.pairs(table.rows[:top])
-    if said is None:
-        said = units.unit_of(_sheet.value_of(before, "unit", "units", "einheit"))
-    axis = components.axis_in(_sheet.value_of(before, "axis", "achse"))
-    component = components.positioning(options, source, axis, said, line, notices)
-    unit = components.unit_for(options, source, component, said, line)
-    scale = _sheet.position_factor(
-        source, headings[at["target"]], line, options, component.axis in "ABC", notices
+    said = units.in_heading(headings[at["value"]]) or units.unit_of(
+        _sheet.value_of(before, "unit", "units", "einheit")
     )
-    rows: list[tuple[int, float, float, int, int]] = []
-    times: list[tuple[int, str]] = []
+    heading = (line, headings[at["target"]])
+    component, unit, scale = _measured(source, options, said, before, heading, notices)
+    rows: list[Row] = []
     faults: list[Fault] = []
-    relative = False
     for number, cells in table.rows[top + 1 :]:
-        place = Place(source.name, number, table.delimiter.join(cells))
-        values = {
-            w: text.number(cells[j], table.decimal) if j < len(cells) else None
-            for w, j in at.items()
-            if w != "time"
-        }
-        word = cells[at["direction"]] if "direction" in at and at["direction"] < len(cells) else ""
-        way = text.direction(word) if "direction" in at else (0, False)
-        run = values["run"]
-        wrong = next((w for w in ("target", "run", "value") if values[w] is None), "")
-        told = f"{headings[at[wrong]]!r} is not a number" if wrong else ""
-        if not told and (run is None or run != int(run) or not 1 <= run <= 1e6):
-            told = f"run {run:g} is not a whole number from 1 on"
-        if not told and way is None:
-            told = f"{word!r} is no direction, like +, -, up, down, forward, reverse"
-        if told:
-            if options.strict:
-                raise RecordingError(told, "mend the row; --lenient leaves such rows out", place)
-            faults.append(Fault(number, wrong, told))
-            continue
-        times.append((number, cells[at["time"]] if at.get("time", len(cells)) < len(cells) else ""))
-        sign, its = way or (0, False)
-        relative = relative or its
-        start = options.first or 1
-        rows.append(
-            (
-                int(run or 1),
-                float(values["target"] or 0.0),
-                float(values["value"] or 0.0),
-                number,
-                sign * start if its else sign,
-            )
-        )
-    if relative and not options.first:
-        notices.append("the first direction is not in the file: taken as + (--first - if it was -)")
-    readings = targets.Readings(
-        [r[0] for r in rows],
-        [r[1] * scale for r in rows],
-        [r[2] for r in rows],
-        [r[3] for r in rows],
-        [r[4] for r in rows],
-        t=text.times(source, times, table.decimal),
-    )
-    told_ = replace(options, first=0, bidirectional=None) if relative else options
+        row = _row(number, cells, at, headings, table.decimal)
+        if row.wrong and options.strict:
+            place = Place(source.name, number, table.delimiter.join(cells))
+            raise RecordingError(row.wrong, "mend the row; --lenient leaves such rows out", place)
+        if row.wrong:
+            faults.append(Fault(number, row.column, row.wrong))
+        else:
+            rows.append(row)
+    told = _first(options, any(row.relative for row in rows), notices)
     return targets.recording(
-        source, told_, component, unit, readings, head=_head(before), notices=notices, faults=faults
+        source,
+        told,
+        component,
+        unit,
+        _readings(source, rows, scale, options.first or 1, table.decimal),
+        head=_head(before),
+        notices=notices,
+        faults=faults,
+    )
+
+
+def _readings(
+    source: Source, rows: list[Row], scale: float, start: int, decimal: str
+) -> targets.Readings:
+    """scale: mm (degrees) per unit of the targets; start: sign of the first run."""
+    return targets.Readings.of(
+        (
+            (
+                int(row.numbers["run"] or 1),
+                (row.numbers["target"] or 0.0) * scale,
+                row.numbers["value"] or 0.0,
+                row.line,
+                row.sign * start if row.relative else row.sign,
+            )
+            for row in rows
+        ),
+        t=text.times(source, [(row.line, row.time) for row in rows], decimal),
     )
 
 
 def _runs(
     source: Source, sheet: _sheet.Sheet, options: ReadingOptions
-) -> tuple[dict[int, tuple[int, int]], set[int]]:
-    """Column to (run, sign), runs counted as they alternate; and the columns whose sign is relative
-    to the first run."""
-    columns, place = sheet.columns, Place(source.name, sheet.line)
+) -> tuple[dict[int, tuple[int, int]], bool]:
+    """Column to (run, sign), runs counted as they alternate; and whether signs are relative to the
+    first run."""
+    signs = _signs(sheet.columns, options, Place(source.name, sheet.line))
+    start = options.first or 1
+    counts = {1: 0, -1: 0}
+    both = len(set(signs)) == 2
+    result = {}
+    relative = False
+    for column, sign in zip(sheet.columns, signs, strict=True):
+        counts[sign] += 1
+        # the direction of the first column is that of the odd runs
+        run = 2 * counts[sign] - (sign == signs[0]) if both else counts[sign]
+        turns = column.relative or not column.sign
+        result[column.at] = (run, sign * start if turns else sign)
+        relative = relative or turns
+    return result, relative
+
+
+def _signs(columns: list[_sheet.Column], options: ReadingOptions, place: Place) -> list[int]:
+    """+1 or -1 of each column: as headings name it, or as the layout has it."""
     named = [c.sign for c in columns]
-    if any(named) and not all(named):
+    n = len(columns)
+    if all(named):
+        _agree(columns, named, options.layout, place)
+        return named
+    if any(named):
         odd = next(c for c in columns if not c.sign)
         raise RecordingError(
             f"the heading {odd.title!r} names no direction, and others do",
             "name all or none; a summary is called mean or average",
             place,
         )
-    n = len(columns)
-    if all(named):
-        signs = named
-        if (
-            options.layout
-            and len(set(named)) == 2
-            and signs not in _laid_out(options.layout, n, named[0])
-        ):
-            raise RecordingError(
-                f"--layout {options.layout} does not agree with the headings"
-                f" ({', '.join(c.title for c in columns[:4])}, ...)",
-                "leave --layout out",
-                place,
-            )
-        relative = {c.at for c in columns if c.relative}
-    elif options.bidirectional is False:
-        signs, relative = [1] * n, {c.at for c in columns}
-    elif not options.layout:
+    if options.bidirectional is False:
+        return [1] * n
+    if not options.layout:
         raise RecordingError(
             f"the headings do not say the direction of the {n} columns of readings",
             "say --layout interleaved (up 1, down 1, up 2 ...) or --layout blocks (all up, then all"
             " down), or --bidirectional no",
             place,
         )
-    elif n % 2:
+    if n % 2:
         raise RecordingError(
             f"{n} columns of readings are no pairs of there and back",
             "is one of them a mean? --bidirectional no if all went one way",
             place,
         )
-    else:
-        signs, relative = _laid_out(options.layout, n, 1)[0], {c.at for c in columns}
-    counts = {1: 0, -1: 0}
-    both = len(set(signs)) == 2
-    result = {}
-    for column, sign in zip(columns, signs, strict=True):
-        counts[sign] += 1
-        # the direction of the first column is that of the odd runs
-        result[column.at] = (
-            2 * counts[sign] - (1 if sign == signs[0] else 0) if both else counts[sign],
-            sign,
+    return _laid_out(options.layout, n, 1)
+
+
+def _agree(columns: list[_sheet.Column], named: list[int], layout: str, place: Place) -> None:
+    """Raises RecordingError where the layout that was said contradicts the headings."""
+    two = len(set(named)) == 2
+    if layout and two and named != _laid_out(layout, len(named), named[0]):
+        raise RecordingError(
+            f"--layout {layout} does not agree with the headings"
+            f" ({', '.join(c.title for c in columns[:4])}, ...)",
+            "leave --layout out",
+            place,
         )
-    return result, relative
 
 
-def _laid_out(layout: str, n: int, first: int) -> list[list[int]]:
+def _laid_out(layout: str, n: int, first: int) -> list[int]:
     if layout == "interleaved":
-        return [[first if k % 2 == 0 else -first for k in range(n)]]
-    return [[first] * (n // 2) + [-first] * (n - n // 2)]
+        return [first if k % 2 == 0 else -first for k in range(n)]
+    return [first] * (n // 2) + [-first] * (n - n // 2)
 
 
 def _head(before: list[tuple[str, str, int]]) -> dict[str, str]:
