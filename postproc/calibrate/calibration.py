@@ -115,43 +115,42 @@ class Calibration:
         return lacks(replace(self.machine, square_stated=tuple(self.squareness)))
 
 
-def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
-    """All of it. Raises CalibrationError where no recording fits a component, or one that does can
-    not be used."""
-    series: dict[str, list[Series]] = {}
-    diagonals: list[Diagonal] = []
-    refused: list[GcompError] = []
-    found: list[Outlier] = []
-    told = _state(recordings)
-    round_ = [r for r in recordings if r.kind == "ballbar"]
-    for recording in [r for r in recordings if r.kind != "ballbar"]:
+@dataclass
+class Sorted:
+    """Recordings by what they measured: series of a component, diagonals, those that fit nothing,
+    and what was found and is to be said on the way."""
+
+    series: dict[str, list[Series]] = field(default_factory=dict)
+    diagonals: list[Diagonal] = field(default_factory=list)
+    refused: list[GcompError] = field(default_factory=list)
+    outliers: list[Outlier] = field(default_factory=list)
+    told: list[Finding] = field(default_factory=list)
+
+    def take(self, recording: Recording, options: Options) -> None:
+        """Puts a recording where it belongs."""
         try:
             one = assign(recording)
-            axes = [one.letter] if isinstance(one, Series) else list(one.path)
-            missing = [x for x in axes if x not in options.chain.axes]
-            if missing:
-                raise CalibrationError(
-                    f"{missing[0]} moves, and the chain {'-'.join(options.chain.axes)} has no"
-                    f" {missing[0]}",
-                    "--chain names all axes",
-                    Place(recording.file, 1),
-                )
+            _of_chain(one, recording, options)
         except CalibrationError as error:
-            refused.append(error)
-            continue
+            self.refused.append(error)
+            return
         if isinstance(one, Diagonal):
-            diagonals.append(one)
-            continue
-        before = series.get(one.component, [])
+            self.diagonals.append(one)
+            return
+        before = self.series.get(one.component, [])
         away = elsewhere(before[0], one) if before else None
         if away is not None:
-            refused.append(away)
-            continue
-        told += [
+            self.refused.append(away)
+            return
+        self.series.setdefault(one.component, []).append(self._heard(one, options))
+
+    def _heard(self, one: Series, options: Options) -> Series:
+        """A series after what there is to say of it, without its outliers where they are to go."""
+        self.told += [
             Finding("assignment", "note", one.component, f"{one.file}: {text}") for text in one.told
         ]
         mine = outliers.find(one, cells_of(one.position, one.approach, one.reading))
-        found += mine
+        self.outliers += mine
         if options.drop_outliers and mine:
             one = one.pick(~np.isin(np.arange(len(one.reading)), [o.row for o in mine]))
         unknown = int((one.approach == 0).sum())
@@ -160,17 +159,62 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
                 f"{one.file}: of {unknown} of its readings the direction of approach is not known,"
                 " they are not used"
             )
-            told.append(Finding("assignment", "doubt", one.component, text, {"readings": unknown}))
-        series.setdefault(one.component, []).append(one)
-    if not series:
-        if refused:
-            raise (
-                refused[0] if len(refused) == 1 else CalibrationError("\n".join(map(str, refused)))
-            )
+            found = Finding("assignment", "doubt", one.component, text, {"readings": unknown})
+            self.told.append(found)
+        return one
+
+
+def _of_chain(one: Series | Diagonal, recording: Recording, options: Options) -> None:
+    """Raises CalibrationError for an axis that the chain has not."""
+    axes = [one.letter] if isinstance(one, Series) else list(one.path)
+    missing = [x for x in axes if x not in options.chain.axes]
+    if missing:
         raise CalibrationError(
-            "no recording of one axis moving alone", "calibration begins with single axes"
+            f"{missing[0]} moves, and the chain {'-'.join(options.chain.axes)} has no {missing[0]}",
+            "--chain names all axes",
+            Place(recording.file, 1),
         )
-    measured = {name: build(parts, options) for name, parts in series.items()}
+
+
+def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
+    """All of it. Raises CalibrationError where no recording fits a component, or one that does can
+    not be used."""
+    got = Sorted(told=_state(recordings))
+    round_ = [r for r in recordings if r.kind == "ballbar"]
+    for recording in recordings:
+        if recording.kind != "ballbar":
+            got.take(recording, options)
+    if not got.series:
+        raise _nothing(got.refused)
+    measured = {name: build(parts, options) for name, parts in got.series.items()}
+    left_out, kept = _standing_out(measured, options)
+    kept, measured_at, optics, carried = bring_together(kept, options)
+    told = got.told + [Finding("measured-at", "note", "", text) for text in carried]
+    result = Calibration(
+        options, kept, left_out, got.refused, got.outliers, got.diagonals, measured_at, optics,
+        round_,
+    )  # fmt: skip
+    square, says = squaring.determine(result)
+    result = replace(result, squareness=square, findings=told + says)
+    return replace(result, findings=result.findings + _checked(result))
+
+
+def _nothing(refused: list[GcompError]) -> GcompError:
+    """Why there is no series of one axis."""
+    if len(refused) == 1:
+        return refused[0]
+    if refused:
+        return CalibrationError("\n".join(map(str, refused)))
+    return CalibrationError(
+        "no recording of one axis moving alone", "calibration begins with single axes"
+    )
+
+
+def _standing_out(
+    measured: dict[str, Component], options: Options
+) -> tuple[list[tuple[Component, str]], dict[str, Component]]:
+    """Components left out as small, with why, and those to be written. Raises CalibrationError
+    where there are none of these."""
     left_out = [(c, c.small) for c in measured.values() if c.small and not options.keep_all]
     kept = {n: c for n, c in measured.items() if n not in {c.name for c, _ in left_out}}
     if not kept:
@@ -179,14 +223,7 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
             f"no component stands out of its uncertainty: {names}",
             "there is nothing to correct; --keep-all writes them",
         )
-    kept, measured_at, optics, carried = bring_together(kept, options)
-    told += [Finding("measured-at", "note", "", text) for text in carried]
-    result = Calibration(
-        options, kept, left_out, refused, found, diagonals, measured_at, optics, round_
-    )
-    square, says = squaring.determine(result)
-    result = replace(result, squareness=square, findings=told + says)
-    return replace(result, findings=result.findings + _checked(result))
+    return left_out, kept
 
 
 def _state(recordings: Sequence[Recording]) -> list[Finding]:

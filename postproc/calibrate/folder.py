@@ -36,69 +36,77 @@ def folder(
     tool, offsets, limits, ...); axes: letter to what is said of it (travel, least_increment, ...).
     Everything measured comes from the calibration.
     """
-    data: dict[str, Any] = (
-        {"format": FORMAT} | dict(head) | {"chain": chain_text(calibration.options.chain)}
-    )
+    chain = calibration.options.chain
+    data: dict[str, Any] = {"format": FORMAT} | dict(head) | {"chain": chain_text(chain)}
     comments = {"": _top(calibration)}
     data["source"] = head.get("source") or _source(calibration)
     data["signs"] = calibration.machine.signs
     comments["signs"] = "until gcomp accept has seen a measurement after compensation"
-    sections: dict[str, dict[str, Any]] = {}
+    data["axes"] = {}
+    for letter in [*chain.axes, *(x for x in axes if x not in chain.axes)]:
+        section, said = _section(calibration, letter, axes.get(letter, {}))
+        data["axes"][letter] = section
+        comments |= {f"axes.{letter}.{key}": text for key, text in said.items()}
+    if calibration.squareness:
+        data["squareness"], said = _squareness(calibration)
+        comments |= {f"squareness.{key}": text for key, text in said.items()}
     texts: dict[str, str] = {}
-    written = calibration.axes()
-    for letter in [
-        *calibration.options.chain.axes,
-        *(x for x in axes if x not in calibration.options.chain.axes),
-    ]:
-        said = axes.get(letter, {})
-        section = {k: said[k] for k in KEPT if k in said}
-        if "travel" not in section:
-            section = {"travel": [float(t) for t in calibration.travel(letter)], **section}
-            comments[f"axes.{letter}.travel"] = (
-                f"{place_name(letter)}, from the first target to the last: not stated"
-            )
-        sections[letter] = section
-        if "centre" in section:
-            comments[f"axes.{letter}.centre"] = "of the machine that this one is like: not measured"
-        if letter in calibration.machine.axes and (
-            small := calibration.machine.axes[letter].left_out
-        ):
-            section["left_out"] = list(small)
-            comments[f"axes.{letter}.left_out"] = "measured, and within the uncertainty"
-        if letter not in written:
-            continue
-        section["table"] = f"{letter}.csv"
-        comments[f"axes.{letter}.table"] = "; ".join(
-            dict.fromkeys(c.file for c in calibration.of(letter))
-        )
-        at = calibration.measured_at.get(letter, {})
-        if at and letter in "XYZ":
-            section["measured_at"] = {x: round(v, 6) for x, v in at.items()}
-            comments[f"axes.{letter}.measured_at"] = "where the other axes of the arm stood"
-        if calibration.optics.get(letter):
-            section["optic"] = calibration.optics[letter]
-            comments[f"axes.{letter}.optic"] = "what the measured point went along with"
+    for letter in calibration.axes():
         texts[f"{letter}.csv"] = _table(calibration, letter)
         if known := _uncertainty(calibration, letter):
             texts[f"{letter}_uncertainty.csv"] = known
         texts[f"{letter}_runs.csv"] = _runs(calibration, letter)
-    data["axes"] = sections
-    if calibration.squareness:
-        data["squareness"] = {
-            s.name: round(s.value / URAD, 6) for s in calibration.squareness.values()
-        }
-        known_u = {
-            s.name: round(2 * s.u / URAD, 6)
-            for s in calibration.squareness.values()
-            if s.u is not None
-        }
-        if known_u:
-            data["squareness"]["u"] = known_u
-        for one in calibration.squareness.values():
-            u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}, k = 1"
-            comments[f"squareness.{one.name}"] = f"urad, {u}; {one.source}"
-            comments[f"squareness.u.{one.name}"] = "urad, U = 2 u, 95 %"
     return {"machine.toml": machine_toml(data, comments), **texts}
+
+
+def _section(
+    calibration: Calibration, letter: str, said: Mapping[str, Any]
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """The keys of an axis in machine.toml, and comments to them; said: what the model has."""
+    section = {k: said[k] for k in KEPT if k in said}
+    comments: dict[str, str] = {}
+    if "travel" not in section:
+        section = {"travel": [float(t) for t in calibration.travel(letter)], **section}
+        comments["travel"] = f"{place_name(letter)}, from the first target to the last: not stated"
+    if "centre" in section:
+        comments["centre"] = "of the machine that this one is like: not measured"
+    machine = calibration.machine.axes
+    if letter in machine and (small := machine[letter].left_out):
+        section["left_out"] = list(small)
+        comments["left_out"] = "measured, and within the uncertainty"
+    if letter in calibration.axes():
+        _measured(calibration, letter, section, comments)
+    return section, comments
+
+
+def _measured(
+    calibration: Calibration, letter: str, section: dict[str, Any], comments: dict[str, str]
+) -> None:
+    """Adds the keys of an axis with a table."""
+    section["table"] = f"{letter}.csv"
+    comments["table"] = "; ".join(dict.fromkeys(c.file for c in calibration.of(letter)))
+    at = calibration.measured_at.get(letter, {})
+    if at and letter in "XYZ":
+        section["measured_at"] = {x: round(v, 6) for x, v in at.items()}
+        comments["measured_at"] = "where the other axes of the arm stood"
+    if calibration.optics.get(letter):
+        section["optic"] = calibration.optics[letter]
+        comments["optic"] = "what the measured point went along with"
+
+
+def _squareness(calibration: Calibration) -> tuple[dict[str, Any], dict[str, str]]:
+    """urad by name, U = 2 u of those that are known, and comments to them."""
+    every = calibration.squareness.values()
+    data: dict[str, Any] = {s.name: round(s.value / URAD, 6) for s in every}
+    known = {s.name: round(2 * s.u / URAD, 6) for s in every if s.u is not None}
+    if known:
+        data["u"] = known
+    comments = {}
+    for one in every:
+        u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}, k = 1"
+        comments[one.name] = f"urad, {u}; {one.source}"
+        comments[f"u.{one.name}"] = "urad, U = 2 u, 95 %"
+    return data, comments
 
 
 def chain_text(chain: Chain) -> str:

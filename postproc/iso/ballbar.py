@@ -109,8 +109,11 @@ def result_of(recording: Recording, options: Options) -> Result:
     """The circular test of one file."""
     axes, found, notices = traces(recording)
     a, b = tuple(axes.lower())
-    forth = [t for t in found if t.way > 0]
-    back = [t for t in found if t.way < 0]
+    senses = {
+        f"{a}{b}": [t for t in found if t.way > 0],
+        f"{b}{a}": [t for t in found if t.way < 0],
+    }
+    forth, back = senses.values()
     pairs = [Pair(f, k) for f, k in zip(forth, back, strict=False)]
     if not pairs:
         notices.append("one sense only: G(b), H and D are not defined")
@@ -119,49 +122,8 @@ def result_of(recording: Recording, options: Options) -> Result:
             f"{len(forth)} runs {a}{b}, {len(back)} runs {b}{a}: pairs are made in the order of the"
             " runs"
         )
-    parameters: list[Parameter] = []
-
-    def add(name: str, words: str, values: list[float], at: str = "") -> None:
-        parameters.append(_over_runs(name, words, values, at))
-
-    for label, some in ((f"{a}{b}", forth), (f"{b}{a}", back)):
-        full = [t for t in some if t.full]
-        add(
-            f"G{label}",
-            f"circular deviation {label}, least-squares circle",
-            [t.least_squares.zone for t in full],
-        )
-        add(
-            f"G{label} mz",
-            f"circular deviation {label}, minimum zone",
-            [t.minimum_zone.zone for t in full],
-        )
-    whole = [p for p in pairs if p.forth.full and p.back.full]
-    add(
-        "G(b)",
-        "two-way circular deviation, least-squares circle",
-        [p.least_squares.zone for p in whole],
-    )
-    add("G(b) mz", "two-way circular deviation, minimum zone", [p.minimum_zone.zone for p in whole])
-    widest = max(pairs, key=lambda p: p.hysteresis[0], default=None)
-    at = f"at {math.degrees(widest.hysteresis[1]):.0f} degrees" if widest else ""
-    add("H", "circular hysteresis", [p.hysteresis[0] for p in pairs], at)
-    add("D", "mean two-way radial deviation", [p.mean_deviation for p in whole])
-    for label, some in ((f"{a}{b}", forth), (f"{b}{a}", back)):
-        full = [t for t in some if t.full]
-        for i, edge in enumerate(("max", "min")):
-            add(
-                f"F{label} {edge}",
-                f"radial deviation {label}, {edge}, set-up included",
-                [t.about_nominal[i] for t in some],
-            )
-            add(
-                f"F{label} {edge} c",
-                f"radial deviation {label}, {edge}, about the centre",
-                [t.about_centre[i] for t in full],
-            )
+    parameters = _circular(senses) + _two_way(pairs) + _radial(senses)
     terms = _terms(recording, options, parameters)
-    parameters = [combined(p, terms, p.runs) for p in parameters]
     notices.append(
         "F holds the bar's own zero and the set-up of the centre; G, G(b), H and D do not hold the"
         " centre, D holds the zero"
@@ -172,9 +134,7 @@ def result_of(recording: Recording, options: Options) -> Result:
     if absent:
         notices.append(absent)
     feed = recording.head.get("feed_mm_min")
-    subject = f"{axes}, radius {recording.head['radius_mm']:g} mm" + (
-        f", feed {feed:g} mm/min" if feed else ""
-    )
+    said = f", feed {feed:g} mm/min" if feed else ""
     why = (
         f"a circular test of {axes}: {a}{b} turns from +{axes[0]} to +{axes[1]}, {len(forth)} runs,"
         f" {b}{a} back, {len(back)} runs"
@@ -182,11 +142,11 @@ def result_of(recording: Recording, options: Options) -> Result:
     return Result(
         "circle",
         "ISO 230-4",
-        subject,
+        f"{axes}, radius {recording.head['radius_mm']:g} mm{said}",
         why,
         "um",
         (recording.file,),
-        tuple(parameters),
+        tuple(combined(p, terms, p.runs) for p in parameters),
         terms,
         (*recording.notices, *notices),
         _noise(recording),
@@ -194,6 +154,47 @@ def result_of(recording: Recording, options: Options) -> Result:
         found,
         causes(axes, found, feed),
     )
+
+
+def _circular(senses: dict[str, list[Trace]]) -> list[Parameter]:
+    """Circular deviation G of each sense, of full circles."""
+    result = []
+    for label, some in senses.items():
+        full = [t for t in some if t.full]
+        words = f"circular deviation {label}"
+        zones = [t.least_squares.zone for t in full]
+        result.append(_over_runs(f"G{label}", f"{words}, least-squares circle", zones))
+        zones = [t.minimum_zone.zone for t in full]
+        result.append(_over_runs(f"G{label} mz", f"{words}, minimum zone", zones))
+    return result
+
+
+def _two_way(pairs: list[Pair]) -> list[Parameter]:
+    """Two-way circular deviation G(b), hysteresis H and mean radial deviation D."""
+    whole = [p for p in pairs if p.forth.full and p.back.full]
+    widest = max(pairs, key=lambda p: p.hysteresis[0], default=None)
+    at = f"at {math.degrees(widest.hysteresis[1]):.0f} degrees" if widest else ""
+    words = "two-way circular deviation"
+    return [
+        _over_runs("G(b)", f"{words}, least-squares circle", [p.least_squares.zone for p in whole]),
+        _over_runs("G(b) mz", f"{words}, minimum zone", [p.minimum_zone.zone for p in whole]),
+        _over_runs("H", "circular hysteresis", [p.hysteresis[0] for p in pairs], at),
+        _over_runs("D", "mean two-way radial deviation", [p.mean_deviation for p in whole]),
+    ]
+
+
+def _radial(senses: dict[str, list[Trace]]) -> list[Parameter]:
+    """Radial deviation F of each sense: largest and least, from the nominal circle, and of full
+    circles about their centre."""
+    result = []
+    for label, some in senses.items():
+        for i, edge in enumerate(("max", "min")):
+            name, words = f"F{label} {edge}", f"radial deviation {label}, {edge}"
+            values = [t.about_nominal[i] for t in some]
+            result.append(_over_runs(name, f"{words}, set-up included", values))
+            values = [t.about_centre[i] for t in some if t.full]
+            result.append(_over_runs(f"{name} c", f"{words}, about the centre", values))
+    return result
 
 
 def _terms(recording: Recording, options: Options, parameters: list[Parameter]) -> tuple[Term, ...]:
@@ -209,7 +210,7 @@ def _terms(recording: Recording, options: Options, parameters: list[Parameter]) 
     return tuple(terms + [t for t in scale if t.name in ("temperature", "expansion")])
 
 
-def _over_runs(name: str, words: str, values: list[float], at: str) -> Parameter:
+def _over_runs(name: str, words: str, values: list[float], at: str = "") -> Parameter:
     """The mean over runs or pairs, and what their scatter makes of it: t s / sqrt(n)."""
     if not values:
         return Parameter(name, None, words)
