@@ -163,9 +163,9 @@ def test_it_does_not_take_long():
         b"G1 " + b"X=" * 2500 + b"\n",
     ):
         text = line * (HEAD // len(line) + 1)
-        start = time.perf_counter()
+        start = time.process_time()
         recognise(text)
-        assert time.perf_counter() - start < 2.0, line[:20]
+        assert time.process_time() - start < 2.0, line[:20]
 
 
 def test_all_dialects_are_loaded_in_no_time():
@@ -174,8 +174,8 @@ def test_all_dialects_are_loaded_in_no_time():
     import sys
 
     code = (
-        "import time; from postproc.nc import dialects, rows; start = time.perf_counter()\n"
-        "[dialects.load(n) for n in dialects.names()]\nprint(time.perf_counter() - start)"
+        "import time; from postproc.nc import dialects, rows; start = time.process_time()\n"
+        "[dialects.load(n) for n in dialects.names()]\nprint(time.process_time() - start)"
     )
     ran = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=True

@@ -116,8 +116,8 @@ def test_no_more_is_remembered_than_there_is_room_for():
 
 def test_many_turns_take_no_time():
     place = np.tile(np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)]), 1000)
-    begun = time.perf_counter()
+    begun = time.process_time()
     ways = effects.reversal_memory(
         place, 1.0, np.arange(50, len(place), 50), np.resize([1.0, 0.0], len(place) // 50 - 1)
     )
-    assert time.perf_counter() - begun < 1.0 and len(ways) <= 3
+    assert time.process_time() - begun < 1.0 and len(ways) <= 3
