@@ -69,10 +69,14 @@ class PtyHost:
         """Feed holds, resumes and resets, in the order in which they came."""
         return [value for _, value in self.times]
 
-    def idle(self) -> bool:
-        """Whether the model has read and executed all that was written."""
+    def read_all(self) -> bool:
+        """Whether the model has read all that was written."""
         unread = fcntl.ioctl(self.master, termios.FIONREAD, struct.pack("i", 0))
-        return struct.unpack("i", unread)[0] == 0 and self.model.state == "Idle"
+        return struct.unpack("i", unread)[0] == 0
+
+    def idle(self) -> bool:
+        """The same, and executed it."""
+        return self.read_all() and self.model.state == "Idle"
 
     def press(self, data: bytes) -> None:
         """Buttons at the machine: realtime bytes that come from nobody's port."""

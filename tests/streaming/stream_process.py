@@ -14,6 +14,7 @@ import pytest
 
 pty = pytest.importorskip("pty", reason="pseudo-terminals as POSIX has them")
 
+from postproc.streaming import protocols  # noqa: E402
 from tests.streaming.grbl_model import GrblModel  # noqa: E402
 from tests.streaming.pty_host import PtyHost  # noqa: E402
 
@@ -98,7 +99,9 @@ def wire_rows(place: Path, name: str = "job.nc", *more: str) -> list[str]:
 
 
 def sent_rows(host: PtyHost) -> list[str]:
-    return [row for row in host.model.received if not row.startswith("$")]
+    """Without orders to the controller, and without what asks a late one who it is."""
+    asks = [poke.decode().strip().upper() for poke in protocols.pokes()]
+    return [row for row in host.model.received if row not in asks and not row.startswith("$")]
 
 
 @contextlib.contextmanager

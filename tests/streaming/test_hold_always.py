@@ -262,6 +262,7 @@ def test_a_full_disk(place):
     what was kept is readable."""
 
     def once(host):
+        (place / "run.csv").unlink(missing_ok=True)  # of the try before
         with open(place / "out", "wb") as out:
             process = begin(place, host, "--record", "run.csv", stdout=out, preexec_fn=small_files)
             until(lambda: len(sent_rows(host)) > 150, process)
