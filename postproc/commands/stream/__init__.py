@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import sys
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from postproc import ports
 from postproc.commands import reading
@@ -18,9 +18,14 @@ REFUSED, INTERRUPTED = 2, 130
 
 if TYPE_CHECKING:
     from postproc.commands.stream.job import Job
+    from postproc.commands.stream.port import Port
+    from postproc.commands.stream.show import Show
     from postproc.commands.stream.signals import Signals
+    from postproc.machine.model import Machine
     from postproc.streaming.greeting import Greeting
+    from postproc.streaming.outcome import Outcome
     from postproc.streaming.rates import Load
+    from postproc.streaming.sender import Sender
 
 HELP = "correct a program and send it to a controller, with hold, journal and restart"
 EXAMPLE = "gcomp stream job.nc --machine my-router --port /dev/ttyUSB0"
@@ -61,24 +66,18 @@ def run(options: argparse.Namespace) -> int:
             if options.resume_from:
                 line = jobs.zero_is_certain(job, line, past, greeting.restarted)
                 jobs.restarted(job, line)
-            load = None
-            if jobs.is_file(options.file) or options.expand:
-                wired = "://" not in options.port or greeting.protocol.confirms == "nothing"
-                load = job.precheck(options.baud / 10 if wired else 0.0)
-                if load.warning():
-                    print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
-            if not options.quiet:
-                for notice in job.notices:
-                    print(f"gcomp: notice: {notice.message}", file=sys.stderr)
+            load = _precheck(options, job)
             signals.at_once = None  # from here on the job obeys
+            link = Link(port, greeting, signals)
             if load is not None and first_pass.wanted(options, job, load):
-                status = _dry_run(options, machine, port, greeting, job, load, signals)
+                status = _dry_run(options, machine, link, job, load)
                 if status:
                     return status
                 if not options.quiet:
                     print(f"gcomp: {first_pass.PASSED}", file=sys.stderr)
-                greeting = first_pass.greeted_again(port, options, greeting, machine, job, signals)
-            return _stream(options, machine, port, greeting, job, load, signals)
+                again = first_pass.greeted_again(port, options, greeting, machine, job, signals)
+                link = link._replace(greeting=again)
+            return _stream(options, machine, link, job, load)
     except Interrupted as why:
         with contextlib.suppress(OSError, ValueError):
             print(f"gcomp: {why}", file=sys.stderr)
@@ -127,73 +126,67 @@ def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
     return greeting
 
 
+class Link(NamedTuple):
+    """What a job is sent by: the port, the controller behind it, and the user's signals."""
+
+    port: Port
+    greeting: Greeting
+    signals: Signals
+
+
+def _precheck(options: argparse.Namespace, job: Job) -> Load | None:
+    """What a job that can be read before will load the wire with; tells what is odd about it. None:
+    it comes from a pipe."""
+    from postproc.commands.stream.job import is_file
+
+    load = None
+    if is_file(options.file) or options.expand:
+        wired = "://" not in options.port or job.protocol.confirms == "nothing"
+        load = job.precheck(options.baud / 10 if wired else 0.0)
+        if load.warning():
+            print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
+    if not options.quiet:
+        for notice in job.notices:
+            print(f"gcomp: notice: {notice.message}", file=sys.stderr)
+    return load
+
+
 def _dry_run(
-    options: argparse.Namespace,
-    machine,
-    port,
-    greeting: Greeting,
-    job: Job,
-    load: Load,
-    signals: Signals,
+    options: argparse.Namespace, machine: Machine, link: Link, job: Job, load: Load
 ) -> int:
     """The whole program in the controller's check mode, nothing moving; its exit status."""
     dry = argparse.Namespace(**vars(options))
     dry.check, dry.record, dry.dry = True, None, True
-    return _stream(dry, machine, port, greeting, job, load, signals)
+    return _stream(dry, machine, link, job, load)
 
 
 def _stream(
-    options: argparse.Namespace,
-    machine,
-    port,
-    greeting: Greeting,
-    job: Job,
-    load: Load | None,
-    signals: Signals,
+    options: argparse.Namespace, machine: Machine, link: Link, job: Job, load: Load | None
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import handed, kept, loop, told, tools
+    from postproc.commands.stream import kept, loop, tools
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
     from postproc.streaming.live import CONTROLLER_AXES
-    from postproc.streaming.path import Path as Way
     from postproc.streaming.rates import Clock
-    from postproc.streaming.sender import Sender
 
-    assert greeting.protocol is not None
-    controller = greeting.protocol.controller
+    port, greeting, signals = link
     order = tuple(CONTROLLER_AXES.index(x) for x in machine.letters)
     reported = len(greeting.status.place) if greeting.status and greeting.status.place else 0
-    if options.check and not greeting.protocol.check_mode():
-        raise UsageError(
-            f"{controller.name} has no check mode", "--check is for GRBL, grblHAL and FluidNC"
-        )
-    path = Way(controller, order) if job.watched() else None
-    if handed.wanted(greeting.protocol):
-        handed.write(options, job, greeting.protocol)
-    sender = Sender(
-        greeting.protocol,
-        on_error=options.on_error,
-        check=options.check,
-        order=order,
-        path=path,
-        spindle_off=options.spindle_at_stop == "off",
-    )
+    sender = _sender(options, job, order)
     with contextlib.ExitStack() as stack:
         trace, record = kept.recording(options, machine, job, order, reported, stack)
         journal = kept.journal_of(options, machine, job, sender.account.holds)
         clock = Clock(load.expected, time.monotonic(), job.pace) if load else None
         keys = Keys() if can_type(options) else None
         letters = tuple(CONTROLLER_AXES[:reported]) or machine.letters
-        quiet = options.quiet or getattr(options, "dry", False)
+        quiet = options.quiet or _is_dry(options)
         show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
-        answers = (
-            None
-            if job.macros is None or options.check
-            else tools.Answers(controller, machine.letters)
-        )
+        answers = None
+        if job.macros is not None and not options.check:
+            answers = tools.Answers(job.protocol.controller, machine.letters)
         prefetch = Prefetch(lambda: job.lines(answers, options.check)).start()
         run = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys, answers)
         try:
@@ -202,33 +195,77 @@ def _stream(
             prefetch.close()
             if answers is not None:
                 answers.close()
-        dry = getattr(options, "dry", False)
-        ends = not dry or outcome.exit_status != 0  # behind a pass that finds nothing the job runs
-        before = "nothing has moved: in the controller's check mode, " if dry else ""
-        if ends:
-            show.tell(before + outcome.text())
-        fault = prefetch.fault
-        # of a pipe: what came before the fault was sent
-        if fault is not None and str(fault) not in outcome.text():
-            show.tell(f"the program ended there, because of: {fault}")
-        if job.copy and job.copy.changed():
-            show.tell(
-                f"notice: {options.file} was changed while the job ran; what was sent is the"
-                " program as it was when the job began"
-            )
-        show.end(outcome)
-        if (options.report or options.json) and ends:
-            about = {
-                "program": job.name,
-                "sha256": job.copy.digest if job.copy else None,
-                "machine": machine.name,
-                "map": machine.digest,
-                "controller": f"{controller.name} {controller.version}",
-                "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
-            }
-            fields = show.report(outcome, time.monotonic(), about)
-            fields["message"] = before + fields["message"]
-            told.write(options, fields, show.history, before + outcome.text())
+        _tell(options, machine, job, show, outcome, prefetch.fault)
     if prefetch.fault is not None:
         return outcome.exit_status or REFUSED
     return outcome.exit_status
+
+
+def _is_dry(options: argparse.Namespace) -> bool:
+    """Whether this is the pass before the job."""
+    return getattr(options, "dry", False)
+
+
+def _sender(options: argparse.Namespace, job: Job, order: tuple[int, ...]) -> Sender:
+    """What sends the job to a controller that can do what is asked of it. Raises UsageError."""
+    from postproc.commands.stream import handed
+    from postproc.streaming.path import Path
+    from postproc.streaming.sender import Sender
+
+    protocol = job.protocol
+    if options.check and not protocol.check_mode():
+        raise UsageError(
+            f"{protocol.controller.name} has no check mode",
+            "--check is for GRBL, grblHAL and FluidNC",
+        )
+    path = Path(protocol.controller, order) if job.watched() else None
+    if handed.wanted(protocol):
+        handed.write(options, job, protocol)
+    return Sender(
+        protocol,
+        on_error=options.on_error,
+        check=options.check,
+        order=order,
+        path=path,
+        spindle_off=options.spindle_at_stop == "off",
+    )
+
+
+def _tell(
+    options: argparse.Namespace,
+    machine: Machine,
+    job: Job,
+    show: Show,
+    outcome: Outcome,
+    fault: Exception | None,
+) -> None:
+    """How it ended, on the terminal and in the report. fault: of reading the program."""
+    from postproc.commands.stream import told
+
+    dry = _is_dry(options)
+    ends = not dry or outcome.exit_status != 0  # behind a pass that finds nothing the job runs
+    before = "nothing has moved: in the controller's check mode, " if dry else ""
+    if ends:
+        show.tell(before + outcome.text())
+    # of a pipe: what came before the fault was sent
+    if fault is not None and str(fault) not in outcome.text():
+        show.tell(f"the program ended there, because of: {fault}")
+    if job.copy and job.copy.changed():
+        show.tell(
+            f"notice: {options.file} was changed while the job ran; what was sent is the"
+            " program as it was when the job began"
+        )
+    show.end(outcome)
+    if (options.report or options.json) and ends:
+        controller = job.protocol.controller
+        about = {
+            "program": job.name,
+            "sha256": job.copy.digest if job.copy else None,
+            "machine": machine.name,
+            "map": machine.digest,
+            "controller": f"{controller.name} {controller.version}",
+            "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+        }
+        fields = show.report(outcome, time.monotonic(), about)
+        fields["message"] = before + fields["message"]
+        told.write(options, fields, show.history, before + outcome.text())

@@ -222,6 +222,18 @@ def refuse(options: argparse.Namespace, is_file: bool) -> None:
         )
     if options.record:  # of an earlier job: nothing else holds it
         standing.kept(options.record, False, "another name")
+    _refuse_resumed(options, is_file)
+    _refuse_errors(options, is_file)
+    if not is_file and options.dialect == reading.AUTO:
+        raise UsageError("--dialect auto looks at the program before it is read: not with a pipe")
+    if options.file not in (None, "-") and not Path(options.file).exists():
+        raise UsageError(f"{options.file} can not be read: there is no such file")
+    if options.baud <= 0:
+        raise UsageError(f"--baud {options.baud} is no speed")
+
+
+def _refuse_resumed(options: argparse.Namespace, is_file: bool) -> None:
+    """What --resume-from does not go with, and --live-temperatures without its log."""
     if options.resume_from and not is_file:
         raise UsageError("--resume-from needs the program as a file")
     if options.live_temperatures and (options.resume_from or not options.temperatures):
@@ -230,6 +242,10 @@ def refuse(options: argparse.Namespace, is_file: bool) -> None:
             " earlier one for --resume-from",
             "--temperatures LOG.csv; for --resume-from without --live-temperatures",
         )
+
+
+def _refuse_errors(options: argparse.Namespace, is_file: bool) -> None:
+    """What --on-error does not go with."""
     if options.on_error == "ask" and not can_type(options):
         raise UsageError(
             (
@@ -245,12 +261,6 @@ def refuse(options: argparse.Namespace, is_file: bool) -> None:
             " holds",
             "--on-error stop",
         )
-    if not is_file and options.dialect == reading.AUTO:
-        raise UsageError("--dialect auto looks at the program before it is read: not with a pipe")
-    if options.file not in (None, "-") and not Path(options.file).exists():
-        raise UsageError(f"{options.file} can not be read: there is no such file")
-    if options.baud <= 0:
-        raise UsageError(f"--baud {options.baud} is no speed")
 
 
 def _refuse_changes(options: argparse.Namespace, is_file: bool) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterable
 from typing import Any
 
 from postproc.commands.stream.keys import IN_REFUSAL
@@ -45,13 +46,7 @@ class Show:
         self.err = Outlet(sys.stderr, self._draw if self.terminal else None, self._above)
 
     def __call__(self, now: float) -> None:
-        if self._begun is None:
-            self._begun = self._looked = now
-        if self.clock is not None and (self.sender.held or self._waits()):
-            self.clock.held += now - self._looked
-        self._looked = now
-        if self.sender.status and self.sender.status.rates:
-            self._rates = self.sender.status.rates
+        self._look(now)
         if self.history.due(now):
             self.history.add(now, self.state(now))
         if self.quiet or now < self._next:
@@ -62,6 +57,16 @@ class Show:
             self.err.refresh(state)
         elif not self.out.stalls():  # nobody reads: the newest will do
             self._line({"event": "progress", **state})
+
+    def _look(self, now: float) -> None:
+        """Keep the time in which the job is held, and the newest overrides."""
+        if self._begun is None:
+            self._begun = self._looked = now
+        if self.clock is not None and (self.sender.held or self._waits()):
+            self.clock.held += now - self._looked
+        self._looked = now
+        if self.sender.status and self.sender.status.rates:
+            self._rates = self.sender.status.rates
 
     def unread(self) -> bool:
         """Whether whoever read the events on standard output is gone."""
@@ -87,19 +92,8 @@ class Show:
             **self._likely(status),
             "elapsed_s": round(now - (now if self._begun is None else self._begun), 1),
         }
-        if status and status.place:
-            result["position_mm"] = {
-                x: round(v, 4) for x, v in zip(self.letters, status.place, strict=False)
-            }
-            if status.shift and len(status.shift) == len(status.place):
-                work = (v - s for v, s in zip(status.place, status.shift, strict=True))
-                result["work_mm"] = {
-                    x: round(v, 4) for x, v in zip(self.letters, work, strict=False)
-                }
-        if status and status.free:
-            result["planner_free"], result["receive_free"] = status.free
-        if status and status.feed is not None:
-            result["feed_mm_min"] = round(status.feed, 1)
+        if status:
+            result.update(self._of_report(status))
         if self._rates:
             names = ("feed", "rapid", "spindle")
             result["override_percent"] = dict(zip(names, self._rates, strict=False))
@@ -108,13 +102,34 @@ class Show:
         if sender.waiting:
             result["oldest_unanswered"] = sender.waiting[0].text.decode("ascii", "replace")
         if self.clock is not None:
-            if "bytes" in result:
-                self.clock.done = self.clock.expected * (result["percent"] or 0.0) / 100
-            else:
-                self.clock.over(sender.account, status)
-            self.clock.rate = self._rates[0] / 100 if self._rates and self._rates[0] > 0 else 1.0
-            result["eta_s"] = round(self.clock.left(now), 1)
+            result["eta_s"] = self._left(self.clock, now, result)
         return result
+
+    def _of_report(self, status: Status) -> dict[str, Any]:
+        """What the controller's last report says: position, buffers, feed."""
+        result: dict[str, Any] = {}
+        if status.place:
+            result["position_mm"] = self._place(status.place)
+            if status.shift and len(status.shift) == len(status.place):
+                work = (v - s for v, s in zip(status.place, status.shift, strict=True))
+                result["work_mm"] = self._place(work)
+        if status.free:
+            result["planner_free"], result["receive_free"] = status.free
+        if status.feed is not None:
+            result["feed_mm_min"] = round(status.feed, 1)
+        return result
+
+    def _place(self, values: Iterable[float]) -> dict[str, float]:
+        return {x: round(v, 4) for x, v in zip(self.letters, values, strict=False)}
+
+    def _left(self, clock: Clock, now: float, state: dict[str, Any]) -> float:
+        """s until the job is over: by the bytes that have left, or by the lines that are over."""
+        if "bytes" in state:
+            clock.done = clock.expected * (state["percent"] or 0.0) / 100
+        else:
+            clock.over(self.sender.account, self.sender.status)
+        clock.rate = self._rates[0] / 100 if self._rates and self._rates[0] > 0 else 1.0
+        return round(clock.left(now), 1)
 
     def _likely(self, status: Status | None) -> dict[str, Any]:
         """The source line in which the tool probably is, and the percent that is over by that. In
@@ -150,49 +165,36 @@ class Show:
         return str(getattr(self.sender.protocol, "waits", ""))
 
     def _words(self, state: dict[str, Any]) -> str:
+        """One line of it."""
         if "bytes" in state:
             parts = [
                 str(state["state"]),
                 f"{state['percent']:.1f} %" if state["percent"] is not None else "",
-            ]
-            parts += [
                 f"line {state['source_line']} sent, {state['bytes']} bytes",
-                f"{_minutes(state['elapsed_s'])} gone",
+                *_times(state),
             ]
-            parts += [f"{_minutes(state['eta_s'])} left"] if "eta_s" in state else []
-            return "  ".join(part for part in parts if part)
-        parts = [str(state["state"])]
-        if state["total"]:
-            parts.append(f"{state['at_percent']:.1f} %")
-        parts.append(
-            f"in line {state['at_source_line']}, {state['executed_source_line']} surely over,"
-            f" {state['source_line']} answered"
-        )
-        for name, which in (("work_mm", "work"), ("position_mm", "machine")):
-            if name in state:
-                parts.append(f"{which} " + " ".join(f"{x}{v:.3f}" for x, v in state[name].items()))
-        if "feed_mm_min" in state:
-            parts.append(f"F{state['feed_mm_min']:g}")
-        if any(v != 100 for v in state.get("override_percent", {}).values()):
-            parts.append(
-                " ".join(f"{k} {v:g} %" for k, v in state["override_percent"].items() if v != 100)
-            )
-        if state["buffer_bytes"] is not None:
-            parts.append(f"{state['buffer_bytes']} bytes in the buffer")
-        if "planner_free" in state:
-            parts.append(f"{state['planner_free']} blocks free")
-        parts.append(f"{_minutes(state['elapsed_s'])} gone")
-        if "eta_s" in state:
-            parts.append(f"{_minutes(state['eta_s'])} left")
-        if state["asks"]:
-            parts.append(f"REFUSED: {IN_REFUSAL}")
-        elif state["state"] in ("hold", "door") or state["held"]:
-            parts.append(
-                "HOLD: r goes on, s stops, x resets"
-                if self.keys
-                else "HOLD: SIGUSR1 goes on, Ctrl-C stops"
-            )
+        else:
+            parts = [
+                str(state["state"]),
+                f"{state['at_percent']:.1f} %" if state["total"] else "",
+                f"in line {state['at_source_line']}, {state['executed_source_line']} surely over,"
+                f" {state['source_line']} answered",
+                *_moves(state),
+                *_buffers(state),
+                *_times(state),
+                self._keys_now(state),
+            ]
         return "  ".join(part for part in parts if part)
+
+    def _keys_now(self, state: dict[str, Any]) -> str:
+        """What a person may do about a refused line, or a hold; "": neither is."""
+        if state["asks"]:
+            return f"REFUSED: {IN_REFUSAL}"
+        if state["state"] not in ("hold", "door") and not state["held"]:
+            return ""
+        if self.keys:
+            return "HOLD: r goes on, s stops, x resets"
+        return "HOLD: SIGUSR1 goes on, Ctrl-C stops"
 
     def _draw(self, state: dict[str, Any]) -> None:
         """Of the outlet's own thread."""
@@ -287,6 +289,33 @@ class Show:
     def close(self) -> None:
         """Give the terminal back."""
         self.err.close(lambda: self._live.stop() if self._live is not None else None)
+
+
+def _moves(state: dict[str, Any]) -> list[str]:
+    """Where the tool is, how fast, and by which overrides."""
+    parts = [
+        f"{which} " + " ".join(f"{x}{v:.3f}" for x, v in state[name].items())
+        for name, which in (("work_mm", "work"), ("position_mm", "machine"))
+        if name in state
+    ]
+    if "feed_mm_min" in state:
+        parts.append(f"F{state['feed_mm_min']:g}")
+    changed = [f"{k} {v:g} %" for k, v in state.get("override_percent", {}).items() if v != 100]
+    return [*parts, " ".join(changed)]
+
+
+def _buffers(state: dict[str, Any]) -> list[str]:
+    parts = []
+    if state["buffer_bytes"] is not None:
+        parts.append(f"{state['buffer_bytes']} bytes in the buffer")
+    if "planner_free" in state:
+        parts.append(f"{state['planner_free']} blocks free")
+    return parts
+
+
+def _times(state: dict[str, Any]) -> list[str]:
+    gone = f"{_minutes(state['elapsed_s'])} gone"
+    return [gone, f"{_minutes(state['eta_s'])} left"] if "eta_s" in state else [gone]
 
 
 def _minutes(seconds: float) -> str:
