@@ -104,11 +104,9 @@ def _changes(results: list[Result], tests: list[Positioning], line: bool) -> lis
     names = [n for n in (*SHOWN, LARGEST) if n in both[0] and n in both[1]]
     if line:
         names = [n for n in names if n not in ("A", "E")]
-    if both[0].get("A", Parameter("A", None, "")).value is None and not line:
-        names = [
-            *(f"{n}{s}" for n in "AE" for s in "+-" if both[0][f"{n}{s}"].value is not None),
-            *names,
-        ]
+    elif both[0].get("A", Parameter("A", None, "")).value is None:
+        one_way = [n for n in ("A+", "A-", "E+", "E-") if both[0][n].value is not None]
+        names = [*one_way, *names]
     return [_change(both[0][n], both[1][n]) for n in names]
 
 
@@ -163,14 +161,11 @@ def _stated(motion: Motion, target: np.ndarray, machine: Machine) -> np.ndarray 
         return None
     if motion.test == "rotary":
         table = machine.tables.get(motion.axes)
+        if table is None:
+            return None
         row = 3 + ROTARY.index(motion.axes)
-        return (
-            None
-            if table is None
-            else np.stack(
-                [np.interp(target, table.nodes, w[row]) for w in (table.forward, table.reverse)]
-            )
-        )
+        ways = (table.forward[row], table.reverse[row])
+        return np.stack([np.interp(target, table.nodes, w) for w in ways])
     start = {x: float(motion.recording.position(x)[motion.position.argmin()]) for x in motion.axes}
     position, approach = (np.zeros((len(machine.letters), len(target))) for _ in range(2))
     way = target - motion.position.min()

@@ -55,23 +55,27 @@ def pairs(
     old = [m for r in before for m in motions(r)]
     points = [(r, _points(r)) for r in before]
     new = [m for r in after for m in motions(_nominal(r, points, commanded))]
-    found = []
-    for motion in old:
-        same = [m for m in new if _key(m) == _key(motion)]
-        if len(same) != 1:
-            raise AcceptError(
-                f"{subject(motion)} of {motion.recording.file} was measured {len(same)} times"
-                " after: "
-                f"{', '.join(m.recording.file for m in same) or 'among ' + ', '.join(subject(m) for m in new)}",  # noqa: E501
-                "one recording of a component before, and one after",
-            )
-        found.append((motion, same[0]))
+    found = [(motion, _partner(motion, new)) for motion in old]
+    partners = {id(partner) for _, partner in found}
     for motion in new:
-        if not any(after_one is motion for _, after_one in found):
+        if id(motion) not in partners:
             raise AcceptError(
                 f"{subject(motion)} of {motion.recording.file} was not measured before"
             )
     return found
+
+
+def _partner(motion: Motion, new: list[Motion]) -> Motion:
+    """The one of `new` that is the same motion."""
+    same = [m for m in new if _key(m) == _key(motion)]
+    if len(same) != 1:
+        files = ", ".join(m.recording.file for m in same)
+        raise AcceptError(
+            f"{subject(motion)} of {motion.recording.file} was measured {len(same)} times"
+            f" after: {files or 'among ' + ', '.join(subject(m) for m in new)}",
+            "one recording of a component before, and one after",
+        )
+    return same[0]
 
 
 def _key(motion: Motion) -> tuple:
@@ -107,19 +111,12 @@ def _nominal(
     Raises AcceptError where its targets are others.
     """
     own = np.stack([recording.position(x) for x in recording.axes], axis=1)
-    best, source = None, recording
     alike = [
         (r, p) for r, p in before if r.axes == recording.axes and r.quantity == recording.quantity
     ]
-    for other, points in alike:
-        if not _alike(recording, other):
-            continue
-        apart = np.abs(own[:, None, :] - points[None, :, :]).max(axis=2)
-        near = points[apart.argmin(axis=1)]
-        if best is None or np.abs(own - near).max() < np.abs(own - best).max():
-            best, source = near, other
+    nearest = _nearest(recording, own, alike)
     against = commanded or recording.head.get("against") == "commanded"
-    if best is None and alike and against:
+    if nearest is None and alike and against:
         raise AcceptError(
             f"its readings are along {_vector(recording)}, and those before along"
             f" {_vector(alike[0][0])}",
@@ -127,13 +124,14 @@ def _nominal(
             " does",
             Place(recording.file, 1),
         )
-    if best is None:
+    if nearest is None:
         return recording  # another quantity: pairs() names it
-    far = float(np.abs(own - best).max())
+    source, targets = nearest
+    far = float(np.abs(own - targets).max())
     if far <= SAME:
         return recording
-    worst = int(np.abs(own - best).max(axis=1).argmax())
     if far > NEAR or not against:
+        worst = int(np.abs(own - targets).max(axis=1).argmax())
         say = (
             "readings are wanted against the nominal targets, those of before; where they are"
             " against what the corrected program commands, say --commanded"
@@ -143,15 +141,35 @@ def _nominal(
             say if far <= NEAR else "measure at the same targets as before",
             Place(recording.file, int(recording.lines[worst])),
         )
-    shift = own - best
-    along = sum(recording.sensitive.get(x, 0.0) * shift[:, i] for i, x in enumerate(recording.axes))
-    name = "reading_urad" if recording.quantity == "angle" else "reading_um"
+    return _shifted(recording, own, targets, source)
+
+
+def _nearest(
+    recording: Recording, own: np.ndarray, before: list[tuple[Recording, np.ndarray]]
+) -> tuple[Recording, np.ndarray] | None:
+    """The recording along the same direction whose targets lie nearest, and (R, A) mm its target
+    next to each of `own`."""
+    found = []
+    for other, points in before:
+        if _alike(recording, other):
+            apart = np.abs(own[:, None, :] - points[None, :, :]).max(axis=2)
+            found.append((other, points[apart.argmin(axis=1)]))
+    return min(found, key=lambda one: float(np.abs(own - one[1]).max()), default=None)
+
+
+def _shifted(
+    recording: Recording, own: np.ndarray, targets: np.ndarray, source: Recording
+) -> Recording:
+    """Readings against `own` targets as readings against those of `source`, (R, A) mm."""
     columns = dict(recording.columns)
-    columns[name] = columns[name] + (
-        0.0 if recording.quantity == "angle" else along / recording.unit
-    )
-    head = recording.head | {"sensitive": dict(source.sensitive)}
+    if recording.quantity != "angle":
+        shift = own - targets
+        along = sum(
+            recording.sensitive.get(x, 0.0) * shift[:, i] for i, x in enumerate(recording.axes)
+        )
+        columns["reading_um"] = columns["reading_um"] + along / recording.unit
     columns |= {
-        f"{x}_{'mm' if x in 'XYZ' else 'deg'}": best[:, i] for i, x in enumerate(recording.axes)
+        f"{x}_{'mm' if x in 'XYZ' else 'deg'}": targets[:, i] for i, x in enumerate(recording.axes)
     }
+    head = recording.head | {"sensitive": dict(source.sensitive)}
     return replace(recording, head=head, columns=columns)

@@ -17,6 +17,7 @@ from postproc.machine import lacks
 
 if TYPE_CHECKING:
     from postproc.filter import Filter
+    from postproc.machine.model import Machine
 
 HELP = "correct a program for a machine (the default: gcomp --machine NAME FILE)"
 EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
@@ -83,17 +84,6 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    if options.in_place and (options.output or options.file in (None, "-")):
-        raise UsageError("--in-place corrects FILE itself: it needs a FILE and no --output")
-    if options.output == "":
-        raise UsageError("--output names no file", "-o FILE, or leave it out for standard output")
-    if options.unbuffered and (
-        options.output or options.in_place or options.dry_run or options.expand
-    ):
-        raise UsageError(
-            "--unbuffered writes to standard output as it goes: not with --output, --in-place,"
-            " --dry-run or --expand"
-        )
     _one_place_each(options)
     _spares(options)
     asked = options.verify
@@ -110,11 +100,8 @@ def run(options: argparse.Namespace) -> int:
             _put(done, options)
     if options.report:
         _put_page(done, options.report)
-    if done.verifier and asked:
-        part = f" for {', '.join(options.only)} alone" if options.only else ""
-        print(f"gcomp: verified{part}: {done.verifier.report()}", file=sys.stderr)
-        if lacking := lacks.sentence(machine):
-            print(f"gcomp: {lacking}", file=sys.stderr)
+    if asked:
+        _say_verified(done, options, machine)
     if left := reading.left_by_only(options):
         print(f"gcomp: {left}", file=sys.stderr)
     if options.json:
@@ -127,6 +114,14 @@ def run(options: argparse.Namespace) -> int:
         if not options.dry_run:
             print(f"gcomp: {summary(done.filter)}", file=sys.stderr)
     return 0
+
+
+def _say_verified(done: attempts.Attempt, options: argparse.Namespace, machine: Machine) -> None:
+    if done.verifier:
+        part = f" for {', '.join(options.only)} alone" if options.only else ""
+        print(f"gcomp: verified{part}: {done.verifier.report()}", file=sys.stderr)
+        if lacking := lacks.sentence(machine):
+            print(f"gcomp: {lacking}", file=sys.stderr)
 
 
 def _spares(options: argparse.Namespace) -> None:
@@ -144,15 +139,24 @@ def _spares(options: argparse.Namespace) -> None:
 
 
 def _one_place_each(options: argparse.Namespace) -> None:
-    """Raises UsageError where the program and what is told of it would go to one place."""
+    """Raises UsageError where the corrected program has no place, or goes to one with what is told
+    of it."""
+    if options.in_place and (options.output or options.file in (None, "-")):
+        raise UsageError("--in-place corrects FILE itself: it needs a FILE and no --output")
+    if options.output == "":
+        raise UsageError("--output names no file", "-o FILE, or leave it out for standard output")
+    elsewhere = [options.in_place, options.dry_run]
+    if options.unbuffered and any([options.output, options.expand, *elsewhere]):
+        raise UsageError(
+            "--unbuffered writes to standard output as it goes: not with --output, --in-place,"
+            " --dry-run or --expand"
+        )
     if options.json and options.unbuffered:
         raise UsageError(
             "--json is known at the end of a program, and --unbuffered has none",
             "without --unbuffered",
         )
-    if options.json == "-" and not (
-        options.output not in (None, "-") or options.in_place or options.dry_run
-    ):
+    if options.json == "-" and not any([options.output not in (None, "-"), *elsewhere]):
         raise UsageError(
             "the program and --json - are both for standard output", "-o FILE for the program"
         )
@@ -161,6 +165,10 @@ def _one_place_each(options: argparse.Namespace) -> None:
             "--report is drawn at the end of a program, and --unbuffered has none",
             "without --unbuffered",
         )
+    _written_once(options)
+
+
+def _written_once(options: argparse.Namespace) -> None:
     named = [options.output or "", options.file or "", options.json or "", options.report or ""]
     for k, name in enumerate(named):
         if name not in ("", "-") and k > 1 and name in named[:k]:

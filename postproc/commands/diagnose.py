@@ -14,7 +14,8 @@ from postproc.commands import as_json, reading, values
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
-    from postproc.recordings import Recording
+    from postproc.diagnose.answer import Diagnosis
+    from postproc.recordings import Recording, Source
 
 HELP = "say what physics the machine's model leaves out, from recordings"
 EXAMPLE = "gcomp diagnose r1.csv r2.csv --machine studer-s36 --json answer.json"
@@ -69,7 +70,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from postproc import recordings as formats
-    from postproc.diagnose import machine_effects, report
+    from postproc.diagnose import report
     from postproc.diagnose.analysis import Options, diagnose
     from postproc.simulate.program import without_errors
 
@@ -77,14 +78,7 @@ def run(options: argparse.Namespace) -> int:
     machine = reading.machine_of(options)
     if options.write_machine:
         standing.kept(options.write_machine, options.force)
-    sources = []
-    for path in options.recordings:
-        file = Path(path)
-        if file.is_dir():
-            raise UsageError(f"{path} is a folder", f"name the recordings in it: {path}/*.csv")
-        if not file.exists():
-            raise UsageError(f"there is no recording {path}")
-        sources.append(formats.Source(path, ports.read_whole(file, intake.RECORDING)))
+    sources = [_source(path) for path in options.recordings]
     lenient = formats.ReadingOptions(strict=False)
     told = _Progress(options.quiet)
     read = []
@@ -104,24 +98,7 @@ def run(options: argparse.Namespace) -> int:
     if options.residuals:
         _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
     if options.write_machine:
-        from postproc.machine import places
-
-        ports.copy_folder(
-            places.folder_of(options.machine),
-            Path(options.write_machine),
-            options.force,
-            machine_effects.effects_toml(
-                found, Path(options.write_machine).name, tuple(options.accept)
-            ),
-        )
-        if not options.quiet:
-            for text in machine_effects.not_told_apart(found, tuple(options.accept)):
-                print(f"gcomp: {text}", file=sys.stderr)
-        if found.unknown:
-            _write(
-                str(Path(options.write_machine) / f"{report.map_name(found)}.csv"),
-                report.unknown_csv(found),
-            )
+        _write_machine(options, found)
     if options.report:
         from postproc.pages import diagnosis
 
@@ -140,6 +117,36 @@ def run(options: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     return 0
+
+
+def _source(path: str) -> Source:
+    from postproc.recordings import Source
+
+    file = Path(path)
+    if file.is_dir():
+        raise UsageError(f"{path} is a folder", f"name the recordings in it: {path}/*.csv")
+    if not file.exists():
+        raise UsageError(f"there is no recording {path}")
+    return Source(path, ports.read_whole(file, intake.RECORDING))
+
+
+def _write_machine(options: argparse.Namespace, found: Diagnosis) -> None:
+    """A copy of the machine with the effects that were found, and what is left of them unknown."""
+    from postproc.diagnose import machine_effects, report
+    from postproc.machine import places
+
+    target, accepted = Path(options.write_machine), tuple(options.accept)
+    ports.copy_folder(
+        places.folder_of(options.machine),
+        target,
+        options.force,
+        machine_effects.effects_toml(found, target.name, accepted),
+    )
+    if not options.quiet:
+        for text in machine_effects.not_told_apart(found, accepted):
+            print(f"gcomp: {text}", file=sys.stderr)
+    if found.unknown:
+        _write(str(target / f"{report.map_name(found)}.csv"), report.unknown_csv(found))
 
 
 def corrected(read: list[Recording], said: bool) -> bool:

@@ -195,10 +195,12 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     if known.parts:
         u = float(known.length(slides, turn)[0])
         says.append(f"the map itself is known to +- {micrometres(u)} um (95 %) there")
+    return says + _blocks(pieces, i)
+
+
+def _blocks(pieces: Pieces, i: int) -> list[str]:
+    """How many blocks a motion became, where it is more than one."""
     n = int((pieces.motion == i).sum())
     turns = int(pieces.take_up[pieces.motion == i].sum())
-    if n > 1:
-        says.append(
-            f"written as {n} blocks" + (f", {turns} of them to turn a slide round" if turns else "")
-        )
-    return says
+    round_ = f", {turns} of them to turn a slide round" if turns else ""
+    return [f"written as {n} blocks{round_}"] if n > 1 else []

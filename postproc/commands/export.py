@@ -146,30 +146,36 @@ def _uncertainty(
 
 def _chosen(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTable], list[str]]:
     """The machine's one-axis tables that were asked for, and notices about them."""
+    tables, left = _tables(options, machine)
+    kept = {t.name for t in tables}
+    notices = [
+        notice
+        for x in sorted({t.moving for t in tables})
+        for notice in _notices(options, machine, x, kept)
+    ]
+    if options.axis or options.component:
+        left = [n for n in left if not re.match(r"E[XYZ][XYZ] ", n) or n[:3] in kept]
+    return tables, [*notices, *left]
+
+
+def _tables(options: argparse.Namespace, machine: Machine) -> tuple[list[ErrorTable], list[str]]:
+    """Those that were asked for, and what no table of one axis holds. Raises UsageError for an axis
+    or a component that there is not."""
     for x in [*options.axis, *options.at]:
         if x not in machine.axes:
             raise UsageError(
                 f"{machine.name} has no axis {x}", f"axes: {' '.join(machine.letters)}"
             )
     found, left = marginals(machine, options.at)
-    every = [ErrorTable(*m) for m in found]
-    have = [t.name for t in every]
+    tables = [ErrorTable(*m) for m in found]
+    have = [t.name for t in tables]
     for name in options.component:
         if name not in have:
             raise UsageError(
                 f"{machine.name} has no component {name} along a single axis",
                 f"components: {', '.join(have) or 'none'}",
             )
-    tables = _asked(options, every)
-    notices = [
-        notice
-        for x in sorted({t.moving for t in tables})
-        for notice in _notices(options, machine, x, {t.name for t in tables})
-    ]
-    if options.axis or options.component:
-        kept = {t.name for t in tables}
-        left = [n for n in left if not re.match(r"E[XYZ][XYZ] ", n) or n[:3] in kept]
-    return tables, [*notices, *left]
+    return _asked(options, tables), left
 
 
 def _asked(options: argparse.Namespace, tables: list[ErrorTable]) -> list[ErrorTable]:

@@ -13,6 +13,7 @@ from postproc.control_tables import ErrorTable, Export
 from postproc.errors import UsageError
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
+from postproc.machine.tables import AxisTable
 from postproc.units import UM
 
 FORMAT = "gcomp-export/1"
@@ -24,24 +25,23 @@ def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
     axis, row = machine.axes[table.moving], XYZ.index(table.along)
     parts = []
     if axis.uncertainty is not None and row in axis.uncertainty.stated:
-        both = np.stack([axis.uncertainty.table.forward, axis.uncertainty.table.reverse])[:, row]
-        parts.append(np.interp(table.nodes, axis.uncertainty.table.nodes, both.max(axis=0)))
+        parts.append(_along(axis.uncertainty.table, row, table.nodes))
     for name, angle in machine.square_u.items():
         across = {x for x, r in zip(XYZ, "ABC", strict=True) if r != name[0]}
         if name[2] == table.moving and across == {table.moving, table.along}:
             parts.append(angle * np.abs(table.nodes))
-    for term in machine.effects:
-        for one in term.spread:
-            parts += [
-                np.interp(
-                    table.nodes,
-                    t.nodes,
-                    np.abs(np.stack([t.forward, t.reverse])[:, row]).max(axis=0),
-                )
-                for t in one.tables
-                if t.letter == table.moving and row in t.rows
-            ]
+    spread = [t for term in machine.effects for one in term.spread for t in one.tables]
+    parts += [
+        _along(t, row, table.nodes) for t in spread if t.letter == table.moving and row in t.rows
+    ]
     return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
+
+
+def _along(table: AxisTable, row: int, nodes: np.ndarray) -> np.ndarray:
+    """(K,) the larger size of both directions of a component at nodes."""
+    both = np.abs(np.stack([table.forward, table.reverse])[:, row])
+    found: np.ndarray = np.interp(nodes, table.nodes, both.max(axis=0))
+    return found
 
 
 def held(table: ErrorTable, export: Export) -> bool:

@@ -17,8 +17,10 @@ from postproc.machine import part
 from postproc.units import UM
 
 if TYPE_CHECKING:
+    from postproc.control_tables import ErrorTable
     from postproc.filter import Filter
-    from postproc.machine.model import Machine
+    from postproc.machine.model import ControlTable, Machine
+    from postproc.machine.tables import AxisTable
     from postproc.nc.dialects import Dialect
     from postproc.recordings import Source
 
@@ -73,45 +75,45 @@ def with_control_tables(machine: Machine) -> Machine:
     put back."""
     if all(table.active == table.measured for table in machine.control_tables):
         return machine
-    from postproc import control_tables
     from postproc.machine.model import EffectTerm
-    from postproc.machine.tables import COMPONENTS, AxisTable
 
     terms = []
     for table in machine.control_tables:
         if table.active == table.measured or table.file is None:
             continue
-        extra = dict(table.more) | ({"axis": table.axis} if table.axis else {})
-        if table.settings is not None:
-            extra |= {
-                "settings": _source(table.settings).text,
-                "settings_name": str(table.settings),
-            }
-        source = _source(table.file)
-        sign = -1.0 if table.active else 1.0
-        added = []
-        for found in control_tables.load(table.control).read(
-            source, control_tables.ExportOptions(extra=extra)
-        ):
-            if found.moving not in machine.axes or found.along not in machine.axes:
-                continue
-            # One point holds everywhere, as two do that say the same.
-            nodes = found.nodes if len(found.nodes) > 1 else found.nodes[0] + np.array([0.0, 1.0])
-            both = np.zeros((2, 6, len(nodes)))
-            both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack(
-                [found.forward, found.reverse]
-            )
-            added.append(AxisTable(found.moving, nodes, both[0], both[1]))
-        terms.append(
-            EffectTerm(
-                f"{table.control} table {'on' if table.active else 'off'}",
-                "",
-                {},
-                None,
-                tuple(added),
-            )
+        sign, state = (-1.0, "on") if table.active else (1.0, "off")
+        added = tuple(
+            _added(found, sign)
+            for found in _of_control(table, table.file)
+            if found.moving in machine.axes and found.along in machine.axes
         )
+        terms.append(EffectTerm(f"{table.control} table {state}", "", {}, None, added))
     return replace(machine, effects=machine.effects + tuple(terms)) if terms else machine
+
+
+def _of_control(table: ControlTable, file: Path) -> list[ErrorTable]:
+    """What a control's own table takes out."""
+    from postproc import control_tables
+
+    extra = dict(table.more) | ({"axis": table.axis} if table.axis else {})
+    if table.settings is not None:
+        extra |= {"settings": _source(table.settings).text, "settings_name": str(table.settings)}
+    source = _source(file)
+    found: list[ErrorTable] = control_tables.load(table.control).read(
+        source, control_tables.ExportOptions(extra=extra)
+    )
+    return found
+
+
+def _added(found: ErrorTable, sign: float) -> AxisTable:
+    """A control's table times `sign`, as a table of the map."""
+    from postproc.machine.tables import COMPONENTS, AxisTable
+
+    # One point holds everywhere, as two do that say the same.
+    nodes = found.nodes if len(found.nodes) > 1 else found.nodes[0] + np.array([0.0, 1.0])
+    both = np.zeros((2, 6, len(nodes)))
+    both[:, COMPONENTS.index(f"E{found.along}")] = sign * np.stack([found.forward, found.reverse])
+    return AxisTable(found.moving, nodes, both[0], both[1])
 
 
 def _source(path: Path) -> Source:

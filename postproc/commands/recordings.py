@@ -68,25 +68,24 @@ def run(options: argparse.Namespace) -> int:
     told: list[dict[str, Any]] = []
     status, out = 0, as_json.beside(options.json)
     for path in options.files:
+        name = None
         if session.is_session(path):
-            for one in read_files([path], options.format, how):
-                print(("\n" if found else "") + show(one, f"as {path} says"), file=out)
-                found.append(one)
-                told.append(facts(one, None))
-            continue
-        source = Source(path, ports.read_whole(Path(path), intake.RECORDING))
-        try:
-            recordings = read_all(source, options.format, how)
-        except GcompError as error:
-            if len(options.files) == 1:
-                raise
-            colour.fault(str(error))
-            told.append({"file": path, "fault": error.message, "advice": error.advice})
-            status = 2
-            continue
-        name = options.format or format_of(source, how)
+            recordings = read_files([path], options.format, how)
+        else:
+            source = Source(path, ports.read_whole(Path(path), intake.RECORDING))
+            try:
+                recordings = read_all(source, options.format, how)
+            except GcompError as error:
+                if len(options.files) == 1:
+                    raise
+                colour.fault(str(error))
+                told.append({"file": path, "fault": error.message, "advice": error.advice})
+                status = 2
+                continue
+            name = options.format or format_of(source, how)
         for recording in recordings:
-            print(("\n" if found else "") + show(recording, name), file=out)
+            text = show(recording, name or f"as {path} says")
+            print(("\n" if found else "") + text, file=out)
             found.append(recording)
             told.append(facts(recording, name))
     if options.as_ and not status:
@@ -179,39 +178,43 @@ def show(recording: Recording, format: str) -> str:
         for key in ("machine", "instrument", "date")
         if recording.head.get(key)
     ]
-    if recording.kind == "targets":
-        rows += _targets(recording)
-    elif recording.kind in RESTING:
-        rows.append(("rows", f"{len(recording)}"))
-        rows += [
-            (x, f"{_range(recording.position(x))} {'mm' if x in 'XYZ' else 'deg'}")
-            for x in recording.axes
-        ]
-    elif recording.kind != "features":
-        rows.append(("samples", f"{len(recording)}, t = {_range(recording.columns['t_s'])} s"))
-        rows += [
-            (letter, f"{_range(recording.position(letter))} mm commanded")
-            for letter in recording.axes
-        ]
-    else:
-        what = sorted({str(f) for f in recording.columns["feature"]})
-        rows.append(("features", f"{len(what)}: {', '.join(what)}; {len(recording)} readings"))
+    rows += _contents(recording)
     if recording.kind == "ballbar":
         rows.append(("radial", _reading(recording)))
-    places = {n: c for n, c in recording.columns.items() if n.startswith("T_") and n.endswith("_C")}
-    for name, column in places.items():
-        if np.any(np.isfinite(column)):
+    for name, column in recording.columns.items():
+        if name.startswith("T_") and name.endswith("_C") and np.any(np.isfinite(column)):
             rows.append((name[2:-2], f"{_range(column[np.isfinite(column)])} C"))
     if recording.faults:
         rows.append(("left out", f"{len(recording.faults)}"))
     lines = [f"{recording.file}: {format}", *(f"  {name:<12}{text}" for name, text in rows)]
-    for fault in recording.faults[:SHOWN]:
-        lines.append(
-            f"    line {fault.line}: {fault.column + ': ' if fault.column else ''}{fault.message}"
-        )
+    lines += [
+        f"    line {fault.line}: {fault.column + ': ' if fault.column else ''}{fault.message}"
+        for fault in recording.faults[:SHOWN]
+    ]
     if len(recording.faults) > SHOWN:
         lines.append(f"    and {len(recording.faults) - SHOWN} more")
     return "\n".join([*lines, *(f"  notice: {text}" for text in recording.notices)])
+
+
+def _contents(recording: Recording) -> list[tuple[str, str]]:
+    """Rows or samples of its kind, and the ranges of its axes."""
+    if recording.kind == "targets":
+        return _targets(recording)
+    if recording.kind in RESTING:
+        return [
+            ("rows", f"{len(recording)}"),
+            *(
+                (x, f"{_range(recording.position(x))} {'mm' if x in 'XYZ' else 'deg'}")
+                for x in recording.axes
+            ),
+        ]
+    if recording.kind == "features":
+        what = sorted({str(f) for f in recording.columns["feature"]})
+        return [("features", f"{len(what)}: {', '.join(what)}; {len(recording)} readings")]
+    return [
+        ("samples", f"{len(recording)}, t = {_range(recording.columns['t_s'])} s"),
+        *((x, f"{_range(recording.position(x))} mm commanded") for x in recording.axes),
+    ]
 
 
 def _kind(recording: Recording) -> str:

@@ -59,20 +59,9 @@ class Entry:
         otherwise."""
         columns, notices = dict(recording.columns), list(recording.notices)
         n = len(recording)
-        moved = [x for x in recording.axes if np.ptp(recording.position(x)) > 0]
         if recording.kind == "targets":
             for x, at in self.others.items():
-                if (
-                    x in recording.axes
-                    and x in self.own
-                    and (x in moved or abs(recording.position(x)[0] - at) > 1e-6)
-                ):
-                    raise UsageError(
-                        f"{self.session} says that {x} stood at {at:g} while {recording.file} was"
-                        " recorded, and the file says that it"
-                        f" {'moved' if x in moved else f'stood at {recording.position(x)[0]:g}'}",
-                        f"leave {x} out of others there",
-                    )
+                self._check(recording, x, at)
                 if x not in recording.axes:
                     columns[f"{x}_{'mm' if x in 'XYZ' else 'deg'}"] = np.full(n, at)
                     notices = [t for t in notices if not t.startswith("where the other axes stood")]
@@ -88,6 +77,21 @@ class Entry:
             columns[name] = -columns[name]
             notices.append("the readings' sign is turned, as the session says")
         return replace(recording, columns=columns, notices=tuple(notices))
+
+    def _check(self, recording: Recording, x: str, at: float) -> None:
+        """Raises UsageError where the file says that axis x, which this file's section names, stood
+        elsewhere, or moved."""
+        if x not in recording.axes or x not in self.own:
+            return
+        position = recording.position(x)
+        moved = np.ptp(position) > 0
+        if moved or abs(position[0] - at) > 1e-6:
+            raise UsageError(
+                f"{self.session} says that {x} stood at {at:g} while {recording.file} was"
+                " recorded, and the file says that it"
+                f" {'moved' if moved else f'stood at {position[0]:g}'}",
+                f"leave {x} out of others there",
+            )
 
 
 def is_session(path: str) -> bool:
@@ -233,21 +237,9 @@ def merged(
         return options
     if len(named) > 1:
         raise UsageError(f"{len(named)} sessions: {', '.join(named)}", "one at a time")
-    toml = _opened(named[0])
-    words: list[str] = []
-    for key, value in toml.table("options").items():
-        option = f"--{key.replace('_', '-')}"
-        for one in value if isinstance(value, list) else [value]:
-            if one is False or isinstance(one, dict):
-                raise toml.fault(
-                    "options",
-                    key,
-                    f"{key} = {one!r}",
-                    "true for an option without a value, else its text as on the command line",
-                )
-            words.append(option if one is True else f"{option}={one}")
     parser = _Words(add_help=False, allow_abbrev=False)
     parser.session = named[0]
+    words = _words_of(_opened(named[0]))
     arguments(parser)
     told = parser.parse_args([*words, named[0]])
     result = argparse.Namespace(**vars(options))
@@ -260,6 +252,23 @@ def merged(
         elif mine == usual:
             setattr(result, key, value)
     return result
+
+
+def _words_of(toml: TomlFile) -> list[str]:
+    """[options] as on a command line."""
+    words: list[str] = []
+    for key, value in toml.table("options").items():
+        option = f"--{key.replace('_', '-')}"
+        for one in value if isinstance(value, list) else [value]:
+            if one is False or isinstance(one, dict):
+                raise toml.fault(
+                    "options",
+                    key,
+                    f"{key} = {one!r}",
+                    "true for an option without a value, else its text as on the command line",
+                )
+            words.append(option if one is True else f"{option}={one}")
+    return words
 
 
 def first_one(found: list[tuple[str, list[Recording], str]], folder: Path) -> str:

@@ -19,6 +19,7 @@ from postproc.errors import GcompError, Notice, Place, UsageError
 if TYPE_CHECKING:
     from postproc.filter import Filter
     from postproc.machine.model import Machine
+    from postproc.recordings import Recording
     from postproc.simulate.actual import Term
     from postproc.simulate.instruments import Settings, Signal
     from postproc.simulate.limits import Limits
@@ -99,24 +100,25 @@ def run(options: argparse.Namespace) -> int:
             " time",
             file=sys.stderr,
         )
-    as_json.put(
-        options.json,
-        _told(options, machine, name)
-        | {
-            "instrument": instrument,
-            "title": module.TITLE,
-            "corrected": corrected,
-            "rows": len(recording),
-            "seconds": round(run_.duration, 3),
-            "columns": {
-                name: {"least": float(column.min()), "largest": float(column.max())}
-                for name, column in recording.columns.items()
-                if column.dtype.kind == "f"
-            },
-            "notices": [{"message": n.message, "line": n.line or None} for n in notices],
-        },
-    )
+    found = {
+        "instrument": instrument,
+        "title": module.TITLE,
+        "corrected": corrected,
+        "rows": len(recording),
+        "seconds": round(run_.duration, 3),
+        "columns": _ranges(recording),
+        "notices": [{"message": n.message, "line": n.line or None} for n in notices],
+    }
+    as_json.put(options.json, _told(options, machine, name) | found)
     return 0
+
+
+def _ranges(recording: Recording) -> dict[str, dict[str, float]]:
+    return {
+        name: {"least": float(column.min()), "largest": float(column.max())}
+        for name, column in recording.columns.items()
+        if column.dtype.kind == "f"
+    }
 
 
 def _refuse(options: argparse.Namespace) -> None:

@@ -55,17 +55,7 @@ def of(
         )
     used = list(dict.fromkeys(d.column for d in found if d.column))
     log.check(read, used)
-    begin = (
-        float(read.time[-1 if live else 0])
-        if options.log_begin is None
-        else read.moment(options.log_begin)
-    )
-    if not read.time[0] <= begin <= read.time[-1]:
-        raise UsageError(
-            f"--log-begin {options.log_begin}: the log {name} goes from {read.time[0]:g} s to"
-            f" {read.time[-1]:g} s",
-            "a time within it",
-        )
+    begin = _begin(read, options.log_begin, live)
     _told_by_then(read, used, begin)
     tolerance = options.tolerance or max(
         max(a.least_increment for a in machine.axes.values()), 0.0005
@@ -83,6 +73,19 @@ def of(
     )
     notices += _notices(machine, heat, out)
     return growth.following(machine, found), heat
+
+
+def _begin(read: log.Log, said: str | None, live: bool) -> float:
+    """s of the log at which the program begins: as is said, else its first moment, of one that goes
+    on its newest."""
+    begin = float(read.time[-1 if live else 0]) if said is None else read.moment(said)
+    if not read.time[0] <= begin <= read.time[-1]:
+        raise UsageError(
+            f"--log-begin {said}: the log {read.name} goes from {read.time[0]:g} s to"
+            f" {read.time[-1]:g} s",
+            "a time within it",
+        )
+    return begin
 
 
 def _told_by_then(read: log.Log, used: list[str], begin: float) -> None:

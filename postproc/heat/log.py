@@ -109,6 +109,23 @@ class Newest(Log):
 
 def read(name: str, data: bytes) -> Log:
     """Raises LogError with file and line."""
+    numbers, head, cells = _cells(name, data)
+    at = next((head.index(c) for c in head if c.lower() in TIMES), 0)
+    moments = (row[at] if at < len(row) else "" for row in cells)
+    time, dated = _times(name, list(zip(numbers[1:], moments, strict=True)))
+    columns, known = _columns([c if i != at else "" for i, c in enumerate(head)], cells, time)
+    if not columns:
+        raise LogError(
+            "no column holds numbers",
+            "a column a thermometer, degrees Celsius",
+            Place(name, numbers[0]),
+        )
+    return Log(name, time, columns, dated, known, np.array(numbers[1:]))
+
+
+def _cells(name: str, data: bytes) -> tuple[list[int], list[str], list[list[str]]]:
+    """The numbers of the file's lines that count, the names in the first of them, and the cells of
+    the others."""
     lines = [
         (k, line)
         for k, line in enumerate(_text(name, data).splitlines(), 1)
@@ -122,26 +139,15 @@ def read(name: str, data: bytes) -> Log:
         )
     mark = next((c for c in ("\t", ";") if c in lines[0][1]), ",")
     head, *cells = (_row(name, line, text, mark) for line, text in lines)
-    numbers = [k for k, _ in lines]
     head = [cell.strip() for cell in head]
     for column in head:
         if column and head.count(column) > 1:
             raise LogError(
                 f"{head.count(column)} columns are called {column}",
                 "a name of its own for each thermometer",
-                Place(name, numbers[0]),
+                Place(name, lines[0][0]),
             )
-    at = next((head.index(c) for c in head if c.lower() in TIMES), 0)
-    moments = (row[at] if at < len(row) else "" for row in cells)
-    time, dated = _times(name, list(zip(numbers[1:], moments, strict=True)))
-    columns, known = _columns([c if i != at else "" for i, c in enumerate(head)], cells, time)
-    if not columns:
-        raise LogError(
-            "no column holds numbers",
-            "a column a thermometer, degrees Celsius",
-            Place(name, numbers[0]),
-        )
-    return Log(name, time, columns, dated, known, np.array(numbers[1:]))
+    return [k for k, _ in lines], head, cells
 
 
 def _text(name: str, data: bytes) -> str:

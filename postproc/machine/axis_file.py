@@ -279,15 +279,7 @@ def _columns(
 ) -> dict[tuple[int, str], int]:
     """(component, direction) to column; direction "" for a component measured one way."""
     letter = letters[0]
-    for i, x in enumerate(letters):
-        name = header[i] if i < len(header) else ""
-        if name != position_name(x):
-            nth, unit = ("first", "second")[i], "degrees" if x in ROTARY else "mm"
-            raise MachineError(
-                f"the {nth} column is {name!r}, not {position_name(x)!r}",
-                f"positions are slide positions in {unit}",
-                place,
-            )
+    _check_positions(header, letters, place)
     columns: dict[tuple[int, str], int] = {}
     allowed = [f"{c}{letter}_um" for c in COMPONENTS[:3]] + [
         f"{c}{letter}_urad" for c in COMPONENTS[3:]
@@ -311,3 +303,15 @@ def _columns(
                 f"{allowed[component]}: give one column, or both _fwd and _rev", "", place
             )
     return columns
+
+
+def _check_positions(header: list[str], letters: tuple[str, ...], place: Place) -> None:
+    for i, x in enumerate(letters):
+        name = header[i] if i < len(header) else ""
+        if name != position_name(x):
+            nth, unit = ("first", "second")[i], "degrees" if x in ROTARY else "mm"
+            raise MachineError(
+                f"the {nth} column is {name!r}, not {position_name(x)!r}",
+                f"positions are slide positions in {unit}",
+                place,
+            )

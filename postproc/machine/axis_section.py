@@ -45,14 +45,7 @@ def read_axis(
     if letter not in tuple(LINEAR + ROTARY) or not isinstance(section, dict):
         raise toml.fault(name, "", f"[{name}]: an axis is one of X Y Z A B C U V W")
     toml.check_keys(name, section, KEYS)
-    travel = section.get("travel")
-    if travel is None:
-        raise toml.fault(
-            name, "travel", f"travel is missing in [{name}]", "two ascending numbers, mm"
-        )
-    good = isinstance(travel, list) and len(travel) == 2 and all(map(intake.finite, travel))
-    if not good or travel[0] >= travel[1]:
-        raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
+    travel = _travel(toml, name, section)
     for key in ("max_velocity", "max_acceleration", "max_jerk"):
         if toml.number(name, section, key, 1.0) <= 0:
             raise toml.fault(name, key, f"{key} = {section[key]!r} is not above zero")
@@ -71,12 +64,12 @@ def read_axis(
         digest.update(intake.whole(path, intake.TABLE, MachineError))
         table = read_table(path, letter, limits.max_slope)
         if letter in ROTARY:
-            table = over_turns(table, float(travel[0]), float(travel[1]), path)
+            table = over_turns(table, *travel, path)
     uncertainty = None
     path = toml.own(name, "table", f"{letter}{UNCERTAINTY}")
     if path.is_file():
         digest.update(intake.whole(path, intake.TABLE, MachineError))
-        uncertainty = read_uncertainty(path, letter, (float(travel[0]), float(travel[1])), table)
+        uncertainty = read_uncertainty(path, letter, travel, table)
     optic = toml.string(name, section, "optic", "")
     if optic not in ("", *OPTICS):
         raise toml.fault(
@@ -87,7 +80,7 @@ def read_axis(
         )
     return Axis(
         letter,
-        (float(travel[0]), float(travel[1])),
+        travel,
         least,
         measured,
         table,
@@ -100,6 +93,18 @@ def read_axis(
         centre_stated=tuple(section.get("centre", {})),
         velocity=toml.number(name, section, "max_velocity", 0.0) / 60.0,
     )
+
+
+def _travel(toml: TomlFile, name: str, section: dict) -> tuple[float, float]:
+    travel = section.get("travel")
+    if travel is None:
+        raise toml.fault(
+            name, "travel", f"travel is missing in [{name}]", "two ascending numbers, mm"
+        )
+    good = isinstance(travel, list) and len(travel) == 2 and all(map(intake.finite, travel))
+    if not good or travel[0] >= travel[1]:
+        raise toml.fault(name, "travel", f"travel = {travel!r} must be two ascending numbers, mm")
+    return float(travel[0]), float(travel[1])
 
 
 def _measured_at(

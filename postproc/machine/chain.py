@@ -81,15 +81,16 @@ def parse(text: str) -> Chain:
             raise ValueError(f"chain {text!r}: {axis!r} is not one of X Y Z A B C U V W")
     if len(set(axes)) != len(axes):
         raise ValueError(f"chain {text!r} names an axis twice")
-    if sum(x in ROTARY for x in axes) > 2:
+    turning = sum(x in ROTARY for x in axes)
+    if turning > 2:
         raise ValueError(f"chain {text!r} has more than two rotary axes")
-    for axis in axes:
-        if axis in "UVW" and XYZ[along(axis)] not in axes:
+    for axis in (axis for axis in axes if axis in "UVW"):
+        if XYZ[along(axis)] not in axes:
             raise ValueError(
                 f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does"
                 " not name"
             )
-        if axis in "UVW" and any(x in ROTARY for x in axes):
+        if turning:
             raise ValueError(
                 f"chain {text!r} has second slides and rotary axes, which are not followed together"
             )
@@ -153,20 +154,24 @@ def tip_deviation(
         part = parts.get(letter)
         if part is None:
             continue
-        ex, ey, ez, ea, eb, ec = part
-        for i, shift in ((0, ex), (1, ey), (2, ez)):
+        for i, shift in enumerate(part[:3]):
             if shift is not None:
                 total[i] += shift
-        if ea is None and eb is None and ec is None:
-            continue
-        arm = [_length(constant, slides, position) for constant, slides in stays]
-        for i, turn, k, back, j in ((0, eb, 2, ec, 1), (1, ec, 0, ea, 2), (2, ea, 1, eb, 0)):
-            # (eps x arm)_i = eps_j arm_k - eps_k arm_j
-            if turn is not None and arm[k] is not None:
-                total[i] += turn * arm[k]
-            if back is not None and arm[j] is not None:
-                total[i] -= back * arm[j]
+        if any(turn is not None for turn in part[3:]):
+            arm = [_length(constant, slides, position) for constant, slides in stays]
+            _turn(total, part[3:], arm)
     return total
+
+
+def _turn(total: list[np.ndarray], turns: Parts, arm: list) -> None:
+    """Adds eps x arm to three (N,) columns of mm. turns: eps, rad, about X Y Z; arm: mm; None: it
+    is zero."""
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        # (eps x arm)_i = eps_j arm_k - eps_k arm_j
+        if turns[j] is not None and arm[k] is not None:
+            total[i] += turns[j] * arm[k]
+        if turns[k] is not None and arm[j] is not None:
+            total[i] -= turns[k] * arm[j]
 
 
 def _length(constant: float, slides: tuple[str, ...], position: dict[str, np.ndarray]):

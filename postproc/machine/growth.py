@@ -13,7 +13,7 @@ beyond the first and the last it is as warm as there.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -63,22 +63,15 @@ def drivers(
     found: list[Driver] = []
     lacking: list[str] = []
     out: list[str] = []
-    turned = [x for x in machine.chain.rotary if machine.chain.side(x) == "workpiece"]
+    turned = next((x for x in machine.chain.rotary if machine.chain.side(x) == "workpiece"), "")
     for x, axis in machine.axes.items():
         if axis.expansion is not None and x not in LINEAR:
             out.append(f"growth of {x}, which turns, is not followed")
-        if axis.expansion is not None and x in LINEAR:
+        elif axis.expansion is not None:
             of_scale = _scale(axis, columns, lacking)
             of_work = [] if turned else _work(axis, columns, lacking)
             found += of_scale + of_work
-            if axis.expansion.scale and not of_scale:
-                out.append(
-                    f"no column for the scale of {x}: it stays at {axis.expansion.scale_at:g} C"
-                )
-            if axis.expansion.work and not of_work:
-                stays = f"along {x} it stays at {axis.expansion.work_at:g} C"
-                why = f"{turned[0]} turns the work" if turned else "no column for the work"
-                out.append(f"{why}: {stays}")
+            out += _stays(axis.expansion, x, turned, bool(of_scale), bool(of_work))
     for term in machine.effects:
         by = _of_effect(machine, term, columns, spindles)
         found += by
@@ -88,6 +81,22 @@ def drivers(
                 " drives it"
             )
     return tuple(found), lacking, out
+
+
+def _stays(growth: Expansion, x: str, turned: str, of_scale: bool, of_work: bool) -> list[str]:
+    """What of an axis' growth no column follows. turned: the axis that turns the work, or ""."""
+    out = []
+    if growth.scale and not of_scale:
+        out.append(f"no column for the scale of {x}: it stays at {growth.scale_at:g} C")
+    if growth.work and not of_work:
+        why = f"{turned} turns the work" if turned else "no column for the work"
+        out.append(f"{why}: along {x} it stays at {growth.work_at:g} C")
+    return out
+
+
+def _first(names: Sequence[str], columns: Collection[str]) -> str:
+    """The first of these names that is a column; "": none is."""
+    return next((name for name in names if name in columns), "")
 
 
 def grown(machine: Machine, moving: tuple[Driver, ...], values: np.ndarray) -> Machine:
@@ -141,17 +150,18 @@ def _scale(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Dri
     if not growth.scale:
         return []
     if not growth.sensors:
-        own = next((c for c in (f"T_scale_{x}_C", f"T_screw_{x}_C") if c in columns), "")
+        own = _first((f"T_scale_{x}_C", f"T_screw_{x}_C"), columns)
         return [_linear(f"scale of {x}", axis, own, growth.scale)] if own else []
-    lacking += [c for c, _ in growth.sensors if c not in columns]
-    if any(at is None for _, at in growth.sensors):
-        share = growth.scale / len(growth.sensors)
-        return [_linear(f"scale of {x}", axis, c, share) for c, _ in growth.sensors if c in columns]
+    names = [c for c, _ in growth.sensors]
     places = np.array([at for _, at in growth.sensors if at is not None])
+    lacking += [c for c in names if c not in columns]
+    here = [(k, c) for k, c in enumerate(names) if c in columns]
+    if len(places) < len(names):  # where they sit is not said: their mean counts
+        share = growth.scale / len(names)
+        return [_linear(f"scale of {x}", axis, c, share) for _, c in here]
     return [
-        Driver(f"scale of {x}", x, column, REFERENCE, *_grown_by(axis, growth, places, k))
-        for k, (column, _) in enumerate(growth.sensors)
-        if column in columns
+        Driver(f"scale of {x}", x, c, REFERENCE, *_grown_by(axis, growth, places, k))
+        for k, c in here
     ]
 
 
@@ -180,7 +190,7 @@ def _work(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Driv
         lacking += [c for c in growth.work_sensors if c not in columns]
         share = -growth.work / len(growth.work_sensors)
         return [_linear("work", axis, c, share) for c in growth.work_sensors if c in columns]
-    own = next((c for c in WORK if c in columns), "")
+    own = _first(WORK, columns)
     return [_linear("work", axis, own, -growth.work)] if own else []
 
 
@@ -193,23 +203,23 @@ def _of_effect(
         return []
     nodes = np.array(machine.axes[x].travel)
 
-    def by(column: str, unit: np.ndarray) -> list[Driver]:
-        return (
-            [Driver(f"{term.name} of {x}", x, column, np.nan, nodes, unit * UM)] if column else []
-        )
+    name = f"{term.name} of {x}"
+    if term.name == "spindle_growth" and p["tau_s"] > 0:
+        told = tuple(sorted(p.items()))
+        return [Driver(name, x, "", 0.0, nodes, np.full(2, UM), told)] if spindles else []
+    columns_of, unit = _unit(term, nodes)
+    column = _first(columns_of, columns)
+    return [Driver(name, x, column, np.nan, nodes, unit * UM)] if column else []
 
+
+def _unit(term: EffectTerm, nodes: np.ndarray) -> tuple[tuple[str, ...], np.ndarray]:
+    """The columns that an effect without a time constant may go by, and (K,) um per K at nodes."""
+    x, p = term.axis, term.parameters
     if term.name == "spindle_growth":
-        if p["tau_s"] > 0:
-            told = tuple(sorted(p.items()))
-            return (
-                [Driver(f"{term.name} of {x}", x, "", 0.0, nodes, np.full(2, UM), told)]
-                if spindles
-                else []
-            )
-        return by(next((c for c in SPINDLE if c in columns), ""), np.full(2, p["um_per_K"]))
+        return SPINDLE, np.full(2, p["um_per_K"])
     if term.name == "screw_heat" and p["tau_s"] == 0:
-        own = next((c for c in (f"T_screw_{x}_C", f"T_scale_{x}_C") if c in columns), "")
-        return by(own, p["alpha_ppm_K"] * (nodes - p["held_at_mm"]) * 1e-3 + p["fixed_um_K"])
-    if term.name == "structure_drift" and p["tau_s"] == 0 and not p["cycle_s"] and not p["creep"]:
-        return by(next((c for c in FRAME if c in columns), ""), np.full(2, p["size_um"]))
-    return []
+        per_K = p["alpha_ppm_K"] * (nodes - p["held_at_mm"]) * 1e-3 + p["fixed_um_K"]
+        return (f"T_screw_{x}_C", f"T_scale_{x}_C"), per_K
+    if term.name == "structure_drift" and not any(p[k] for k in ("tau_s", "cycle_s", "creep")):
+        return FRAME, np.full(2, p["size_um"])
+    return (), np.zeros(2)

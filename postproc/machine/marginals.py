@@ -77,14 +77,18 @@ def marginals(
                 )
             if spread[row] > SEEN:
                 others = [o for o in by if by[o][row] > SEEN] or list(by)
-                stand = ", ".join(f"{o} = {pose[o]:g}" for o in others)
-                notices.append(
-                    f"{name} is right where {stand}; elsewhere in the travel of"
-                    f" {' and '.join(others)} it is off by up to {spread[row] / UM:.2f} um, which a"
-                    " table of one axis can not hold"
-                )
+                notices.append(_elsewhere(name, {o: pose[o] for o in others}, spread[row]))
     notices += _rest(machine, slides)
     return found, notices
+
+
+def _elsewhere(name: str, stand: dict[str, float], off: float) -> str:
+    """What a table is off by where the others do not stand as they did for it; off: mm."""
+    return (
+        f"{name} is right where {', '.join(f'{o} = {at:g}' for o, at in stand.items())}; elsewhere"
+        f" in the travel of {' and '.join(stand)} it is off by up to {off / UM:.2f} um, which a"
+        " table of one axis can not hold"
+    )
 
 
 def _trimmed(table: Marginal) -> Marginal:
@@ -174,14 +178,7 @@ def _spread(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """(A,) mm: how far the deviation is from that at the pose, over the travel of all others, and
     of each other alone."""
-    places = {}
-    for x, axis in own.axes.items():
-        if x != moving and x in own.chain.axes:
-            extra = [g.others for g in axis.grids if g.other == x] + [
-                g.others for g in own.axes[moving].grids if g.other == x
-            ]
-            inside = np.concatenate([[*axis.travel, pose[x]], *extra])
-            places[x] = np.unique(np.clip(inside, *axis.travel))
+    places = _places(own, moving, pose)
     base = [_along(own, moving, pose, nodes, way) for way in (1.0, -1.0)]
 
     def off(chosen: dict[str, float]) -> np.ndarray:
@@ -201,6 +198,18 @@ def _spread(
         for p in product(*({float(w[0]), float(w[-1])} for w in matter.values()))
     ]
     return np.max([*alone.values(), *corners], axis=0), {x: alone[x] for x in matter}
+
+
+def _places(own: Machine, moving: str, pose: dict[str, float]) -> dict[str, np.ndarray]:
+    """Of each other axis its ends, its place in the pose, and the nodes along it of grids."""
+    places = {}
+    for x, axis in own.axes.items():
+        if x != moving and x in own.chain.axes:
+            grids = (*axis.grids, *own.axes[moving].grids)
+            extra = [g.others for g in grids if g.other == x]
+            inside = np.concatenate([[*axis.travel, pose[x]], *extra])
+            places[x] = np.unique(np.clip(inside, *axis.travel))
+    return places
 
 
 def _rest(machine: Machine, slides: list[str]) -> list[str]:

@@ -80,17 +80,7 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
     MachineError for a chain with rotary axes. Growth with temperature and effects are not part of a
     map: a notice names them.
     """
-    if machine.chain.rotary:
-        raise MachineError(
-            f"{machine.name} has rotary axes ({' '.join(machine.chain.rotary)})",
-            "volumetric tables are written for chains of linear axes only",
-        )
-    second = [x for x in machine.chain.axes if x in SECOND.values()]
-    if second:
-        raise MachineError(
-            f"{machine.name} has second slides ({' '.join(second)})",
-            "volumetric tables are written for chains of X Y Z only",
-        )
+    _refuse(machine)
     axes: dict[str, AxisTable] = {}
     grids: list[GridTable] = []
     left: dict[str, float] = {}
@@ -118,6 +108,30 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
         for i, a in enumerate(v)
         if a
     }
+    chain, notices = machine.chain, _unwritten(machine)
+    return (
+        VolumetricMap(axes, tuple(grids), square, chain.axes, chain.workpiece_side, notices),
+        left,
+    )
+
+
+def _refuse(machine: Machine) -> None:
+    """Raises MachineError for axes that no map is written of."""
+    if machine.chain.rotary:
+        raise MachineError(
+            f"{machine.name} has rotary axes ({' '.join(machine.chain.rotary)})",
+            "volumetric tables are written for chains of linear axes only",
+        )
+    second = [x for x in machine.chain.axes if x in SECOND.values()]
+    if second:
+        raise MachineError(
+            f"{machine.name} has second slides ({' '.join(second)})",
+            "volumetric tables are written for chains of X Y Z only",
+        )
+
+
+def _unwritten(machine: Machine) -> tuple[str, ...]:
+    """Notices of what a map can not hold, and of a tool whose length is in it."""
     notices = [f"growth of {x} with temperature is not written" for x in machine.expansions]
     notices += [f"effect {term.name} of {term.axis} is not written" for term in machine.effects]
     if machine.tool.any() and machine.turns:
@@ -126,11 +140,7 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
             f"the tool of the machine's file ({at} mm) is part of the translations: a longer one"
             " counts from there"
         )
-    chain = machine.chain
-    return (
-        VolumetricMap(axes, tuple(grids), square, chain.axes, chain.workpiece_side, tuple(notices)),
-        left,
-    )
+    return tuple(notices)
 
 
 def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:

@@ -30,26 +30,22 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
     plain = {k: v for k, v in data.items() if not _is_section(v)}
     order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
     lines += [entry(key, plain[key], comments.get(key, "")) for key in order]
+    rank = {key: i for i, key in enumerate(SECTIONS)}
     sections = [k for k in data if _is_section(data[k])]
-    for key in sorted(
-        sections, key=lambda k: SECTIONS.index(k) if k in SECTIONS else len(SECTIONS)
-    ):
-        value = data[key]
-        if isinstance(value, list):
-            for part in value:
-                lines += ["", f"[[{key}]]", *(entry(k, v, "") for k, v in part.items())]
-            continue
-        below = {
-            k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)
-        }
-        if key != "axes":
-            lines += [
-                "",
-                *_section(key, {k: part for k, part in value.items() if k not in below}, comments),
-            ]
-        for name, part in below.items():
-            lines += ["", *_section(f"{key}.{_key(name)}", part, comments)]
+    for key in sorted(sections, key=lambda k: rank.get(k, len(SECTIONS))):
+        for section in _sections(key, data[key], comments):
+            lines += ["", *section]
     return "\n".join(lines) + "\n"
+
+
+def _sections(key: str, value: Any, comments: Mapping[str, str]) -> list[list[str]]:
+    """The lines of a section and of those below it, or of each of a list."""
+    if isinstance(value, list):
+        return [[f"[[{key}]]", *(entry(k, v, "") for k, v in part.items())] for part in value]
+    below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
+    own = {k: part for k, part in value.items() if k not in below}
+    found = [_section(key, own, comments)] if key != "axes" else []
+    return found + [_section(f"{key}.{_key(name)}", part, comments) for name, part in below.items()]
 
 
 def axis_table(

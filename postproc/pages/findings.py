@@ -211,33 +211,12 @@ def written(d: Diagnosis) -> list[charts.Figure]:
         place = np.stack(
             [at if x == letter else np.full(len(at), middles[x]) for x in machine.letters]
         )
-        data = []
-        for k, error in enumerate(slides):
-            row = machine.letters.index(error)
-            for side, dash in ((1.0, "solid"), (-1.0, "dash")):
-                pair = [
-                    m.deviation(place, np.full_like(place, side))[row] * UM
-                    for m in (machine, other)
-                ]
-                if float(np.abs(pair[1] - pair[0]).max()) < CHANGES:
-                    continue
-                role, sign = ("plus", "minus", "limit")[k], "+" if side > 0 else "-"
-                data += [
-                    charts.line(
-                        charts.column(at, 3),
-                        charts.column(pair[0], 3),
-                        f"{error} as it is, from {sign}",
-                        "nominal",
-                        dash=dash,
-                    ),
-                    charts.line(
-                        charts.column(at, 3),
-                        charts.column(pair[1], 3),
-                        f"{error} as written, from {sign}",
-                        role,
-                        dash=dash,
-                    ),
-                ]
+        data = [
+            curve
+            for error, role in zip(slides, ("plus", "minus", "limit"), strict=False)
+            for side in (1.0, -1.0)
+            for curve in _pair((machine, other), place, side, error, role, charts.column(at, 3))
+        ]
         if data:
             figures.append(
                 charts.figure(
@@ -251,3 +230,24 @@ def written(d: Diagnosis) -> list[charts.Figure]:
                 )
             )
     return figures
+
+
+def _pair(
+    machines: tuple[Machine, Machine],
+    place: np.ndarray,
+    side: float,
+    error: str,
+    role: str,
+    x: list[float | None],
+) -> list[dict]:
+    """The deviation along `error` at (A, N) mm approached from one side, as it is and as written;
+    nothing where it does not change."""
+    row = machines[0].letters.index(error)
+    before, after = (m.deviation(place, np.full_like(place, side))[row] * UM for m in machines)
+    if float(np.abs(after - before).max()) < CHANGES:
+        return []
+    sign, dash = ("+", "solid") if side > 0 else ("-", "dash")
+    return [
+        charts.line(x, charts.column(values, 3), f"{error} {said}, from {sign}", colour, dash=dash)
+        for values, said, colour in ((before, "as it is", "nominal"), (after, "as written", role))
+    ]

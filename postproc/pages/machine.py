@@ -13,7 +13,7 @@ from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.lacks import lacks
 from postproc.machine.model import EffectTerm, Machine
-from postproc.machine.tables import COMPONENTS
+from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.machine.uncertainty import MapUncertainty, micrometres
 from postproc.pages import charts
 from postproc.pages.frame import Page
@@ -187,18 +187,10 @@ def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str)
     assert table is not None
     x = charts.column(table.nodes, 4)
     place = "mm" if axis.letter in LINEAR else "degrees"
-    stated = axis.uncertainty.table if axis.uncertainty is not None else None
     for row in rows:
         name, role = f"{COMPONENTS[row]}{axis.letter}", ROLES[row % 3]
-        ways = [
-            ("+", table.forward[row], stated.forward[row] if stated is not None else None, "solid"),
-            ("-", table.reverse[row], stated.reverse[row] if stated is not None else None, "dash"),
-        ]
-        if np.array_equal(table.forward[row], table.reverse[row]):
-            ways = ways[:1]
-        for way, values, u, dash in ways:
-            label = name if len(ways) == 1 else f"{name}, approached in {way}"
-            if u is not None and axis.uncertainty is not None and row in axis.uncertainty.stated:
+        for label, values, u, dash in _ways(axis, table, row, name):
+            if u is not None:
                 low, high = (charts.column((values + sign * u) / scale, 3) for sign in (-1, 1))
                 data.append(
                     charts.band(x, low, high, f"U of {label} (95 %)", "noise", showlegend=False)
@@ -215,16 +207,34 @@ def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str)
                     hovertemplate=f"{label} at %{{x}} {place}: %{{y:.2f}} {unit}<extra></extra>",
                 )
             )
-    known = "" if stated is not None else " How well they are known is not stated."
+    doubt = "" if axis.uncertainty is not None else " How well they are known is not stated."
     return charts.figure(
         f"axis-{axis.letter}-{what}",
-        f"{what.capitalize()} of {axis.letter}, actual - commanded, over its travel.{known}",
+        f"{what.capitalize()} of {axis.letter}, actual - commanded, over its travel.{doubt}",
         data,
         f"{axis.letter}, {place}",
         unit,
         320,
         xaxis={"range": list(_shown(axis))},
     )
+
+
+def _ways(
+    axis: Axis, table: AxisTable, row: int, name: str
+) -> list[tuple[str, np.ndarray, np.ndarray | None, str]]:
+    """The curves of a component: label, values, U or None, dash; one where both directions are the
+    same."""
+    u: tuple[np.ndarray | None, ...] = (None, None)
+    known = axis.uncertainty
+    if known is not None and row in known.stated:
+        u = (known.table.forward[row], known.table.reverse[row])
+    forward, reverse = table.forward[row], table.reverse[row]
+    if np.array_equal(forward, reverse):
+        return [(name, forward, u[0], "solid")]
+    return [
+        (f"{name}, approached in +", forward, u[0], "solid"),
+        (f"{name}, approached in -", reverse, u[1], "dash"),
+    ]
 
 
 def _shown(axis: Axis) -> tuple[float, float]:
@@ -246,69 +256,18 @@ def _squareness(result: Page, machine: Machine) -> None:
     if not angles:
         return
     result.section("Squareness")
-    rows = []
+    result.table(
+        ("name", ">angle, urad", ">U (95 %), urad", ">over its travel, um"),
+        [_angle(machine, *angle) for angle in angles],
+    )
     largest = max(abs(v) for *_, v in angles)
-    for letter, i, value in angles:
-        name = f"{ROTARY[i]}0{letter}"
-        u = machine.square_u.get(name)
-        reach = (
-            float(np.ptp(machine.axes[letter].travel))
-            if letter in machine.axes and letter in XYZ
-            else np.nan
-        )
-        rows.append(
-            (
-                name,
-                f"{value / URAD:+.1f}",
-                "not stated" if u is None else f"+- {u / URAD:.1f}",
-                "-" if np.isnan(reach) else f"{value * reach / UM:+.1f}",
-            )
-        )
-    result.table(("name", ">angle, urad", ">U (95 %), urad", ">over its travel, um"), rows)
     data, notes, at = [], [], 0.0
-    for letter, i, value in [angle for angle in angles if angle[0] in XYZ]:
-        # A turn about axis i moves the end of a unit vector along `letter` into the remaining one.
-        plane = [k for k in range(3) if k != i]
-        other = XYZ[next(k for k in plane if XYZ[k] != letter)]
-        turn = np.radians(LEAN) * value / largest
-        sign = 1.0 if (XYZ.index(other) - XYZ.index(letter)) % 3 == 1 else -1.0
-        top = [at + sign * float(np.sin(turn)), float(np.cos(turn))]
-        data += [
-            charts.line(
-                [at, at],
-                [0, 1],
-                f"{letter} square to {other}",
-                "nominal",
-                dash="dot",
-                showlegend=False,
-                hoverinfo="skip",
-            ),
-            charts.line(
-                [at, at + 0.5], [0, 0], other, "nominal", showlegend=False, hoverinfo="skip"
-            ),
-            charts.line(
-                [at, round(top[0], 4)],
-                [0, round(top[1], 4)],
-                f"{ROTARY[i]}0{letter}",
-                "before",
-                width=3,
-                showlegend=False,
-                hovertemplate=f"{ROTARY[i]}0{letter} {value / URAD:+.1f} urad<extra></extra>",
-            ),
-        ]
-        notes += [
-            _note(at, 1.08, f"{ROTARY[i]}0{letter} {value / URAD:+.0f} urad", "center", "bottom"),
-            _note(at + 0.52, 0.0, f"+{other}", "left", "middle"),
-            # on the side from which the axis leans away
-            _note(
-                at + (0.03 if top[0] < at else -0.03),
-                0.9,
-                f"+{letter}",
-                "left" if top[0] < at else "right",
-                "middle",
-            ),
-        ]
-        at += 1.5
+    for letter, i, value in angles:
+        if letter in XYZ:
+            curves, said = _lean(letter, i, value, LEAN * value / largest, at)
+            data += curves
+            notes += said
+            at += 1.5
     if not data:
         return
     plain = {"visible": False, "fixedrange": True}
@@ -327,6 +286,63 @@ def _squareness(result: Page, machine: Machine) -> None:
             yaxis={**plain, "range": [-0.15, 1.35], "scaleanchor": "x"},
         )
     )
+
+
+def _angle(machine: Machine, letter: str, i: int, value: float) -> tuple[str, ...]:
+    """An angle in numbers: how well it is known, and what it makes over the axis' travel."""
+    name = f"{ROTARY[i]}0{letter}"
+    u = machine.square_u.get(name)
+    over = "-"
+    if letter in machine.axes and letter in XYZ:
+        over = f"{value * float(np.ptp(machine.axes[letter].travel)) / UM:+.1f}"
+    return (
+        name,
+        f"{value / URAD:+.1f}",
+        "not stated" if u is None else f"+- {u / URAD:.1f}",
+        over,
+    )
+
+
+def _lean(
+    letter: str, i: int, value: float, degrees: float, at: float
+) -> tuple[list[dict], list[dict]]:
+    """A right angle with its foot at `at`, and beside it the axis as it leans, drawn by so many
+    degrees; and what is written there."""
+    # A turn about axis i moves the end of a unit vector along `letter` into the remaining one.
+    name = f"{ROTARY[i]}0{letter}"
+    other = next(x for k, x in enumerate(XYZ) if k != i and x != letter)
+    turn = np.radians(degrees)
+    sign = 1.0 if (XYZ.index(other) - XYZ.index(letter)) % 3 == 1 else -1.0
+    top = [at + sign * float(np.sin(turn)), float(np.cos(turn))]
+    left = top[0] < at
+    return [
+        charts.line(
+            [at, at],
+            [0, 1],
+            f"{letter} square to {other}",
+            "nominal",
+            dash="dot",
+            showlegend=False,
+            hoverinfo="skip",
+        ),
+        charts.line([at, at + 0.5], [0, 0], other, "nominal", showlegend=False, hoverinfo="skip"),
+        charts.line(
+            [at, round(top[0], 4)],
+            [0, round(top[1], 4)],
+            name,
+            "before",
+            width=3,
+            showlegend=False,
+            hovertemplate=f"{name} {value / URAD:+.1f} urad<extra></extra>",
+        ),
+    ], [
+        _note(at, 1.08, f"{name} {value / URAD:+.0f} urad", "center", "bottom"),
+        _note(at + 0.52, 0.0, f"+{other}", "left", "middle"),
+        # on the side from which the axis leans away
+        _note(
+            at + (0.03 if left else -0.03), 0.9, f"+{letter}", "left" if left else "right", "middle"
+        ),
+    ]
 
 
 def _note(x: float, y: float, text: str, across: str, up: str) -> dict:

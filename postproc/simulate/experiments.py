@@ -308,8 +308,14 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
         *(f"at_{x}" for x in slides),
         *(f"down_{x}" for x in slides if name in ("diagonal", "steps")),
     )
+    given = _given(rest, known, f"{name}:{axes}")
+    return function(Writer(machine, dialect), Ask(axes, given))
+
+
+def _given(items: list[str], known: tuple[str, ...], test: str) -> dict[str, float]:
+    """What follows a test's name, like radius=75."""
     given = {}
-    for item in rest:
+    for item in items:
         key, _, value = item.strip().partition("=")
         try:
             given[key] = float(value)
@@ -318,6 +324,6 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
         if key not in known or not math.isfinite(given[key]):
             raise UsageError(
                 f"{item!r} is not one of {', '.join(known)} and a number",
-                f"like {name}:{axes},{known[0]}=2",
+                f"like {test},{known[0]}=2",
             )
-    return function(Writer(machine, dialect), Ask(axes, given))
+    return given

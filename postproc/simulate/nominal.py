@@ -47,7 +47,22 @@ def against(signal: Signal, nominal: Signal) -> Signal:
         )
     columns = dict(signal.columns)
     reading = next(name for name in columns if name.startswith("reading_"))
-    shift = np.zeros(n)
+    shift = _shift(signal, nominal)
+    for name in columns:
+        if name in nominal.columns and (
+            name == "run" or name[-3:] in ("_mm", "deg") or name.startswith("approach_")
+        ):
+            columns[name] = nominal.columns[name]
+    if signal.head["quantity"] != "angle":
+        columns[reading] = columns[reading] + shift * 1e3
+    return replace(signal, columns=columns)
+
+
+def _shift(signal: Signal, nominal: Signal) -> np.ndarray:
+    """(N,) mm along the reading's direction from the nominal targets to the signal's. Raises
+    GcompError where they lie too far apart."""
+    columns = signal.columns
+    shift = np.zeros(len(columns["run"]))
     for name in [c for c in columns if c in ("X_mm", "Y_mm", "Z_mm", "A_deg", "B_deg", "C_deg")]:
         away = columns[name] - nominal.columns[name]
         worst = int(np.argmax(np.abs(away)))
@@ -58,11 +73,4 @@ def against(signal: Signal, nominal: Signal) -> Signal:
                 "was it corrected from another program, or do the runs differ?",
             )
         shift += signal.head["sensitive"].get(name[0], 0.0) * away
-    for name in columns:
-        if name in nominal.columns and (
-            name == "run" or name[-3:] in ("_mm", "deg") or name.startswith("approach_")
-        ):
-            columns[name] = nominal.columns[name]
-    if signal.head["quantity"] != "angle":
-        columns[reading] = columns[reading] + shift * 1e3
-    return replace(signal, columns=columns)
+    return shift

@@ -157,6 +157,13 @@ def recorded(
                 if channel.startswith("T_")
                 else value
             )
+    return Recording(signal.kind, _stated(signal, noise, head, zeros), columns)
+
+
+def _stated(
+    signal: Signal, noise: Noise, head: Mapping[str, Any], zeros: dict[str, float]
+) -> dict[str, Any]:
+    """What the recording's head says: of the signal, of the run, and of what was added."""
     um = "urad" if signal.head.get("quantity") == "angle" else "um"
     stated: dict[str, Any] = {
         **signal.head,
@@ -172,7 +179,7 @@ def recorded(
     if noise.resolution:
         stated[f"resolution_{um}"] = noise.resolution
     stated[f"zero_{um}"] = {name: value * signal.noisy[name] for name, value in zeros.items()}
-    return Recording(signal.kind, stated, columns)
+    return stated
 
 
 def _zeros(signal: Signal, noise: Noise, rng: np.random.Generator) -> dict[str, float]:
