@@ -32,6 +32,20 @@ ORDER = (3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627, 1851, 1852)
 PITCH = 10000  # N10051 is compensation number 51
 LAST = 1535
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+EMPTY = re.compile(r"|%|[O:]\d+|M30|M02|M99|M2")  # a block without numbers to enter
+
+
+@dataclass(frozen=True)
+class At:
+    """Where a number stands."""
+
+    source: Source
+    line: int
+    text: str
+
+    def fault(self, message: str, advice: str = "") -> TableError:
+        """The error that says so."""
+        return common.fault(self.source, self.line, message, advice, self.text)
 
 
 @dataclass
@@ -47,50 +61,40 @@ class Listing:
     line: dict[int, int] = field(default_factory=dict)
     lengths: set[tuple[str, int]] = field(default_factory=set)
 
-    def take(
-        self, source: Source, line: int, text: str, number: int, value: str, axis: str, pitch: bool
-    ) -> None:
+    def take(self, at: At, number: int, value: str, axis: str, pitch: bool) -> None:
         """One number of the file. Raises TableError where it can not be one, or stands twice."""
-        amount = common.finite(source, line, value, "the value", text)
-        if not pitch:
-            if number not in MEANING:
-                raise common.fault(
-                    source,
-                    line,
-                    f"parameter {number} is none of pitch error or backlash compensation",
-                    f"parameters: {', '.join(map(str, sorted(MEANING)))}",
-                    text,
-                )
-            known = self.settings.setdefault(axis, {})
-            if number in known:
-                raise common.fault(
-                    source, line, f"parameter {number} of {axis} stands twice", "", text
-                )
-            known[number] = amount
-            if "." in value:
-                self.lengths.add((axis, number))
-            elif amount != int(amount):
-                raise common.fault(
-                    source, line, f"parameter {number} = {value} is not a whole number", "", text
-                )
+        amount = common.finite(at.source, at.line, value, "the value", at.text)
+        if pitch:
+            self._increment(at, number, value, amount)
+            if axis:
+                self.owner[number] = axis
             return
-        if not 0 <= number <= LAST:
-            raise common.fault(
-                source, line, f"compensation number {number} is not between 0 and {LAST}", "", text
+        if number not in MEANING:
+            raise at.fault(
+                f"parameter {number} is none of pitch error or backlash compensation",
+                f"parameters: {', '.join(map(str, sorted(MEANING)))}",
             )
+        known = self.settings.setdefault(axis, {})
+        if number in known:
+            raise at.fault(f"parameter {number} of {axis} stands twice")
+        known[number] = amount
+        if "." in value:
+            self.lengths.add((axis, number))
+        elif amount != int(amount):
+            raise at.fault(f"parameter {number} = {value} is not a whole number")
+
+    def _increment(self, at: At, number: int, value: str, amount: float) -> None:
+        """One compensation number."""
+        if not 0 <= number <= LAST:
+            raise at.fault(f"compensation number {number} is not between 0 and {LAST}")
         if amount != int(amount) or not -128 <= amount <= 127:
-            raise common.fault(
-                source,
-                line,
+            raise at.fault(
                 f"{value} is not an increment of pitch error compensation",
                 "a whole number from -128 to 127",
-                text,
             )
         if number in self.pitch:
-            raise common.fault(source, line, f"compensation number {number} stands twice", "", text)
-        self.pitch[number], self.line[number] = int(amount), line
-        if axis:
-            self.owner[number] = axis
+            raise at.fault(f"compensation number {number} stands twice")
+        self.pitch[number], self.line[number] = int(amount), at.line
 
 
 def parse(source: Source, options: ExportOptions) -> Listing:
@@ -138,13 +142,10 @@ def _csv_pitch(listing: Listing, source: Source, lines: list[tuple[int, str]]) -
             source, 1, f"the columns are {', '.join(header)}", "axis,parameter_no,value"
         )
     for line, text, (axis, name, value) in rows:
+        at = At(source, line, text)
         if not re.fullmatch(r"[A-Za-z]", axis) or not name.isdigit():
-            raise common.fault(
-                source, line, f"{axis},{name} is not an axis and a number", "like X,51,0", text
-            )
-        listing.take(
-            source, line, text, int(name), value, axis.upper(), pitch=int(name) not in MEANING
-        )
+            raise at.fault(f"{axis},{name} is not an axis and a number", "like X,51,0")
+        listing.take(at, int(name), value, axis.upper(), pitch=int(name) not in MEANING)
 
 
 def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]) -> None:
@@ -160,11 +161,12 @@ def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]
             source, 1, f"the columns are {', '.join(header)}", "parameter_no,meaning,x,y,z"
         )
     for line, text, cells in rows:
+        at = At(source, line, text)
         if not cells[0].isdigit():
-            raise common.fault(source, line, f"{cells[0]!r} is not a parameter number", "", text)
+            raise at.fault(f"{cells[0]!r} is not a parameter number")
         for axis, value in zip(axes, cells[2:], strict=True):
             if value:
-                listing.take(source, line, text, int(cells[0]), value, axis, pitch=False)
+                listing.take(at, int(cells[0]), value, axis, pitch=False)
 
 
 def _words(
@@ -173,72 +175,57 @@ def _words(
     """N10051 R1 and N3620 P1 R100 between G10 L50 (or L52) and G11; N10051 P1 and N3620 A1 P100 A2
     P200 between %."""
     axes = axis_order(options)
-    entering = False
-    program = any(
-        "G10" in re.sub(r"\([^)]*\)", "", text).upper().replace(" ", "") for _, text in lines
-    )
+    program = any("G10" in _plain(text).replace(" ", "") for _, text in lines)
+    entering = not program
     for line, text in lines:
-        plain = re.sub(r"\([^)]*\)", "", text).strip().rstrip(";").strip().upper()
-        if (
-            not plain
-            or plain == "%"
-            or re.fullmatch(r"[O:]\d+", plain)
-            or plain in ("M30", "M02", "M99", "M2")
-        ):
+        plain = _plain(text)
+        if EMPTY.fullmatch(plain):
             continue
-        if program and re.fullmatch(r"G10\s*L(50|52)", plain):
-            entering = True
+        if program and re.fullmatch(r"G10\s*L(50|52)|G11", plain):
+            entering = plain != "G11"
             continue
-        if program and plain == "G11":
-            entering = False
-            continue
-        words = [(letter, value) for letter, value in WORD.findall(plain)]
-        if (
-            WORD.sub("", plain).strip()
-            or not words
-            or words[0][0] != "N"
-            or (program and not entering)
-        ):
-            raise common.fault(
-                source,
-                line,
+        at = At(source, line, text)
+        words = WORD.findall(plain)
+        if WORD.sub("", plain).strip() or not words or words[0][0] != "N" or not entering:
+            raise at.fault(
                 "this is no parameter or compensation number"
                 + (" between G10 and G11" if program else ""),
                 "like N10051 R1 in G10 L50, or N10051 P1",
-                text,
             )
-        number = int(float(words[0][1]))
-        rest = words[1:]
-        if number >= PITCH:
-            value = [v for letter, v in rest if letter == ("R" if program else "P")]
-            if len(value) != 1:
-                raise common.fault(source, line, f"N{number} has no value", "", text)
-            listing.take(source, line, text, number - PITCH, value[0], "", pitch=True)
-            continue
-        first, second = ("P", "R") if program else ("A", "P")
-        if (
-            len(rest) < 2
-            or len(rest) % 2
-            or [letter for letter, _ in rest] != [first, second] * (len(rest) // 2)
-        ):
-            raise common.fault(
-                source, line, f"parameter {number} needs {first} axis and {second} value", "", text
-            )
-        for (_, axis), (_, value) in zip(rest[::2], rest[1::2], strict=True):
-            index = int(float(str(axis)))
-            if not 1 <= index <= len(axes):
-                raise common.fault(
-                    source,
-                    line,
-                    f"there is no axis number {index}: axes are {', '.join(axes)}",
-                    "--set axes=XZ",
-                    text,
-                )
-            listing.take(source, line, text, number, str(value), axes[index - 1], pitch=False)
-    if entering:
+        _record(listing, at, words, ("P", "R") if program else ("A", "P"), axes)
+    if program and entering:
         raise TableError(
             "G11 is missing: the program is not whole", "", Place(source.name, lines[-1][0])
         )
+
+
+def _plain(text: str) -> str:
+    """A block without comments and its end, in capitals."""
+    return re.sub(r"\([^)]*\)", "", text).strip().rstrip(";").strip().upper()
+
+
+def _record(
+    listing: Listing, at: At, words: list[tuple[str, str]], form: tuple[str, str], axes: str
+) -> None:
+    """N and its number: a compensation number, or a parameter of one axis or several. form: letters
+    of an axis' number and of a value; axes: in the control's order."""
+    number, rest = int(float(words[0][1])), words[1:]
+    first, second = form
+    if number >= PITCH:
+        value = [v for letter, v in rest if letter == second]
+        if len(value) != 1:
+            raise at.fault(f"N{number} has no value")
+        listing.take(at, number - PITCH, value[0], "", pitch=True)
+        return
+    if not rest or [letter for letter, _ in rest] != [first, second] * (len(rest) // 2):
+        raise at.fault(f"parameter {number} needs {first} axis and {second} value")
+    for (_, axis), (_, value_) in zip(rest[::2], rest[1::2], strict=True):
+        index = int(float(axis))
+        if not 1 <= index <= len(axes):
+            raise at.fault(
+                f"there is no axis number {index}: axes are {', '.join(axes)}", "--set axes=XZ"
+            )
+        listing.take(at, number, value_, axes[index - 1], pitch=False)
 
 
 def axis_order(options: ExportOptions) -> str:

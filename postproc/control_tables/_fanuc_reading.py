@@ -9,25 +9,61 @@ from postproc.control_tables import _common as common
 from postproc.control_tables import _fanuc_listing as listings
 from postproc.recordings import Source
 
+NEEDED = (3620, 3621, 3622, 3623, 3624)
+
 
 def pitch_table(
     listing: listings.Listing, axis: str, options: ExportOptions, used: set[int]
 ) -> ErrorTable | None:
     known = listing.settings[axis]
-    source = listing.source
-    for number in (3620, 3621, 3622, 3623, 3624):
+    step = _interval(listing, axis, options)
+    columns = _columns(listing, axis, options, used)
+    play = known.get(1851, 0.0) * options.step
+    filled = [points for points, _ in columns if len(points)]
+    if not filled and not play and 3627 not in known:
+        return None
+    points = np.unique(np.concatenate(filled)) if filled else np.zeros(1)
+    added = [np.interp(points, p, v) if len(p) else np.full(len(points), v[0]) for p, v in columns]
+    up, down = added[0] + play / 2, added[-1] - play / 2
+    home = options.reference.get(axis, 0.0)
+    return ErrorTable(axis, axis, np.round(home + points * step, 9), -up, -down)
+
+
+def _columns(
+    listing: listings.Listing, axis: str, options: ExportOptions, used: set[int]
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Points and what is added there, of both directions or of each."""
+    known = listing.settings[axis]
+    first, low, high, magnification = (int(known[n]) for n in NEEDED[:4])
+    starts = [(low, 0.0)]
+    if 3626 in known and int(known.get(3605, 1)) & 1:
+        turned = known.get(3627, 0.0) * options.step
+        forth = common.setting(options, "return", "+", ("+", "-")) == "+"
+        starts = [(low, 0.0 if forth else turned), (int(known[3626]), turned if forth else 0.0)]
+    columns = []
+    for start, offset in starts:
+        numbers = _numbers(listing, axis, range(start, start + high - low + 1), used)
+        used.update(numbers)
+        increments = [listing.pitch[n] for n in numbers]
+        unit = magnification * options.step
+        columns.append(_sums(numbers, increments, start + first - low, unit, offset))
+    return columns
+
+
+def _interval(listing: listings.Listing, axis: str, options: ExportOptions) -> float:
+    """mm from point to point, by 3624. Raises TableError where the parameters make no table of a
+    linear axis."""
+    known, source = listing.settings[axis], listing.source
+    for number in NEEDED:
         if number not in known:
             raise TableError(
                 f"{source.name}: parameter {number} of {axis} is missing",
                 "3620 to 3624 say where the numbers stand",
             )
-    first, low, high, magnification = (int(known[n]) for n in (3620, 3621, 3622, 3623))
-    unit = (
-        common.mm_per_unit(options)
-        if (axis, 3624) in listing.lengths
-        else listings.increment(options)
-    )
+    length = (axis, 3624) in listing.lengths
+    unit = common.mm_per_unit(options) if length else listings.increment(options)
     step = known[3624] * unit
+    low, high = int(known[3621]), int(known[3622])
     if step <= 0 or high < low:
         raise TableError(
             f"{source.name}: 3624 = {known[3624]:g}, 3621 = {low}, 3622 = {high} of {axis} make no"
@@ -37,54 +73,28 @@ def pitch_table(
         raise TableError(
             f"{source.name}: 3625 of {axis} is {known[3625]:g}: a rotary axis, not read"
         )
-    both = 3626 in known and bool(int(known.get(3605, 1)) & 1)
-    way = (
-        (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
-        if both
-        else 0.0
-    )
-    home = options.reference.get(axis, 0.0)
-    columns = []
-    starts = [low, int(known[3626])] if both else [low]
-    for start, direction in zip(starts, (1.0, -1.0), strict=False):
-        numbers = [n for n in sorted(listing.pitch) if start <= n <= start + high - low]
-        for n in numbers:
-            if listing.owner.get(n, axis) != axis or n in used:
-                raise common.fault(
-                    source,
-                    listing.line[n],
-                    f"compensation number {n} lies in the range of {axis} and of another axis",
-                )
-        if numbers and numbers != list(range(numbers[0], numbers[-1] + 1)):
-            gap = next(n for n in range(numbers[0], numbers[-1]) if n not in listing.pitch)
+    return step
+
+
+def _numbers(listing: listings.Listing, axis: str, span: range, used: set[int]) -> list[int]:
+    """The compensation numbers of an axis in a range, one after the other. Raises TableError for a
+    gap, and for one that another axis has."""
+    numbers = [n for n in sorted(listing.pitch) if n in span]
+    for n in numbers:
+        if listing.owner.get(n, axis) != axis or n in used:
             raise common.fault(
-                source,
-                listing.line[numbers[0]],
-                f"{axis}: compensation number {gap} is missing between {numbers[0]} and"
-                f" {numbers[-1]}",
+                listing.source,
+                listing.line[n],
+                f"compensation number {n} lies in the range of {axis} and of another axis",
             )
-        used.update(numbers)
-        offset = known.get(3627, 0.0) * options.step if both and direction != way else 0.0
-        columns.append(
-            _sums(
-                numbers,
-                [listing.pitch[n] for n in numbers],
-                start + first - low,
-                magnification * options.step,
-                offset,
-            )
+    whole = range(numbers[0], numbers[-1]) if numbers else range(0)
+    for gap in (n for n in whole if n not in listing.pitch):
+        raise common.fault(
+            listing.source,
+            listing.line[numbers[0]],
+            f"{axis}: compensation number {gap} is missing between {numbers[0]} and {numbers[-1]}",
         )
-    play = known.get(1851, 0.0) * options.step
-    if not any(len(points) for points, _ in columns) and not play and 3627 not in known:
-        return None
-    points = (
-        np.unique(np.concatenate([p for p, _ in columns]))
-        if any(len(p) for p, _ in columns)
-        else np.zeros(1)
-    )
-    added = [np.interp(points, p, v) if len(p) else np.full(len(points), v[0]) for p, v in columns]
-    up, down = added[0] + play / 2, added[-1] - play / 2
-    return ErrorTable(axis, axis, np.round(home + points * step, 9), -up, -down)
+    return numbers
 
 
 def _sums(

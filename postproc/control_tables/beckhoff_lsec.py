@@ -14,7 +14,7 @@ um is -102): +e.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -116,78 +116,102 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     return [_parsed(source, options)]
 
 
-def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTable:
-    head: dict[str, tuple[int, str]] = {}
-    cells: dict[str, dict[int, float]] = {"setpoint": {}, "pos": {}, "neg": {}}
-    last = 1
+@dataclass
+class List:
+    """A list's entries: keys to their line and words; columns of the table to their points; last:
+    the last line."""
+
+    source: Source
+    head: dict[str, tuple[int, str]] = field(default_factory=dict)
+    cells: dict[str, dict[int, float]] = field(
+        default_factory=lambda: {"setpoint": {}, "pos": {}, "neg": {}}
+    )
+    last: int = 1
+
+    def fault(self, key: str, message: str, advice: str = "") -> TableError:
+        """What is wrong with the entry of a key."""
+        return common.fault(self.source, self.head[key][0], message, advice)
+
+    def number(self, key: str, usual: float | None = None) -> float:
+        """The number of a key. Raises TableError where it is missing and none is usual."""
+        if key in self.head:
+            return common.finite(self.source, *self.head[key], key)
+        if usual is None:
+            raise common.fault(self.source, self.last, f"kw.{key} is missing")
+        return usual
+
+
+def _entries(source: Source) -> List:
+    """Line by line. Raises TableError for what is no entry, or stands twice."""
+    result = List(source)
     for number, raw in common.numbered(source):
         text = COMMENT.sub("", raw).strip()
         if not text or text.lower() in ("end", "ende"):
             continue
-        last = number
+        result.last = number
         found = LINE.fullmatch(text)
         if not found:
             raise common.fault(
                 source, number, "not an entry of a compensation list", "like kw.ssfk.unit 1", raw
             )
         _, key, index, column, value = found.groups()
+        wrong = ""
         if index is None:
-            if key in head:
-                raise common.fault(
-                    source, number, f"{key} has been given in line {head[key][0]}", "", raw
-                )
-            head[key] = (number, value.strip())
+            if key in result.head:
+                wrong = f"{key} has been given in line {result.head[key][0]}"
+            result.head[key] = (number, value.strip())
         elif key != "ssfk.table":
-            raise common.fault(source, number, f"kw.{key} is not read: only kw.ssfk is", "", raw)
-        elif int(index) in cells[column]:
-            raise common.fault(source, number, f"table[{index}].{column} is given twice", "", raw)
+            wrong = f"kw.{key} is not read: only kw.ssfk is"
+        elif int(index) in result.cells[column]:
+            wrong = f"table[{index}].{column} is given twice"
         else:
-            cells[column][int(index)] = common.finite(source, number, value, "the entry", raw)
+            result.cells[column][int(index)] = common.finite(
+                source, number, value, "the entry", raw
+            )
+        if wrong:
+            raise common.fault(source, number, wrong, "", raw)
+    return result
 
-    def told(key: str, usual: float | None = None) -> float:
-        if key in head:
-            return common.finite(source, head[key][0], head[key][1], key)
-        if usual is None:
-            raise common.fault(source, last, f"kw.{key} is missing")
-        return usual
 
-    if told("ssfk.unit") != 1:
-        raise common.fault(
-            source,
-            head["ssfk.unit"][0],
-            "unit 0: lengths are encoder increments",
-            "only unit 1, 0.1 um, is read",
-        )
-    if told("ssfk.modulo", 0):
-        raise common.fault(
-            source, head["ssfk.modulo"][0], "a modulo axis: tables of rotary axes are not read"
-        )
-    count, gap = int(told("ssfk.kw_nr_max")), told("ssfk.interval", 0)
-    if count < 2:
-        raise common.fault(
-            source, head["ssfk.kw_nr_max"][0], f"kw_nr_max is {count}: a table needs two points"
-        )
-    needed = (["pos"] if gap else ["setpoint", "pos"]) + (
-        ["neg"] if told("ssfk.bilateral", 0) else []
-    )
+def _columns(told: List, count: int, gap: float) -> dict[str, np.ndarray]:
+    """mm of each column that the list must have. Raises TableError where a point is missing, or one
+    too many."""
+    needed = ["pos"] if gap else ["setpoint", "pos"]
+    if told.number("ssfk.bilateral", 0):
+        needed.append("neg")
     for column in needed:
-        absent = [i for i in range(count) if i not in cells[column]]
+        absent = [i for i in range(count) if i not in told.cells[column]]
         if absent:
             raise common.fault(
-                source, last, f"table[{absent[0]}].{column} is missing, kw_nr_max is {count}"
+                told.source,
+                told.last,
+                f"table[{absent[0]}].{column} is missing, kw_nr_max is {count}",
             )
-    extra = [f"table[{i}].{c}" for c in cells for i in cells[c] if i >= count]
+    extra = [f"table[{i}].{c}" for c, points in told.cells.items() for i in points if i >= count]
     if extra:
-        raise common.fault(source, last, f"{extra[0]} is beyond kw_nr_max {count}")
-    column = {c: np.array([cells[c][i] for i in range(count)]) * TENTH for c in needed}
-    nodes = (
-        (told("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH
-        if gap
-        else column["setpoint"]
-    )
+        raise common.fault(told.source, told.last, f"{extra[0]} is beyond kw_nr_max {count}")
+    return {c: np.array([told.cells[c][i] for i in range(count)]) * TENTH for c in needed}
+
+
+def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTable:
+    told = _entries(source)
+    if told.number("ssfk.unit") != 1:
+        raise told.fault(
+            "ssfk.unit", "unit 0: lengths are encoder increments", "only unit 1, 0.1 um, is read"
+        )
+    if told.number("ssfk.modulo", 0):
+        raise told.fault("ssfk.modulo", "a modulo axis: tables of rotary axes are not read")
+    count, gap = int(told.number("ssfk.kw_nr_max")), told.number("ssfk.interval", 0)
+    if count < 2:
+        raise told.fault("ssfk.kw_nr_max", f"kw_nr_max is {count}: a table needs two points")
+    column = _columns(told, count, gap)
+    if gap:
+        nodes = (told.number("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH
+    else:
+        nodes = column["setpoint"]
     if np.any(np.diff(nodes) <= 0):
-        raise common.fault(source, last, "the setpoints do not ascend")
-    name = head.get("log_achs_name", (1, ""))[1]
+        raise common.fault(source, told.last, "the setpoints do not ascend")
+    name = told.head.get("log_achs_name", (1, ""))[1]
     axis = letter or common.letter_of(name, options)
     if axis not in tuple("XYZ"):
         raise common.fault(

@@ -43,6 +43,8 @@ DECIMALS = {"mm": 5, "inch": 6}
 FRAME = "BEGIN AXIS.COM {unit}\nNR      AXISPOS         {columns}\n[END]\n"
 WIDTH = 16
 NAMES = {"mm": "MM", "inch": "INCH"}
+FACTOR = {"MM": 1.0, "INCH": MM_PER_INCH}
+UNIT = re.compile(r"\b(MM|INCH)\b")
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
@@ -182,53 +184,30 @@ def _filled(
     template: str, name: str, letter: str, tables: list[ErrorTable], options: ExportOptions
 ) -> bytes:
     """The template with the rows of `tables` in its columns."""
-    unit, decimals = common.mm_per_unit(options), DECIMALS[options.unit]
-    back = next((t for t in tables if t.two_way), None)
+    heads = [t.along for t in tables]
+    if any(t.two_way for t in tables):
+        heads.append("BACKLASH")
     if not template:
-        heads = [t.along for t in tables] + (["BACKLASH"] if back else [])
         template = FRAME.format(
             unit=NAMES[options.unit], columns="".join(h.ljust(WIDTH) for h in heads).rstrip()
         ).replace("AXIS.COM", name)
     at, columns = _layout(template, "the template")
     lines = template.splitlines()
-    said = re.search(r"\b(MM|INCH)\b", lines[0].upper())
+    said = UNIT.search(lines[0].upper())
     if said and said[1] != NAMES[options.unit]:
         raise UsageError(
             f"the template is in {said[1]}, and the unit is {options.unit}",
             f"--unit {'mm' if said[1] == 'MM' else 'inch'}",
         )
-    values = {t.along: t.forward for t in tables}
-    own = next((t for t in tables if t.along == letter), None)
-    if own is not None:
-        values["BACKLASH"] = own.reverse
     known = [c for c, _ in columns]
-    for wanted in [t.along for t in tables] + (["BACKLASH"] if back else []):
+    for wanted in heads:
         if wanted not in known:
             raise TableError(
                 f"the template has no column {wanted}: its columns are {', '.join(known)}",
                 "add the column at the control, and export again",
             )
-    rows = []
-    for i, position in enumerate(tables[0].nodes):
-        row = ""
-        for k, (column, start) in enumerate(columns):
-            cell = str(i) if column == "NR" else ""
-            if column == "AXISPOS":
-                cell = common.fixed(position / unit, decimals)
-            elif column in values:
-                cell = common.fixed(float(values[column][i]) / unit, decimals)
-            if k + 1 < len(columns) and len(cell) >= columns[k + 1][1] - start:
-                raise TableError(
-                    f"{cell} does not fit the column {column} of the template,"
-                    f" {columns[k + 1][1] - start} wide"
-                )
-            row = row.ljust(start) + cell
-        rows.append(row.rstrip())
-    ends = [
-        i
-        for i, line in enumerate(lines)
-        if i > at and line.strip().upper().startswith(("[END]", "END"))
-    ]
+    rows = _rows(columns, _entries(letter, tables, options))
+    ends = [i for i, line in enumerate(lines) if i > at and _is_end(line)]
     if not ends:
         raise TableError(
             "the template has no line [END]", "export the whole table from the control"
@@ -237,61 +216,105 @@ def _filled(
     return (newline.join([*lines[: at + 1], *rows, *lines[ends[0] :]]) + newline).encode()
 
 
+def _is_end(line: str) -> bool:
+    return line.strip().upper().startswith(("[END]", "END"))
+
+
+def _entries(letter: str, tables: list[ErrorTable], options: ExportOptions) -> list[dict[str, str]]:
+    """The cells of each row by their column."""
+    unit, decimals = common.mm_per_unit(options), DECIMALS[options.unit]
+    values = {"AXISPOS": tables[0].nodes} | {t.along: t.forward for t in tables}
+    for own in (t for t in tables if t.along == letter):
+        values["BACKLASH"] = own.reverse
+    return [
+        {"NR": str(i)} | {c: common.fixed(float(v[i]) / unit, decimals) for c, v in values.items()}
+        for i in range(len(tables[0].nodes))
+    ]
+
+
+def _rows(columns: list[tuple[str, int]], entries: list[dict[str, str]]) -> list[str]:
+    """Lines of a table; columns: name and first character. Raises TableError for a cell that is
+    wider than its column."""
+    edges = [start for _, start in columns[1:]] + [math.inf]
+    rows = []
+    for entry in entries:
+        row = ""
+        for (column, start), edge in zip(columns, edges, strict=True):
+            cell = entry.get(column, "")
+            if len(cell) >= edge - start:
+                raise TableError(
+                    f"{cell} does not fit the column {column} of the template, {edge - start} wide"
+                )
+            row = row.ljust(start) + cell
+        rows.append(row.rstrip())
+    return rows
+
+
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """A .COM file's tables. The moving axis: options.extra["axis"], or a name like AXIS_Z.COM.
     Raises TableError with file and line."""
-    letter = options.extra.get("axis", "").upper()
-    if not letter:
-        named = re.search(r"(?:^|[/\\]|AXIS[-_]?)([XYZUVW])\.COM$", source.name, re.IGNORECASE)
-        if named is None:
-            raise UsageError(
-                f"of which moving axis is {source.name}? A .COM table does not say", "--axis X"
-            )
-        letter = named[1].upper()
+    letter = options.extra.get("axis", "").upper() or _moving(source)
     lines = common.numbered(source)
     at, columns = _layout(source.text, source.name)
-    said = re.search(r"\b(MM|INCH)\b", lines[0][1].upper()) if at else None
-    unit = (
-        common.mm_per_unit(options) if said is None else (1.0 if said[1] == "MM" else MM_PER_INCH)
-    )
-    heads = [c for c, _ in columns]
-    edges = [s for _, s in columns] + [1 << 20]
+    said = UNIT.search(lines[0][1].upper()) if at else None
+    unit = FACTOR[said[1]] if said else common.mm_per_unit(options)
+    ends = [i for i, (_, text) in enumerate(lines) if i > at and _is_end(text)]
     rows: list[dict[str, float]] = []
-    ended = False
-    for line, text in lines[at + 1 :]:
-        if text.strip().upper().startswith(("[END]", "END")):
-            ended = True
-            break
-        cells = {h: text[edges[i] : edges[i + 1]].strip() for i, h in enumerate(heads)}
-        row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
-        if row.get("NR") != len(rows):
-            raise common.fault(
-                source, line, f"row {cells['NR']!r} where NR {len(rows)} is due", "", text
-            )
-        if "AXISPOS" not in row:
-            raise common.fault(source, line, "AXISPOS is empty", "", text)
-        if rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
-            raise common.fault(
-                source,
-                line,
-                f"AXISPOS {row['AXISPOS']:g} does not ascend after {rows[-1]['AXISPOS']:g}",
-                "",
-                text,
-            )
-        if rows and set(row) != set(rows[0]):
-            raise common.fault(
-                source, line, "a value is missing that the first row has, or one too many", "", text
-            )
-        rows.append(row)
-    if not ended:
+    for line, text in lines[at + 1 : ends[0] if ends else None]:
+        rows.append(_entry(source, line, text, columns, rows))
+    if not ends:
         raise common.fault(source, lines[-1][0], "[END] is missing: the file is not whole")
     if not rows or len(rows) > ENTRIES:
         raise common.fault(source, at + 1, f"{len(rows)} entries: a table has 1 to {ENTRIES}")
-    column = {h: np.array([row[h] for row in rows]) * unit for h in rows[0]}
-    tables = []
-    for head in (h for h in column if h in ("X", "Y", "Z", "U", "V", "W")):
-        reverse = column.get("BACKLASH", column[head]) if head == letter else column[head]
-        tables.append(ErrorTable(letter, head, column["AXISPOS"], column[head], reverse))
+    tables = _tables(letter, {h: np.array([row[h] for row in rows]) * unit for h in rows[0]})
     if not tables:
-        raise common.fault(source, at + 1, f"no column of an axis: {', '.join(heads)}")
+        heads = ", ".join(c for c, _ in columns)
+        raise common.fault(source, at + 1, f"no column of an axis: {heads}")
     return tables
+
+
+def _tables(letter: str, column: dict[str, np.ndarray]) -> list[ErrorTable]:
+    """A table for each column of an axis; letter: the axis that moves."""
+    own = {letter: column["BACKLASH"]} if "BACKLASH" in column else {}
+    return [
+        ErrorTable(letter, head, column["AXISPOS"], values, own.get(head, values))
+        for head, values in column.items()
+        if head in ("X", "Y", "Z", "U", "V", "W")
+    ]
+
+
+def _moving(source: Source) -> str:
+    """The moving axis by the name of the file."""
+    named = re.search(r"(?:^|[/\\]|AXIS[-_]?)([XYZUVW])\.COM$", source.name, re.IGNORECASE)
+    if named is None:
+        raise UsageError(
+            f"of which moving axis is {source.name}? A .COM table does not say", "--axis X"
+        )
+    return named[1].upper()
+
+
+def _entry(
+    source: Source,
+    line: int,
+    text: str,
+    columns: list[tuple[str, int]],
+    rows: list[dict[str, float]],
+) -> dict[str, float]:
+    """The numbers of a row by their column, which are name and first character. Raises TableError
+    for a row that can not come after `rows`."""
+    edges = [start for _, start in columns[1:]] + [None]
+    cells = {h: text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
+    row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
+    wrong = ""
+    if row.get("NR") != len(rows):
+        wrong = f"row {cells['NR']!r} where NR {len(rows)} is due"
+    elif "AXISPOS" not in row:
+        wrong = "AXISPOS is empty"
+    elif rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
+        before = rows[-1]["AXISPOS"]
+        wrong = f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}"
+    elif rows and row.keys() != rows[0].keys():
+        wrong = "a value is missing that the first row has, or one too many"
+    if wrong:
+        raise common.fault(source, line, wrong, "", text)
+    return row
