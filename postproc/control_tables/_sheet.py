@@ -50,43 +50,7 @@ def text(
 
 def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
     """The sheet's table. Raises TableError with file and line."""
-    head: dict[str, str] = {}
-    heading: list[str] = []
-    rows: list[list[float]] = []
-    last = 1
-    for number, line in common.numbered(source):
-        plain = line.split("#", 1)[0].strip()
-        if not plain:
-            continue
-        last = number
-        cells = [cell.strip() for cell in plain.split(",")]
-        if not heading and "=" in plain:
-            key, _, value = (part.strip() for part in plain.partition("="))
-            if key not in HEAD or key in head:
-                raise common.fault(
-                    source,
-                    number,
-                    f"{key!r} is not known, or stands twice",
-                    f"one each of {', '.join(HEAD)}",
-                    line,
-                )
-            head[key] = value
-        elif not heading:
-            heading = cells
-            if heading not in (["position", columns[0]], ["position", *columns]):
-                raise common.fault(
-                    source,
-                    number,
-                    "not the heading of this sheet",
-                    f"position, {', '.join(columns)}",
-                    line,
-                )
-        else:
-            if len(cells) != len(heading):
-                raise common.fault(
-                    source, number, f"{len(cells)} values under {len(heading)} columns", "", line
-                )
-            rows.append([common.finite(source, number, cell, "the value", line) for cell in cells])
+    head, rows, last = _lines(source, columns)
     absent = [key for key in HEAD if key not in head]
     if absent:
         raise common.fault(source, last, f"{absent[0]} is missing")
@@ -110,3 +74,38 @@ def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
     if abs(start - data[0][0]) > 0.001 or abs(length - (data[0][-1] - data[0][0])) > 0.001:
         raise common.fault(source, 1, "start and length do not agree with the rows")
     return ErrorTable(head["axis"], head["axis"], data[0], sign * data[1], sign * data[-1])
+
+
+def _lines(
+    source: Source, columns: tuple[str, str]
+) -> tuple[dict[str, str], list[list[float]], int]:
+    """The head, the rows of numbers, and the number of the last line that holds anything."""
+    head: dict[str, str] = {}
+    heading: list[str] = []
+    rows: list[list[float]] = []
+    last = 1
+    for number, line in common.numbered(source):
+        plain = line.split("#", 1)[0].strip()
+        if not plain:
+            continue
+        last = number
+        cells = [cell.strip() for cell in plain.split(",")]
+        wrong = advice = ""
+        if heading and len(cells) != len(heading):
+            wrong = f"{len(cells)} values under {len(heading)} columns"
+        elif heading:
+            rows.append([common.finite(source, number, cell, "the value", line) for cell in cells])
+        elif "=" in plain:
+            key, _, value = (part.strip() for part in plain.partition("="))
+            if key not in HEAD or key in head:
+                wrong = f"{key!r} is not known, or stands twice"
+                advice = f"one each of {', '.join(HEAD)}"
+            head[key] = value
+        else:
+            heading = cells
+            if heading not in (["position", columns[0]], ["position", *columns]):
+                wrong = "not the heading of this sheet"
+                advice = f"position, {', '.join(columns)}"
+        if wrong:
+            raise common.fault(source, number, wrong, advice, line)
+    return head, rows, last

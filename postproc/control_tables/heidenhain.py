@@ -17,16 +17,16 @@ written and called unverified.
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import replace
 
 import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
+from postproc.control_tables._heidenhain_reading import ENTRIES, UNIT, is_end, layout, read
 from postproc.errors import UsageError
 from postproc.recordings import Source
-from postproc.units import MM_PER_INCH, UM
+from postproc.units import UM
 
 TITLE = "Heidenhain axis error compensation (.COM and .CMA), into your exported empty table"
 VERIFIED = False
@@ -37,14 +37,11 @@ EXTRA = {
     "form": "free or legacy (spacing a power of two x 0.1 um), free",
     "points": "entries of one table, 256 (64 in the oldest controls)",
 }
-ENTRIES = 256
 TICK = 0.0001  # mm
 DECIMALS = {"mm": 5, "inch": 6}
 FRAME = "BEGIN AXIS.COM {unit}\nNR      AXISPOS         {columns}\n[END]\n"
 WIDTH = 16
 NAMES = {"mm": "MM", "inch": "INCH"}
-FACTOR = {"MM": 1.0, "INCH": MM_PER_INCH}
-UNIT = re.compile(r"\b(MM|INCH)\b")
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
@@ -168,18 +165,6 @@ def _gentle(table: ErrorTable) -> None:
             )
 
 
-def _layout(text: str, name: str) -> tuple[int, list[tuple[str, int]]]:
-    """Index of the line with the columns, and each column's name and first character."""
-    for i, line in enumerate(text.splitlines()):
-        found = [(m[0].upper(), m.start()) for m in re.finditer(r"\S+", line)]
-        if found and found[0][0] == "NR" and ("AXISPOS", dict(found).get("AXISPOS")) in found:
-            return i, found
-    raise TableError(
-        f"{name} has no line of columns that begins with NR and holds AXISPOS",
-        "export an empty .COM table from the control",
-    )
-
-
 def _filled(
     template: str, name: str, letter: str, tables: list[ErrorTable], options: ExportOptions
 ) -> bytes:
@@ -191,7 +176,7 @@ def _filled(
         template = FRAME.format(
             unit=NAMES[options.unit], columns="".join(h.ljust(WIDTH) for h in heads).rstrip()
         ).replace("AXIS.COM", name)
-    at, columns = _layout(template, "the template")
+    at, columns = layout(template, "the template")
     lines = template.splitlines()
     said = UNIT.search(lines[0].upper())
     if said and said[1] != NAMES[options.unit]:
@@ -207,17 +192,13 @@ def _filled(
                 "add the column at the control, and export again",
             )
     rows = _rows(columns, _entries(letter, tables, options))
-    ends = [i for i, line in enumerate(lines) if i > at and _is_end(line)]
+    ends = [i for i, line in enumerate(lines) if i > at and is_end(line)]
     if not ends:
         raise TableError(
             "the template has no line [END]", "export the whole table from the control"
         )
     newline = "\r\n" if "\r\n" in template else "\n"
     return (newline.join([*lines[: at + 1], *rows, *lines[ends[0] :]]) + newline).encode()
-
-
-def _is_end(line: str) -> bool:
-    return line.strip().upper().startswith(("[END]", "END"))
 
 
 def _entries(letter: str, tables: list[ErrorTable], options: ExportOptions) -> list[dict[str, str]]:
@@ -248,73 +229,3 @@ def _rows(columns: list[tuple[str, int]], entries: list[dict[str, str]]) -> list
             row = row.ljust(start) + cell
         rows.append(row.rstrip())
     return rows
-
-
-def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
-    """A .COM file's tables. The moving axis: options.extra["axis"], or a name like AXIS_Z.COM.
-    Raises TableError with file and line."""
-    letter = options.extra.get("axis", "").upper() or _moving(source)
-    lines = common.numbered(source)
-    at, columns = _layout(source.text, source.name)
-    said = UNIT.search(lines[0][1].upper()) if at else None
-    unit = FACTOR[said[1]] if said else common.mm_per_unit(options)
-    ends = [i for i, (_, text) in enumerate(lines) if i > at and _is_end(text)]
-    rows: list[dict[str, float]] = []
-    for line, text in lines[at + 1 : ends[0] if ends else None]:
-        rows.append(_entry(source, line, text, columns, rows))
-    if not ends:
-        raise common.fault(source, lines[-1][0], "[END] is missing: the file is not whole")
-    if not rows or len(rows) > ENTRIES:
-        raise common.fault(source, at + 1, f"{len(rows)} entries: a table has 1 to {ENTRIES}")
-    tables = _tables(letter, {h: np.array([row[h] for row in rows]) * unit for h in rows[0]})
-    if not tables:
-        heads = ", ".join(c for c, _ in columns)
-        raise common.fault(source, at + 1, f"no column of an axis: {heads}")
-    return tables
-
-
-def _tables(letter: str, column: dict[str, np.ndarray]) -> list[ErrorTable]:
-    """A table for each column of an axis; letter: the axis that moves."""
-    own = {letter: column["BACKLASH"]} if "BACKLASH" in column else {}
-    return [
-        ErrorTable(letter, head, column["AXISPOS"], values, own.get(head, values))
-        for head, values in column.items()
-        if head in ("X", "Y", "Z", "U", "V", "W")
-    ]
-
-
-def _moving(source: Source) -> str:
-    """The moving axis by the name of the file."""
-    named = re.search(r"(?:^|[/\\]|AXIS[-_]?)([XYZUVW])\.COM$", source.name, re.IGNORECASE)
-    if named is None:
-        raise UsageError(
-            f"of which moving axis is {source.name}? A .COM table does not say", "--axis X"
-        )
-    return named[1].upper()
-
-
-def _entry(
-    source: Source,
-    line: int,
-    text: str,
-    columns: list[tuple[str, int]],
-    rows: list[dict[str, float]],
-) -> dict[str, float]:
-    """The numbers of a row by their column, which are name and first character. Raises TableError
-    for a row that can not come after `rows`."""
-    edges = [start for _, start in columns[1:]] + [None]
-    cells = {h: text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
-    row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
-    wrong = ""
-    if row.get("NR") != len(rows):
-        wrong = f"row {cells['NR']!r} where NR {len(rows)} is due"
-    elif "AXISPOS" not in row:
-        wrong = "AXISPOS is empty"
-    elif rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
-        before = rows[-1]["AXISPOS"]
-        wrong = f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}"
-    elif rows and row.keys() != rows[0].keys():
-        wrong = "a value is missing that the first row has, or one too many"
-    if wrong:
-        raise common.fault(source, line, wrong, "", text)
-    return row

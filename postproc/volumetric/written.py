@@ -120,7 +120,7 @@ def folder(
 ) -> dict[str, str]:
     """File name to text of the machine that was found. like: machine.toml of the machine that was
     measured; head: name, title."""
-    m = fit.unknowns.bare
+    letters = fit.unknowns.bare.letters
     hidden = open_names(fit)
     known = [g for g in fit.unknowns.groups if g.name not in hidden]
     data: dict[str, Any] = {
@@ -131,47 +131,42 @@ def folder(
     }
     data |= {k: like[k] for k in ("diameter", "reversal", "limits") if k in like}
     data |= {"source": f"gcomp volumetric from {', '.join(files)}", "signs": "unverified"}
-    comments = {
-        "": "\n".join(
-            [
-                (
-                    "Written by gcomp volumetric. Deviation = actual - commanded, tool against"
-                    " workpiece."
-                ),
-                *_not_told(fit),
-            ]
-        )
-    }
+    top = "Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece."
+    comments = {"": "\n".join([top, *_not_told(fit)])}
     texts: dict[str, str] = {}
-    sections: dict[str, dict[str, Any]] = {}
-    for x in m.letters:
-        said = like["axes"][x]
-        sections[x] = {k: said[k] for k in KEPT if k in said}
+    data["axes"] = {
+        x: {k: like["axes"][x][k] for k in KEPT if k in like["axes"][x]} for x in letters
+    }
+    for x in (x for x in letters if x in XYZ):
         own = [g for g in known if g.letter == x and len(g.nodes)]
         turned = next((g for g in known if g.name == f"B:{x}"), None)
-        if x not in XYZ or not (own or turned):
-            continue
-        sections[x]["table"] = f"{x}.csv"
-        texts[f"{x}.csv"], texts[f"{x}_uncertainty.csv"] = _tables(fit, x, own, turned)
-    data["axes"] = sections
-    square = {
-        g.name: fit.values(g)
-        for g in known
-        if not len(g.nodes) and g.name[1] == "0" and g.name[0] in ROTARY
-    }
+        if own or turned:
+            data["axes"][x]["table"] = f"{x}.csv"
+            texts[f"{x}.csv"], texts[f"{x}_uncertainty.csv"] = _tables(fit, x, own, turned)
+    square = _squareness(fit, known)
     if square:
-        data["squareness"] = {n: round(float(v[0]) / URAD, 4) for n, (v, _) in square.items()}
-        data["squareness"]["u"] = {
-            n: round(2 * float(u[0]) / URAD, 4) for n, (_, u) in square.items()
-        }
-        comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square}
+        data["squareness"] = square
+        comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square["u"]}
     if tool.any():
-        data["tool"] = {x: float(tool[i]) for i, x in enumerate(XYZ) if x in m.letters}
+        data["tool"] = {x: float(tool[i]) for i, x in enumerate(XYZ) if x in letters}
         comments |= {
             f"tool.{x}": "the point that was measured: change it to where your tool ends"
             for x in XYZ
         }
     return {"machine.toml": machine_toml(data, comments), **texts}
+
+
+def _squareness(fit: Fit, known: list[Group]) -> dict[str, Any]:
+    """urad by name, and U = 2 u of each; {} where none is known."""
+    found = {
+        g.name: fit.values(g)
+        for g in known
+        if not len(g.nodes) and g.name[1] == "0" and g.name[0] in ROTARY
+    }
+    if not found:
+        return {}
+    value = {n: round(float(v[0]) / URAD, 4) for n, (v, _) in found.items()}
+    return value | {"u": {n: round(2 * float(u[0]) / URAD, 4) for n, (_, u) in found.items()}}
 
 
 def turned(

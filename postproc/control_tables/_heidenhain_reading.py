@@ -1,0 +1,103 @@
+"""Heidenhain's .COM value tables, read back: the line of columns, rows, [END]."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from postproc.control_tables import ErrorTable, ExportOptions, TableError
+from postproc.control_tables import _common as common
+from postproc.errors import UsageError
+from postproc.recordings import Source
+from postproc.units import MM_PER_INCH
+
+ENTRIES = 256
+FACTOR = {"MM": 1.0, "INCH": MM_PER_INCH}
+UNIT = re.compile(r"\b(MM|INCH)\b")
+
+
+def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
+    """A .COM file's tables. The moving axis: options.extra["axis"], or a name like AXIS_Z.COM.
+    Raises TableError with file and line."""
+    letter = options.extra.get("axis", "").upper() or _moving(source)
+    lines = common.numbered(source)
+    at, columns = layout(source.text, source.name)
+    said = UNIT.search(lines[0][1].upper()) if at else None
+    unit = FACTOR[said[1]] if said else common.mm_per_unit(options)
+    ends = [i for i, (_, text) in enumerate(lines) if i > at and is_end(text)]
+    rows: list[dict[str, float]] = []
+    for line, text in lines[at + 1 : ends[0] if ends else None]:
+        rows.append(_entry(source, line, text, columns, rows))
+    if not ends:
+        raise common.fault(source, lines[-1][0], "[END] is missing: the file is not whole")
+    if not rows or len(rows) > ENTRIES:
+        raise common.fault(source, at + 1, f"{len(rows)} entries: a table has 1 to {ENTRIES}")
+    tables = _tables(letter, {h: np.array([row[h] for row in rows]) * unit for h in rows[0]})
+    if not tables:
+        heads = ", ".join(c for c, _ in columns)
+        raise common.fault(source, at + 1, f"no column of an axis: {heads}")
+    return tables
+
+
+def _moving(source: Source) -> str:
+    """The moving axis by the name of the file."""
+    named = re.search(r"(?:^|[/\\]|AXIS[-_]?)([XYZUVW])\.COM$", source.name, re.IGNORECASE)
+    if named is None:
+        raise UsageError(
+            f"of which moving axis is {source.name}? A .COM table does not say", "--axis X"
+        )
+    return named[1].upper()
+
+
+def layout(text: str, name: str) -> tuple[int, list[tuple[str, int]]]:
+    """Index of the line with the columns, and each column's name and first character."""
+    for i, line in enumerate(text.splitlines()):
+        found = [(m[0].upper(), m.start()) for m in re.finditer(r"\S+", line)]
+        if found and found[0][0] == "NR" and ("AXISPOS", dict(found).get("AXISPOS")) in found:
+            return i, found
+    raise TableError(
+        f"{name} has no line of columns that begins with NR and holds AXISPOS",
+        "export an empty .COM table from the control",
+    )
+
+
+def _entry(
+    source: Source,
+    line: int,
+    text: str,
+    columns: list[tuple[str, int]],
+    rows: list[dict[str, float]],
+) -> dict[str, float]:
+    """The numbers of a row by their column, which are name and first character. Raises TableError
+    for a row that can not come after `rows`."""
+    edges = [start for _, start in columns[1:]] + [None]
+    cells = {h: text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
+    row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
+    wrong = ""
+    if row.get("NR") != len(rows):
+        wrong = f"row {cells['NR']!r} where NR {len(rows)} is due"
+    elif "AXISPOS" not in row:
+        wrong = "AXISPOS is empty"
+    elif rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
+        before = rows[-1]["AXISPOS"]
+        wrong = f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}"
+    elif rows and row.keys() != rows[0].keys():
+        wrong = "a value is missing that the first row has, or one too many"
+    if wrong:
+        raise common.fault(source, line, wrong, "", text)
+    return row
+
+
+def is_end(line: str) -> bool:
+    return line.strip().upper().startswith(("[END]", "END"))
+
+
+def _tables(letter: str, column: dict[str, np.ndarray]) -> list[ErrorTable]:
+    """A table for each column of an axis; letter: the axis that moves."""
+    own = {letter: column["BACKLASH"]} if "BACKLASH" in column else {}
+    return [
+        ErrorTable(letter, head, column["AXISPOS"], values, own.get(head, values))
+        for head, values in column.items()
+        if head in ("X", "Y", "Z", "U", "V", "W")
+    ]
