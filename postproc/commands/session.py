@@ -321,23 +321,18 @@ def _of(recording: Recording) -> list[str]:
         return [f"# {recording.kind}"]
     component = str(recording.head.get("component", ""))
     lines = [f'component = "{component}"'] if component else []
-    moved = " ".join(x for x in recording.axes if np.ptp(recording.position(x)) > 0)
+    ways = {x: np.ptp(recording.position(x)) for x in recording.axes}
+    moved = " ".join(x for x, way in ways.items() if way > 0)
     vector = " ".join(x for x, v in recording.sensitive.items() if v)
-    values, unit = (
-        recording.reading / recording.unit,
-        "urad" if recording.quantity == "angle" else "um",
-    )
-    along = "about" if recording.quantity == "angle" else "along"
+    values = recording.reading / recording.unit
+    along, unit = ("about", "urad") if recording.quantity == "angle" else ("along", "um")
     lines.append(
         f"# {moved or 'no axis'} moves, {recording.quantity} {along} {vector}: {len(values)}"
         f" readings, {values.min():.6g} to {values.max():.6g} {unit}"
     )
     if recording.head.get("unit_in_file"):
         lines.append(f'unit = "{recording.head["unit_in_file"]}"')
-    still = {
-        x: recording.position(x)[0] for x in recording.axes if np.ptp(recording.position(x)) == 0
-    }
-    if not still:
+    if not any(way == 0 for way in ways.values()):
         lines.append(
             "# others = { ... }                 # mm, where the other axes stood, if not as in"
             " [all]"

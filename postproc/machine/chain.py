@@ -84,17 +84,23 @@ def parse(text: str) -> Chain:
     turning = sum(x in ROTARY for x in axes)
     if turning > 2:
         raise ValueError(f"chain {text!r} has more than two rotary axes")
-    for axis in (axis for axis in axes if axis in "UVW"):
-        if XYZ[along(axis)] not in axes:
-            raise ValueError(
-                f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does"
-                " not name"
-            )
-        if turning:
-            raise ValueError(
-                f"chain {text!r} has second slides and rotary axes, which are not followed together"
-            )
+    for axis in axes:
+        if axis in "UVW":
+            _check_second(text, axis, axes, turning > 0)
     return Chain(tuple(axes), parts.index("b") - 1)
+
+
+def _check_second(text: str, axis: str, axes: list[str], turning: bool) -> None:
+    """Raises ValueError for a second slide without its first, or with rotary axes."""
+    if XYZ[along(axis)] not in axes:
+        raise ValueError(
+            f"chain {text!r}: {axis} is a second slide along {XYZ[along(axis)]}, which it does"
+            " not name"
+        )
+    if turning:
+        raise ValueError(
+            f"chain {text!r} has second slides and rotary axes, which are not followed together"
+        )
 
 
 def along(letter: str) -> int:

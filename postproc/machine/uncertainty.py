@@ -17,6 +17,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
@@ -147,14 +148,9 @@ def _parts(machine: Machine) -> dict[str, Machine]:
 def _errors(machine: Machine) -> list[str]:
     """Names, as in `_parts`, of the errors of a map; those that a place does not decide are none of
     it. An effect without any U stands by its name alone."""
-    names: list[str] = []
-    for x, axis in machine.axes.items():
-        names += [
-            f"{COMPONENTS[i]}{x}" for i in (axis.table.rows if axis.table is not None else ())
-        ]
-        names += [f"{COMPONENTS[i]}{x} by {grid.other}" for grid in axis.grids for i in grid.rows]
-        names += [f"{(XYZ + ROTARY)[i]}0{x}" for i in map(int, np.flatnonzero(axis.location))]
-        names += [f"heat {x}"] if x in machine.expansions else []
+    names = [
+        name for x, axis in machine.axes.items() for name in _of_axis(axis, x in machine.expansions)
+    ]
     names += [
         f"{ROTARY[i]}0{x}"
         for x, lean in machine.square.items()
@@ -166,6 +162,15 @@ def _errors(machine: Machine) -> list[str]:
         if (term.tables or term.grids) and not term.spread
     ]
     return names + [_named(machine, k) for k in unsaid]
+
+
+def _of_axis(axis: Axis, grows: bool) -> list[str]:
+    """Of its table, its grids, its place, and its growth."""
+    x = axis.letter
+    names = [f"{COMPONENTS[i]}{x}" for i in (axis.table.rows if axis.table is not None else ())]
+    names += [f"{COMPONENTS[i]}{x} by {grid.other}" for grid in axis.grids for i in grid.rows]
+    names += [f"{(XYZ + ROTARY)[i]}0{x}" for i in map(int, np.flatnonzero(axis.location))]
+    return names + ([f"heat {x}"] if grows else [])
 
 
 def _named(machine: Machine, k: int) -> str:
