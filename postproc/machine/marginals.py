@@ -63,9 +63,8 @@ def marginals(
         nodes, missed = _nodes(own, moving, pose)
         values = [_along(own, moving, pose, nodes, way) for way in (1.0, -1.0)]
         spread, by = _spread(own, moving, pose, nodes)
-        for row, along in enumerate(machine.letters):
-            if along not in slides:
-                continue
+        for along in slides:
+            row = machine.letters.index(along)
             up, down = values[0][row], values[1][row]
             if max(np.abs(up).max(), np.abs(down).max()) > 1e-9:
                 found.append(_trimmed(Marginal(moving, along, nodes, up, down)))
