@@ -45,6 +45,7 @@ EXTRA = {
     "axis_Z": "the control's name of axis Z, AX and its number in XYZ",
 }
 WORD = re.compile(r"\$AN_CEC(_[A-Z_]+)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
+EMPTY = re.compile(r"|%.*|CHANDATA.*|M0", re.IGNORECASE)  # the frame of a file
 KEYS = (
     "_INPUT_AXIS",
     "_OUTPUT_AXIS",
@@ -185,59 +186,58 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     ended, line = False, 1
     for line, text in common.numbered(source):
         plain = text.split(";")[0].strip()
-        if (
-            not plain
-            or plain.startswith("%")
-            or plain.upper().startswith("CHANDATA")
-            or plain.upper() == "M0"
-        ):
+        if EMPTY.fullmatch(plain):
             continue
         if ended:
             raise common.fault(source, line, "text after M17, which ends the file", "", text)
         if plain.upper() in ("M17", "M02", "M30"):
             ended = True
             continue
-        found = WORD.fullmatch(plain)
-        key = (found[1] or "").upper() if found else "?"
-        if found is None or (key and key not in KEYS):
-            raise common.fault(
-                source,
-                line,
-                "this is no line of a cross error compensation",
-                "$AN_CEC[0,0]=0.003",
-                text,
-            )
-        indices = [p.strip() for p in re.split("[,.]", found[2])]
-        if len(indices) != (1 if key else 2) or not all(i.isdigit() for i in indices):
-            raise common.fault(
-                source,
-                line,
-                f"[{found[2]}] is not the index of a {'table' if key else 'point'}",
-                "",
-                text,
-            )
+        key, indices, word = _word(source, line, text, plain)
         t = int(indices[0])
         places[t] = line
         if key.endswith("_AXIS"):
-            axes[t, key] = found[3].strip("()\"' ").upper()
-        elif key:
-            heads.setdefault(t, {})[key] = (
-                common.finite(source, line, found[3], "the value", text),
-                line,
-            )
-        elif int(indices[1]) in values.setdefault(t, {}):
+            axes[t, key] = word.strip("()\"' ").upper()
+            continue
+        if not key and int(indices[1]) in values.setdefault(t, {}):
             raise common.fault(
                 source, line, f"point {indices[1]} of table {t} stands twice", "", text
             )
+        value = common.finite(source, line, word, "the value", text)
+        if key:
+            heads.setdefault(t, {})[key] = (value, line)
         else:
-            values[t][int(indices[1])] = (
-                common.finite(source, line, found[3], "the value", text) * unit * sign
-            )
+            values[t][int(indices[1])] = value * unit * sign
     if not ended:
         raise common.fault(source, line, "M17 is missing: the file is not whole")
     if not values:
         raise common.fault(source, 1, "there is no $AN_CEC[...] in this file")
     return _joined(source, values, heads, axes, places, unit, options)
+
+
+def _word(source: Source, line: int, text: str, plain: str) -> tuple[str, list[str], str]:
+    """What a line gives, "" for a value; the indices of the table and, of a value, the point; and
+    what it gives."""
+    found = WORD.fullmatch(plain)
+    key = (found[1] or "").upper() if found else "?"
+    if found is None or (key and key not in KEYS):
+        raise common.fault(
+            source,
+            line,
+            "this is no line of a cross error compensation",
+            "$AN_CEC[0,0]=0.003",
+            text,
+        )
+    indices = [p.strip() for p in re.split("[,.]", found[2])]
+    if len(indices) != (1 if key else 2) or not all(i.isdigit() for i in indices):
+        raise common.fault(
+            source,
+            line,
+            f"[{found[2]}] is not the index of a {'table' if key else 'point'}",
+            "",
+            text,
+        )
+    return key, indices, found[3]
 
 
 def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTable]:

@@ -204,44 +204,57 @@ def _check_names(names: list[str], place: Place) -> None:
 def needed(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
     """The columns without which a row says nothing. Raises RecordingError for one that is
     missing."""
-    kind = head["kind"]
-    if kind == "features":
+    if head["kind"] == "features":
         wanted = {"feature", "kind", "axis", "nominal_mm", "measured_mm"}
     else:
-        suffix = "" if kind in RESTING else "_cmd"
-        axes = [x for x in AXES if f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" in names]
-        if not axes:
-            raise RecordingError(
-                f"no column X{suffix}_mm, Y{suffix}_mm or Z{suffix}_mm",
-                "the position is missing",
-                place,
-            )
-        wanted = {f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in axes}
-        if kind == "targets":
-            wanted |= {"reading_urad" if head["quantity"] == "angle" else "reading_um"}
-            for x in axes:
-                if f"approach_{x}" in names:
-                    wanted.add(f"approach_{x}")
-        if kind == "ballbar":
-            wanted |= {"radial_um", "sense", "t_s"}
-            wrong = [x for x in head["centre"] if x not in axes]
-            if wrong:
-                raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
-        # places in the frame of an instrument, or how far the tool is off along the machine's axes
-        if kind == "points":
-            wanted |= (
-                {"dx_um", "dy_um", "dz_um"} if "dx_um" in names else {"mx_mm", "my_mm", "mz_mm"}
-            )
-        if kind == "lengths":
-            wanted |= {"length_mm"}
-        if kind == "trace":
-            wanted |= {"t_s"} | {f"{x}_act_mm" for x in axes if x in "XYZ"}
+        wanted = _needed_moving(head, names, place)
     for name in sorted(wanted):
         if name not in names:
             raise RecordingError(
                 f"the column {name} is missing", f"columns here: {', '.join(names)}", place
             )
     return wanted | (PARTED & set(names))
+
+
+MEASURED = {
+    "ballbar": {"radial_um", "sense", "t_s"},
+    "points": {"mx_mm", "my_mm", "mz_mm"},
+    "lengths": {"length_mm"},
+}
+
+
+def _needed_moving(head: dict[str, Any], names: list[str], place: Place) -> set[str]:
+    """The columns that a recording of a machine's axes needs."""
+    suffix = "" if head["kind"] in RESTING else "_cmd"
+    position = {x: f"{x}{suffix}_{'mm' if x in 'XYZ' else 'deg'}" for x in AXES}
+    axes = [x for x in AXES if position[x] in names]
+    if not axes:
+        raise RecordingError(
+            f"no column X{suffix}_mm, Y{suffix}_mm or Z{suffix}_mm",
+            "the position is missing",
+            place,
+        )
+    return {position[x] for x in axes} | _needed_measured(head, names, axes, place)
+
+
+def _needed_measured(
+    head: dict[str, Any], names: list[str], axes: list[str], place: Place
+) -> set[str]:
+    """The columns of what was measured beside the positions of `axes`."""
+    kind = head["kind"]
+    if kind == "targets":
+        reading = "reading_urad" if head["quantity"] == "angle" else "reading_um"
+        return {reading} | ({f"approach_{x}" for x in axes} & set(names))
+    if kind == "ballbar":
+        wrong = [x for x in head["centre"] if x not in axes]
+        if wrong:
+            raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
+    # places in the frame of an instrument, or how far the tool is off along the machine's axes
+    if kind == "points" and "dx_um" in names:
+        return {"dx_um", "dy_um", "dz_um"}
+    if kind == "trace":
+        return {"t_s"} | {f"{x}_act_mm" for x in axes if x in "XYZ"}
+    return MEASURED.get(kind, set())
 
 
 def check(recording: Recording) -> None:
