@@ -74,18 +74,23 @@ def _entry(
     edges = [start for _, start in columns[1:]] + [None]
     cells = {h: text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
     row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
-    wrong = ""
     if row.get("NR") != len(rows):
-        wrong = f"row {cells['NR']!r} where NR {len(rows)} is due"
-    elif "AXISPOS" not in row:
-        wrong = "AXISPOS is empty"
-    elif rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
+        due = f"row {cells['NR']!r} where NR {len(rows)} is due"
+        raise common.fault(source, line, due, "", text)
+    if "AXISPOS" not in row:
+        raise common.fault(source, line, "AXISPOS is empty", "", text)
+    if rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
         before = rows[-1]["AXISPOS"]
-        wrong = f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}"
-    elif rows and row.keys() != rows[0].keys():
-        wrong = "a value is missing that the first row has, or one too many"
-    if wrong:
-        raise common.fault(source, line, wrong, "", text)
+        raise common.fault(
+            source,
+            line,
+            f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}",
+            "",
+            text,
+        )
+    if rows and row.keys() != rows[0].keys():
+        few = "a value is missing that the first row has, or one too many"
+        raise common.fault(source, line, few, "", text)
     return row
 
 

@@ -90,22 +90,30 @@ def _lines(
             continue
         last = number
         cells = [cell.strip() for cell in plain.split(",")]
-        wrong = advice = ""
         if heading and len(cells) != len(heading):
-            wrong = f"{len(cells)} values under {len(heading)} columns"
-        elif heading:
+            many = f"{len(cells)} values under {len(heading)} columns"
+            raise common.fault(source, number, many, "", line)
+        if heading:
             rows.append([common.finite(source, number, cell, "the value", line) for cell in cells])
         elif "=" in plain:
             key, _, value = (part.strip() for part in plain.partition("="))
             if key not in HEAD or key in head:
-                wrong = f"{key!r} is not known, or stands twice"
-                advice = f"one each of {', '.join(HEAD)}"
+                raise common.fault(
+                    source,
+                    number,
+                    f"{key!r} is not known, or stands twice",
+                    f"one each of {', '.join(HEAD)}",
+                    line,
+                )
             head[key] = value
         else:
             heading = cells
             if heading not in (["position", columns[0]], ["position", *columns]):
-                wrong = "not the heading of this sheet"
-                advice = f"position, {', '.join(columns)}"
-        if wrong:
-            raise common.fault(source, number, wrong, advice, line)
+                raise common.fault(
+                    source,
+                    number,
+                    "not the heading of this sheet",
+                    f"position, {', '.join(columns)}",
+                    line,
+                )
     return head, rows, last

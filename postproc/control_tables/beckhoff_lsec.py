@@ -155,21 +155,19 @@ def _entries(source: Source) -> List:
                 source, number, "not an entry of a compensation list", "like kw.ssfk.unit 1", raw
             )
         _, key, index, column, value = found.groups()
-        wrong = ""
         if index is None:
             if key in result.head:
-                wrong = f"{key} has been given in line {result.head[key][0]}"
+                before = f"{key} has been given in line {result.head[key][0]}"
+                raise common.fault(source, number, before, "", raw)
             result.head[key] = (number, value.strip())
-        elif key != "ssfk.table":
-            wrong = f"kw.{key} is not read: only kw.ssfk is"
-        elif int(index) in result.cells[column]:
-            wrong = f"table[{index}].{column} is given twice"
-        else:
-            result.cells[column][int(index)] = common.finite(
-                source, number, value, "the entry", raw
-            )
-        if wrong:
-            raise common.fault(source, number, wrong, "", raw)
+            continue
+        if key != "ssfk.table":
+            other = f"kw.{key} is not read: only kw.ssfk is"
+            raise common.fault(source, number, other, "", raw)
+        if int(index) in result.cells[column]:
+            twice = f"table[{index}].{column} is given twice"
+            raise common.fault(source, number, twice, "", raw)
+        result.cells[column][int(index)] = common.finite(source, number, value, "the entry", raw)
     return result
 
 

@@ -90,16 +90,8 @@ def read_machine(folder: Path) -> Machine:
         isinstance(d, str) and d in axes for d in diameter
     ):
         raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
-    reversal = _choice(toml, "reversal", "step", REVERSALS, f"one of {', '.join(REVERSALS)}")
     tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
-    signs = _choice(
-        toml,
-        "signs",
-        "",
-        ("", *SIGNS),
-        "has a measurement after compensation shown them? unverified or verified",
-    )
     return Machine(
         name=toml.string("", data, "name", folder.name),
         title=toml.string("", data, "title", ""),
@@ -115,22 +107,34 @@ def read_machine(folder: Path) -> Machine:
         effects=read_effects(toml, axes),
         source=toml.string("", data, "source", ""),
         digest=digest.hexdigest()[:8],
-        reversal=reversal,
+        reversal=_reversal(toml),
         home=_home(toml, axes),
         square_u=squareness_u(toml, axes),
-        signs=signs,
+        signs=_signs(toml),
         tool_stated="tool" in data,
         tool_point=read_tool_point(toml),
         square_stated=tuple(name for name in toml.table("squareness") if name != "u"),
     )
 
 
-def _choice(toml: TomlFile, key: str, usual: str, words: tuple[str, ...], hint: str) -> str:
-    """A word of the file's head, one of a few."""
-    found = toml.string("", toml.data, key, usual)
-    if found not in words:
-        raise toml.fault("", key, f"{key} = {found!r}", hint)
-    return found
+def _reversal(toml: TomlFile) -> str:
+    reversal = toml.string("", toml.data, "reversal", "step")
+    if reversal not in REVERSALS:
+        known = f"one of {', '.join(REVERSALS)}"
+        raise toml.fault("", "reversal", f"reversal = {reversal!r}", known)
+    return reversal
+
+
+def _signs(toml: TomlFile) -> str:
+    signs = toml.string("", toml.data, "signs", "")
+    if signs not in ("", *SIGNS):
+        raise toml.fault(
+            "",
+            "signs",
+            f"signs = {signs!r}",
+            "has a measurement after compensation shown them? unverified or verified",
+        )
+    return signs
 
 
 def _axes(toml: TomlFile, chain: chains.Chain, digest) -> tuple[Limits, dict[str, Axis]]:
