@@ -14,7 +14,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from postproc.errors import GcompError, UsageError
+from postproc.errors import GcompError, Place, UsageError
 
 # bytes
 PROGRAM = 100_000_000  # read whole: --expand, simulate, batch; one that is not may have any length
@@ -50,6 +50,18 @@ def whole(path: Path, most: int, error: type[GcompError] = UsageError) -> bytes:
     if len(data) > most:
         raise error(f"{path} has more than {most:,} bytes", "is it the right file?")
     return data
+
+
+def decoded(data: bytes, name: str, error: type[GcompError]) -> str:
+    """The text of a UTF-8 file. Raises `error` with the line of the first byte that is none."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as fault:
+        raise error(
+            f"byte {data[fault.start]} is not UTF-8 text",
+            "save the file as UTF-8",
+            Place(name, data.count(b"\n", 0, fault.start) + 1),
+        ) from None
 
 
 def inside(folder: Path, name: str) -> Path | None:

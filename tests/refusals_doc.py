@@ -24,6 +24,7 @@ CALLS = {
     "GcompError": None,
     "ArgumentTypeError": None,
     "_error": None,
+    "error": None,
     "refuse": None,
     "ExpressionError": None,
     "Refused": None,

@@ -1,5 +1,4 @@
-"""Printers and routers: homing, levelling, macros, the words of Klipper and RepRapFirmware, centre
-words outside the plane."""
+"""Printers and routers: homing, levelling, macros, the commands of Klipper and RepRapFirmware."""
 
 from __future__ import annotations
 
@@ -374,66 +373,3 @@ def test_a_program_that_never_says_where_an_axis_is_is_refused():
     assert "X29.9" in "".join(
         written("G21 G90\nG0 X10 Y10\nG1 X30 F1000\n", "grbl", start={"Z": 0.0})
     )
-
-
-# -- words -----------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "dialect", ["grbl", "grblhal", "fluidnc", "marlin", "reprap", "klipper", "smoothie"]
-)
-def test_a_zero_centre_word_outside_the_plane_is_nothing(dialect):
-    """gnea/grbl gcode.c clears I J K together; Marlin G2_G3.cpp, Klipper gcode_arcs.py,
-    RepRapFirmware DoArcMove and Smoothieware compute_arc read the plane's own."""
-    text = "G28\nG1 X60 Y50 Z1 F600\nG2 X80 Y50 I10 J0{}\nG3 X80.03 Y50.02 I0.015 J0.01{}\n"
-    plain = written(text.format("", ""), dialect, HOME)
-    strange = written(text.format(" K0", " K0.000"), dialect, HOME)
-    assert [line.replace(" K0.000", "").replace(" K0", "") for line in strange] == plain
-    assert not any(re.match(r"(G1 ?)?X.*K", line) and "I" not in line for line in strange), (
-        "a chord has no centre"
-    )
-    assert "does not belong" in refused(text.format(" K1", ""), dialect, HOME).message
-
-
-def test_linuxcnc_refuses_a_centre_word_outside_the_plane():
-    """Its interpreter: "K word given for arc in XY-plane"."""
-    assert (
-        "does not belong" in refused("G0 X0 Y0 Z0\nG2 X10 Y0 I5 J0 K0 F100\n", "linuxcnc").message
-    )
-
-
-@pytest.mark.parametrize("dialect", ["linuxcnc", "grblhal", "fluidnc", "fanuc-mill", "haas"])
-@pytest.mark.parametrize(
-    "word", ["F#<_hal[motion.feed]> ", "S#5 ", "F[#<_f>*2.] ", "S[#101+[#102*2]] ", "f#101 "]
-)
-def test_f_and_s_that_only_the_machine_knows(dialect, word):
-    text = "G0 X60. Y50. Z1.\nG1 {}X120. Y80.\nX150.\n"
-    lines = written(text.format(word), dialect)
-    assert [line.replace(word, "") for line in lines] == written(text.format(""), dialect)
-    assert sum(word.strip() in line for line in lines) == 1
-
-
-def test_g93_needs_the_number_of_every_f():
-    assert "only the machine knows" in refused("G0 X0 Y0 Z0\nG93 G1 X90 F#5\n", "linuxcnc").message
-
-
-def test_words_that_are_no_f_or_s_still_need_a_number():
-    assert refused("G0 X0 Y0 Z0\nG1 X#5 F#6\n", "linuxcnc").place.line == 2
-
-
-# -- words twice -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("dialect", ["marlin", "klipper"])
-def test_the_last_of_two_feeds_holds(dialect):
-    """As pcb2gcode's output stands for such printers: G1 F300 X1 F600. Both words stay."""
-    begin = "G1 F3000 X0 Y0 Z3\n"
-    twice = written(begin + "G1 F300 X80 Y10 F600\nG1 X10 Y80\n", dialect, HOME)
-    once = written(begin + "G1 X80 Y10 F600\nG1 X10 Y80\n", dialect, HOME)
-    assert [line.replace("F300 ", "") for line in twice] == once
-    assert sum("F300" in line and "F600" in line for line in twice) == 1
-
-
-def test_two_feeds_stay_an_error_where_a_control_calls_them_one():
-    assert refused("G1 F300 X80 Y10 F600\n", "grbl", HOME).message.startswith("two F words")
-    assert refused("G1 X80 Y10 X60 F600\n", "marlin", HOME).message.startswith("two X words")

@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
+from postproc import intake
 from postproc.diagnose.thermometers import JUMP_K, SPEED
 from postproc.errors import GcompError, Place
 
@@ -128,7 +129,7 @@ def _cells(name: str, data: bytes) -> tuple[list[int], list[str], list[list[str]
     the others."""
     lines = [
         (k, line)
-        for k, line in enumerate(_text(name, data).splitlines(), 1)
+        for k, line in enumerate(intake.decoded(data, name, LogError).splitlines(), 1)
         if line.strip() and not line.startswith("#")
     ]
     if len(lines) < 3:
@@ -148,18 +149,6 @@ def _cells(name: str, data: bytes) -> tuple[list[int], list[str], list[list[str]
                 Place(name, lines[0][0]),
             )
     return [k for k, _ in lines], head, cells
-
-
-def _text(name: str, data: bytes) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise LogError(
-            f"byte {data[error.start]} is not UTF-8 text",
-            "save the file as UTF-8",
-            Place(name, line),
-        ) from None
 
 
 def _columns(

@@ -25,16 +25,7 @@ TURN = 360.0
 
 def text_of(path: Path, most: int = intake.TABLE) -> str:
     """The text of a file; what is not UTF-8 is refused with its line. most: bytes."""
-    data = intake.whole(path, most, MachineError)
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise MachineError(
-            f"byte {data[error.start]} is not UTF-8 text",
-            "save the file as UTF-8",
-            Place(str(path), line),
-        ) from None
+    return intake.decoded(intake.whole(path, most, MachineError), str(path), MachineError)
 
 
 def read_table(path: Path, letter: str, max_slope: float) -> AxisTable:

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from postproc import intake
 from postproc.errors import GcompError, Place, UsageError
 from postproc.units import UM, URAD
 
@@ -43,15 +44,7 @@ class Source:
     @cached_property
     def text(self) -> str:
         """UTF-8. Raises RecordingError with the line that is not."""
-        try:
-            return self.data.decode("utf-8-sig")
-        except UnicodeDecodeError as error:
-            line = self.data.count(b"\n", 0, error.start) + 1
-            raise RecordingError(
-                f"byte {self.data[error.start]} is not UTF-8 text",
-                "save the file as UTF-8",
-                Place(self.name, line),
-            ) from None
+        return intake.decoded(self.data, self.name, RecordingError)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,179 @@
+"""docs/DIALECTS.md: what gcomp does with the codes of each control, from the tables. `python -m
+tests.dialects_doc` writes it."""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from pathlib import Path
+
+from postproc.nc import codes, dialects
+
+ROOT = Path(__file__).parents[1]
+DOC = ROOT / "docs" / "DIALECTS.md"
+
+
+def every() -> list[dialects.Dialect]:
+    return [dialects.load(name) for name in dialects.names()]
+
+
+HEAD = """# Dialects
+
+What gcomp does with the codes of each control: look here before you use it with a control, or when a code was refused. How to add
+one: [ADDING](ADDING.md). An M code that stands in no row passes as it is; where the dialect does not know it, a notice says so. A G
+code that stands in no row is refused, but where a row says that macros pass.
+
+Generated from the tables by `python -m tests.dialects_doc`; a test compares them. A dialect is a file of
+data, `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME` or `control = "NAME"` in
+machine.toml chooses it, `--dialect auto` goes by what the program requires (`signs`) and what it excludes (`excludes`, and codes
+that the control has not). An error names another dialect only where the program, read in it, comes farther.
+
+- **followed**: the code is obeyed, and motions under it are corrected. Beside a contour (G41 G42) the map is read at the
+  tool's centre where its radius is stated, else at the programmed place, and the bound of that error is said.
+- **corrected in place**: the block stays what it is, and its words are corrected: holes of canned cycles, ends of
+  threads, taps of lathes, coordinates given to the place where the machine stands.
+- **left as it is**: a threading cycle of a lathe. It ends where it began, so all around it is corrected; its thread is
+  cut uncorrected, which a notice says.
+- **passed**: they go to the control as they are; where the axes stand behind them is not known until the next place.
+- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks first, and
+  `gcomp FILE` does so by itself where nothing else corrects the program (DESIGN.md, "One run").
+- **refused**: only where a correction depends on the place; a machine without errors passes it.
+
+`home = { X = 0.0, Y = 0.0, Z = 0.0 }` in machine.toml says where the slides stand after homing (mm, radius): there G28 and `$H` take
+them, unless `--offset G28=` or G28.1 says otherwise, and there a program begins on printers and routers. Without it G28 leads
+them to `--start` there, elsewhere to places that nobody knows. What could not be corrected for that reason is counted in one line.
+
+An F or S whose value only the machine knows (`F#<_hal[feed]>`, `S#5`) moves no axis and passes where the language has
+variables, with `--expand` too.
+
+Which axis words are diameters is said by machine.toml (`diameter`), by G7 G8 or DIAMON DIAMOF where there are such codes.
+"""  # noqa: E501
+
+
+def chapter(dialect: dialects.Dialect) -> str:
+    """What the page says of one dialect."""
+    kinds: dict[str, list[str]] = defaultdict(list)
+    refused: dict[str, list[str]] = defaultdict(list)
+    for code in dialect.codes:
+        if codes.EXPAND in code.refuses:
+            kinds["needs --expand"].append(code.word)
+        elif code.refuses:
+            refused[code.refuses].append(code.word)
+        elif code.does in codes.CYCLE_KEYS or code.does in ("set", "data"):
+            kinds["corrected in place"].append(code.word)
+        elif code.does in codes.STAY_KEYS:
+            kinds["left as it is"].append(code.word)
+        elif code.takes and not code.does:
+            kinds["passed"].append(code.word)
+        else:
+            kinds["followed"].append(code.word)
+    for number, reason in dialect.m_refuses.items():
+        if codes.EXPAND in reason:
+            kinds["needs --expand"].append(f"M{number}")
+        else:
+            refused[reason].append(f"M{number}")
+    rows = [
+        (kind, _words(kinds[kind]))
+        for kind in ("followed", "corrected in place", "left as it is", "passed", "needs --expand")
+        if kinds[kind]
+    ]
+    rows += [(f"refused: {reason}", _words(words)) for reason, words in sorted(refused.items())]
+    rows.append(
+        (
+            "a number without a point",
+            "whole units" if dialect.integers == "units" else "least increments",
+        )
+    )
+    rows.append(
+        (
+            "`;`",
+            dialect.grammar.semicolon
+            + (f"; `{dialect.block_end}` ends a block" if dialect.block_end else ""),
+        )
+    )
+    rows.append(("`( )`", "comment" if dialect.grammar.parentheses else "arguments"))
+    rows.append(
+        ("increments", " ".join(f"{u}={x}" for u, x in dialect.increments.items()) or "by G91")
+    )
+    rows.append(
+        (
+            "tool lengths",
+            (
+                "by T, with its offset"
+                if dialect.tool_offsets
+                else {"H": "G43 H", "D": "D, at once", "T": "T, at once"}[dialect.length_letter]
+            ),
+        )
+    )
+    rows.append(("arc may miss its end by", _tolerance(dialect)))
+    rows.append(
+        (
+            "variables and loops",
+            f"`--expand`, {dialect.language}" if dialect.language else "none that are followed",
+        )
+    )
+    rows.append(("ends with", _words([f"M{n}" for n in dialect.ends]) or "the text"))
+    if dialect.carried:
+        rows.append(("carried along", " ".join(dialect.carried)))
+    rows += _of_printers(dialect)
+    table = "\n".join(f"| {what} | {which} |" for what, which in rows)
+    return f"## {dialect.name}\n\n{dialect.title}.\n\n| | |\n|---|---|\n{table}\n"
+
+
+def _of_printers(dialect: dialects.Dialect) -> list[tuple[str, str]]:
+    rows = []
+    if dialect.homes:
+        rows.append(
+            (
+                "where a program begins",
+                "at `home`, or `--start`; feeds before that is known are left and counted",
+            )
+        )
+    if dialect.skips_centre:
+        rows.append(("a centre word outside the plane", "0 is passed over"))
+    if dialect.grammar.macros:
+        rows.append(("names, macros and files", "pass; places are lost behind them, modes stay"))
+    rows += [("refused among them", reason) for reason in dialect.macro_refuses]
+    return rows
+
+
+def _tolerance(dialect: dialects.Dialect) -> str:
+    text = f"{dialect.arc_tolerance_mm:.3g} mm"
+    if dialect.arc_tolerance_relative:
+        most = dialect.arc_tolerance_most_mm
+        text += f", or {100 * dialect.arc_tolerance_relative:g} % of the radius up to {most:.3g} mm"
+    if dialect.arc_tolerance_inch != 1:
+        text += f"; under G20 {dialect.arc_tolerance_inch:g} times as much"
+    return text
+
+
+def _words(words: list[str]) -> str:
+    """Codes in their order, runs of them joined: "G54-G59"."""
+    order = sorted(
+        words,
+        key=lambda w: (
+            not re.fullmatch(r"[GM][\d.]+", w),
+            w[0],
+            float(w[1:]) if re.fullmatch(r"[GM][\d.]+", w) else 0,
+            w,
+        ),
+    )
+    runs: list[list[str]] = []
+    for word in order:
+        last = runs[-1][-1] if runs else ""
+        joins = (
+            re.fullmatch(r"[GM]\d+", word)
+            and re.fullmatch(r"[GM]\d+", last)
+            and word[0] == last[0]
+            and int(word[1:]) == int(last[1:]) + 1
+        )
+        runs[-1].append(word) if joins else runs.append([word])
+    return " ".join(f"{run[0]}-{run[-1]}" if len(run) > 2 else " ".join(run) for run in runs)
+
+
+def page() -> str:
+    return HEAD + "\n" + "\n".join(chapter(dialect) for dialect in every())
+
+
+if __name__ == "__main__":
+    DOC.write_text(page())
