@@ -33,6 +33,7 @@ HELPERS = (
     "machine_questions",
     "machine_shown",
     "machine_values",
+    "option_text",
     "port_options",
     "reading",
     "reading_options",

@@ -75,7 +75,7 @@ def test_a_run_loads_no_more_than_it_needs(tmp_path):
     assert not modules & FORBIDDEN
     assert not modules & {f"postproc.{name}" for name in ASKED_FOR}
     commands = {name for name in modules if name.startswith("postproc.commands.")}
-    needed = ("attempts", "compensate", "expansion", "reading", "reading_options", "values")
+    needed = "attempts compensate expansion option_text reading reading_options values".split()
     assert commands == {f"postproc.commands.{name}" for name in needed}
 
 

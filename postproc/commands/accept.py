@@ -8,7 +8,7 @@ from pathlib import Path
 
 from postproc import ports
 from postproc.accept import judge, pairing, report
-from postproc.commands import as_json
+from postproc.commands import as_json, option_text
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options
@@ -25,44 +25,20 @@ EXAMPLE = (
 )
 
 
+OPTIONS = f"""
+files+ REC  recordings before, then as many after in the same order
+--after+ REC  those after, where they are named apart
+--machine M  the machine whose map was used: says whether it or the control errs
+--commanded  readings after are against what the corrected program commands, not its nominal
+    targets (of gcomp simulate its files say so)
+--line ({"|".join(LINES)})  reference line of straightness
+--json FILE  all of it as JSON ({report.FORMAT}); - for standard output
+--report, --page FILE.html  a page with the curves before and after
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "files",
-        nargs="+",
-        metavar="REC",
-        help="recordings before, then as many after in the same order",
-    )
-    parser.add_argument(
-        "--after",
-        nargs="+",
-        default=[],
-        metavar="REC",
-        help="those after, where they are named apart",
-    )
-    parser.add_argument(
-        "--machine",
-        metavar="M",
-        help="the machine whose map was used: says whether it or the control errs",
-    )
-    parser.add_argument(
-        "--commanded",
-        action="store_true",
-        help=(
-            "readings after are against what the corrected program commands, not its nominal"
-            " targets (of gcomp simulate its files say so)"
-        ),
-    )
-    parser.add_argument(
-        "--line", choices=LINES, default="least-squares", help="reference line of straightness"
-    )
-    as_json.argument(parser, report.FORMAT)
-    parser.add_argument(
-        "--report",
-        "--page",
-        dest="page",
-        metavar="FILE.html",
-        help="a page with the curves before and after",
-    )
+    option_text.add(parser, OPTIONS, after=[], line="least-squares", page={"dest": "page"})
     reading_arguments(parser)
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import argparse
 import io
 import sys
 from pathlib import Path
@@ -12,13 +11,6 @@ from typing import Any, TextIO
 from postproc import ports
 
 SCHEMAS = Path(__file__).resolve().parents[1] / "schemas"
-
-
-def argument(parser: argparse._ActionsContainer, format: str) -> None:
-    """The option."""
-    parser.add_argument(
-        "--json", metavar="FILE", help=f"all of it as JSON ({format}); - for standard output"
-    )
 
 
 def beside(path: str | None) -> TextIO:

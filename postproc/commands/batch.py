@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from postproc import colour, ports
-from postproc.commands import as_json, reading, reading_options, values
+from postproc.commands import as_json, option_text, reading, reading_options
 from postproc.errors import UsageError
 
 HELP = "correct many programs or whole folders, in several processes or on a Dask cluster"
@@ -36,62 +36,29 @@ COLUMNS = (
 )
 
 
+OPTIONS = f"""
+programs+ PROGRAM  programs, or folders of them
+-o, --output DIR  the folder of results; with several machines one folder for each in it
+-j, --jobs N  processes (default: one for each core)
+--scheduler ADDRESS  a Dask scheduler, like tcp://host:8786, in place of processes here; its
+    workers must see the same files
+--retries N  how often a program is tried again whose process was killed (2)
+--pattern GLOB ...  which files of folders are programs: '*.nc' (default: the usual endings)
+--force  do again what is done, and write over files that gcomp batch did not write
+--verify  replay each result on its machine's model; the table has the deviations
+--report  a page beside each result (verifies too)
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+--quiet  no progress, no table; refusals are still told
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "programs", nargs="+", metavar="PROGRAM", help="programs, or folders of them"
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="DIR",
-        required=True,
-        help="the folder of results; with several machines one folder for each in it",
-    )
-    parser.add_argument(
-        "-j",
-        "--jobs",
-        metavar="N",
-        type=_count,
-        default=os.cpu_count() or 1,
-        help="processes (default: one for each core)",
-    )
-    parser.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help=(
-            "a Dask scheduler, like tcp://host:8786, in place of processes here; its workers must"
-            " see the same files"
-        ),
-    )
-    parser.add_argument(
-        "--retries",
-        metavar="N",
-        type=int,
-        default=2,
-        help="how often a program is tried again whose process was killed (2)",
-    )
-    values.repeated(
+    option_text.add(
         parser,
-        "--pattern",
-        metavar="GLOB",
-        help="which files of folders are programs: '*.nc' (default: the usual endings)",
-    )
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="do again what is done, and write over files that gcomp batch did not write",
-    )
-    parser.add_argument(
-        "--verify",
-        action="store_true",
-        help="replay each result on its machine's model; the table has the deviations",
-    )
-    parser.add_argument(
-        "--report", action="store_true", help="a page beside each result (verifies too)"
-    )
-    as_json.argument(parser, FORMAT)
-    parser.add_argument(
-        "--quiet", action="store_true", help="no progress, no table; refusals are still told"
+        OPTIONS,
+        output={"required": True},
+        jobs=(_count, os.cpu_count() or 1),
+        retries=(int, 2),
     )
     reading_options.arguments(parser, several=True)
 

@@ -5,13 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from postproc.calibrate import (
-    LINES,
-    STEEL,
-    report,
-    square,
-)
-from postproc.commands import as_json, values
+from postproc.calibrate import LINES, STEEL, report, square
+from postproc.commands import option_text, values
 from postproc.commands.recording_files import reading_arguments
 from postproc.errors import UsageError
 from postproc.units import URAD
@@ -19,147 +14,60 @@ from postproc.units import URAD
 SOURCES = ("straightness", "diagonals", "ballbar")
 
 
+OPTIONS = f"""
+recordings+ REC  recordings of one axis moving, of diagonals, of circles; or a session,
+    measurement.toml
+-o, --output FOLDER  the machine folder to write; without it nothing is
+--force  write over a machine folder; the old one stays as .bak
+--json FILE  all of it as JSON ({report.FORMAT}); - for standard output
+--figure FILE  draw the components with their uncertainty (.png .svg .pdf)
+--report FILE.html  a page with the machine that was found, and what looks wrong
+[the machine]
+--like MACHINE  take from it what machines of a kind share: control, chain, travels, limits
+--title TITLE  what the machine is, in words
+--control CONTROL  dialect of its control
+--chain CHAIN  who carries whom: w-b-Z-X-t
+--diameter AXES  axes whose words are diameters: X
+--travel Z=-5,520 ...  mm an axis reaches
+--least-increment LENGTH  of the programmed word: 0.001mm
+--max-slope UM_PER_MM  limit of a table's slope (5)
+--accept-slope  a steeper table is true
+--outside (error|clamp)  beyond the targets: refuse, or hold the end value
+[how to reckon]
+--datum Z=0|none ...  where deviations are zero; none: zeros as recorded
+--line ({"|".join(LINES)})  reference line of a straightness
+--keep-lines  leave the lines of straightnesses in
+--squareness B0X=-382.4,2 ...  urad and its u, or from what: B0X=straightness, B0X=diagonals,
+    B0X=ballbar
+--square-error URAD,U  angle of the square over 90 degrees, and its u: --square-error=-3,2
+--square-at X200,Y150  mm, where the axes stood when the --squareness was measured
+--drop-outliers  leave outliers out
+--keep-all  write components within their uncertainty too
+--mean  one column for both directions: the control takes up the play
+--lead Z=5 ...  mm of a turn of the screw
+--point X0,Z120  mm, the measured point from the last carriage
+--u-random  u_um of the recordings is noise and averages out
+--u-temperature K  standard uncertainty of the scale's temperature
+--expansion UM_M_K  expansion ({STEEL * 1e6:g} um/(m K))
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "recordings",
-        nargs="+",
-        metavar="REC",
-        help=(
-            "recordings of one axis moving, of diagonals, of circles; or a session,"
-            " measurement.toml"
-        ),
+    option_text.add(
+        parser,
+        OPTIONS,
+        travel=_range,
+        least_increment=values.length,
+        max_slope=float,
+        line=LINES[0],
+        squareness=squareness,
+        square_error=_two,
+        square_at=(values.place, {}),
+        lead=_length_of,
+        point=(values.place, {}),
+        u_temperature=(float, 0.0),
+        expansion=(float, STEEL * 1e6),
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FOLDER",
-        help="the machine folder to write; without it nothing is",
-    )
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="write over a machine folder; the old one stays as .bak",
-    )
-    as_json.argument(parser, report.FORMAT)
-    parser.add_argument(
-        "--figure",
-        metavar="FILE",
-        help="draw the components with their uncertainty (.png .svg .pdf)",
-    )
-
-    parser.add_argument(
-        "--report",
-        metavar="FILE.html",
-        help="a page with the machine that was found, and what looks wrong",
-    )
-
-    machine = parser.add_argument_group("the machine")
-    machine.add_argument(
-        "--like",
-        metavar="MACHINE",
-        help="take from it what machines of a kind share: control, chain, travels, limits",
-    )
-    machine.add_argument("--title", help="what the machine is, in words")
-    machine.add_argument("--control", help="dialect of its control")
-    machine.add_argument("--chain", help="who carries whom: w-b-Z-X-t")
-    machine.add_argument("--diameter", metavar="AXES", help="axes whose words are diameters: X")
-    values.repeated(
-        machine,
-        "--travel",
-        type=_range,
-        metavar="Z=-5,520",
-        help="mm an axis reaches",
-    )
-    machine.add_argument(
-        "--least-increment",
-        type=values.length,
-        metavar="LENGTH",
-        help="of the programmed word: 0.001mm",
-    )
-    machine.add_argument(
-        "--max-slope", type=float, metavar="UM_PER_MM", help="limit of a table's slope (5)"
-    )
-    machine.add_argument("--accept-slope", action="store_true", help="a steeper table is true")
-    machine.add_argument(
-        "--outside",
-        choices=("error", "clamp"),
-        help="beyond the targets: refuse, or hold the end value",
-    )
-
-    how = parser.add_argument_group("how to reckon")
-    values.repeated(
-        how,
-        "--datum",
-        metavar="Z=0|none",
-        help="where deviations are zero; none: zeros as recorded",
-    )
-    how.add_argument(
-        "--line", choices=LINES, default=LINES[0], help="reference line of a straightness"
-    )
-    how.add_argument(
-        "--keep-lines", action="store_true", help="leave the lines of straightnesses in"
-    )
-    values.repeated(
-        how,
-        "--squareness",
-        type=squareness,
-        metavar="B0X=-382.4,2",
-        help="urad and its u, or from what: B0X=straightness, B0X=diagonals, B0X=ballbar",
-    )
-    how.add_argument(
-        "--square-error",
-        type=_two,
-        metavar="URAD,U",
-        help="angle of the square over 90 degrees, and its u: --square-error=-3,2",
-    )
-    how.add_argument(
-        "--square-at",
-        type=values.place,
-        default={},
-        metavar="X200,Y150",
-        help="mm, where the axes stood when the --squareness was measured",
-    )
-    how.add_argument("--drop-outliers", action="store_true", help="leave outliers out")
-    how.add_argument(
-        "--keep-all", action="store_true", help="write components within their uncertainty too"
-    )
-    how.add_argument(
-        "--mean",
-        action="store_true",
-        help="one column for both directions: the control takes up the play",
-    )
-    values.repeated(
-        how,
-        "--lead",
-        type=_length_of,
-        metavar="Z=5",
-        help="mm of a turn of the screw",
-    )
-    how.add_argument(
-        "--point",
-        type=values.place,
-        default={},
-        metavar="X0,Z120",
-        help="mm, the measured point from the last carriage",
-    )
-    how.add_argument(
-        "--u-random", action="store_true", help="u_um of the recordings is noise and averages out"
-    )
-    how.add_argument(
-        "--u-temperature",
-        type=float,
-        default=0.0,
-        metavar="K",
-        help="standard uncertainty of the scale's temperature",
-    )
-    how.add_argument(
-        "--expansion",
-        type=float,
-        default=STEEL * 1e6,
-        metavar="UM_M_K",
-        help=f"expansion ({STEEL * 1e6:g} um/(m K))",
-    )
-
     reading_arguments(parser)
 
 

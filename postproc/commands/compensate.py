@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import intake, marks, ports, standing
-from postproc.commands import attempts, reading, reading_options
+from postproc.commands import attempts, option_text, reading, reading_options
 from postproc.errors import GcompError, Notice, UsageError
 from postproc.machine import lacks
 
@@ -23,64 +23,28 @@ HELP = "correct a program for a machine (the default: gcomp --machine NAME FILE)
 EXAMPLE = "cat job.nc | gcomp --machine studer-s36 > job_comp.nc"
 
 
+OPTIONS = """
+file? FILE  the program; standard input if missing
+[where it goes]
+-o, --output FILE  write here instead of to standard output; in one step, when all is accepted
+--in-place  correct FILE itself; its old content stays beside it as FILE.bak
+--force  write over a file that gcomp did not make, FILE itself too
+--unbuffered  pass block by block, for live pipes; a refusal then comes after what is already out
+--dry-run  write no program: say what would change
+[what it says]
+--verify  replay the output on the machine's model and report the largest deviation left; refuse
+    the output if it is over the tolerance
+--json FILE  what was done as JSON (gcomp-program/1); - for standard output, with -o
+--report FILE.html  a page: the path, its deviation before and after, where and in which lines
+    (verifies too)
+--quiet  no notices, no summary
+--filter-progress  print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading_options.arguments(parser)
-    out = parser.add_argument_group("where it goes")
-    out.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        help="write here instead of to standard output; in one step, when all is accepted",
-    )
-    out.add_argument(
-        "--in-place",
-        action="store_true",
-        help="correct FILE itself; its old content stays beside it as FILE.bak",
-    )
-    out.add_argument(
-        "--force",
-        action="store_true",
-        help="write over a file that gcomp did not make, FILE itself too",
-    )
-    out.add_argument(
-        "--unbuffered",
-        action="store_true",
-        help="pass block by block, for live pipes; a refusal then comes after what is already out",
-    )
-    out.add_argument(
-        "--dry-run", action="store_true", help="write no program: say what would change"
-    )
-    say = parser.add_argument_group("what it says")
-    say.add_argument(
-        "--verify",
-        action="store_true",
-        help=(
-            "replay the output on the machine's model and report the largest deviation left; refuse"
-            " the output if it is over the tolerance"
-        ),
-    )
-    say.add_argument(
-        "--json",
-        metavar="FILE",
-        help="what was done as JSON (gcomp-program/1); - for standard output, with -o",
-    )
-    say.add_argument(
-        "--report",
-        metavar="FILE.html",
-        help=(
-            "a page: the path, its deviation before and after, where and in which lines (verifies"
-            " too)"
-        ),
-    )
-    say.add_argument("--quiet", action="store_true", help="no notices, no summary")
-    say.add_argument(
-        "--filter-progress",
-        action="store_true",
-        help="print FILTER_PROGRESS=nn on standard error, as LinuxCNC's filters do",
-    )
-    parser.add_argument(
-        "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
-    )
+    option_text.add(parser, OPTIONS)
 
 
 def run(options: argparse.Namespace) -> int:

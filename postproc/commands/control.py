@@ -9,8 +9,9 @@ import sys
 import time
 from typing import TYPE_CHECKING, Any
 
-from postproc.commands import as_json, port_options
+from postproc.commands import as_json, option_text, port_options
 from postproc.errors import UsageError
+from postproc.streaming.orders import WORDS
 
 if TYPE_CHECKING:
     from postproc.streaming.events import Status
@@ -21,25 +22,18 @@ FORMAT = "gcomp-control/1"
 STOPPED, REFUSED, LONGEST = 130, 10, 600.0  # exit statuses; s that an order may take
 
 
-def arguments(parser: argparse.ArgumentParser) -> None:
-    from postproc.streaming.orders import WORDS
+OPTIONS = f"""
+{port_options.PORT}
+{port_options.BOARDS}
+--baud BAUD  default 115200
+order? ({"|".join(WORDS)})  left out: the controller's state, and the order that leads out of it
+words* WORD  jog X10 Y-5 F800 (mm from here, mm/min); zero X Y; send '$$'
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+"""
 
-    port_options.port(parser)
-    port_options.boards(parser)
-    parser.add_argument("--baud", type=int, default=115200, help="default 115200")
-    parser.add_argument(
-        "order",
-        nargs="?",
-        choices=WORDS,
-        help="left out: the controller's state, and the order that leads out of it",
-    )
-    parser.add_argument(
-        "words",
-        nargs="*",
-        metavar="WORD",
-        help="jog X10 Y-5 F800 (mm from here, mm/min); zero X Y; send '$$'",
-    )
-    as_json.argument(parser, FORMAT)
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    option_text.add(parser, OPTIONS, protocol="auto", baud=(int, 115200))
 
 
 def run(options: argparse.Namespace) -> int:

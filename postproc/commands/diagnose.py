@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postproc import intake, ports, standing
-from postproc.commands import as_json, reading, values
+from postproc.commands import as_json, option_text, reading
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,51 +21,25 @@ HELP = "say what physics the machine's model leaves out, from recordings"
 EXAMPLE = "gcomp diagnose r1.csv r2.csv --machine studer-s36 --json answer.json"
 
 
+OPTIONS = """
+recordings+ REC  recordings of one experiment (gcomp recordings --list: formats)
+--machine NAME  the machine whose model is to be judged
+--json FILE  all of it as JSON (gcomp-diagnosis/1); - for standard output
+--residuals FILE  every reading before and after, as CSV
+--write-machine FOLDER  a copy of the machine with the accepted effects
+--report FILE  the answer as a page with figures, HTML
+--holdout run=N  the run that takes no part (default: the middle one of three or more)
+--accept EFFECT:AXIS ...  write this effect although another name explains the readings as well
+    (with --write-machine)
+--compensated  recorded with a corrected program, readings against its nominal targets: what is
+    left is looked at (a head that says compensated = true does without)
+--force  write over what is there; an old machine folder stays as .bak
+--quiet  no progress on standard error
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "recordings",
-        nargs="+",
-        metavar="REC",
-        help="recordings of one experiment (gcomp recordings --list: formats)",
-    )
-    parser.add_argument("--machine", metavar="NAME", help="the machine whose model is to be judged")
-    as_json.argument(parser, "gcomp-diagnosis/1")
-    parser.add_argument(
-        "--residuals", metavar="FILE", help="every reading before and after, as CSV"
-    )
-    parser.add_argument(
-        "--write-machine", metavar="FOLDER", help="a copy of the machine with the accepted effects"
-    )
-    parser.add_argument("--report", metavar="FILE", help="the answer as a page with figures, HTML")
-    parser.add_argument(
-        "--holdout",
-        metavar="run=N",
-        default="",
-        help="the run that takes no part (default: the middle one of three or more)",
-    )
-    values.repeated(
-        parser,
-        "--accept",
-        metavar="EFFECT:AXIS",
-        help=(
-            "write this effect although another name explains the readings as well (with"
-            " --write-machine)"
-        ),
-    )
-    parser.add_argument(
-        "--compensated",
-        action="store_true",
-        help=(
-            "recorded with a corrected program, readings against its nominal targets: what is left"
-            " is looked at (a head that says compensated = true does without)"
-        ),
-    )
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="write over what is there; an old machine folder stays as .bak",
-    )
-    parser.add_argument("--quiet", action="store_true", help="no progress on standard error")
+    option_text.add(parser, OPTIONS, holdout="")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from postproc import ports
-from postproc.commands import as_json, compensate, expansion, reading, reading_options
+from postproc.commands import as_json, compensate, expansion, option_text, reading, reading_options
 from postproc.machine import growth
 from postproc.machine.contributions import contributions
 from postproc.machine.model import Machine
@@ -32,12 +32,15 @@ SMALLEST_UM = 0.05
 FORMAT = "gcomp-explain/1"
 
 
+OPTIONS = f"""
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+file? FILE  the program; standard input if missing
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading_options.arguments(parser)
-    as_json.argument(parser, FORMAT)
-    parser.add_argument(
-        "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
-    )
+    option_text.add(parser, OPTIONS)
 
 
 def run(options: argparse.Namespace) -> int:

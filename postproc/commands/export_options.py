@@ -6,134 +6,55 @@ import argparse
 import math
 import re
 
-from postproc.commands import as_json, values
-from postproc.commands.export_files import (
-    FORMAT,
-)
+from postproc.commands import option_text
+from postproc.commands.export_files import FORMAT
 
 PAIR = re.compile(r"\s*([A-Z])\s*=\s*([-+]?[0-9]+\.?[0-9]*|[-+]?\.[0-9]+)\s*")
 
 
+OPTIONS = f"""
+[what]
+--list  the controls, their sign, and what is unverified; with --control its own keys
+--control NAME  whose table: gcomp export --list
+--machine M  name or folder of the machine whose map is written
+--read FILE  the opposite: say what a control's table takes out, as CSV (-o writes a file for each
+    axis)
+-o, --output FOLDER  where to write: a folder, or a file where it is only one
+--residual FOLDER  a machine folder too, for what the control can not hold: gcomp corrects the rest
+--force  overwrite files that are there
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+[which part of the map]
+--axis Z ...  only this moving axis
+--component EXZ ...  only this component
+--only EXX,EZZ  as --component, several at once
+--at X=0,Y=100  mm: where the other axes stand (rotations times arms)
+--one-way  the mean of both directions, also where the control knows both
+[how the control is set up]
+--unit (mm|inch)  of the control's basic system (mm)
+--spacing MM  mm between points, where they are even
+--reference X=0,Z=0  mm: reference (home) position of the axes
+--first X=1  number of the first or the reference point
+--step MM  mm of one detection unit (0.001)
+--set KEY=VALUE ...  what one control alone wants
+--uncertainty FILE.csv  write the U (95 %%) of what the tables hold beside them, node by node: no
+    control has a place for it
+--template FILE  an empty table that the control has exported, to be filled
+--settings FILE  with --read: the control's parameters, where they are in a file of their own
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    what = parser.add_argument_group("what")
-    what.add_argument(
-        "--list",
-        action="store_true",
-        help="the controls, their sign, and what is unverified; with --control its own keys",
-    )
-    what.add_argument("--control", metavar="NAME", help="whose table: gcomp export --list")
-    what.add_argument(
-        "--machine", metavar="M", help="name or folder of the machine whose map is written"
-    )
-    what.add_argument(
-        "--read",
-        metavar="FILE",
-        help=(
-            "the opposite: say what a control's table takes out, as CSV (-o writes a file for each"
-            " axis)"
-        ),
-    )
-    what.add_argument(
-        "-o",
-        "--output",
-        metavar="FOLDER",
-        help="where to write: a folder, or a file where it is only one",
-    )
-    what.add_argument(
-        "--residual",
-        metavar="FOLDER",
-        help="a machine folder too, for what the control can not hold: gcomp corrects the rest",
-    )
-    what.add_argument("--force", action="store_true", help="overwrite files that are there")
-    as_json.argument(what, FORMAT)
-    which = parser.add_argument_group("which part of the map")
-    values.repeated(
-        which,
-        "--axis",
-        metavar="Z",
-        help="only this moving axis",
-    )
-    values.repeated(
-        which,
-        "--component",
-        metavar="EXZ",
-        help="only this component",
-    )
-    which.add_argument(
-        "--only",
-        metavar="EXX,EZZ",
-        type=lambda text: text.split(","),
-        default=[],
-        help="as --component, several at once",
-    )
-    which.add_argument(
-        "--at",
-        metavar="X=0,Y=100",
-        type=_numbers,
-        default={},
-        help="mm: where the other axes stand (rotations times arms)",
-    )
-    which.add_argument(
-        "--one-way",
-        action="store_true",
-        help="the mean of both directions, also where the control knows both",
-    )
-    how = parser.add_argument_group("how the control is set up")
-    how.add_argument(
-        "--unit", choices=("mm", "inch"), default="mm", help="of the control's basic system (mm)"
-    )
-    how.add_argument(
-        "--spacing",
-        metavar="MM",
-        type=_positive,
-        default=0.0,
-        help="mm between points, where they are even",
-    )
-    how.add_argument(
-        "--reference",
-        metavar="X=0,Z=0",
-        type=_numbers,
-        default={},
-        help="mm: reference (home) position of the axes",
-    )
-    how.add_argument(
-        "--first",
-        metavar="X=1",
-        type=_numbers,
-        default={},
-        help="number of the first or the reference point",
-    )
-    how.add_argument(
-        "--step",
-        metavar="MM",
-        type=_positive,
-        default=0.001,
-        help="mm of one detection unit (0.001)",
-    )
-    values.repeated(
-        how,
-        "--set",
-        metavar="KEY=VALUE",
-        dest="extra",
-        help="what one control alone wants",
-    )
-    how.add_argument(
-        "--uncertainty",
-        metavar="FILE.csv",
-        help=(
-            "write the U (95 %%) of what the tables hold beside them, node by node: no control has"
-            " a place for it"
-        ),
-    )
-    how.add_argument(
-        "--template",
-        metavar="FILE",
-        help="an empty table that the control has exported, to be filled",
-    )
-    how.add_argument(
-        "--settings",
-        metavar="FILE",
-        help="with --read: the control's parameters, where they are in a file of their own",
+    option_text.add(
+        parser,
+        OPTIONS,
+        only=(lambda text: text.split(","), []),
+        at=(_numbers, {}),
+        unit="mm",
+        spacing=(_positive, 0.0),
+        reference=(_numbers, {}),
+        first=(_numbers, {}),
+        step=(_positive, 0.001),
+        set={"dest": "extra"},
     )
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from postproc import hooks, intake, ports, standing
-from postproc.commands import as_json, reading
+from postproc.commands import as_json, option_text, reading
 from postproc.errors import UsageError
 from postproc.machine import places
 
@@ -24,32 +24,20 @@ HANDS_ON = True  # behind --: options of gcomp
 EXAMPLE = "gcomp hook install prusaslicer --machine my-printer -- --tolerance 5um"
 
 
+OPTIONS = f"""
+what (list|install)  list the programs, or install a hook for one
+program? PROGRAM  which one
+--machine NAME  a machine by name (gcomp machines) or by the path of its folder
+-o, --output FOLDER  where to write (default: the folder hooks in gcomp's own)
+--keep  let the nominal program stay beside the corrected one as FILE.bak
+--post NAME  FreeCAD's own post that is corrected (linuxcnc)
+--force  write over a hook that is there
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "what", choices=("list", "install"), help="list the programs, or install a hook for one"
-    )
-    parser.add_argument("program", nargs="?", metavar="PROGRAM", help="which one")
-    parser.add_argument(
-        "--machine",
-        metavar="NAME",
-        help="a machine by name (gcomp machines) or by the path of its folder",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FOLDER",
-        help="where to write (default: the folder hooks in gcomp's own)",
-    )
-    parser.add_argument(
-        "--keep",
-        action="store_true",
-        help="let the nominal program stay beside the corrected one as FILE.bak",
-    )
-    parser.add_argument(
-        "--post", metavar="NAME", default="", help="FreeCAD's own post that is corrected (linuxcnc)"
-    )
-    parser.add_argument("--force", action="store_true", help="write over a hook that is there")
-    as_json.argument(parser, FORMAT)
+    option_text.add(parser, OPTIONS, post="")
 
 
 def run(options: argparse.Namespace) -> int:

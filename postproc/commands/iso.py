@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 
 from postproc import ports
-from postproc.commands import as_json, values
+from postproc.commands import as_json, option_text, values
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
 from postproc.iso import Options, Stated, choose, figure, report
@@ -24,73 +24,42 @@ HELP = (
 EXAMPLE = "gcomp iso z_axis.csv --lead 10 --alpha 11.5 --u-temperature 0.5 --figure z_axis.svg"
 
 
+OPTIONS = f"""
+files+ REC  recordings of any format that gcomp knows
+--json FILE  all of it as JSON ({report.FORMAT}); - for standard output
+--figure FILE  draw the results (.svg .png .pdf); needs matplotlib
+--report FILE.html  a page with every result drawn
+--line ({"|".join(LINES)})  reference line of straightness and squareness (least-squares)
+--lead MM ...  lead of the screw, of all axes or Z=10
+[uncertainty (ISO/TR 230-9)] Standard uncertainties, k = 1. What is not stated is not in U, and is
+    named.
+--device UM  of one reading, um; default: u_um of the recording
+--device-angle URAD  of one reading of an angle, urad
+--misalignment MRAD  largest angle between beam and axis, mrad
+--alpha UM_M_K  expansion coefficient, um/m/K
+--u-alpha UM_M_K  its standard uncertainty, um/m/K
+--temperature C  mean temperature in the test, degrees Celsius
+--u-temperature K  its standard uncertainty, K
+--drift UM  whole range of an EVE test of the same duration, um
+--u-square URAD  of the square that a squareness rests on, urad
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "files", nargs="+", metavar="REC", help="recordings of any format that gcomp knows"
-    )
-    as_json.argument(parser, report.FORMAT)
-    parser.add_argument(
-        "--figure", metavar="FILE", help="draw the results (.svg .png .pdf); needs matplotlib"
-    )
-    parser.add_argument("--report", metavar="FILE.html", help="a page with every result drawn")
-    parser.add_argument(
-        "--line",
-        choices=LINES,
-        default="least-squares",
-        help="reference line of straightness and squareness (least-squares)",
-    )
-    values.repeated(
+    option_text.add(
         parser,
-        "--lead",
-        metavar="MM",
-        type=_lead,
-        help="lead of the screw, of all axes or Z=10",
-    )
-    u = parser.add_argument_group(
-        "uncertainty (ISO/TR 230-9)",
-        "Standard uncertainties, k = 1. What is not stated is not in U, and is named.",
-    )
-    u.add_argument(
-        "--device",
-        metavar="UM",
-        type=values.size,
-        help="of one reading, um; default: u_um of the recording",
-    )
-    u.add_argument(
-        "--device-angle", metavar="URAD", type=values.size, help="of one reading of an angle, urad"
-    )
-    u.add_argument(
-        "--misalignment",
-        metavar="MRAD",
-        type=values.size,
-        help="largest angle between beam and axis, mrad",
-    )
-    u.add_argument(
-        "--alpha", metavar="UM_M_K", type=values.size, help="expansion coefficient, um/m/K"
-    )
-    u.add_argument(
-        "--u-alpha", metavar="UM_M_K", type=values.size, help="its standard uncertainty, um/m/K"
-    )
-    u.add_argument(
-        "--temperature",
-        metavar="C",
-        type=values.number,
-        help="mean temperature in the test, degrees Celsius",
-    )
-    u.add_argument(
-        "--u-temperature", metavar="K", type=values.size, help="its standard uncertainty, K"
-    )
-    u.add_argument(
-        "--drift",
-        metavar="UM",
-        type=values.size,
-        help="whole range of an EVE test of the same duration, um",
-    )
-    u.add_argument(
-        "--u-square",
-        metavar="URAD",
-        type=values.size,
-        help="of the square that a squareness rests on, urad",
+        OPTIONS,
+        line="least-squares",
+        lead=_lead,
+        device=values.size,
+        device_angle=values.size,
+        misalignment=values.size,
+        alpha=values.size,
+        u_alpha=values.size,
+        temperature=values.number,
+        u_temperature=values.size,
+        drift=values.size,
+        u_square=values.size,
     )
     reading_arguments(parser)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.calibrate import circles, first, square
-from postproc.commands import machine_questions, machine_values, values
+from postproc.commands import machine_questions, machine_values, option_text, values
 from postproc.commands.recording_files import read_files
 from postproc.errors import UsageError
 from postproc.machine import chain as chains
@@ -20,106 +20,48 @@ from postproc.nc import dialects
 from postproc.recordings import ReadingOptions, Recording
 from postproc.units import URAD
 
+KINDS = "; ".join(f"{name}: {kind.title}" for name, kind in first.KINDS.items())
+OPTIONS = f"""
+[new] What is not said is asked for where somebody sits at the keyboard. Lengths in mm, X of a lathe
+    as a radius.
+--kind ({"|".join(first.KINDS)})  {KINDS}
+--chain CHAIN  another order: who carries whom, w-b-Y-X-Z-t
+--control CONTROL  dialect of its control
+--title TITLE  what the machine is, in words
+--travel X=0,400 ...  where an axis can be
+--least-increment LENGTH  of a word (0.001mm)
+--diagonals XY=565.9,565.4,400,400 ...  of a rectangle that the machine made: rising (low to high
+    in both axes), falling, side along X, along Y
+--drift X/Y=0.05,300 ...  along a square: X drifts by +0.05 while Y goes +300
+--ballbar FILE ...  circles in both senses: squareness and lost motion of their axes
+--squareness C0Y=120 ...  urad, where it is known
+--backlash X=0.05 ...  lost motion by a dial gauge
+--scale X=300,300.2 ...  commanded way and measured way
+--home X0,Y0,Z0  where the slides stand after homing
+--u-length LENGTH  standard uncertainty (k = 1) of each length of --diagonals and --scale, like
+    0.2mm; --verify carries it to the path
+--u-gauge LENGTH  standard uncertainty (k = 1) of a dial gauge's reading, of --backlash and
+    --drift, like 5um
+-o, --output FOLDER  where to write it (machines/NAME)
+--force  write over a machine folder; the old one stays as .bak
+"""
+
 
 def arguments(parser: argparse.ArgumentParser) -> None:
-    new = parser.add_argument_group(
-        "new",
-        "What is not said is asked for where somebody sits at the keyboard. Lengths in mm, X of a"
-        " lathe as a radius.",
-    )
-    kinds = "; ".join(f"{name}: {kind.title}" for name, kind in first.KINDS.items())
-    new.add_argument("--kind", choices=[*first.KINDS], help=kinds)
-    new.add_argument("--chain", help="another order: who carries whom, w-b-Y-X-Z-t")
-    new.add_argument("--control", help="dialect of its control")
-    new.add_argument("--title", default="", help="what the machine is, in words")
-    values.repeated(
-        new,
-        "--travel",
-        type=machine_values.travel,
-        metavar="X=0,400",
-        help="where an axis can be",
-    )
-    new.add_argument(
-        "--least-increment",
-        type=values.length,
-        default=0.001,
-        metavar="LENGTH",
-        help="of a word (0.001mm)",
-    )
-    values.repeated(
-        new,
-        "--diagonals",
-        type=machine_values.diagonals,
-        metavar="XY=565.9,565.4,400,400",
-        help=(
-            "of a rectangle that the machine made: rising (low to high in both axes), falling, side"
-            " along X, along Y"
-        ),
-    )
-    values.repeated(
-        new,
-        "--drift",
-        type=machine_values.drift,
-        metavar="X/Y=0.05,300",
-        help="along a square: X drifts by +0.05 while Y goes +300",
-    )
-    values.repeated(
-        new,
-        "--ballbar",
-        metavar="FILE",
-        help="circles in both senses: squareness and lost motion of their axes",
-    )
-    values.repeated(
-        new,
-        "--squareness",
-        type=machine_values.angle,
-        metavar="C0Y=120",
-        help="urad, where it is known",
-    )
-    values.repeated(
-        new,
-        "--backlash",
-        type=machine_values.length_of,
-        metavar="X=0.05",
-        help="lost motion by a dial gauge",
-    )
-    values.repeated(
-        new,
-        "--scale",
-        type=machine_values.scale,
-        metavar="X=300,300.2",
-        help="commanded way and measured way",
-    )
-    new.add_argument(
-        "--home",
-        type=values.place,
-        default={},
-        metavar="X0,Y0,Z0",
-        help="where the slides stand after homing",
-    )
-    new.add_argument(
-        "--u-length",
-        type=values.length,
-        metavar="LENGTH",
-        help=(
-            "standard uncertainty (k = 1) of each length of --diagonals and --scale, like 0.2mm;"
-            " --verify carries it to the path"
-        ),
-    )
-    new.add_argument(
-        "--u-gauge",
-        type=values.length,
-        metavar="LENGTH",
-        help=(
-            "standard uncertainty (k = 1) of a dial gauge's reading, of --backlash and --drift,"
-            " like 5um"
-        ),
-    )
-    new.add_argument("-o", "--output", metavar="FOLDER", help="where to write it (machines/NAME)")
-    new.add_argument(
-        "--force",
-        action="store_true",
-        help="write over a machine folder; the old one stays as .bak",
+    option_text.add(
+        parser,
+        OPTIONS,
+        title="",
+        travel=machine_values.travel,
+        least_increment=(values.length, 0.001),
+        diagonals=machine_values.diagonals,
+        drift=machine_values.drift,
+        squareness=machine_values.angle,
+        backlash=machine_values.length_of,
+        scale=machine_values.scale,
+        home=(values.place, {}),
+        u_length=values.length,
+        u_gauge=values.length,
     )
 
 

@@ -8,7 +8,7 @@ import io
 from pathlib import Path
 
 from postproc import ports
-from postproc.commands import as_json, machine_facts, machine_new
+from postproc.commands import as_json, machine_facts, machine_new, option_text
 from postproc.commands.machine_shown import show
 from postproc.errors import GcompError, UsageError
 from postproc.machine import places
@@ -25,15 +25,16 @@ EXAMPLE = (
 DOUBTFUL = 1  # exit status of check where something is in doubt
 
 
+OPTIONS = f"""
+what? (list|show|new|check)
+name? NAME
+--report FILE.html  with show: a page with every table, the squareness and the volume
+--json FILE  all of it as JSON ({machine_facts.FORMAT}); - for standard output
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", nargs="?", choices=("list", "show", "new", "check"), default="list")
-    parser.add_argument("name", nargs="?", metavar="NAME")
-    parser.add_argument(
-        "--report",
-        metavar="FILE.html",
-        help="with show: a page with every table, the squareness and the volume",
-    )
-    as_json.argument(parser, machine_facts.FORMAT)
+    option_text.add(parser, OPTIONS, what="list")
     machine_new.arguments(parser)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import colour, ports, standing
-from postproc.commands import as_json, port_options
+from postproc.commands import as_json, option_text, port_options
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
@@ -28,36 +28,23 @@ WAIT, TELL = 0.1, 1.0  # s
 SILENCE = 5.0  # s without a byte, behind which a program that began will not go on
 
 
+OPTIONS = f"""
+{port_options.PORT}
+--protocol NAME  dnc (Fanuc, default), dnc-haas, dnc-siemens
+--baud BAUD  default: the control's common speed
+--frame 7E2  default: the control's common frame
+--rtscts  the wires RTS and CTS say when bytes may come
+-o, --output FILE  where the program goes; it is not there before it is whole
+--force  replace FILE if it is there
+--until-silence  this control ends a program with neither %% nor DC4: {SILENCE:g} s without a byte
+    are its end
+--quiet  no progress
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    port_options.port(parser)
-    parser.add_argument(
-        "--protocol",
-        default="dnc",
-        metavar="NAME",
-        help="dnc (Fanuc, default), dnc-haas, dnc-siemens",
-    )
-    parser.add_argument("--baud", type=int, help="default: the control's common speed")
-    parser.add_argument("--frame", metavar="7E2", help="default: the control's common frame")
-    parser.add_argument(
-        "--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may come"
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        help="where the program goes; it is not there before it is whole",
-    )
-    parser.add_argument("--force", action="store_true", help="replace FILE if it is there")
-    parser.add_argument(
-        "--until-silence",
-        action="store_true",
-        help=(
-            f"this control ends a program with neither %% nor DC4: {SILENCE:g} s without a byte are"
-            " its end"
-        ),
-    )
-    parser.add_argument("--quiet", action="store_true", help="no progress")
-    as_json.argument(parser, FORMAT)
+    option_text.add(parser, OPTIONS, protocol="dnc", baud=int)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,78 +8,44 @@ from pathlib import Path
 from typing import Any
 
 from postproc import intake, ports
-from postproc.commands import session, values
+from postproc.commands import option_text, session, values
 from postproc.errors import UsageError
-from postproc.recordings import (
-    AXES,
-    ReadingOptions,
-    Recording,
-    Source,
-    read_all,
-)
+from postproc.recordings import AXES, ReadingOptions, Recording, Source, read_all
 from postproc.recordings import _units as units
+
+OPTIONS = f"""
+[what the files leave open]
+--format NAME  the format, where the file does not show it
+--axis AXIS  the axis that moved
+--component EXZ  what was measured: EZZ, EXZ, EBZ
+--unit UNIT  of the readings: {", ".join(units.UNITS)}
+--bidirectional (yes|no)  whether the runs go there and back by turns (default: they do)
+--first (+|-)  direction of the first run
+--layout (interleaved|blocks|long)  of a sheet's columns
+--sheet NAME  of an .xlsx workbook, where several hold numbers
+--column NAME=HEADING ...  where a table has a column of a recording: Z_mm=Position, reading_um=3
+--others X0,Y0  where the other axes stood, mm
+--machine-name NAME  the machine's name for the recording
+--set KEY=VALUE ...  a format's own setting (--list)
+--head KEY=VALUE ...  a key of the recording's head, as TOML: u_um=0.2, 'instrument="level"'
+--lenient  leave out rows that can not be used, and list them
+"""
 
 
 def reading_arguments(parser: argparse.ArgumentParser) -> None:
     """The options that say what a recording's file leaves open: shared by all commands that read
     recordings."""
-    group = parser.add_argument_group("what the files leave open")
-    group.add_argument(
-        "--format", metavar="NAME", default="", help="the format, where the file does not show it"
-    )
-    group.add_argument("--axis", default="", metavar="AXIS", help="the axis that moved")
-    group.add_argument(
-        "--component", default="", metavar="EXZ", help="what was measured: EZZ, EXZ, EBZ"
-    )
-    group.add_argument("--unit", default="", help=f"of the readings: {', '.join(units.UNITS)}")
-    group.add_argument(
-        "--bidirectional",
-        choices=("yes", "no"),
-        help="whether the runs go there and back by turns (default: they do)",
-    )
-    group.add_argument("--first", choices=("+", "-"), help="direction of the first run")
-    group.add_argument(
-        "--layout",
-        choices=("interleaved", "blocks", "long"),
-        default="",
-        help="of a sheet's columns",
-    )
-    group.add_argument(
-        "--sheet",
-        default="",
-        metavar="NAME",
-        help="of an .xlsx workbook, where several hold numbers",
-    )
-    values.repeated(
-        group,
-        "--column",
-        metavar="NAME=HEADING",
-        help="where a table has a column of a recording: Z_mm=Position, reading_um=3",
-    )
-    group.add_argument(
-        "--others",
-        metavar="X0,Y0",
-        type=values.place,
-        default={},
-        help="where the other axes stood, mm",
-    )
-    group.add_argument(
-        "--machine-name", metavar="NAME", default="", help="the machine's name for the recording"
-    )
-    values.repeated(
-        group,
-        "--set",
-        metavar="KEY=VALUE",
-        help="a format's own setting (--list)",
-    )
-    values.repeated(
-        group,
-        "--head",
-        metavar="KEY=VALUE",
-        help="a key of the recording's head, as TOML: u_um=0.2, 'instrument=\"level\"'",
-    )
-    group.add_argument(
-        "--lenient", action="store_true", help="leave out rows that can not be used, and list them"
+    option_text.add(
+        parser,
+        OPTIONS,
+        format="",
+        axis="",
+        component="",
+        unit="",
+        layout="",
+        sheet="",
+        others=(values.place, {}),
+        machine_name="",
     )
 
 

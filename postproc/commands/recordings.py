@@ -11,12 +11,8 @@ from typing import Any
 import numpy as np
 
 from postproc import colour, intake, marks, ports, standing
-from postproc.commands import as_json, session
-from postproc.commands.recording_files import (
-    read_files,
-    reading_arguments,
-    reading_options,
-)
+from postproc.commands import as_json, option_text, session
+from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import GcompError, UsageError
 from postproc.recordings import (
     RESTING,
@@ -37,21 +33,18 @@ FORMAT = "gcomp-recordings/1"
 SHOWN = 5  # rows left out that are listed one by one
 
 
+OPTIONS = f"""
+files* FILE  recordings of any format
+--list  list the formats and their own settings
+--session FILE.toml  write a first session (measurement.toml) of these files
+--json FILE  all of it as JSON ({FORMAT}); - for standard output
+--as FILE.csv  write it as a gcomp recording
+--force  with --as: write over a recording
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", nargs="*", metavar="FILE", help="recordings of any format")
-    parser.add_argument(
-        "--list", action="store_true", help="list the formats and their own settings"
-    )
-    parser.add_argument(
-        "--session",
-        metavar="FILE.toml",
-        help="write a first session (measurement.toml) of these files",
-    )
-    as_json.argument(parser, FORMAT)
-    parser.add_argument(
-        "--as", dest="as_", metavar="FILE.csv", help="write it as a gcomp recording"
-    )
-    parser.add_argument("--force", action="store_true", help="with --as: write over a recording")
+    option_text.add(parser, OPTIONS, **{"as": {"dest": "as_"}})
     reading_arguments(parser)
 
 

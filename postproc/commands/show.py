@@ -11,21 +11,22 @@ import webbrowser
 from pathlib import Path
 
 from postproc import intake, marks, ports, standing
-from postproc.commands import attempts, compensate, reading, reading_options
+from postproc.commands import attempts, compensate, option_text, reading, reading_options
 
 HELP = "show a program's path and its deviation before and after correction, in the browser"
 EXAMPLE = "gcomp show part.nc --machine studer-s36"
 
 
+OPTIONS = """
+-o, --output FILE.html  write the page there, and open nothing
+--quiet  do not say where the page is
+file? FILE  the program; standard input if missing
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading_options.arguments(parser)
-    parser.add_argument(
-        "-o", "--output", metavar="FILE.html", help="write the page there, and open nothing"
-    )
-    parser.add_argument("--quiet", action="store_true", help="do not say where the page is")
-    parser.add_argument(
-        "file", nargs="?", metavar="FILE", help="the program; standard input if missing"
-    )
+    option_text.add(parser, OPTIONS)
 
 
 def run(options: argparse.Namespace) -> int:

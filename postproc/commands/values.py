@@ -1,12 +1,10 @@
-"""How lengths, places and offsets are written on the command line, and options that may stand there
-several times."""
+"""How lengths, places and offsets are written on the command line."""
 
 from __future__ import annotations
 
 import argparse
 import math
 import re
-from typing import Any
 
 from postproc.units import LARGEST_WORD_MM
 
@@ -16,14 +14,6 @@ LONGEST, COARSEST = 10.0, 1.0  # mm
 WORD = re.compile(r"\s*([XYZABCUVWRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
-
-
-def repeated(
-    parser: argparse._ActionsContainer, *names: str, help: str, **how: Any
-) -> argparse.Action:
-    """An option that may stand several times: its values are a list."""
-    help = f"{help}; repeatable"
-    return parser.add_argument(*names, action="append", default=[], help=help, **how)
 
 
 def length(text: str) -> float:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc import intake, ports
-from postproc.commands import as_json, values
+from postproc.commands import as_json, option_text
 from postproc.commands.calibrate import like_of, of_single_slides, write_folder
 from postproc.commands.recording_files import read_files, reading_arguments, reading_options
 from postproc.errors import UsageError
@@ -26,48 +26,21 @@ EXAMPLE = "gcomp volumetric cloud.csv --like example-mill -o machines/mine"
 SHARE = 0.1  # of the readings of either direction, so that lost motion is told
 
 
+OPTIONS = """
+recordings+ REC  recordings of points, lengths, spheres, diagonals, lines; six-degree-of-freedom
+    files
+--like MACHINE  the machine that was measured: its chain, axes, travels, control
+-o, --output FOLDER  the machine folder to write; without it nothing is
+--force  write over a machine folder; the old one stays as .bak
+--json FILE  all of it as JSON (gcomp-volumetric/1); - for standard output
+--zero NAME,... ...  errors that are taken as zero, like EYX,C0Y
+--nodes N  nodes of each axis (default: of each component the places that were read, 11 where they
+    are more than 15)
+"""
+
+
 def arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "recordings",
-        nargs="+",
-        metavar="REC",
-        help=(
-            "recordings of points, lengths, spheres, diagonals, lines; six-degree-of-freedom files"
-        ),
-    )
-    parser.add_argument(
-        "--like",
-        required=True,
-        metavar="MACHINE",
-        help="the machine that was measured: its chain, axes, travels, control",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FOLDER",
-        help="the machine folder to write; without it nothing is",
-    )
-    parser.add_argument(
-        "--force",
-        action="store_true",
-        help="write over a machine folder; the old one stays as .bak",
-    )
-    as_json.argument(parser, "gcomp-volumetric/1")
-    values.repeated(
-        parser,
-        "--zero",
-        metavar="NAME,...",
-        help="errors that are taken as zero, like EYX,C0Y",
-    )
-    parser.add_argument(
-        "--nodes",
-        metavar="N",
-        type=int,
-        help=(
-            "nodes of each axis (default: of each component the places that were read, 11 where"
-            " they are more than 15)"
-        ),
-    )
+    option_text.add(parser, OPTIONS, like={"required": True}, nodes=int)
     reading_arguments(parser)
 
 

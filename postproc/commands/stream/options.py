@@ -6,183 +6,74 @@ import argparse
 from pathlib import Path
 
 from postproc import standing
-from postproc.commands import port_options, reading, reading_options
+from postproc.commands import option_text, port_options, reading, reading_options
 from postproc.errors import UsageError
+
+OPTIONS = f"""
+--live-temperatures  the log of --temperatures goes on while the job runs: its newest row counts
+    when a line is prepared, not the clock
+file? FILE  the program; - or nothing: standard input
+[the link]
+{port_options.PORT}
+{port_options.BOARDS}
+--baud BAUD  default 115200; of a DNC link, its control's common speed
+--frame 7E2  data bits, parity (E, O, N), stop bits; default 8N1; of a DNC link, its control's
+    common frame
+--rtscts  the wires RTS and CTS say when bytes may leave
+--simple  one line at a time: slower, for links that lose bytes
+--compact  send no blanks, N words, idle zeros and words in force already
+[the job]
+--check  dry run in the controller's check mode: list every error, move nothing
+--on-error (stop|continue|ask)  when a line is refused: hold and stop (default), go on without it,
+    or hold and ask on the terminal
+--check-first (auto|always|never)  let the controller read the program in its check mode before it
+    moves (default: where that takes seconds)
+--tool-change (pause|ignore|refuse)  what becomes of M6: wait there for a person, leave it out, or
+    refuse the program (default with GRBL, which has no M6; others get it)
+--park FILE  with --tool-change pause, GRBL and its kin: lines to send before the pause, spindle
+    and coolant off (G53 G0 Z-5)
+--touch-off FILE  lines to send behind the pause (G38.2 Z-20 F50, G10 L20 P0 Z5); then the zeros
+    are asked for, the map is put there, and the tool goes back by a safe Z. {{longer}}: mm by which
+    the tool touched higher than the job's first
+--spindle-at-stop (off|on)  when a job ends in a hold by a fault: stop the spindle, where the
+    controller can (default), or let it turn
+--home  home the machine first ($H)
+--unlock  clear the alarm lock first ($X): the position must be right
+--control-compensates  send even though the control compensates by itself
+--no-watch  do not look whether the reports lie on the path of the lines in execution
+--record FILE  write the reported positions as a recording
+--report FILE.html  write what became of the job as a page: times, lines, holds, how it ended, how
+    it went on
+--json FILE  the same as one JSON object (gcomp-run/1)
+--journal FILE  default: the program's name with .journal, in this folder
+--no-journal  keep no journal
+--resume-from LINE|JOURNAL  begin again with this line, or where a journal ends
+--safe-z MM  mills and printers: where Z is safe for --resume-from, machine coordinates (default:
+    the highest rapid before the line)
+--safe-x MM  lathes, with a tool that cuts outside: where X is clear of the part, machine
+    coordinates in radius (default: the farthest rapid before the line, if the program leaves its
+    cuts that way)
+--yes  send what --resume-from shows without asking
+--zero-is-right  for --resume-from: since the job stopped you have made sure that the controller's
+    zero is where the job had it
+--hand-over FILE  LinuxCNC: where the corrected program is put for it, a path under which both see
+    it (default: FILE.handed.ngc in this folder)
+--quiet  no progress, no notices
+"""
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading_options.arguments(parser)
-    parser.add_argument(
-        "--live-temperatures",
-        action="store_true",
-        help=(
-            "the log of --temperatures goes on while the job runs: its newest row counts when a"
-            " line is prepared, not the clock"
-        ),
-    )
-    link = parser.add_argument_group("the link")
-    port_options.port(link)
-    port_options.boards(link)
-    link.add_argument(
-        "--baud", type=int, help="default 115200; of a DNC link, its control's common speed"
-    )
-    link.add_argument(
-        "--frame",
-        metavar="7E2",
-        help=(
-            "data bits, parity (E, O, N), stop bits; default 8N1; of a DNC link, its control's"
-            " common frame"
-        ),
-    )
-    link.add_argument(
-        "--rtscts", action="store_true", help="the wires RTS and CTS say when bytes may leave"
-    )
-    link.add_argument(
-        "--simple",
-        action="store_true",
-        help="one line at a time: slower, for links that lose bytes",
-    )
-    link.add_argument(
-        "--compact",
-        action="store_true",
-        help="send no blanks, N words, idle zeros and words in force already",
-    )
-    job = parser.add_argument_group("the job")
-    job.add_argument(
-        "--check",
-        action="store_true",
-        help="dry run in the controller's check mode: list every error, move nothing",
-    )
-    job.add_argument(
-        "--on-error",
-        choices=("stop", "continue", "ask"),
-        default="stop",
-        help=(
-            "when a line is refused: hold and stop (default), go on without it, or hold and ask on"
-            " the terminal"
-        ),
-    )
-    job.add_argument(
-        "--check-first",
-        choices=("auto", "always", "never"),
-        default="auto",
-        help=(
-            "let the controller read the program in its check mode before it moves (default: where"
-            " that takes seconds)"
-        ),
-    )
-    job.add_argument(
-        "--tool-change",
-        choices=("pause", "ignore", "refuse"),
-        help=(
-            "what becomes of M6: wait there for a person, leave it out, or refuse the program"
-            " (default with GRBL, which has no M6; others get it)"
-        ),
-    )
-    job.add_argument(
-        "--park",
-        metavar="FILE",
-        help=(
-            "with --tool-change pause, GRBL and its kin: lines to send before the pause, spindle"
-            " and coolant off (G53 G0 Z-5)"
-        ),
-    )
-    job.add_argument(
-        "--touch-off",
-        metavar="FILE",
-        help=(
-            "lines to send behind the pause (G38.2 Z-20 F50, G10 L20 P0 Z5); then the zeros are"
-            " asked for, the map is put there, and the tool goes back by a safe Z. {longer}: mm by"
-            " which the tool touched higher than the job's first"
-        ),
-    )
-    job.add_argument(
-        "--spindle-at-stop",
-        choices=("off", "on"),
-        default="off",
-        help=(
-            "when a job ends in a hold by a fault: stop the spindle, where the controller can"
-            " (default), or let it turn"
-        ),
-    )
-    job.add_argument("--home", action="store_true", help="home the machine first ($H)")
-    job.add_argument(
-        "--unlock",
-        action="store_true",
-        help="clear the alarm lock first ($X): the position must be right",
-    )
-    job.add_argument(
-        "--control-compensates",
-        action="store_true",
-        help="send even though the control compensates by itself",
-    )
-    job.add_argument(
-        "--no-watch",
-        action="store_true",
-        help="do not look whether the reports lie on the path of the lines in execution",
-    )
-    job.add_argument("--record", metavar="FILE", help="write the reported positions as a recording")
-    job.add_argument(
-        "--report",
-        metavar="FILE.html",
-        help=(
-            "write what became of the job as a page: times, lines, holds, how it ended, how it"
-            " went on"
-        ),
-    )
-    job.add_argument("--json", metavar="FILE", help="the same as one JSON object (gcomp-run/1)")
-    job.add_argument(
-        "--journal",
-        metavar="FILE",
-        help="default: the program's name with .journal, in this folder",
-    )
-    job.add_argument("--no-journal", action="store_true", help="keep no journal")
-    job.add_argument(
-        "--resume-from",
-        metavar="LINE|JOURNAL",
-        help="begin again with this line, or where a journal ends",
-    )
-    job.add_argument(
-        "--safe-z",
-        type=float,
-        metavar="MM",
-        help=(
-            "mills and printers: where Z is safe for --resume-from, machine coordinates (default:"
-            " the highest rapid before the line)"
-        ),
-    )
-    job.add_argument(
-        "--safe-x",
-        type=float,
-        metavar="MM",
-        help=(
-            "lathes, with a tool that cuts outside: where X is clear of the part, machine"
-            " coordinates in radius (default: the farthest rapid before the line, if the program"
-            " leaves its cuts that way)"
-        ),
-    )
-    job.add_argument(
-        "--yes", action="store_true", help="send what --resume-from shows without asking"
-    )
-    job.add_argument(
-        "--zero-is-right",
-        action="store_true",
-        help=(
-            "for --resume-from: since the job stopped you have made sure that the controller's zero"
-            " is where the job had it"
-        ),
-    )
-    job.add_argument(
-        "--hand-over",
-        metavar="FILE",
-        help=(
-            "LinuxCNC: where the corrected program is put for it, a path under which both see it"
-            " (default: FILE.handed.ngc in this folder)"
-        ),
-    )
-    job.add_argument("--quiet", action="store_true", help="no progress, no notices")
-    parser.add_argument(
-        "file", nargs="?", metavar="FILE", help="the program; - or nothing: standard input"
+    option_text.add(
+        parser,
+        OPTIONS,
+        protocol="auto",
+        baud=int,
+        on_error="stop",
+        check_first="auto",
+        spindle_at_stop="off",
+        safe_z=float,
+        safe_x=float,
     )
 
 
