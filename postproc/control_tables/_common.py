@@ -7,8 +7,9 @@ No control: it knows no format and no sign.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +40,11 @@ def setting(options: ExportOptions, key: str, default: str, among: Sequence[str]
             f"{key} = {value!r} is not known", f"--set {key}= one of {', '.join(among)}"
         )
     return value
+
+
+def sign(options: ExportOptions, key: str, default: str) -> float:
+    """A control's own option that is + or -, as 1 or -1."""
+    return 1.0 if setting(options, key, default, ("-", "+")) == "+" else -1.0
 
 
 def number(
@@ -162,6 +168,17 @@ def zeroed(
     return shifted(table, by), by
 
 
+def chosen(
+    table: ErrorTable, options: ExportOptions, most: int, always: bool = False
+) -> ErrorTable:
+    """The table that the control holds: of one direction or both, at even nodes where a spacing was
+    asked for, or `always`."""
+    one = table if options.two_way or not table.two_way else mean(table)
+    if not options.spacing and not always:
+        return one
+    return sampled(one, even_nodes(one, options, float(one.nodes[0]), most))
+
+
 def sampled(table: ErrorTable, nodes: np.ndarray) -> ErrorTable:
     """The table at other nodes."""
     return replace(table, nodes=nodes, forward=table.at(nodes, 1.0), reverse=table.at(nodes, -1.0))
@@ -268,6 +285,15 @@ def left(table: ErrorTable, written: ErrorTable) -> float:
     )
 
 
+def remainder(
+    tables: Sequence[ErrorTable], written: Sequence[ErrorTable], by: Mapping[str, float] = {}
+) -> dict[str, float]:
+    """`left` of each table, less the constant `by` that was taken off, by the name of one that was
+    read back."""
+    back = {t.name: t for t in written}
+    return {t.name: left(shifted(t, by.get(t.name, 0.0)), back[t.name]) for t in tables}
+
+
 def fixed(value: float, decimals: int) -> str:
     """A number with so many decimals, never -0."""
     text = f"{value:.{decimals}f}"
@@ -279,12 +305,27 @@ def place(value: float) -> str:
     return f"{round(value, 8) + 0.0:.12g}"
 
 
-def numbered(source: Source) -> list[tuple[int, str]]:
-    """Line number from 1 and text of every line. Raises TableError for an empty file or text that
-    is not UTF-8."""
+class Line(NamedTuple):
+    """A line of a file, its number from 1."""
+
+    number: int
+    text: str
+    source: Source
+
+    def fault(self, message: str, advice: str = "") -> TableError:
+        """The error to raise here."""
+        return fault(self.source, self.number, message, advice, self.text)
+
+    def finite(self, word: str, what: str) -> float:
+        """A number of the line. Raises TableError where it is none."""
+        return finite(self.source, self.number, word, what, self.text)
+
+
+def numbered(source: Source) -> list[Line]:
+    """Every line. Raises TableError for an empty file or text that is not UTF-8."""
     if not source.data.strip():
-        raise TableError("the file is empty", "", Place(source.name, 1))
-    return list(enumerate(source.text.splitlines(), 1))
+        raise fault(source, 1, "the file is empty")
+    return [Line(i, text, source) for i, text in enumerate(source.text.splitlines(), 1)]
 
 
 def fault(source: Source, line: int, message: str, advice: str = "", text: str = "") -> TableError:

@@ -10,9 +10,9 @@ import csv
 import re
 from dataclasses import dataclass, field
 
-from postproc.control_tables import ExportOptions, TableError
+from postproc.control_tables import ExportOptions
 from postproc.control_tables import _common as common
-from postproc.errors import Place, UsageError
+from postproc.errors import UsageError
 from postproc.recordings import Source
 
 MEANING = {
@@ -35,19 +35,6 @@ WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
 EMPTY = re.compile(r"|%|[O:]\d+|M30|M02|M99|M2")  # a block without numbers to enter
 
 
-@dataclass(frozen=True)
-class At:
-    """Where a number stands."""
-
-    source: Source
-    line: int
-    text: str
-
-    def fault(self, message: str, advice: str = "") -> TableError:
-        """The error that says so."""
-        return common.fault(self.source, self.line, message, advice, self.text)
-
-
 @dataclass
 class Listing:
     """settings: axis to parameter number to value; pitch: compensation number to increment; owner:
@@ -61,9 +48,9 @@ class Listing:
     line: dict[int, int] = field(default_factory=dict)
     lengths: set[tuple[str, int]] = field(default_factory=set)
 
-    def take(self, at: At, number: int, value: str, axis: str, pitch: bool) -> None:
+    def take(self, at: common.Line, number: int, value: str, axis: str, pitch: bool) -> None:
         """One number of the file. Raises TableError where it can not be one, or stands twice."""
-        amount = common.finite(at.source, at.line, value, "the value", at.text)
+        amount = at.finite(value, "the value")
         if pitch:
             self._increment(at, number, value, amount)
             if axis:
@@ -83,7 +70,7 @@ class Listing:
         elif amount != int(amount):
             raise at.fault(f"parameter {number} = {value} is not a whole number")
 
-    def _increment(self, at: At, number: int, value: str, amount: float) -> None:
+    def _increment(self, at: common.Line, number: int, value: str, amount: float) -> None:
         """One compensation number."""
         if not 0 <= number <= LAST:
             raise at.fault(f"compensation number {number} is not between 0 and {LAST}")
@@ -94,14 +81,14 @@ class Listing:
             )
         if number in self.pitch:
             raise at.fault(f"compensation number {number} stands twice")
-        self.pitch[number], self.line[number] = int(amount), at.line
+        self.pitch[number], self.line[number] = int(amount), at.number
 
 
 def parse(source: Source, options: ExportOptions) -> Listing:
     """Any of the forms, told by how they begin. Raises TableError with file and line."""
     lines = common.numbered(source)
     listing = Listing(source)
-    head = next(text for _, text in lines if text.strip())
+    head = next(at.text for at in lines if at.text.strip())
     if head.lower().startswith("axis,"):
         _csv_pitch(listing, source, lines)
         settings = options.extra.get("settings", "")
@@ -115,53 +102,44 @@ def parse(source: Source, options: ExportOptions) -> Listing:
     return listing
 
 
-def _cells(
-    source: Source, lines: list[tuple[int, str]], header: list[str]
-) -> list[tuple[int, str, list[str]]]:
+def _cells(lines: list[common.Line], header: list[str]) -> list[tuple[common.Line, list[str]]]:
     rows = []
-    for line, text in lines:
-        if not text.strip() or text.startswith("#"):
+    for at in lines:
+        if not at.text.strip() or at.text.startswith("#"):
             continue
-        cells = [cell.strip() for cell in next(csv.reader([text]))]
+        cells = [cell.strip() for cell in next(csv.reader([at.text]))]
         if not header:
             header += cells
             continue
         if len(cells) != len(header):
-            raise common.fault(
-                source, line, f"{len(cells)} values under {len(header)} columns", "", text
-            )
-        rows.append((line, text, cells))
+            raise at.fault(f"{len(cells)} values under {len(header)} columns")
+        rows.append((at, cells))
     return rows
 
 
-def _csv_pitch(listing: Listing, source: Source, lines: list[tuple[int, str]]) -> None:
+def _csv_pitch(listing: Listing, source: Source, lines: list[common.Line]) -> None:
     header: list[str] = []
-    rows = _cells(source, lines, header)
+    rows = _cells(lines, header)
     if header != ["axis", "parameter_no", "value"]:
         raise common.fault(
             source, 1, f"the columns are {', '.join(header)}", "axis,parameter_no,value"
         )
-    for line, text, (axis, name, value) in rows:
-        at = At(source, line, text)
+    for at, (axis, name, value) in rows:
         if not re.fullmatch(r"[A-Za-z]", axis) or not name.isdigit():
             raise at.fault(f"{axis},{name} is not an axis and a number", "like X,51,0")
         listing.take(at, int(name), value, axis.upper(), pitch=int(name) not in MEANING)
 
 
-def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]) -> None:
+def _csv_settings(listing: Listing, source: Source, lines: list[common.Line]) -> None:
     header: list[str] = []
-    rows = _cells(source, lines, header)
+    rows = _cells(lines, header)
     axes = [name.upper() for name in header[2:]]
-    if (
-        header[:2] != ["parameter_no", "meaning"]
-        or not axes
-        or not all(re.fullmatch("[A-Z]", a) for a in axes)
-    ):
+    known = header[:2] == ["parameter_no", "meaning"]
+    if not known or not axes or not all(re.fullmatch("[A-Z]", a) for a in axes):
         raise common.fault(
             source, 1, f"the columns are {', '.join(header)}", "parameter_no,meaning,x,y,z"
         )
-    for line, text, cells in rows:
-        at = At(source, line, text)
+    for at, cells in rows:
         if not cells[0].isdigit():
             raise at.fault(f"{cells[0]!r} is not a parameter number")
         for axis, value in zip(axes, cells[2:], strict=True):
@@ -170,21 +148,20 @@ def _csv_settings(listing: Listing, source: Source, lines: list[tuple[int, str]]
 
 
 def _words(
-    listing: Listing, source: Source, lines: list[tuple[int, str]], options: ExportOptions
+    listing: Listing, source: Source, lines: list[common.Line], options: ExportOptions
 ) -> None:
     """N10051 R1 and N3620 P1 R100 between G10 L50 (or L52) and G11; N10051 P1 and N3620 A1 P100 A2
     P200 between %."""
     axes = axis_order(options)
-    program = any("G10" in _plain(text).replace(" ", "") for _, text in lines)
+    program = any("G10" in _plain(at.text).replace(" ", "") for at in lines)
     entering = not program
-    for line, text in lines:
-        plain = _plain(text)
+    for at in lines:
+        plain = _plain(at.text)
         if EMPTY.fullmatch(plain):
             continue
         if program and re.fullmatch(r"G10\s*L(50|52)|G11", plain):
             entering = plain != "G11"
             continue
-        at = At(source, line, text)
         words = WORD.findall(plain)
         if WORD.sub("", plain).strip() or not words or words[0][0] != "N" or not entering:
             raise at.fault(
@@ -194,9 +171,7 @@ def _words(
             )
         _record(listing, at, words, ("P", "R") if program else ("A", "P"), axes)
     if program and entering:
-        raise TableError(
-            "G11 is missing: the program is not whole", "", Place(source.name, lines[-1][0])
-        )
+        raise common.fault(source, lines[-1].number, "G11 is missing: the program is not whole")
 
 
 def _plain(text: str) -> str:
@@ -205,7 +180,11 @@ def _plain(text: str) -> str:
 
 
 def _record(
-    listing: Listing, at: At, words: list[tuple[str, str]], form: tuple[str, str], axes: str
+    listing: Listing,
+    at: common.Line,
+    words: list[tuple[str, str]],
+    form: tuple[str, str],
+    axes: str,
 ) -> None:
     """N and its number: a compensation number, or a parameter of one axis or several. form: letters
     of an axis' number and of a value; axes: in the control's order."""

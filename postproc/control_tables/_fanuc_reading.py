@@ -111,18 +111,14 @@ def _sums(
 
 def straightness(source: Source, options: ExportOptions) -> list[ErrorTable]:
     rows: dict[tuple[str, str], list[tuple[float, float]]] = {}
-    for line, text in common.numbered(source)[1:]:
-        cells = [c.strip() for c in text.split(",")]
+    for at in common.numbered(source)[1:]:
+        cells = [c.strip() for c in at.text.split(",")]
         if len(cells) != 4 or not all(len(c) == 1 and c.isalpha() for c in cells[:2]):
-            raise common.fault(
-                source, line, "not moving, compensated, position and increment", "Z,X,20,-1", text
-            )
-        place, count = (common.finite(source, line, c, "the value", text) for c in cells[2:])
+            raise at.fault("not moving, compensated, position and increment", "Z,X,20,-1")
+        place, count = (at.finite(c, "the value") for c in cells[2:])
         known = rows.setdefault((cells[0].upper(), cells[1].upper()), [])
         if known and place <= known[-1][0]:
-            raise common.fault(
-                source, line, f"position {place:g} does not ascend after {known[-1][0]:g}", "", text
-            )
+            raise at.fault(f"position {place:g} does not ascend after {known[-1][0]:g}")
         known.append((place, count))
     tables = []
     for (moving, along), pairs in rows.items():

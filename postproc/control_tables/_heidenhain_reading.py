@@ -23,14 +23,14 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     letter = options.extra.get("axis", "").upper() or _moving(source)
     lines = common.numbered(source)
     at, columns = layout(source.text, source.name)
-    said = UNIT.search(lines[0][1].upper()) if at else None
+    said = UNIT.search(lines[0].text.upper()) if at else None
     unit = FACTOR[said[1]] if said else common.mm_per_unit(options)
-    ends = [i for i, (_, text) in enumerate(lines) if i > at and is_end(text)]
+    ends = [i for i, line in enumerate(lines) if i > at and is_end(line.text)]
     rows: list[dict[str, float]] = []
-    for line, text in lines[at + 1 : ends[0] if ends else None]:
-        rows.append(_entry(source, line, text, columns, rows))
+    for line in lines[at + 1 : ends[0] if ends else None]:
+        rows.append(_entry(line, columns, rows))
     if not ends:
-        raise common.fault(source, lines[-1][0], "[END] is missing: the file is not whole")
+        raise common.fault(source, lines[-1].number, "[END] is missing: the file is not whole")
     if not rows or len(rows) > ENTRIES:
         raise common.fault(source, at + 1, f"{len(rows)} entries: a table has 1 to {ENTRIES}")
     tables = _tables(letter, {h: np.array([row[h] for row in rows]) * unit for h in rows[0]})
@@ -63,34 +63,23 @@ def layout(text: str, name: str) -> tuple[int, list[tuple[str, int]]]:
 
 
 def _entry(
-    source: Source,
-    line: int,
-    text: str,
-    columns: list[tuple[str, int]],
-    rows: list[dict[str, float]],
+    at: common.Line, columns: list[tuple[str, int]], rows: list[dict[str, float]]
 ) -> dict[str, float]:
     """The numbers of a row by their column, which are name and first character. Raises TableError
     for a row that can not come after `rows`."""
     edges = [start for _, start in columns[1:]] + [None]
-    cells = {h: text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
-    row = {h: common.finite(source, line, c, h, text) for h, c in cells.items() if c}
+    cells = {h: at.text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
+    row = {h: at.finite(c, h) for h, c in cells.items() if c}
     if row.get("NR") != len(rows):
         due = f"row {cells['NR']!r} where NR {len(rows)} is due"
-        raise common.fault(source, line, due, "", text)
+        raise at.fault(due)
     if "AXISPOS" not in row:
-        raise common.fault(source, line, "AXISPOS is empty", "", text)
+        raise at.fault("AXISPOS is empty")
     if rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
         before = rows[-1]["AXISPOS"]
-        raise common.fault(
-            source,
-            line,
-            f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}",
-            "",
-            text,
-        )
+        raise at.fault(f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}")
     if rows and row.keys() != rows[0].keys():
-        few = "a value is missing that the first row has, or one too many"
-        raise common.fault(source, line, few, "", text)
+        raise at.fault("a value is missing that the first row has, or one too many")
     return row
 
 

@@ -30,41 +30,26 @@ def by_axis(
     """
     header: list[str] = []
     result: dict[str, list[list[float]]] = {}
-    for line, text in common.numbered(source):
-        if not text.strip() or text.startswith("#"):
+    for at in common.numbered(source):
+        if not at.text.strip() or at.text.startswith("#"):
             continue
-        cells = [cell.strip() for cell in next(csv.reader([text]))]
+        cells = [cell.strip() for cell in next(csv.reader([at.text]))]
         if not header:
             header = cells
             if header != list(columns):
-                raise common.fault(
-                    source, line, f"the columns are {', '.join(header)}", ",".join(columns), text
-                )
+                raise at.fault(f"the columns are {', '.join(header)}", ",".join(columns))
             continue
         if len(cells) != len(columns):
-            raise common.fault(
-                source, line, f"{len(cells)} values under {len(columns)} columns", "", text
-            )
+            raise at.fault(f"{len(cells)} values under {len(columns)} columns")
         if len(cells[0]) != 1 or not cells[0].isalpha():
-            raise common.fault(source, line, f"{cells[0]!r} is not an axis letter", "", text)
-        row = [
-            common.finite(source, line, c, n, text)
-            for c, n in zip(cells[1:], columns[1:], strict=True)
-        ]
+            raise at.fault(f"{cells[0]!r} is not an axis letter")
+        row = [at.finite(c, n) for c, n in zip(cells[1:], columns[1:], strict=True)]
         for i in whole:
             if row[i] != int(row[i]):
-                raise common.fault(
-                    source, line, f"{columns[i + 1]} {cells[i + 1]} is not a whole number", "", text
-                )
+                raise at.fault(f"{columns[i + 1]} {cells[i + 1]} is not a whole number")
         rows = result.setdefault(cells[0].upper(), [])
         if rows and row[0] <= rows[-1][0]:
-            raise common.fault(
-                source,
-                line,
-                f"{columns[1]} {cells[1]} does not ascend after {rows[-1][0]:g}",
-                "",
-                text,
-            )
+            raise at.fault(f"{columns[1]} {cells[1]} does not ascend after {rows[-1][0]:g}")
         rows.append(row)
     if not result:
         raise common.fault(source, 1, "there are no rows in this list")

@@ -84,36 +84,26 @@ def _lines(
     heading: list[str] = []
     rows: list[list[float]] = []
     last = 1
-    for number, line in common.numbered(source):
-        plain = line.split("#", 1)[0].strip()
+    for at in common.numbered(source):
+        plain = at.text.split("#", 1)[0].strip()
         if not plain:
             continue
-        last = number
+        last = at.number
         cells = [cell.strip() for cell in plain.split(",")]
         if heading and len(cells) != len(heading):
             many = f"{len(cells)} values under {len(heading)} columns"
-            raise common.fault(source, number, many, "", line)
+            raise at.fault(many)
         if heading:
-            rows.append([common.finite(source, number, cell, "the value", line) for cell in cells])
+            rows.append([at.finite(cell, "the value") for cell in cells])
         elif "=" in plain:
             key, _, value = (part.strip() for part in plain.partition("="))
             if key not in HEAD or key in head:
-                raise common.fault(
-                    source,
-                    number,
-                    f"{key!r} is not known, or stands twice",
-                    f"one each of {', '.join(HEAD)}",
-                    line,
+                raise at.fault(
+                    f"{key!r} is not known, or stands twice", f"one each of {', '.join(HEAD)}"
                 )
             head[key] = value
         else:
             heading = cells
             if heading not in (["position", columns[0]], ["position", *columns]):
-                raise common.fault(
-                    source,
-                    number,
-                    "not the heading of this sheet",
-                    f"position, {', '.join(columns)}",
-                    line,
-                )
+                raise at.fault("not the heading of this sheet", f"position, {', '.join(columns)}")
     return head, rows, last

@@ -101,38 +101,28 @@ def tables(skew: dict[str, float], lost: dict[str, float]) -> list[ErrorTable]:
     return found
 
 
-def lines_of(source: Source) -> list[tuple[int, str, list[str]]]:
-    """Line number, line, and words of every line that holds more than a comment. Raises TableError
-    for an empty file."""
-    rows = [
-        (number, text, text.split(";", 1)[0].upper().split())
-        for number, text in common.numbered(source)
-    ]
-    return [row for row in rows if row[2]]
+def lines_of(source: Source) -> list[tuple[common.Line, list[str]]]:
+    """Every line that holds more than a comment, and its words. Raises TableError for an empty
+    file."""
+    rows = ((at, at.text.split(";", 1)[0].upper().split()) for at in common.numbered(source))
+    return [(at, words) for at, words in rows if words]
 
 
-def words(source: Source, line: int, text: str, parts: list[str], lawful: str) -> dict[str, float]:
+def words(at: common.Line, parts: list[str], lawful: str) -> dict[str, float]:
     """Letter to number of a block's words. Raises TableError for a letter that is not lawful, or
     stands twice."""
     found: dict[str, float] = {}
     for part in parts:
         letter = part[0]
         if letter not in lawful or letter in found:
-            raise common.fault(
-                source,
-                line,
-                f"{part!r} is not read here, or stands twice",
-                f"words: {' '.join(lawful)}",
-                text,
-            )
-        found[letter] = common.finite(source, line, part[1:], letter, text)
+            lawfully = f"words: {' '.join(lawful)}"
+            raise at.fault(f"{part!r} is not read here, or stands twice", lawfully)
+        found[letter] = at.finite(part[1:], letter)
     return found
 
 
-def factor(source: Source, line: int, value: float, text: str) -> float:
+def factor(at: common.Line, value: float) -> float:
     """A factor that can be one. Raises TableError."""
     if abs(value) > STEEPEST:
-        raise common.fault(
-            source, line, f"a skew factor of {value:g} is no machine's", f"up to {STEEPEST:g}", text
-        )
+        raise at.fault(f"a skew factor of {value:g} is no machine's", f"up to {STEEPEST:g}")
     return value

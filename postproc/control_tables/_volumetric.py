@@ -53,10 +53,10 @@ def plain(value: float) -> str:
 
 def lines_of(source: Source) -> Iterator[tuple[int, str]]:
     """Number and text of every line that holds more than a // comment."""
-    for number, line in common.numbered(source):
-        text = line.split("//", 1)[0].strip()
+    for at in common.numbered(source):
+        text = at.text.split("//", 1)[0].strip()
         if text:
-            yield number, text
+            yield at.number, text
 
 
 def value_of(source: Source, line: int, word: str, text: str) -> float:

@@ -144,30 +144,28 @@ class List:
 def _entries(source: Source) -> List:
     """Line by line. Raises TableError for what is no entry, or stands twice."""
     result = List(source)
-    for number, raw in common.numbered(source):
-        text = COMMENT.sub("", raw).strip()
+    for at in common.numbered(source):
+        text = COMMENT.sub("", at.text).strip()
         if not text or text.lower() in ("end", "ende"):
             continue
-        result.last = number
+        result.last = at.number
         found = LINE.fullmatch(text)
         if not found:
-            raise common.fault(
-                source, number, "not an entry of a compensation list", "like kw.ssfk.unit 1", raw
-            )
+            raise at.fault("not an entry of a compensation list", "like kw.ssfk.unit 1")
         _, key, index, column, value = found.groups()
         if index is None:
             if key in result.head:
                 before = f"{key} has been given in line {result.head[key][0]}"
-                raise common.fault(source, number, before, "", raw)
-            result.head[key] = (number, value.strip())
+                raise at.fault(before)
+            result.head[key] = (at.number, value.strip())
             continue
         if key != "ssfk.table":
             other = f"kw.{key} is not read: only kw.ssfk is"
-            raise common.fault(source, number, other, "", raw)
+            raise at.fault(other)
         if int(index) in result.cells[column]:
             twice = f"table[{index}].{column} is given twice"
-            raise common.fault(source, number, twice, "", raw)
-        result.cells[column][int(index)] = common.finite(source, number, value, "the entry", raw)
+            raise at.fault(twice)
+        result.cells[column][int(index)] = at.finite(value, "the entry")
     return result
 
 

@@ -133,28 +133,18 @@ def _parsed_counts(
     source: Source, axis: str, home: float, sign: float, options: ExportOptions
 ) -> ErrorTable:
     per_mm = _per_mm(options)
-    lines = [(number, line) for number, line in common.numbered(source) if line.strip()]
-    number, head = lines[0]
-    words = head.split()
+    head, *lines = (at for at in common.numbered(source) if at.text.strip())
+    words = head.text.split()
     if len(words) != 2 or not words[0].isdecimal() or int(words[0]) < 2:
-        raise common.fault(
-            source,
-            number,
-            "not a header of version 1",
-            "number of points and place of the last, like 24 -1448819",
-            head,
-        )
-    count, last = (
-        int(words[0]),
-        common.finite(source, number, words[1], "the place of the last point", head),
-    )
+        told = "number of points and place of the last, like 24 -1448819"
+        raise head.fault("not a header of version 1", told)
+    count, last = int(words[0]), head.finite(words[1], "the place of the last point")
     if not last:
-        raise common.fault(source, number, "the last point stands at home", "", head)
-    values = [common.finite(source, line, text, "the correction", text) for line, text in lines[1:]]
+        raise head.fault("the last point stands at home")
+    values = [at.finite(at.text, "the correction") for at in lines]
     if len(values) != count:
-        raise common.fault(
-            source, lines[-1][0], f"{len(values)} corrections, and the header tells {count}"
-        )
+        end = (lines or [head])[-1].number
+        raise common.fault(source, end, f"{len(values)} corrections, and the header tells {count}")
     nodes = home + np.round(np.linspace(0.0, last / per_mm, count), 3)  # a count is about that
     off = sign * np.array(values) / per_mm
     if last < 0:

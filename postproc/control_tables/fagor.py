@@ -35,7 +35,7 @@ def columns(options: ExportOptions) -> tuple[str, ...]:
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One list for all axes. Raises TableError beyond NPOINTS."""
     unit, decimals = common.mm_per_unit(options), DECIMALS[options.unit]
-    sign = 1.0 if common.setting(options, "fagor_sign", "+", ("-", "+")) == "+" else -1.0
+    sign = common.sign(options, "fagor_sign", "+")
     most = common.whole(options, "points", 1000, 2, 1000)
     kept, notices = common.own_axis(tables, "the Fagor leadscrew table")
     remark = (
@@ -45,11 +45,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     notices.insert(0, remark)
     rows: list[list[str]] = []
     for table in kept:
-        chosen = table if options.two_way or not table.two_way else common.mean(table)
-        if options.spacing:
-            chosen = common.sampled(
-                chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
-            )
+        chosen = common.chosen(table, options, most)
         chosen, lost = common.thinned(chosen, most)
         if lost:
             notices.append(
@@ -69,16 +65,14 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         ]
     name = f"{options.program}_fagor.csv"
     data = lists.written([remark], columns(options), rows)
-    back = {t.name: t for t in read(Source(name, data), options)}
-    return Export(
-        {name: data}, tuple(notices), {t.name: common.left(t, back[t.name]) for t in kept}
-    )
+    left = common.remainder(kept, read(Source(name, data), options))
+    return Export({name: data}, tuple(notices), left)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """The list's tables. Raises TableError with file and line."""
     unit = common.mm_per_unit(options)
-    sign = 1.0 if common.setting(options, "fagor_sign", "+", ("-", "+")) == "+" else -1.0
+    sign = common.sign(options, "fagor_sign", "+")
     tables = []
     for axis, rows in lists.by_axis(source, columns(options)).items():
         if len(rows) > 1000:

@@ -34,7 +34,7 @@ COLUMNS = ("axis", "point", "position_in", "value_in")
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One list, positions in inches of machine coordinates. Raises TableError beyond 256 points or
     127 encoder steps."""
-    sign = 1.0 if common.setting(options, "haas_sign", "-", ("-", "+")) == "+" else -1.0
+    sign = common.sign(options, "haas_sign", "-")
     encoder = common.number(options, "encoder_step_mm", 0.0, 0.0, 1.0)
     kept, notices = common.own_axis(tables, "the Haas lead screw compensation")
     remark = (
@@ -85,16 +85,14 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         )
     name = f"{options.program}_haas.csv"
     data = lists.written([remark], COLUMNS, rows)
-    back = {t.name: t for t in read(Source(name, data), options)}
-    return Export(
-        {name: data}, tuple(notices), {t.name: common.left(t, back[t.name]) for t in kept}
-    )
+    left = common.remainder(kept, read(Source(name, data), options))
+    return Export({name: data}, tuple(notices), left)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """The list's tables. Machine zero stands at options.reference. Raises TableError with file and
     line."""
-    sign = 1.0 if common.setting(options, "haas_sign", "-", ("-", "+")) == "+" else -1.0
+    sign = common.sign(options, "haas_sign", "-")
     tables = []
     for axis, rows in lists.by_axis(source, COLUMNS, whole=(0,)).items():
         point, position, value = np.array(rows).T

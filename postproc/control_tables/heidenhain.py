@@ -73,8 +73,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 _gentle(t)
         name = f"AXIS_{letter}.COM"
         files[name] = _filled(template, name, letter, written, options)
-        back = {t.name: t for t in read(Source(name, files[name]), options)}
-        remainder |= {t.name: common.left(t, back[t.name]) for t in group}
+        remainder |= common.remainder(group, read(Source(name, files[name]), options))
         if form == "legacy":
             notices.append(
                 f"{name}: datum {nodes[0]:g} mm, spacing"

@@ -70,13 +70,11 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     parallelogram's."""
     skew = dict.fromkeys(skews.PLANES, 0.0)
     seen = False
-    for number, text, parts in skews.lines_of(source):
+    for at, parts in skews.lines_of(source):
         if parts[0] == "SKEW_PROFILE":
             continue
         if parts[0] != "SET_SKEW":
-            raise common.fault(
-                source, number, f"{parts[0]} is not SET_SKEW", "keep only these lines", text
-            )
+            raise at.fault(f"{parts[0]} is not SET_SKEW", "keep only these lines")
         seen = True
         for part in parts[1:]:
             plane, _, value = part.partition("=")
@@ -84,39 +82,26 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
                 if value != "0":
                     skew = dict.fromkeys(skews.PLANES, 0.0)
             elif plane.lower() in skews.PLANES:
-                skew[plane.lower()] = skews.factor(
-                    source, number, _factor(source, number, value, text), text
-                )
+                skew[plane.lower()] = skews.factor(at, _factor(at, value))
             else:
-                raise common.fault(
-                    source, number, f"{plane!r} is no plane", "XY=AC,BD,AD XZ=.. YZ=..", text
-                )
+                raise at.fault(f"{plane!r} is no plane", "XY=AC,BD,AD XZ=.. YZ=..")
     if not seen:
         raise common.fault(source, 1, "no SET_SKEW stands in this file")
     return skews.tables(skew, {})
 
 
-def _factor(source: Source, line: int, value: str, text: str) -> float:
+def _factor(at: common.Line, value: str) -> float:
     """The cotangent of the angle at A of a parallelogram with these diagonals and this side."""
     words = value.split(",")
     if len(words) != 3:
-        raise common.fault(
-            source,
-            line,
-            f"{len(words)} lengths, where AC,BD,AD must stand",
-            "no blanks between them",
-            text,
-        )
-    ac, bd, ad = (common.finite(source, line, w, "a length", text) for w in words)
+        many = f"{len(words)} lengths, where AC,BD,AD must stand"
+        raise at.fault(many, "no blanks between them")
+    ac, bd, ad = (at.finite(w, "a length") for w in words)
     # the other side's: both diagonals' squares are twice both sides'
     square = (ac * ac + bd * bd) / 2 - ad * ad
-    if min(ac, bd, ad) <= 0 or square <= 0:
-        raise common.fault(
-            source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text
-        )
-    cosine = (ac * ac - bd * bd) / (4 * ad * math.sqrt(square))
+    cosine = 1.0
+    if min(ac, bd, ad) > 0 and square > 0:
+        cosine = (ac * ac - bd * bd) / (4 * ad * math.sqrt(square))
     if abs(cosine) >= 1:
-        raise common.fault(
-            source, line, f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's", "", text
-        )
+        raise at.fault(f"AC {ac:g}, BD {bd:g}, AD {ad:g} are no parallelogram's")
     return cosine / math.sqrt(1 - cosine * cosine)

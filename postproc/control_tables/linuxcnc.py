@@ -43,11 +43,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     files: dict[str, bytes] = {}
     remainder: dict[str, float] = {}
     for table in kept:
-        chosen = table if options.two_way or not table.two_way else common.mean(table)
-        if options.spacing:
-            chosen = common.sampled(
-                chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 1 << 20)
-            )
+        chosen = common.chosen(table, options, 1 << 20)
         thin, lost = common.thinned(chosen, ENTRIES)
         if lost > bound:
             raise TableError(
@@ -112,52 +108,36 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
 
 def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
     lines = common.numbered(source)
-    while lines and not lines[-1][1].strip():
+    while lines and not lines[-1].text.strip():
         lines.pop()
     rows: list[list[float]] = []
-    for line, text in lines:
-        words = text.split()
+    for at in lines:
+        words = at.text.split()
         if len(words) < 3 or not all(_is_number(w) for w in words[:3]):
-            below = lines[-1][0] - line
-            raise common.fault(
-                source,
-                line,
-                f"not three numbers: LinuxCNC stops reading here and says nothing; {below} lines"
-                " below are not loaded",
+            raise at.fault(
+                "not three numbers: LinuxCNC stops reading here and says nothing;"
+                f" {lines[-1].number - at.number} lines below are not loaded",
                 "take out comments, headings and blank lines",
-                text,
             )
-        row = [common.finite(source, line, w, "the entry", text) * unit for w in words[:3]]
+        row = [at.finite(w, "the entry") * unit for w in words[:3]]
         if rows and row[0] <= rows[-1][0]:
-            raise common.fault(
-                source,
-                line,
+            raise at.fault(
                 f"nominal {row[0] / unit:g} does not ascend after {rows[-1][0] / unit:g}",
                 "LinuxCNC refuses such an entry: order them, each once",
-                text,
             )
         if len(rows) == ENTRIES:
-            raise common.fault(
-                source, line, f"more than {ENTRIES} entries: LinuxCNC refuses the rest", "", text
-            )
+            raise at.fault(f"more than {ENTRIES} entries: LinuxCNC refuses the rest")
         off = max(abs(v - (row[0] if kind == "0" else 0.0)) for v in row[1:])
         if off > FARTHEST:
-            raise common.fault(
-                source,
-                line,
+            raise at.fault(
                 f"a deviation of {off:g} mm is no screw's: this is not a file of type {kind}, or"
                 " not in this unit",
                 f"--set type={1 - int(kind)}, or another --unit",
-                text,
             )
         rows.append(row)
     if not rows:
-        raise common.fault(
-            source,
-            1,
-            "there are no numbers in it",
-            "three numbers a line: nominal, forward, reverse",
-        )
+        told = "three numbers a line: nominal, forward, reverse"
+        raise common.fault(source, 1, "there are no numbers in it", told)
     nominal, forward, reverse = np.array(rows).T
     if kind == "0":
         return ErrorTable(axis, axis, nominal, forward - nominal, reverse - nominal)

@@ -29,16 +29,13 @@ NOTICE = (
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     """One sheet per axis. Raises TableError where the points do not suffice."""
-    sign = 1.0 if common.setting(options, "sign", "+", ("+", "-")) == "+" else -1.0
+    sign = common.sign(options, "sign", "+")
     most = common.whole(options, "points", 1000, 2, 100_000)
     kept, notices = common.own_axis(tables, "Mach4")
     files: dict[str, bytes] = {}
     left: dict[str, float] = {}
     for table in kept:
-        chosen = table if options.two_way or not table.two_way else common.mean(table)
-        even = common.sampled(
-            chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
-        )
+        even = common.chosen(table, options, most, always=True)
         name = f"mach4-{table.moving}.txt"
         files[name] = _sheet.text(
             even,
@@ -69,5 +66,5 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """The sheet's one table. Raises TableError with file and line."""
-    sign = 1.0 if common.setting(options, "sign", "+", ("+", "-")) == "+" else -1.0
+    sign = common.sign(options, "sign", "+")
     return [_sheet.parsed(source, sign, COLUMNS)]

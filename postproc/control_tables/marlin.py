@@ -60,32 +60,20 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     command."""
     skew, lost, fraction = dict.fromkeys(skews.PLANES, 0.0), dict.fromkeys("XYZ", 0.0), 1.0
     seen = False
-    for number, text, parts in skews.lines_of(source):
-        if parts[0] == "M852":
-            given = skews.words(source, number, text, parts[1:], "SIJK")
-            for plane, letter in LETTERS.items():
-                value = given.get(
-                    letter, given.get("S", skew[plane]) if letter == "I" else skew[plane]
-                )
-                skew[plane] = skews.factor(source, number, value, text)
-            seen = True
-        elif parts[0] == "M425":
-            given = skews.words(source, number, text, parts[1:], "FSXYZ")
+    for at, (code, *parts) in skews.lines_of(source):
+        seen = seen or code in ("M852", "M425")
+        if code == "M852":
+            given = skews.words(at, parts, "SIJK")
+            usual = skew | {"xy": given.get("S", skew["xy"])}
+            skew = {p: skews.factor(at, given.get(x, usual[p])) for p, x in LETTERS.items()}
+        elif code == "M425":
+            given = skews.words(at, parts, "FSXYZ")
             fraction = min(1.0, max(0.0, given.get("F", fraction)))
             lost.update({x: size for x, size in given.items() if x in lost})
-            seen = True
-        elif parts[0] == "G20":
-            raise common.fault(
-                source, number, "G20: Marlin would take the factors as inches", "write G21", text
-            )
-        elif parts[0] not in ("G21", "M500"):
-            raise common.fault(
-                source,
-                number,
-                f"{parts[0]} is neither M852 nor M425",
-                "keep only these lines",
-                text,
-            )
+        elif code == "G20":
+            raise at.fault("G20: Marlin would take the factors as inches", "write G21")
+        elif code not in ("G21", "M500"):
+            raise at.fault(f"{code} is neither M852 nor M425", "keep only these lines")
     if not seen:
         raise common.fault(source, 1, "neither M852 nor M425 stands in this file")
     return skews.tables(skew, {x: size * fraction for x, size in lost.items()})

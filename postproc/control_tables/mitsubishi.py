@@ -67,12 +67,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             )
     name = f"{options.program}_mitsubishi.csv"
     data = lists.written([remark], COLUMNS, rows)
-    back = {t.name: t for t in read(Source(name, data), options)}
-    return Export(
-        {name: data},
-        tuple(notices),
-        {t.name: common.left(common.shifted(t, shifts[t.name]), back[t.name]) for t in kept},
-    )
+    left = common.remainder(kept, read(Source(name, data), options), shifts)
+    return Export({name: data}, tuple(notices), left)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:

@@ -42,11 +42,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     lines = [f"; {options.program}", f"; {NOTICE}", "unit = mm"]
     places: dict[str, float] = {}
     for table in sorted(kept, key=lambda t: t.moving):
-        chosen = table if options.two_way or not table.two_way else common.mean(table)
-        if options.spacing:
-            chosen = common.sampled(
-                chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), 10_000)
-            )
+        chosen = common.chosen(table, options, 10_000)
         home = places[table.moving] = common.reference(table, options, notices)
         lines.append(f"[{table.moving}]")
         rows = zip(chosen.nodes - home, chosen.forward, chosen.reverse, strict=True)
@@ -61,8 +57,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 )
             )
     data = ("\r\n".join(lines) + "\r\n").encode()
-    back = {t.name: t for t in read(Source(NAME, data), ExportOptions(reference=places))}
-    left = {t.name: common.left(t, back[t.name]) for t in kept}
+    left = common.remainder(kept, read(Source(NAME, data), ExportOptions(reference=places)))
     notices.append(
         "a nominal coordinate outside of the stroke makes the compensation invalid, says the manual"
     )
@@ -73,52 +68,34 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """A table per axis of the file. Raises TableError with file and line."""
     rows: dict[str, list[list[float]]] = {}
     axis, unit, last = "", "", 1
-    for number, line in common.numbered(source):
-        text = line.strip()
+    for at in common.numbered(source):
+        text = at.text.strip()
         # the manual's example has the ; before it
         told = re.fullmatch(r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE)
         if not text or (text.startswith(";") and not told):
             continue
-        last = number
+        last = at.number
         section = re.fullmatch(r"\[\s*([XYZ])\s*\]", text, re.IGNORECASE)
         if told:
             unit = told[1].lower()
             if unit != "mm":
-                raise common.fault(
-                    source, number, f"unit {told[1]}: only mm is supported", "", line
-                )
+                raise at.fault(f"unit {told[1]}: only mm is supported")
         elif section:
             axis = section[1].upper()
             if not unit or axis in rows:
-                raise common.fault(
-                    source,
-                    number,
-                    f"[{axis}] stands before the unit, or twice",
-                    "unit = mm comes first",
-                    line,
+                raise at.fault(
+                    f"[{axis}] stands before the unit, or twice", "unit = mm comes first"
                 )
             rows[axis] = []
         elif not axis:
-            raise common.fault(source, number, "a row outside of an axis", "like [X]", line)
+            raise at.fault("a row outside of an axis", "like [X]")
         else:
             cells = [cell for cell in (c.strip() for c in text.split(",")) if cell]
             if len(cells) != 3:
-                raise common.fault(
-                    source,
-                    number,
-                    f"{len(cells)} numbers, where nominal, forward, backward must stand",
-                    "",
-                    line,
-                )
-            row = [common.finite(source, number, cell, "the entry", line) for cell in cells]
+                raise at.fault(f"{len(cells)} numbers, where nominal, forward, backward must stand")
+            row = [at.finite(cell, "the entry") for cell in cells]
             if rows[axis] and row[0] <= rows[axis][-1][0]:
-                raise common.fault(
-                    source,
-                    number,
-                    f"{row[0]:g} does not ascend after {rows[axis][-1][0]:g}",
-                    "",
-                    line,
-                )
+                raise at.fault(f"{row[0]:g} does not ascend after {rows[axis][-1][0]:g}")
             rows[axis].append(row)
     if not rows or any(len(r) < 2 for r in rows.values()):
         raise common.fault(source, last, "an axis needs two rows at least")

@@ -55,45 +55,26 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """Commands as tables. Raises TableError with file and line for any other command, or what the
     firmware ignores."""
     tangent, lost = dict.fromkeys("XYZ", 0.0), dict.fromkeys("XYZ", 0.0)
-    seen = False
-    for number, text, parts in skews.lines_of(source):
-        if parts[0] == "M556":
-            given = skews.words(source, number, text, parts[1:], "SXYZP")
+    rows = skews.lines_of(source)
+    for at, (code, *parts) in rows:
+        if code == "M556":
+            given = skews.words(at, parts, "SXYZP")
             height = given.get("S", 0.0)
             if height < LEAST_HEIGHT:
-                raise common.fault(
-                    source,
-                    number,
-                    f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block",
-                    "",
-                    text,
-                )
+                low = f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block"
+                raise at.fault(low)
             if given.get("P", 0.0) > 0:
-                raise common.fault(
-                    source, number, "P1 takes the XY angle out of Y: only P0 is read", "", text
-                )
-            for x in tangent:
-                if x in given:
-                    tangent[x] = skews.factor(source, number, given[x] / height, text)
-        elif parts[0] == "M425":
-            given = skews.words(source, number, text, parts[1:], "SXYZ")
+                raise at.fault("P1 takes the XY angle out of Y: only P0 is read")
+            tangent |= {x: skews.factor(at, v / height) for x, v in given.items() if x in tangent}
+        elif code == "M425":
+            given = skews.words(at, parts, "SXYZ")
             for x, size in given.items():
                 if size < 0:
-                    raise common.fault(
-                        source, number, f"{x} is {size:g}: lost motion is never negative", "", text
-                    )
-                if x in lost:
-                    lost[x] = size
+                    raise at.fault(f"{x} is {size:g}: lost motion is never negative")
+            lost |= {x: size for x, size in given.items() if x in lost}
         else:
-            raise common.fault(
-                source,
-                number,
-                f"{parts[0]} is neither M556 nor M425",
-                "keep only these lines",
-                text,
-            )
-        seen = True
-    if not seen:
+            raise at.fault(f"{code} is neither M556 nor M425", "keep only these lines")
+    if not rows:
         raise common.fault(source, 1, "neither M556 nor M425 stands in this file")
     xy, yz = -tangent["X"], -tangent["Y"]
     return skews.tables({"xy": xy, "xz": -tangent["Z"] + xy * yz, "yz": yz}, lost)

@@ -62,7 +62,7 @@ def _sign(options: ExportOptions) -> float:
     """Of the deviation in the table. Raises UsageError where nobody said it."""
     if "cec_sign" not in options.extra:
         raise UsageError("cec_sign is not said, - or +", STATED["cec_sign"])
-    return 1.0 if common.setting(options, "cec_sign", "", ("-", "+")) == "+" else -1.0
+    return common.sign(options, "cec_sign", "")
 
 
 def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
@@ -104,10 +104,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     note = "; unverified sign: dial-gauge test at SD41310 = 0.1 before use"
     file = "NC_CEC.INI"
     data = ("\n".join(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"]) + "\n").encode()
-    back = {t.name: t for t in read(Source(file, data), options)}
-    remainder = {
-        t.name: common.left(common.shifted(t, shifts[t.name]), back[t.name]) for t in tables
-    }
+    remainder = common.remainder(tables, read(Source(file, data), options), shifts)
     notices += _advice(tables, options, most)
     return Export({file: data}, tuple(notices), remainder)
 
@@ -184,28 +181,26 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     axes: dict[tuple[int, str], str] = {}
     places: dict[int, int] = {}
     ended, line = False, 1
-    for line, text in common.numbered(source):
-        plain = text.split(";")[0].strip()
+    for at in common.numbered(source):
+        plain = at.text.split(";")[0].strip()
         if EMPTY.fullmatch(plain):
             continue
         if ended:
-            raise common.fault(source, line, "text after M17, which ends the file", "", text)
+            raise at.fault("text after M17, which ends the file")
         if plain.upper() in ("M17", "M02", "M30"):
             ended = True
             continue
-        key, indices, word = _word(source, line, text, plain)
+        key, indices, word = _word(source, at.number, at.text, plain)
         t = int(indices[0])
-        places[t] = line
+        places[t] = at.number
         if key.endswith("_AXIS"):
             axes[t, key] = word.strip("()\"' ").upper()
             continue
         if not key and int(indices[1]) in values.setdefault(t, {}):
-            raise common.fault(
-                source, line, f"point {indices[1]} of table {t} stands twice", "", text
-            )
-        value = common.finite(source, line, word, "the value", text)
+            raise at.fault(f"point {indices[1]} of table {t} stands twice")
+        value = at.finite(word, "the value")
         if key:
-            heads.setdefault(t, {})[key] = (value, line)
+            heads.setdefault(t, {})[key] = (value, at.number)
         else:
             values[t][int(indices[1])] = value * unit * sign
     if not ended:

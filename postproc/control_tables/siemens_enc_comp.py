@@ -114,10 +114,10 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     values: dict[str, dict[int, tuple[float, int]]] = {}
     heads: dict[str, dict[str, tuple[float, int]]] = {}
     ended = False
-    for line, text in common.numbered(source):
-        plain = text.split(";")[0].strip()
+    for at in common.numbered(source):
+        plain = at.text.split(";")[0].strip()
         if ended and plain:
-            raise common.fault(source, line, "text after M17, which ends the file", "", text)
+            raise at.fault("text after M17, which ends the file")
         if not plain or plain.startswith("%") or plain.upper().startswith("CHANDATA"):
             continue
         if plain.upper() in ("M17", "M02", "M30"):
@@ -125,29 +125,23 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             continue
         found = WORD.fullmatch(plain)
         if found is None:
-            raise common.fault(
-                source,
-                line,
-                "this is no line of an encoder compensation",
-                "$AA_ENC_COMP[0,0,X1]=0.003",
-                text,
+            raise at.fault(
+                "this is no line of an encoder compensation", "$AA_ENC_COMP[0,0,X1]=0.003"
             )
         key, inside = (found[1] or "").upper(), [p.strip() for p in found[2].split(",")]
-        value = common.finite(source, line, found[3], "the value", text)
+        value = at.finite(found[3], "the value")
         if len(inside) != (2 if key else 3):
-            raise common.fault(source, line, f"[{found[2]}] has {len(inside)} indices", "", text)
+            raise at.fault(f"[{found[2]}] has {len(inside)} indices")
         name = inside[-1].upper()
         if key:
-            heads.setdefault(name, {})[key] = (value, line)
+            heads.setdefault(name, {})[key] = (value, at.number)
             continue
         if not inside[1].isdigit():
-            raise common.fault(
-                source, line, f"the point {inside[1]!r} is not a whole number", "", text
-            )
+            raise at.fault(f"the point {inside[1]!r} is not a whole number")
         points = values.setdefault(name, {})
         if int(inside[1]) in points:
-            raise common.fault(source, line, f"point {inside[1]} of {name} stands twice", "", text)
-        points[int(inside[1])] = (value * unit, line)
+            raise at.fault(f"point {inside[1]} of {name} stands twice")
+        points[int(inside[1])] = (value * unit, at.number)
     if not ended:
         raise common.fault(
             source, len(common.numbered(source)), "M17 is missing: the file is not whole"

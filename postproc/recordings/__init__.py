@@ -46,6 +46,10 @@ class Source:
         """UTF-8. Raises RecordingError with the line that is not."""
         return intake.decoded(self.data, self.name, RecordingError)
 
+    def fault(self, line: int, message: str, advice: str = "", text: str = "") -> RecordingError:
+        """The error to raise at a line."""
+        return RecordingError(message, advice, Place(self.name, line, text))
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -222,7 +226,7 @@ def format_of(source: Source, options: ReadingOptions | None = None) -> str:
 
 def _format_of(source: Source, options: ReadingOptions | None) -> str:
     if not source.data.strip():
-        raise RecordingError("the file is empty", "", Place(source.name, 1))
+        raise source.fault(1, "the file is empty")
     if load("contract").recognises(source):
         return "contract"
     if options is not None and options.columns:
@@ -237,11 +241,11 @@ def _format_of(source: Source, options: ReadingOptions | None) -> str:
     for name in names():
         if load(name).recognises(source):
             return name
-    raise RecordingError(
+    raise source.fault(
+        1,
         "this looks like no recording that gcomp knows",
         f"formats: {', '.join(names())}; a table of your own needs its columns named, like --column"
         " Z_mm=NAME --column reading_um=NAME",
-        Place(source.name, 1),
     )
 
 
@@ -277,7 +281,7 @@ def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
     if format:
         load(format)
     if not source.data.strip():
-        raise RecordingError("the file is empty", "", Place(source.name, 1))
+        raise source.fault(1, "the file is empty")
     name = format or _format_of(source, options)
     module = load(name)
     known = getattr(module, "EXTRA", {})

@@ -169,13 +169,14 @@ def _columns(names, texts, parts, lines, source):
     if not len(at):
         if faults:
             line = faults[0].line
-            raise RecordingError(
+            raise source.fault(
+                line,
                 f"no row can be used: {faults[0].message}, and all {len(faults)} rows are of that"
                 " kind",
                 "look at the columns and at how numbers are written",
-                Place(source.name, line, lines[line - 1]),
+                lines[line - 1],
             )
-        raise RecordingError("there are no rows", "", Place(source.name, len(lines)))
+        raise source.fault(len(lines), "there are no rows")
     words = set().union(*(part[3] for part in parts)) | texts
     columns = {
         name: (

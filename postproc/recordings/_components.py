@@ -171,10 +171,10 @@ def unit_for(
     unit = told or said
     if unit is None:
         some = "um, mm" if kind == LENGTH else "urad, mm/m, arcsec"
-        raise RecordingError(
+        raise source.fault(
+            where,
             "the file does not say in which unit its readings are",
             f"say it: --unit with one of {some}",
-            Place(source.name, where),
         )
     if unit.quantity != kind:
         what = article(component.quantity)
@@ -184,5 +184,5 @@ def unit_for(
         )
         if told:
             raise UsageError(text, "another --unit, or another --component")
-        raise RecordingError(text, "say what was measured: --component", Place(source.name, where))
+        raise source.fault(where, text, "say what was measured: --component")
     return unit

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from postproc.errors import Place, UsageError
-from postproc.recordings import ReadingOptions, RecordingError, Source
+from postproc.errors import UsageError
+from postproc.recordings import ReadingOptions, Source
 from postproc.recordings import _components as components
 from postproc.recordings import _text as text
 from postproc.units import MM_PER_INCH
@@ -110,10 +110,10 @@ def _heading_row(source: Source, table: text.Table, headings: list[str]) -> int:
         if not _lacking(headings, cells):
             return k
     line, cells = min(table.rows[:30], key=lambda row: len(_lacking(headings, row[1])))
-    raise RecordingError(
+    raise source.fault(
+        line,
         f"no column is called {_lacking(headings, cells)[0]!r}",
         f"columns here: {', '.join(c or '(none)' for c in cells)}",
-        Place(source.name, line),
     )
 
 
@@ -131,10 +131,10 @@ def _called(source: Source, row: tuple[int, list[str]], name: str, heading: str)
         j for j, c in enumerate(cells) if c.lower() == wanted.lower()
     ]
     if len(same) > 1:
-        raise RecordingError(
+        raise source.fault(
+            line,
             f"{len(same)} columns are called {heading!r}",
             f"say which by its number: --column {name}={same[0] + 1}",
-            Place(source.name, line),
         )
     return same[0]
 

@@ -68,7 +68,7 @@ def read(
             columns[name].append(cell if name in words else value)
         lines.append(line)
     if not lines:
-        raise RecordingError("there are no rows", "", Place(source.name, table.rows[-1][0]))
+        raise source.fault(table.rows[-1][0], "there are no rows")
     arrays = {
         n: np.array(c, dtype=object if n in words else np.float64) for n, c in columns.items()
     }

@@ -66,11 +66,7 @@ def find(source: Source, table: text.Table) -> Sheet:
     """The table of targets in a sheet. Raises RecordingError where there is none."""
     top = header_at(table)
     if top is None:
-        raise RecordingError(
-            "there is no row of numbers: no target and readings",
-            "",
-            Place(source.name, table.rows[0][0]),
-        )
+        raise source.fault(table.rows[0][0], "there is no row of numbers: no target and readings")
     width = len(table.rows[top][1])
     bottom = top
     while bottom < len(table.rows) and _belongs(table, table.rows[bottom][1], width):
@@ -177,11 +173,11 @@ def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
             if unit:
                 said.setdefault(unit.name, key)
     if len(said) > 1:
-        raise RecordingError(
+        raise source.fault(
+            sheet.line,
             f"the readings are in {' and in '.join(said)}:"
             f" {', '.join(repr(v) for v in said.values())}",
             "one unit for all",
-            Place(source.name, sheet.line),
         )
     return units.UNITS[next(iter(said))] if said else None
 
@@ -211,7 +207,7 @@ def position_factor(
         )
         if told:
             raise UsageError(text_, f"--set position_unit={usual}")
-        raise RecordingError(text_, "another --axis or --component", Place(source.name, line))
+        raise source.fault(line, text_, "another --axis or --component")
     return POSITION[unit.name]
 
 

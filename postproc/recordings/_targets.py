@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from postproc.errors import Place, UsageError
-from postproc.recordings import AXES, Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.errors import UsageError
+from postproc.recordings import AXES, Fault, ReadingOptions, Recording, Source
 from postproc.recordings import _split as split
 from postproc.recordings import _units as units
 from postproc.recordings._components import LINEAR, Component
@@ -101,11 +101,7 @@ def recording(
     """
     told = list(notices)
     if not len(readings.value):
-        raise RecordingError(
-            "there are no readings",
-            "",
-            Place(source.name, max([f.line for f in faults], default=1)),
-        )
+        raise source.fault(max([f.line for f in faults], default=1), "there are no readings")
     run = np.array(readings.run, np.int64)
     target = np.array(readings.target, np.float64)
     raw = np.array(readings.value, np.float64)
@@ -190,10 +186,8 @@ def _finite(source, target, value, unit, line) -> None:
         wrong = np.flatnonzero(~(np.abs(column) <= most))
         if len(wrong):
             i = int(wrong[0])
-            raise RecordingError(
-                f"the {name} is {column[i]:g} {base}: no machine has that",
-                "",
-                Place(source.name, int(line[i])),
+            raise source.fault(
+                int(line[i]), f"the {name} is {column[i]:g} {base}: no machine has that"
             )
 
 
@@ -204,10 +198,10 @@ def _once(source, run, target, sign, line) -> None:
     ):
         if key in seen:
             other = f" and in line {seen[key]}" if seen[key] != at else ""
-            raise RecordingError(
+            raise source.fault(
+                at,
                 f"run {key[0]} has the target {key[1]:g} twice: here{other}",
                 "give each reading of a target its own run",
-                Place(source.name, at),
             )
         seen[key] = at
 

@@ -38,10 +38,8 @@ def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, st
             try:
                 return source.data.decode(name), name
             except UnicodeDecodeError:
-                raise RecordingError(
-                    "the file begins as UTF-16 and does not go on as it",
-                    "save it as UTF-8",
-                    Place(source.name, 1),
+                raise source.fault(
+                    1, "the file begins as UTF-16 and does not go on as it", "save it as UTF-8"
                 ) from None
     try:
         return source.data.decode("utf-8-sig"), "utf-8"
@@ -53,10 +51,10 @@ def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, st
         except UnicodeDecodeError:
             continue
     line = source.data.count(b"\n", 0, first) + 1
-    raise RecordingError(
+    raise source.fault(
+        line,
         f"byte {source.data[first]} is no text in UTF-8, {', '.join(tries)}",
         "save the file as UTF-8",
-        Place(source.name, line),
     )
 
 
@@ -212,29 +210,23 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if line.strip()]
     for i, line in lines:
         if len(line) > LONGEST_LINE:
-            raise RecordingError(
-                f"a line of {len(line):,} characters is no row of a table",
-                "",
-                Place(source.name, i),
-            )
+            raise source.fault(i, f"a line of {len(line):,} characters is no row of a table")
     sign = delimiter or _delimiter([line for _, line in lines])
     if not sign:
-        raise RecordingError(
-            "this is no table: no tab, semicolon, bar or comma splits its lines alike",
-            "save it as CSV", Place(source.name, lines[0][0] if lines else 1),
-        )  # fmt: skip
+        alike = "this is no table: no tab, semicolon, bar or comma splits its lines alike"
+        raise source.fault(lines[0][0] if lines else 1, alike, "save it as CSV")
     every = [(i, cells_of(line, sign, Place(source.name, i, line))) for i, line in lines]
     rows = [(i, cells) for i, cells in every if any(cells)]
     if not rows:
-        raise RecordingError("the table has no filled cell", "", Place(source.name, 1))
+        raise source.fault(1, "the table has no filled cell")
     try:
         found, notice = decimal_of((cell for _, cells in rows for cell in _numbers(cells)), decimal)
     except ValueError as error:
         both = [i for i, cells in rows for c in cells if COMMA.fullmatch(c)]
-        raise RecordingError(
+        raise source.fault(
+            both[0] if both else 1,
             f"decimal commas and points are mixed: {error}",
             "write all numbers alike; say --set decimal=. or --set decimal=,",
-            Place(source.name, both[0] if both else 1),
         ) from None
     return Table(rows, sign, found, (notice,) if notice else ())
 

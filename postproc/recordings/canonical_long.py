@@ -11,8 +11,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 
-from postproc.errors import Place, UsageError
-from postproc.recordings import Fault, ReadingOptions, Recording, RecordingError, Source
+from postproc.errors import UsageError
+from postproc.recordings import Fault, ReadingOptions, Recording, Source
 from postproc.recordings import _components as components
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
@@ -55,10 +55,10 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     if wanted and wanted not in there:
         raise UsageError(f"{source.name} holds no {wanted}", f"it holds {', '.join(there)}")
     if not wanted and len(there) > 1:
-        raise RecordingError(
+        raise source.fault(
+            next(r.line for r in rows if r.component == there[1]),
             f"the file holds {len(there)} components: {', '.join(there)}",
             "say which: --component " + there[0],
-            Place(source.name, next(r.line for r in rows if r.component == there[1])),
         )
     return _one(source, options, wanted or there[0], rows, table_notices)
 
@@ -90,14 +90,15 @@ def _rows(source: Source, options: ReadingOptions) -> tuple[list[Row], list[str]
             rows.append(_row(names, row, number, table.decimal, options.first or 1))
         except ValueError as error:
             if options.strict:
-                raise RecordingError(
+                raise source.fault(
+                    number,
                     str(error),
-                    "mend the row; --lenient leaves such rows out",
-                    Place(source.name, number, table.delimiter.join(row)),
+                    advice="mend the row; --lenient leaves such rows out",
+                    text=table.delimiter.join(row),
                 ) from None
             rows.append(Row(number, row[0].strip().upper(), Fault(number, "", str(error))))
     if all(row.fault for row in rows):
-        raise RecordingError("there are no rows", "", Place(source.name, table.rows[0][0]))
+        raise source.fault(table.rows[0][0], "there are no rows")
     return rows, notices
 
 
@@ -109,10 +110,11 @@ def _names(source: Source, table: text.Table) -> list[str]:
     for name in NEEDED:
         if names.count(name) != 1:
             what = "is missing" if name not in names else "stands twice"
-            raise RecordingError(
+            raise source.fault(
+                line,
                 f"the column {name} {what}",
                 f"columns here: {', '.join(c or '(none)' for c in cells)}",
-                Place(source.name, line, table.delimiter.join(cells)),
+                table.delimiter.join(cells),
             )
     return names
 
@@ -208,10 +210,10 @@ def _one_unit(source: Source, name: str, rows: list[Row]) -> units.Unit | None:
         if row.unit:
             said.setdefault(row.unit.name, (row.unit, row.line))
     if len(said) > 1:
-        raise RecordingError(
-            f"{name} is in {' and in '.join(said)}", "one unit for all readings of a component",
-            Place(source.name, list(said.values())[1][1]),
-        )  # fmt: skip
+        both = f"{name} is in {' and in '.join(said)}"
+        raise source.fault(
+            list(said.values())[1][1], both, "one unit for all readings of a component"
+        )
     return next((unit for unit, _ in said.values()), None)
 
 
@@ -244,8 +246,8 @@ def _same(source: Source, component: components.Component, rows: list[Row], key:
     for row in rows:
         there, target = row.numbers[key], row.numbers["target"]
         if abs(there - target) > 1e-6:
-            raise RecordingError(
+            raise source.fault(
+                row.line,
                 f"{key} is {there:g}, and the target of {component.axis} is {target:g}",
                 f"{key} is where {component.axis} stood: leave it empty, or mend it",
-                Place(source.name, row.line),
             )

@@ -52,7 +52,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     while top < len(lines) and not lines[top].strip():
         top += 1
     if top >= len(lines):
-        raise RecordingError("there is no header row", "", Place(source.name, max(len(lines), 1)))
+        raise source.fault(max(len(lines), 1), "there is no header row")
     place = Place(source.name, top + 1, lines[top])
     names = [cell.strip() for cell in cells_of(lines[top], place)]
     _check_names(names, place)
@@ -117,10 +117,10 @@ def _head(
         head = intake.toml(toml)
     except ValueError as error:
         found = re.search(r"line (\d+)", str(error))
-        raise RecordingError(
+        raise source.fault(
+            min(int(found[1]), len(lines)) if found else max(len(lines), 1),
             f"the head is not valid TOML: {error}",
             'each line is # key = value, and words stand in quotes: # machine = "mill-7"',
-            Place(source.name, min(int(found[1]), len(lines)) if found else max(len(lines), 1)),
         ) from None
 
     def fault(key: str, message: str, advice: str = "") -> RecordingError:

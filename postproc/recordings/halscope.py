@@ -44,10 +44,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     lines = [(n, line) for n, line in enumerate(text.lines_of(content), 1) if line.strip()]
     head = HEAD.fullmatch(lines[0][1].strip())
     if head is None or int(head[1]) == 0:
-        raise RecordingError(
-            "the first line is not the sampling period",
-            "Sampling period is 1000000 ns",
-            Place(source.name, 1),
+        raise source.fault(
+            1, "the first line is not the sampling period", "Sampling period is 1000000 ns"
         )
     names, values, at = _samples(source, lines[1:])
     notices: list[str] = []
@@ -93,7 +91,7 @@ def _samples(
         values.append([float(value.replace(",", ".")) for _, value in pairs])
         at.append(number)
     if len(values) < 2:
-        raise RecordingError("there are fewer than two samples", "", Place(source.name, 1))
+        raise source.fault(1, "there are fewer than two samples")
     return names, np.array(values), np.array(at, np.int64)
 
 

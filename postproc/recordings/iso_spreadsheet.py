@@ -113,9 +113,7 @@ def _read_wide(
     """Targets down, runs across."""
     sheet = _sheet.find(source, table)
     if not sheet.columns:
-        raise RecordingError(
-            "there is no column of readings beside the targets", "", Place(source.name, sheet.line)
-        )
+        raise source.fault(sheet.line, "there is no column of readings beside the targets")
     runs, relative = _runs(source, sheet, options)
     said = _sheet.reading_unit(source, sheet)
     heading = (sheet.line, sheet.headings[sheet.target])
@@ -191,10 +189,10 @@ def _row(line: int, cells: list[str], at: dict[str, int], titles: list[str], dec
 def _read_long(source, options, table, columns, notices) -> Recording:
     """One reading a row."""
     if columns is None:
-        raise RecordingError(
+        raise source.fault(
+            table.rows[0][0],
             "there is no heading with target, run and deviation",
             "a long table has these columns, and may have direction",
-            Place(source.name, table.rows[0][0]),
         )
     top, at = columns
     line, headings = table.rows[top]

@@ -52,14 +52,12 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     if top is None:
         time = next((i for i, line in enumerate(lines) if TIME.match(line)), None)
         if time is not None:
-            raise RecordingError(
+            raise source.fault(
+                time + 1,
                 "this is a record over time, not of targets",
                 "make a CSV of it and name its columns: --format mapped-csv",
-                Place(source.name, time + 1),
             )
-        raise RecordingError(
-            "there is no row that begins with Target Position", "", Place(source.name, 1)
-        )
+        raise source.fault(1, "there is no row that begins with Target Position")
     weather = next(
         (i for i in range(top + 1, len(lines)) if ENVIRONMENT.match(lines[i])), len(lines)
     )
@@ -131,10 +129,8 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
                 and any(re.match(r"\s*[-+]?[0-9]", x) for x in lines[i + 1 : end])
                 and "\t" in lines[i]
             ):
-                raise RecordingError(
-                    f"the target {lines[i].split(chr(9))[0]!r} is not a number",
-                    "",
-                    Place(source.name, i + 1, lines[i]),
+                raise source.fault(
+                    i + 1, f"the target {lines[i].split(chr(9))[0]!r} is not a number", "", lines[i]
                 )
             if i > top + 1:
                 break
@@ -186,11 +182,7 @@ def _unit(source: Source, sheet: _sheet.Sheet, lines: list[str], top: int) -> un
             for u in (units.in_heading(line), units.unit_of(line.partition(":")[2])) if u
         }  # fmt: skip
     if len(said) > 1:
-        raise RecordingError(
-            f"the headings name {' and '.join(said)}",
-            "one unit for all",
-            Place(source.name, top + 1),
-        )
+        raise source.fault(top + 1, f"the headings name {' and '.join(said)}", "one unit for all")
     return next(iter(said.values()), None)
 
 

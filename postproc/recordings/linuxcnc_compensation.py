@@ -74,11 +74,11 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             line, nominal, entry = int(row[0]), row[1], row[column]
             deviation = entry - nominal if kind == "0" else -entry
             if abs(deviation) * scale > FARTHEST:
-                raise RecordingError(
+                raise source.fault(
+                    line,
                     f"a deviation of {deviation * scale:g} mm is no screw's: is this type"
                     f" {1 - int(kind)}, or another unit?",
                     f"--set type={1 - int(kind)}",
-                    Place(source.name, line),
                 )
             for values, value in zip(
                 (readings.run, readings.target, readings.value, readings.line, readings.sign),
@@ -109,28 +109,26 @@ def _rows(source: Source) -> list[tuple[int, float, float, float]]:
     for i, line in enumerate(lines, 1):
         values = [text.number(w) for w in line.split()[:3]]
         if len(values) < 3 or None in values:
-            raise RecordingError(
+            raise source.fault(
+                i,
                 f"this line has no three numbers: LinuxCNC stops reading here, and {len(lines) - i}"
                 " lines below are never used",
                 "take out headings, comments and blank lines",
-                Place(source.name, i, line),
+                line,
             )
         nominal, forward, reverse = (float(v or 0.0) for v in values)
         if rows and nominal <= rows[-1][1]:
-            raise RecordingError(
+            raise source.fault(
+                i,
                 f"nominal {nominal:g} comes after {rows[-1][1]:g}: LinuxCNC refuses it",
                 "order them, each once",
-                Place(source.name, i, line),
+                line,
             )
         if len(rows) == ENTRIES:
-            raise RecordingError(
-                f"this is entry {ENTRIES + 1}: LinuxCNC holds {ENTRIES}",
-                "",
-                Place(source.name, i, line),
+            raise source.fault(
+                i, f"this is entry {ENTRIES + 1}: LinuxCNC holds {ENTRIES}", "", line
             )
         rows.append((i, nominal, forward, reverse))
     if len(rows) < 2:
-        raise RecordingError(
-            f"there are {len(rows)} entries", "two at least make a table", Place(source.name, 1)
-        )
+        raise source.fault(1, f"there are {len(rows)} entries", "two at least make a table")
     return rows

@@ -62,10 +62,10 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     found = _sections(content)
     for section in ("TARGET DATA", "DEVIATIONS"):
         if section not in found.sections:
-            raise RecordingError(
+            raise source.fault(
+                found.last,
                 f"there is no section {section}::",
                 "is the file cut off, or of another kind?",
-                Place(source.name, found.last),
             )
     notices: list[str] = []
     if encoding not in ("utf-8", "utf-16"):
@@ -176,10 +176,10 @@ def _decimal(source: Source, found: _File, options: ReadingOptions, notices: lis
             (word for word, _ in cells), text.told_decimal(options.extra)
         )
     except ValueError as error:
-        raise RecordingError(
+        raise source.fault(
+            next(line for word, line in cells if text.COMMA.fullmatch(word)),
             f"decimal commas and points are mixed: {error}",
             "say --set decimal=. or --set decimal=,",
-            Place(source.name, next(line for word, line in cells if text.COMMA.fullmatch(word))),
         ) from None
     if notice:
         notices.append(notice)
@@ -192,11 +192,7 @@ def _count(source: Source, found: _File, section: str, name: str) -> int:
         return 0
     value, line = found.keys[(section, name.lower())]
     if not re.fullmatch(r"[0-9]{1,6}", value) or not 0 < int(value) <= MOST:
-        raise RecordingError(
-            f"{name} is {value!r}: that is not a whole number from 1 on",
-            "",
-            Place(source.name, line),
-        )
+        raise source.fault(line, f"{name} is {value!r}: that is not a whole number from 1 on")
     return int(value)
 
 
@@ -206,15 +202,11 @@ def _places(source, found, decimal, options, notices) -> list[float]:
     for word, line in found.targets:
         value = text.number(word if decimal == "," else word.rstrip(","), decimal)
         if value is None:
-            raise RecordingError(
-                f"the target {word!r} is not a number", "", Place(source.name, line)
-            )
+            raise source.fault(line, f"the target {word!r} is not a number")
         result.append(value)
     if not result:
-        raise RecordingError(
-            "there are no targets",
-            "they stand below Targets :",
-            Place(source.name, found.line("TARGET DATA")),
+        raise source.fault(
+            found.line("TARGET DATA"), "there are no targets", "they stand below Targets :"
         )
     stated = _count(source, found, "TARGET DATA", "Target-count")
     if stated and stated != len(result):
@@ -254,16 +246,12 @@ def _rows(
             else:
                 rows[(run, target)] = (value, line)
         if wrong and options.strict:
-            raise RecordingError(
-                wrong, "mend the row; --lenient leaves such rows out", Place(source.name, line, row)
-            )
+            raise source.fault(line, wrong, "mend the row; --lenient leaves such rows out", row)
         if wrong:
             faults.append(Fault(line, "Run Target Data", wrong))
     if not rows:
-        raise RecordingError(
-            "there are no deviations",
-            "they stand below Run Target Data:",
-            Place(source.name, found.line("DEVIATIONS")),
+        raise source.fault(
+            found.line("DEVIATIONS"), "there are no deviations", "they stand below Run Target Data:"
         )
     return rows, faults
 

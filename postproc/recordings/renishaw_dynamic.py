@@ -42,9 +42,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     command are not said."""
     begin = BEGIN.search(source.data[:HEADER_MOST])
     if begin is None:
-        raise RecordingError(
-            "there is no line Data: in the header", "is this an .rtx file?", Place(source.name, 1)
-        )
+        raise source.fault(1, "there is no line Data: in the header", "is this an .rtx file?")
     lines = (
         source.data[: begin.start()].decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
     )
@@ -79,10 +77,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
                 f"--axis {options.axis} is no linear axis",
                 "an .rtx file is read as positions: X, Y or Z",
             )
-        raise RecordingError(
-            "the file does not say which axis moved",
-            "say --axis Z",
-            Place(source.name, keys.get("axis", ("", 1))[1]),
+        raise source.fault(
+            keys.get("axis", ("", 1))[1], "the file does not say which axis moved", "say --axis Z"
         )
     position = _position(source, samples, options, at)
     command = _command(source, position, options, at)
@@ -132,15 +128,11 @@ def _rate(source: Source, keys: dict[str, tuple[str, int]]) -> float:
                 not re.fullmatch(r"[0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]{1,2})?", value)
                 or not 0 < float(value) < 1e9
             ):
-                raise RecordingError(
-                    f"{name} is {value!r}: that is not a number of samples a second",
-                    "",
-                    Place(source.name, line),
+                raise source.fault(
+                    line, f"{name} is {value!r}: that is not a number of samples a second"
                 )
             return float(value)
-    raise RecordingError(
-        "the header does not say the Actual sample rate", "", Place(source.name, 1)
-    )
+    raise source.fault(1, "the header does not say the Actual sample rate")
 
 
 def _position(

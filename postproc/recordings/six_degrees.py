@@ -50,11 +50,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     every = read_all(source, options)
     if len(every) == 1:
         return every[0]
-    raise RecordingError(
-        f"the file holds {len(every)} components",
-        "say which: --component EXX",
-        Place(source.name, 1),
-    )
+    raise source.fault(1, f"the file holds {len(every)} components", "say which: --component EXX")
 
 
 def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
@@ -64,10 +60,10 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     found = [(m[1], m[2], m[3], k) for k, n in enumerate(names) if (m := COMPONENT.fullmatch(n))]
     for _, own, _, k in found:
         if own != letter:
-            raise RecordingError(
+            raise source.fault(
+                head_line,
                 f"{names[k]} is no error of {letter}, which moves",
                 "one axis in each file",
-                Place(source.name, head_line),
             )
     shared = {n: values[:, k] for k, n in enumerate(names) if not COMPONENT.fullmatch(n)}
     if "approach" in shared:
@@ -84,10 +80,10 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
             continue
         angle = direction in "ABC"
         if angle != (unit != "um"):
-            raise RecordingError(
+            raise source.fault(
+                head_line,
                 f"{names[k]}: {name} is {'an angle' if angle else 'a length'}",
                 "urad, arcsec, or um",
-                Place(source.name, head_line),
             )
         reading = values[:, k] * (ARCSEC if unit == "arcsec" else 1.0)
         along = "XYZ"["ABC".index(direction)] if angle else direction
@@ -161,5 +157,5 @@ def _table(
         rows.append([float(v) for v in row if v is not None])
         lines.append(number)
     if not rows:
-        raise RecordingError("there are no rows", "", Place(source.name, 1))
+        raise source.fault(1, "there are no rows")
     return names, np.array(rows), np.array(lines), head_line
