@@ -6,12 +6,13 @@ from __future__ import annotations
 import argparse
 import contextlib
 import errno
+import gc
 import importlib
 import os
-import pkgutil
 import re
 import signal
 import sys
+from types import ModuleType
 from typing import NoReturn, TextIO
 
 from postproc import __version__, colour, standing
@@ -80,6 +81,8 @@ def alike(word: str, known: list[str]) -> list[str]:
 
 def commands() -> list[str]:
     """Names of the subcommands."""
+    import pkgutil
+
     from postproc import commands as package
 
     return sorted(
@@ -178,13 +181,13 @@ def _run(argv: list[str]) -> int:
     if "--version" in argv[: argv.index("--") if "--" in argv else None]:
         print(f"gcomp {__version__}")
         return 0
-    if argv and argv[0] in commands():
+    if argv and not argv[0].startswith("-") and argv[0] in commands():
         name, argv = argv[0], argv[1:]
     elif not argv or argv[0] in ("-h", "--help"):
         return _overview(argv)
     else:
         _no_slip(argv[0])
-    module = importlib.import_module(f"postproc.commands.{name}")
+    module = _loaded(f"postproc.commands.{name}")
     example = getattr(module, "EXAMPLE", "")
     parser = _Parser(
         prog="gcomp" if name == DEFAULT else f"gcomp {name}",
@@ -205,6 +208,20 @@ def _run(argv: list[str]) -> int:
         options.handed_on = handed_on or []
     standing.options(options)
     return module.run(options)
+
+
+def _loaded(name: str) -> ModuleType:
+    """The module `name`. What loads with it stays to the end, so that the collector of cycles need
+    not go through it, which takes a tenth of the time of a short program, most of it when the
+    process ends."""
+    if name in sys.modules:
+        return sys.modules[name]
+    gc.disable()
+    try:
+        return importlib.import_module(name)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def _no_slip(word: str) -> None:

@@ -3,10 +3,10 @@ out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from postproc.records import record
 
 
-@dataclass(frozen=True)
+@record
 class Place:
     """A place in a file. Lines and columns count from 1; `stop` is the column after the last
     one."""
@@ -98,7 +98,7 @@ class MotionFault(Exception):
         self.motion, self.message, self.advice = motion, message, advice
 
 
-@dataclass(frozen=True)
+@record
 class Notice:
     """Something the user should know that stops nothing."""
 

@@ -7,18 +7,19 @@ A axes in the machine's order, N motions in program order. Positions are int64 t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 
 import numpy as np
 
+from postproc.records import columns
 from postproc.spaces import Space
 
 RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
 LINES = (RAPID, FEED)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Arcs:
     """The n arcs among the motions; plane axes are rows of the machine's axes.
 
@@ -63,7 +64,7 @@ def centre_by_radius(
     return (start + end) / 2 + normal * (height * side)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Holes:
     """The n holes of canned cycles among the motions: a HOLE goes to its place, down to the bottom
     and back up.
@@ -90,7 +91,7 @@ class Holes:
         return len(self.motion)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Presets:
     """The n words by which a block gives the place where the machine stands a new coordinate (G92
     X).
@@ -111,7 +112,7 @@ class Presets:
         return len(self.motion)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Spells:
     """Parts in time of motions that last so long that heat moves the machine meanwhile.
 
@@ -148,7 +149,7 @@ def no_presets() -> Presets:
     return Presets(i, i, i, i, i, i.astype(bool))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Motions:
     """Columns of motions.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from postproc.motions import FEED
+from postproc.records import columns
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Pieces:
     """P pieces in program order; A axes.
 

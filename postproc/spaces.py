@@ -9,15 +9,16 @@ Text and physics share only what is here; where the slides then stand is the mac
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from postproc.records import record
+
 LEVEL = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
-@dataclass(frozen=True)
+@record
 class Space:
     """A frame of the tip's places: the programmed place u (word and work offset, mm) is the place
     turn @ u + origin of the part as it lies with all rotary axes at zero. turn: nine numbers of a

@@ -22,6 +22,7 @@ FLOOR = {
     "intake": 0,
     "motions": 0,
     "pieces": 0,
+    "records": 0,
     "nc": 1,
     "machine": 1,
     "effects": 1,

@@ -17,15 +17,15 @@ the share that is taken up, -1 to +1, is another such operator of the way travel
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from postproc.records import columns
 
 MODES = ("mean", "step", "ramp", "off")
 FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Sides:
     """What of the lost motion one batch hands to the next. side (A,): -1, 0 (nobody knows), +1;
     middle (A,): ticks, the state r; taken (A,): ticks of the ramp that have been travelled, from

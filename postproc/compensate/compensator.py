@@ -8,7 +8,7 @@ the ways between, check the limits.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -23,6 +23,7 @@ from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
+from postproc.records import columns, record
 from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM
 
@@ -36,7 +37,7 @@ MOST_KEPT = 200  # machines with a tool, in a space, at a temperature
 FEW = 32  # motions that are worked out at once behind one that is left as it is
 
 
-@dataclass(frozen=True)
+@record
 class Options:
     """tolerance: mm that the actual path may miss the nominal one (None: one least increment, 0.5
     um at least);
@@ -65,7 +66,7 @@ class Options:
     heat_step: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Carry:
     """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal

@@ -10,7 +10,7 @@ that will do, else both halves, else as much at a time as will do. `Proof` says 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from postproc.compensate.prove import Proof
 from postproc.compensate.samples import Samples, taken
 from postproc.machine.model import Machine
 from postproc.motions import Arcs
+from postproc.records import columns
 from postproc.units import TICKS_PER_MM
 
 SHORTEST = 3  # least increments: a shorter arc is a chord
@@ -25,7 +26,7 @@ NEARLY = 100  # a run is the longest that will do if one longer by a sixth of it
 LEVELS = 14  # times that what one sample interval is too long for is looked at closer
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Rows:
     """R parts of arcs. arc (R,): row of Arcs; stroke (R,); t0, t1 (R,): part of the arc; begin, end
     (A, R): ticks commanded; accepted as an arc with centre (2, R) ticks from begin, written as
@@ -60,7 +61,7 @@ def joined(parts: Sequence[Rows]) -> Rows:
 Needed = Callable[[Rows, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Fitter:
     """What the fit must know. start, target (A, n) mm of the arcs; tolerance mm in the plane, and
     along the third axis, and total in all; needed(rows, row, t, nominal) -> (A, K) mm: the exact

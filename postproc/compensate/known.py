@@ -8,15 +8,14 @@ axes stay where they are.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from postproc.machine.model import Machine
 from postproc.motions import HOLE, Motions
+from postproc.records import columns
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Known:
     """end, start (N,): whether all that matters is known at a motion's end, at its start. rows (A,
     N): whether an axis' correction can be told at the end. idle (N,): whether nothing can change,

@@ -7,7 +7,7 @@ other.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from postproc.compensate.inverse import command
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, Stretches, stretches
+from postproc.records import columns
 
 if TYPE_CHECKING:
     from postproc.compensate.fit import Fitter, Rows
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 80_000  # worked on at once: more leave the processor's cache, and take memory
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Samples:
     """N samples of R rows, all in one plane of the axes `first` and `second`, row behind row. t
     (N,): on the arc; unit (2, N): outwards from the nominal centre; place (2, N): mm from that

@@ -20,7 +20,6 @@ linear map misses its chord by kink * step / 4.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +27,7 @@ import numpy as np
 from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
 from postproc.compensate.nodes import spread
+from postproc.records import columns
 from postproc.units import TICKS_PER_MM
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ REMAINDER = 1 / (9 * np.sqrt(3))
 SHARE = 1 / 16  # of the tolerance that the remainder may take
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Stretches:
     """G smooth stretches of rows, in order. row (G,); t, step (G,): where it begins, and from
     sample to sample; parts (G,). steep (R,) mm/mm and rest (R,) mm of the rows; shift (2, A, R)

@@ -54,11 +54,13 @@ import importlib
 import pkgutil
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from types import ModuleType
 
 import numpy as np
+
+from postproc.records import record
 
 UM = 1e-3  # mm
 XYZ = "XYZ"
@@ -69,7 +71,7 @@ DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
 CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
 
 
-@dataclass(frozen=True)
+@record
 class State:
     """N rows of a recording or a simulation, and what led there. What is not known is empty.
 

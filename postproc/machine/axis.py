@@ -3,14 +3,15 @@ temperature."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from postproc.machine.tables import AxisTable, AxisUncertainty, GridTable
+from postproc.records import record
 
 
-@dataclass(frozen=True)
+@record
 class Expansion:
     """Growth with temperature, linear from the point that does not move. scale, work: 1/K,
     expansion of the axis' scale (or screw) and of the workpiece; their temperatures, degrees
@@ -33,7 +34,7 @@ class Expansion:
         return self.scale * (self.scale_at - 20.0) - self.work * (self.work_at - 20.0)
 
 
-@dataclass(frozen=True)
+@record
 class Axis:
     """travel: mm that the slide can reach, degrees of a rotary axis; least_increment: mm or degrees
     of the programmed word; measured_at (3,): mm, where the other axes stood, as stated

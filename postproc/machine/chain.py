@@ -15,9 +15,9 @@ W on a head Z): links of the chain like any other, whose errors the slides X Y Z
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from postproc.records import record
 
 XYZ, ROTARY = "XYZ", "ABC"
 LINEAR = "XYZUVW"  # U V W: a second slide along X Y Z
@@ -28,7 +28,7 @@ Arms = dict[str, list[tuple[float, tuple[str, ...]]]]
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
 
 
-@dataclass(frozen=True)
+@record
 class Chain:
     """The parsed chain: axes from the workpiece through the bed to the tool, and how many of them
     carry the workpiece."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from postproc.machine.axis import Axis, Expansion
 from postproc.machine.chain import LINEAR, along
 from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.tables import AxisTable
+from postproc.records import columns
 from postproc.units import UM
 
 REFERENCE = 20.0  # degrees Celsius (ISO 1)
@@ -33,7 +34,7 @@ FRAME = ("T_bed_C", "T_frame_C", "T_base_C", "T_column_C")
 WORK = ("T_work_C", "T_part_C", "T_workpiece_C")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Driver:
     """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a
     spindle's own turns; zero: degrees Celsius at which it does nothing, nan: what it was when the

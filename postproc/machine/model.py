@@ -3,7 +3,7 @@ add up to."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
@@ -28,12 +28,13 @@ from postproc.machine.chain import (
 from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import PORTION, AxisTable, GridTable
 from postproc.machine.tool_point import ToolPoint
+from postproc.records import record
 
 if TYPE_CHECKING:
     from postproc.machine.growth import Driver
 
 
-@dataclass(frozen=True)
+@record
 class EffectTerm:
     """One accepted effect with its parameters. tables, grids: the errors that it adds where the
     slides stand, none for an effect that a place alone does not decide. spread: for each parameter
@@ -51,7 +52,7 @@ class EffectTerm:
     measured: tuple[float, float] | None = None
 
 
-@dataclass(frozen=True)
+@record
 class ControlTable:
     """A table with which the control corrects by itself. file, settings: where it stands; measured:
     whether the map was measured with it; active: whether it is on at work; axis: the one it is for,
@@ -66,7 +67,7 @@ class ControlTable:
     more: dict[str, str]
 
 
-@dataclass(frozen=True)
+@record
 class Limits:
     """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm that the
     wanted place of a slide may turn back before its lost motion is taken up."""
@@ -77,7 +78,7 @@ class Limits:
     hysteresis: float = 0.001
 
 
-@dataclass(frozen=True)
+@record
 class Machine:
     """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
     U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,)

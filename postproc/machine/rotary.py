@@ -16,18 +16,17 @@ for it where that is asked for (tip.py).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from postproc.errors import MachineError
 from postproc.machine.chain import ROTARY, XYZ, Chain, Parts
+from postproc.records import columns
 
 # determinant of the slides' directions: below, one slide does nearly what another does
 SINGULAR = 0.1
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Geometry:
     """What does not move. tool (3,) mm; location: axis to (6,) mm and rad, how its line lies beside
     the nominal one;

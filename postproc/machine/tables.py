@@ -7,16 +7,17 @@ Linear between nodes, as every documented control interpolates its own table; he
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+
+from postproc.records import columns
 
 PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class AxisTable:
     """nodes (K,) mm, ascending. forward, reverse (6, K): deviations in the order of COMPONENTS, mm
     and rad, for targets approached in + and in -; equal where a component was measured one way.
@@ -160,7 +161,7 @@ class AxisTable:
         return value
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class AxisUncertainty:
     """How well an axis' table is known. table: expanded uncertainties U (95 %, k = 2) in the place
     of deviations, never negative; stated: the components, as rows of COMPONENTS, of which anything
@@ -170,7 +171,7 @@ class AxisUncertainty:
     stated: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class GridTable:
     """What of an axis' errors depends on where a second axis stands; added to its table. Linear in
     either position between nodes (bilinear in both), held beyond.

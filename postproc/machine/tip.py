@@ -14,7 +14,7 @@ microradians.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +23,7 @@ from postproc.machine import poses
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
+from postproc.records import record
 from postproc.spaces import Space
 
 SOFT = 0.05  # rad of the tool per rad of an axis: 2.9 degrees beside a pole
@@ -31,7 +32,7 @@ MOST_PARTS = 20_000
 SAMPLES = ((40.0, 9), (160.0, 33), (np.inf, 129))
 
 
-@dataclass(frozen=True)
+@record
 class TipMachine(Machine):
     """The machine `base`, with the tool in its spindle, in a `space`. anchor (3,): mm, the point
     [tool] without a length.

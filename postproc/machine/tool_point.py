@@ -4,15 +4,16 @@ machine."""
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from postproc.machine.toml_file import TomlFile
+from postproc.records import record
 
 KEYS = {"frame", "planes", "on", "off", "at_start"}
 FRAMES = ("zero", "call")
 
 
-@dataclass(frozen=True)
+@record
 class ToolPoint:
     """frame: where the tables stand while the axes of the program's frame are the machine's:
     "zero", at zero; "call", where they stand when the mode is called; "": as the control does.

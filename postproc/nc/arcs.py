@@ -7,7 +7,6 @@ way round, -R the longer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -17,13 +16,14 @@ from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.lexer import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
+from postproc.records import columns
 from postproc.units import TICKS_PER_MM
 
 MOST_TURNS = 1000
 PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Circle:
     """The modal columns that arcs need, at the N moving blocks: plane code, whether centres are
     absolute, G53."""

@@ -9,10 +9,10 @@ dialects share are in postproc.nc.rows.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from postproc.records import record
 
 
-@dataclass(frozen=True)
+@record
 class Code:
     """A row: `word` as written ("G1"), modal `group` ("" for one that acts in its own block only),
     the axis words it `takes` away from the motion (True for G10 G28 G92 ...), what it means, and

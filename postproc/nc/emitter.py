@@ -9,7 +9,7 @@ piece.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from postproc.nc.splice import Splice
 from postproc.nc.stops import exact_stops
 from postproc.nc.threads import thread_words
 from postproc.pieces import Pieces
+from postproc.records import record
 
 INSERT_CODE = 1
 AFTER, AFTER_END = (
@@ -36,7 +37,7 @@ AFTER, AFTER_END = (
 )  # ranks of added blocks: before all else at their place, unless that is the end of the text
 
 
-@dataclass(frozen=True)
+@record
 class Written:
     """What one batch hands to the next: the motion code that the output last wrote (-1: as the
     program), whether the marker stands, the line end in use, and the F that it has in force where

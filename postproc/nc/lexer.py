@@ -16,7 +16,7 @@ does not know what a word means.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -24,6 +24,7 @@ import numpy as np
 
 from postproc.errors import BlockFault
 from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare, what
+from postproc.records import columns
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 LONGEST_NUMBER = 18  # digits that fit an int64
@@ -120,7 +121,7 @@ SKIPPED = {
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Words:
     """The words of a batch of whole lines. W words, B blocks; offsets count bytes of `text`.
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
 from postproc.nc.shifted import Shifted
+from postproc.records import columns, record
 from postproc.spaces import Kinematics, Space
 
 NONE = -1  # no code of that group yet
 
 
-@dataclass(frozen=True)
+@record
 class Setup:
     """What the text must be told of the machine: its axes, which words are diameters, least
     increments (mm), work and tool offsets (mm by axis, by name "G54", "T0101"), where it stands at
@@ -34,7 +35,7 @@ class Setup:
     home: dict[str, float] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class Frame:
     """Shifts of the coordinates that a program has set beside its work offset; ticks (A,) each,
     radius.
@@ -78,7 +79,7 @@ def no_frame(axes: int) -> Frame:
     return Frame(zero, zero, zero, zero, zero)
 
 
-@dataclass(frozen=True)
+@record
 class Cycle:
     """What a canned cycle keeps from block to block: the axis that drills, where R and the bottom
     lie on it (ticks, machine coordinates, None: never said), the initial level, whether that is
@@ -92,7 +93,7 @@ class Cycle:
     stored: str = ""
 
 
-@dataclass(frozen=True)
+@record
 class Beside:
     """Cutter radius compensation. on: whether the last motion was inside it; side: +1 left, -1
     right; radius: mm, + where the centre lies left of the path, nan: not stated; nose: mm along the
@@ -109,7 +110,7 @@ class Beside:
     fault: str = ""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@columns
 class ModalState:
     """All that one batch hands to the next: a code per modal group, position (A,) ticks and whether
     it is known, the tool offset and F in force, whether the program has ended, and whether a motion

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import importlib
-import pkgutil
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from postproc.nc.codes import (
     code_number,
 )
 from postproc.nc.lexer import PLAIN, Grammar
+from postproc.records import record
 
 NO_GROUP, UNKNOWN = -1, -2
 # of CYCLE_KEYS; all but the first go with the spindle
@@ -32,7 +33,7 @@ LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
 
 
-@dataclass(frozen=True)
+@record
 class Dialect:
     """How one family of controls reads a program.
 
@@ -307,7 +308,8 @@ class Dialect:
 
 def names() -> list[str]:
     """The dialects that there are, as a user writes them."""
-    return sorted(module.name.replace("_", "-") for module in pkgutil.iter_modules(__path__))
+    here = Path(__file__).parent
+    return sorted(x.stem.replace("_", "-") for x in here.glob("*.py") if x.stem != "__init__")
 
 
 def load(name: str) -> Dialect:
