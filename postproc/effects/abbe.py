@@ -5,6 +5,8 @@ ISO 230-1, error motions of linear axes. What nobody measured is drawn as Legend
 degree 1 to 5 over the travel.
 """
 
+from itertools import product
+
 import numpy as np
 
 from postproc.effects import UM, XYZ, State, along, legendre
@@ -41,23 +43,15 @@ ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     known = state.angles.get(axis)
     turns = [] if known is None else [k for k in range(3) if known[k].any()]
-    result = [
-        {"turn": float(k), "arm": float(a), "known": 1.0, "zero_mm": 0.0, "degree": 5.0}
-        for k in turns
-        for a in range(3)
-        if a != k
-    ]
+    ways = [(float(k), float(a), 1.0, 0.0, 5.0) for k in turns for a in range(3) if a != k]
     for other in state.lines.get(axis, ""):
         low, high = state.travel[other]
         arm = XYZ.index(other)
-        turn = float(3 - arm - XYZ.index(axis))
         zeros = [round(float(low + z * (high - low)), 3) for z in ZEROS]
-        result += [
-            {"turn": turn, "arm": float(arm), "known": 0.0, "zero_mm": z, "degree": d}
-            for z in zeros
-            for d in (1.0, 3.0, 5.0)
-        ]
-    return result
+        turn = float(3 - arm - XYZ.index(axis))
+        ways += [(turn, float(arm), 0.0, z, d) for z, d in product(zeros, (1.0, 3.0, 5.0))]
+    names = ("turn", "arm", "known", "zero_mm", "degree")
+    return [dict(zip(names, way, strict=True)) for way in ways]
 
 
 def columns(

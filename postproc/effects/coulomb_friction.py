@@ -7,6 +7,8 @@ go as soon as the axis stands. After a turn the friction is taken up over a litt
 thin, it is higher (Stribeck 1902; Armstrong-Helouvry et al., Automatica 30, 1994, 1083).
 """
 
+from itertools import product
+
 import numpy as np
 
 from postproc.effects import State, along, lost_motion_share, sampled, settling_share
@@ -44,17 +46,12 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    near, since = state.distance.get(axis), state.since.get(axis)
-    ways = (0.01, 0.03, 0.1) if near is not None and np.any(near < SMALL) else ()
-    times = (4.0, 8.0, 16.0, 32.0) if since is not None and np.any(since < SOON) else ()
+    ways = (0.01, 0.03, 0.1) if np.any(state.distance.get(axis, np.inf) < SMALL) else ()
+    times = (4.0, 8.0, 16.0, 32.0) if np.any(state.since.get(axis, np.inf) < SOON) else ()
     found = [{"play_mm": v} for v in (0.0, *ways)] + [{"settle_ms": v} for v in times]
     stands = bool(np.any(sampled(state) & (state.velocity[axis] == 0)))
-    found += [
-        {"released": r, "stribeck_mm_s": v}
-        for r in (0.0, 1.0)[: 1 + stands]
-        for v in (0.0, *STRIBECK)
-        if r or v
-    ]
+    _, *more = product((0.0, 1.0)[: 1 + stands], (0.0, *STRIBECK))
+    found += [{"released": r, "stribeck_mm_s": v} for r, v in more]
     return [WITHOUT | shape for shape in found]
 
 

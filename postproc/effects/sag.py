@@ -7,6 +7,8 @@ Vibration Problems in Engineering, simply supported beam); where the tool stands
 s.
 """
 
+from itertools import product
+
 import numpy as np
 
 from postproc.effects import UM, XYZ, State
@@ -41,23 +43,13 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
-    held = [
-        {"along": a, "lever": v, "beam": -1.0, "overhang": 0.0}
-        for a in others
-        for v in (0.0, 1.0)[: len(others)]
-    ]
     beams = (*others, float(XYZ.index(axis)))
-    ways = held + [
-        {"along": a, "lever": 0.0, "beam": b, "overhang": o}
-        for a in others
-        for b in beams
-        for o in (0.0, 0.05, 0.2)
-    ]
+    ways = [(a, v, -1.0, 0.0) for a, v in product(others, (0.0, 1.0)[: len(others)])]
+    ways += [(a, 0.0, b, o) for a, b, o in product(others, beams, (0.0, 0.05, 0.2))]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
-    usual = float(np.median(np.abs(load[load != 0]))) if np.ptp(load) > 0 else 0.0
-    return [way | {"usual_N": 0.0} for way in ways] + [
-        way | {"usual_N": usual} for way in ways if usual
-    ]
+    usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
+    names = ("along", "lever", "beam", "overhang", "usual_N")
+    return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
 
 
 def columns(

@@ -67,22 +67,13 @@ def term(
 
 def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
     """The axis of an effect, a pair of them, or "" for one of the whole machine."""
-    name = entry["name"]
     axis = toml.string("effect", entry, "axis", "" if module.PER == "all" else None, index)
     if module.PER == "all" and not axis:
         return ""
     wanted = 2 if module.PER == "pair" else 1
-    if (
-        len(axis) != wanted
-        or len(set(axis)) != wanted
-        or not all(x in axes and x in XYZ for x in axis)
-    ):
-        what = "a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
-        message = (
-            f"effect {name}: {axis!r} is no {what.removeprefix('no ')} of the machine".replace(
-                "no a pair", "not a pair"
-            )
-        )
+    if len(axis) != wanted or len(set(axis) & set(axes) & set(XYZ)) != wanted:
+        what = "not a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
+        message = f"effect {entry['name']}: {axis!r} is {what} of the machine"
         raise toml.fault("effect", "axis", message, index=index)
     return axis
 

@@ -42,44 +42,26 @@ class Compact:
             return bare if not text.startswith(b"$") else text
         words = [(letter, number(value)) for letter, value in WORD.findall(bare) if letter != b"N"]
         codes = [value for letter, value in words if letter == b"G"]
-        if b"93" in codes or b"95" in codes:
-            self.per_minute = False
-        elif b"94" in codes:
-            self.per_minute = True
         named = [c for c in codes if c in MOTIONS]
-        others = [c for c in codes if c not in MOTIONS]
-        plain = all(c in HARMLESS for c in others) and len(named) <= 1
-        if b"91" in others:
-            self.absolute = False
-        if b"90" in others:
-            self.absolute = True
-        motion = named[0] if named else self.motion
-        if not plain or b"80" in others:
-            motion = b""
-        kept = self._kept(words, motion, plain and not others, named)
+        others = set(codes) - set(MOTIONS)
+        plain = others <= HARMLESS and len(named) <= 1
+        self.per_minute = not others & {b"93", b"95"} and (self.per_minute or b"94" in others)
+        self.absolute = b"90" in others or (self.absolute and b"91" not in others)
+        motion = [*named, self.motion][0] if plain and b"80" not in others else b""
+        kept = self._kept(words, motion) if plain and not others else words
         self._remember(words, motion, plain)
         return b"".join(letter + value for letter, value in kept)
 
-    def _kept(self, words, motion: bytes, plain: bool, named: list[bytes]):
-        """Words that must be written."""
-        if not plain:
-            return words
+    def _kept(self, words, motion: bytes):
+        """Words that must be written, of a line whose codes are motions alone."""
         moves = [(x, v) for x, v in words if x in AXES]
         still = set()
         if motion in STRAIGHT and self.absolute and len(moves) > 1:
             still = {x for x, v in moves if self.at.get(x) == v}
             if len(still) == len(moves):
                 still.discard(moves[0][0])
-        kept = []
-        for letter, value in words:
-            if letter == b"G" and value == self.motion and moves:
-                continue
-            if (letter == b"F" and value == self.feed) or (letter == b"S" and value == self.speed):
-                continue
-            if letter in still:
-                continue
-            kept.append((letter, value))
-        return kept or words
+        said = {(b"F", self.feed), (b"S", self.speed), (b"G", self.motion if moves else b"")}
+        return [word for word in words if word not in said and word[0] not in still] or words
 
     def _remember(self, words, motion: bytes, plain: bool) -> None:
         if not plain:
@@ -96,10 +78,7 @@ class Compact:
                     self._forget()
                 self.speed = b""
             elif letter in AXES and motion:
-                if self.absolute:
-                    self.at[letter] = value
-                else:
-                    self.at.pop(letter, None)
+                self.at[letter] = value
         if not self.absolute:
             self.at.clear()
 

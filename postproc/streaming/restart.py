@@ -84,54 +84,64 @@ def refuse(
 ) -> None:
     """Raises ProgramError where a job can not safely begin with this line. `filter_` has read all
     before it."""
-    modal = filter_.modal
-    frame = modal.frame
-
-    def no(message: str, advice: str) -> ProgramError:
-        text = rest.split(b"\n", 1)[0].decode("latin-1")
-        return ProgramError(f"{what}: {message}", advice, Place(filter_.name, line, text))
-
-    earlier = "name an earlier line, before that begins"
-    if modal.ended:
-        raise no("the program has ended before this line", "name an earlier line")
-    if modal.beside.on or modal.codes.get("cutter", NONE) in filter_.dialect.beside:
-        raise no("cutter radius compensation (G41, G42) is on", earlier)
-    if modal.cycle is not None or (
-        modal.codes.get("motion", NONE) >= FIRST_CYCLE and modal.codes["motion"] != 800
-    ):
-        raise no("a canned cycle is in force", earlier)
-    if modal.codes.get("distance") == 910 and kind_of(filter_) == PRINTER:
-        raise no(
-            "G91 is in force, and this firmware counts E by it too", "name a line behind a G90"
-        )
-    moving = [i for i, x in enumerate(filter_.setup.axes) if x in "XYZ"]
-    unknown = [filter_.setup.axes[i] for i in moving if not modal.known[i]]
-    if unknown:
-        relative = " in incremental distance (G91)" if modal.codes.get("distance") == 910 else ""
-        raise no(
-            f"where {', '.join(unknown)} stands before it is not known{relative}",
-            "name a line behind a block that says it",
-        )
-    if not modal.zero_known:
-        raise no("where the program's zero lies is not known", "state it: --offset, --start")
-    slides = [i for i, x in enumerate(filter_.setup.axes) if x not in filter_.dialect.carried]
-    if frame is not None and (
+    modal, codes, axes = filter_.modal, filter_.modal.codes, filter_.setup.axes
+    frame, motion = modal.frame, codes.get("motion", NONE)
+    incremental = codes.get("distance") == 910
+    unknown = [x for i, x in enumerate(axes) if x in "XYZ" and not modal.known[i]]
+    slides = [i for i, x in enumerate(axes) if x not in filter_.dialect.carried]
+    shifted = frame is not None and (
         (frame.preset_on and frame.preset[slides].any()) or frame.local.any() or frame.trans.any()
-    ):
-        raise no("the program has shifted its zero (G92, G52) by where the machine stood", earlier)
-    if modal.offsets:
-        raise no(
+    )
+    first = next((t for t in rest.split(b"\n") if MOVES.search(COMMENT.sub(b"", t))), b"")
+    earlier = "name an earlier line, before that begins"
+    for is_so, message, advice in (
+        (modal.ended, "the program has ended before this line", "name an earlier line"),
+        (
+            modal.beside.on or codes.get("cutter", NONE) in filter_.dialect.beside,
+            "cutter radius compensation (G41, G42) is on",
+            earlier,
+        ),
+        (
+            modal.cycle is not None or (motion >= FIRST_CYCLE and motion != 800),
+            "a canned cycle is in force",
+            earlier,
+        ),
+        (
+            incremental and kind_of(filter_) == PRINTER,
+            "G91 is in force, and this firmware counts E by it too",
+            "name a line behind a G90",
+        ),
+        (
+            unknown,
+            f"where {', '.join(unknown)} stands before it is not known"
+            f"{' in incremental distance (G91)' * incremental}",
+            "name a line behind a block that says it",
+        ),
+        (
+            not modal.zero_known,
+            "where the program's zero lies is not known",
+            "state it: --offset, --start",
+        ),
+        (
+            shifted,
+            "the program has shifted its zero (G92, G52) by where the machine stood",
+            earlier,
+        ),
+        (
+            modal.offsets,
             f"the program has written offsets ({', '.join(modal.offsets)}) that may not be what the"
             " controller has now",
             earlier,
-        )
-    motion = modal.codes.get("motion", NONE)
-    first = next((t for t in rest.split(b"\n") if MOVES.search(COMMENT.sub(b"", t))), b"")
-    if motion in (20, 30) and not MOTION_CODE.search(COMMENT.sub(b"", first)):
-        raise no(
+        ),
+        (
+            motion in (20, 30) and not MOTION_CODE.search(COMMENT.sub(b"", first)),
             "it goes on with an arc whose G2 or G3 stands in a line before",
             "name the line that has the G code",
-        )
+        ),
+    ):
+        if is_so:
+            text = rest.split(b"\n", 1)[0].decode("latin-1")
+            raise ProgramError(f"{what}: {message}", advice, Place(filter_.name, line, text))
 
 
 def digits(value: float) -> str:
@@ -233,66 +243,58 @@ class Preamble:
 
     def lines(self) -> list[str]:
         """All blocks."""
-        before = self.before
+        before, codes, one_command = self.before, self.modal.codes, self.dialect.one_command
         still = {self.lift, *self.dialect.carried}
-        across = [
-            x
-            for x, known in zip(self.setup.axes, self.modal.known, strict=True)
-            if known and x not in still
+        known = zip(self.setup.axes, self.modal.known, strict=True)
+        across = [f"{x}{digits(self.place[x])}" for x, is_known in known if is_known]
+        across = [word for word in across if word[0] not in still]
+        printer = self.kind == PRINTER
+        plane = [] if printer else self.known("G18" if self.kind == LATHE else "G17")
+        offset = self.word("work offset")
+        # Behind G94 and G95: LinuxCNC sets F to zero there.
+        feed = before.feed and codes.get("feed mode") != 930 and not one_command
+        lines = [
+            *self.joined(self.known("G21", "G90") + plane + self.known("G94")),
+            *self._heat(),
+            self.word("diameter") if codes.get("diameter") in (70, 80) else "",
+            "" if printer and offset == "G54" else offset,
+            "" if self.stays else self._out(),
+            *self._tool(),
+            "" if self.stays or not across else " ".join(["G0", *across]),
+            *self._spindle(),
+            "" if self.stays else self._down(),
+            f"G1 F{before.feed:g}" if one_command and before.feed else "",
+            before.path,
+            *self.joined(self._modes()),
+            *self._carried(),  # behind G90, which counts for E too
+            f"F{before.feed / (MM_PER_INCH if before.inch else 1.0):.7g}" if feed else "",
         ]
-        plane = [] if self.kind == PRINTER else self.known("G18" if self.kind == LATHE else "G17")
-        lines = self.joined(self.known("G21", "G90") + plane + self.known("G94"))
-        lines += self._heat()
-        if self.modal.codes.get("diameter") in (70, 80):
-            lines.append(self.word("diameter"))
-        if self.word("work offset") and (self.kind != PRINTER or self.word("work offset") != "G54"):
-            lines.append(self.word("work offset"))
-        lines += [] if self.stays else [self._out()]
-        lines += self._tool()
-        if across and not self.stays:
-            lines.append("G0 " + " ".join(f"{x}{digits(self.place[x])}" for x in across))
-        lines += self._spindle()
+        if codes.get("motion", NONE) in (0, 10) and self.dialect.modal_motion:
+            lines.append(self.word("motion"))
+        return [line for line in lines if line]
+
+    def _down(self) -> str:
+        """Down to where the cut begins; by a rapid where the program has come here by rapids."""
+        to = f"{self.lift}{digits(self.place[self.lift])}"
         per_minute = self.modal.codes.get("feed mode", 940) == 940
-        if self.stays:
-            pass
-        elif before.feed:
-            down = min(PLUNGE, before.feed) if per_minute else PLUNGE
-            lines.append(f"G1 {self.lift}{digits(self.place[self.lift])} F{down:g}")
-        else:  # the program has come here by rapids alone
-            lines.append(f"G0 {self.lift}{digits(self.place[self.lift])}")
-        if self.dialect.one_command and before.feed:
-            lines.append(f"G1 F{before.feed:g}")
-        if before.path:
-            lines.append(before.path)
+        return (
+            f"G1 {to} F{min(PLUNGE, self.before.feed) if per_minute else PLUNGE:g}"
+            if self.before.feed
+            else f"G0 {to}"
+        )
+
+    def _modes(self) -> list[str]:
+        """The program's own modal state."""
+        codes = self.modal.codes
         modes = [
-            (
-                self.word("plane", "G17")
-                if self.kind != PRINTER or self.modal.codes.get("plane") != 170
-                else ""
-            )
-        ]
-        modes += [
+            "" if self.kind == PRINTER and codes.get("plane") == 170 else self.word("plane", "G17"),
             self.word("units", "G21"),
             self.word("distance", "G90"),
             self.word("feed mode", "G94"),
+            "" if self.before.path else self.word("path"),
+            "" if codes.get("arc centre", 911) == 911 else self.word("arc centre"),
         ]
-        if not before.path:
-            modes.append(self.word("path"))
-        modes.append(
-            "" if self.modal.codes.get("arc centre", 911) == 911 else self.word("arc centre")
-        )
-        lines += self.joined([m for m in modes if m])
-        lines += self._carried()  # behind G90, which counts for E too
-        if (
-            before.feed
-            and self.modal.codes.get("feed mode") != 930
-            and not self.dialect.one_command
-        ):
-            # Behind G94 and G95: LinuxCNC sets F to zero there.
-            lines.append(f"F{before.feed / (MM_PER_INCH if before.inch else 1.0):.7g}")
-        if self.modal.codes.get("motion", NONE) in (0, 10) and self.dialect.modal_motion:
-            lines.append(self.word("motion"))
-        return lines
+        return [mode for mode in modes if mode]
 
     def _out(self) -> str:
         """Out of the part: in machine coordinates where the control has G53, else in the
@@ -303,20 +305,18 @@ class Preamble:
 
     def _tool(self) -> list[str]:
         """The tool, and its length."""
-        before, lines = self.before, []
-        if before.loaded:
-            lines.append(f"{before.loaded} M6")
+        before, frame = self.before, self.modal.frame
+        lines = [f"{before.loaded} M6"] if before.loaded else []
         if before.tool and before.tool != before.loaded:
             lines.append(before.tool)
-        length = self.modal.frame.length if self.modal.frame is not None else np.zeros(0, np.int64)
-        if length.any():
-            others = [x for i, x in enumerate(self.setup.axes) if length[i] and x != "Z"]
-            if others or 431 not in self.dialect.by_number:
+        length = dict(zip(self.setup.axes, frame.length, strict=True)) if frame is not None else {}
+        if any(length.values()):
+            if any(v for x, v in length.items() if x != "Z") or 431 not in self.dialect.by_number:
                 raise UsageError(
                     "a tool length is in force that gcomp can not restore",
                     "name a line before it is called",
                 )
-            lines.append(f"G43.1 Z{digits(length[self.setup.axes.index('Z')] / TICKS_PER_MM)}")
+            lines.append(f"G43.1 Z{digits(length['Z'] / TICKS_PER_MM)}")
         return lines
 
     def _spindle(self) -> list[str]:

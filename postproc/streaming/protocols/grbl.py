@@ -83,6 +83,7 @@ DOES = {
         " was stopped"
     ),
 }
+FIELDS = {"MPos", "WPos", "WCO", "F", "FS", "Bf", "Ln", "Ov"}  # of a report, that are read
 STATES = {"idle", "run", "hold", "jog", "alarm", "door", "check", "home", "sleep", "tool"}
 
 
@@ -280,15 +281,12 @@ class Grbl:
 
     def _status(self, text: str, found: re.Match[str]) -> Event:
         state = found[1].lower()
-        fields: dict[str, list[float]] = {}
+        parts = (part.partition(":") for part in found[3].split("|"))
         try:
-            for part in found[3].split("|"):
-                name, _, values = part.partition(":")
-                if name in ("MPos", "WPos", "WCO", "F", "FS", "Bf", "Ln", "Ov"):
-                    fields[name] = [float(v) for v in values.split(",")]
+            fields = {n: [float(v) for v in s.split(",")] for n, _, s in parts if n in FIELDS}
         except ValueError:
             return Told(text)  # cut or damaged on the way
-        if state not in STATES or not ("MPos" in fields or "WPos" in fields):
+        if state not in STATES or fields.keys().isdisjoint(("MPos", "WPos")):
             return Told(text)
         per = MM_PER_INCH if self.controller.inches else 1.0
         if "WCO" in fields:
@@ -298,15 +296,15 @@ class Grbl:
             place = tuple(v * per for v in fields["MPos"])
         elif self._shift is not None and len(self._shift) == len(fields["WPos"]):
             place = tuple(v * per + s for v, s in zip(fields["WPos"], self._shift, strict=True))
-        speeds = fields.get("FS", fields.get("F", []))
-        free = fields.get("Bf", [])
+        speed, *spindle = fields.get("FS", fields.get("F", [None]))
+        planner, *free = map(int, fields.get("Bf", ())) if len(fields.get("Bf", ())) == 2 else (0,)
         return Status(
             state,
             found[2] or "",
             place,
-            speeds[0] * per if speeds else None,
-            speeds[1] if len(speeds) > 1 else None,
-            (int(free[0]), int(free[1])) if len(free) == 2 else None,
+            None if speed is None else speed * per,
+            spindle[0] if spindle else None,
+            (planner, free[0]) if free else None,
             int(fields["Ln"][0]) if "Ln" in fields else None,
             tuple(fields.get("Ov", ())),
             self._shift,
@@ -318,26 +316,22 @@ class Grbl:
         c = self.controller
         if question == b"$I":
             for text in answers:
-                version, options = VERSION.match(text), OPTIONS.match(text)
-                if version:
+                if version := VERSION.match(text):
                     c.version = version[1].rstrip(":")
-                if options:
+                if options := OPTIONS.match(text):
                     c.flags = options[1]
-                if options and options[3]:
-                    c.planner, c.window = int(options[2]) + 1, max(16, int(options[3]) - self.keep)
+                    if options[3]:
+                        c.planner = int(options[2]) + 1
+                        c.window = max(16, int(options[3]) - self.keep)
         elif question in (b"$$", b"$+"):
-            for text in answers:
-                found = SETTING.match(text)
-                if found:
-                    c.settings[found[1]] = found[2].strip()
+            found = filter(None, map(SETTING.match, answers))
+            c.settings |= {setting[1]: setting[2].strip() for setting in found}
             c.inches = c.settings.get("13", "0").split(".")[0] == "1"
             if "22" in c.settings:
                 c.homing = c.settings["22"].split(".")[0] not in ("0", "")
             c.compensates = self.compensates(c.settings)
         elif question == b"$#":
-            c.offsets = [
-                text for text in answers if text.startswith("[") and not text.startswith("[MSG")
-            ]
+            c.offsets = [a for a in answers if a.startswith("[") and not a.startswith("[MSG")]
         elif question == b"$G":
             for text in answers:
                 if text.startswith("[GC:"):

@@ -117,23 +117,19 @@ class Marlin(Numbered):
     def learn(self, question: bytes, answers: list[str]) -> None:
         c = self.controller
         if question == b"M115":
-            for text in answers:
-                found = NAME.search(text)
-                if found:
-                    c.name, c.version = found[1], found[2] or ""
+            for found in filter(None, map(NAME.search, answers)):
+                c.name, c.version = found[1], found[2] or ""
         elif question == b"M113":
             self._alive = any(re.match(r"(?:echo:)?M113 S[1-9]", text) for text in answers)
         elif question == b"M503 S0":
-            for text in answers:
-                found = SETTING.match(text)
-                if found:
-                    c.settings.setdefault("M" + found[1], found[2].strip())
+            for found in filter(None, map(SETTING.match, answers)):
+                c.settings.setdefault("M" + found[1], found[2].strip())
             values = {
                 k: {a: float(v) for a, v in WORD.findall(text)} for k, text in c.settings.items()
             }
-            steps = values.get("M92", {})
-            if all(steps.get(x, 0.0) > 0 for x in "XYZ"):
-                self._steps = tuple(steps[x] for x in "XYZ")
+            steps = tuple(values.get("M92", {}).get(x, 0.0) for x in "XYZ")
+            if min(steps) > 0:
+                self._steps = steps
             c.compensates = compensates(values)
         elif question == b"M114" and self._zero:
             c.offsets = [f"[G54:{','.join(f'{v:.3f}' for v in self._zero)}]"]

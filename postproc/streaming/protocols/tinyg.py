@@ -250,25 +250,19 @@ class TinyG:
         try:
             value = json.loads(text)
         except (ValueError, RecursionError):
-            return [Told(text)]
-        if not isinstance(value, dict):
-            return [Told(text)]
-        if "r" in value:
-            body = value["r"] if isinstance(value["r"], dict) else {}
-            footer = value.get("f", body.pop("f", None))
-            if not isinstance(footer, list) or not footer_is_good(footer, text):
-                return [Told(text)]
-            return self._answer(text, body, footer)
-        if isinstance(value.get("sr"), dict):
-            return self._report(value["sr"])
-        if "er" in value:
-            return [
-                Alarm(
-                    text, str(value["er"].get("msg", "")) if isinstance(value["er"], dict) else ""
-                )
-            ]
-        if "qr" in value:
-            return [Busy(text)] if self._stands_asked else []
+            value = None
+        match value:
+            case {"r": said}:
+                body = said if isinstance(said, dict) else {}
+                footer = value.get("f", body.pop("f", None))
+                if footer_is_good(footer, text):
+                    return self._answer(text, body, footer)
+            case {"sr": dict(report)}:
+                return self._report(report)
+            case {"er": said}:
+                return [Alarm(text, str(said.get("msg", "")) if isinstance(said, dict) else "")]
+            case {"qr": _}:
+                return [Busy(text)] if self._stands_asked else []
         return [Told(text)]
 
     def _answer(self, text: str, body: dict[str, Any], footer: list[int]) -> list[Event]:
@@ -306,27 +300,20 @@ class TinyG:
     def _differs(self, sent: bytes, body: dict[str, Any], footer: list[int]) -> str:
         """What was read that was not sent, in words; "": nothing; "repeated": an answer to a
         question asked before."""
-        if sent.startswith(b"{"):
-            name = next(iter(json.loads(sent)))
-            if name in body:
-                return ""
-            return "repeated" if "gc" not in body else str(body["gc"])
         block = body.get("gc")
+        if sent.startswith(b"{"):
+            known = next(iter(json.loads(sent))) in body
+            return "" if known else "repeated" if "gc" not in body else str(block)
+        counted = len(sent) + 1
         if block is None:
-            if any(name in body for name in ("sr", "mpo", "jv", *WORK)):
+            if not body.keys().isdisjoint(("sr", "mpo", "jv", *WORK)):
                 return "repeated"
-            return (
-                ""
-                if not self.counts or footer[0] == 3 or footer[2] == len(sent) + 1
-                else f"{footer[2]} bytes"
-            )
+            whole = footer[0] == 3 or footer[2] == counted
+            return "" if whole or not self.counts else f"{footer[2]} bytes"
         if BLANKS.sub(b"", str(block).encode("latin-1", "replace")).upper() != sent:
             return str(block)
-        return (
-            ""
-            if not self.counts or footer[0] != 1 or footer[2] in (0, len(sent) + 1)
-            else f"{block}, {footer[2]} bytes"
-        )
+        whole = footer[0] != 1 or footer[2] in (0, counted)
+        return "" if whole or not self.counts else f"{block}, {footer[2]} bytes"
 
     def _report(self, report: dict[str, Any]) -> list[Event]:
         self._state |= report
@@ -354,27 +341,23 @@ class TinyG:
                 body = json.loads(text).get("r", {})
             except (ValueError, AttributeError, RecursionError):
                 continue
-            if (
-                question == b'{"jv":null}'
-                and isinstance(body.get("jv"), int)
-                and self._verbosity is None
-            ):
-                self._verbosity = body["jv"]
-            system = body.get("sys")
+            verbosity, system = body.get("jv"), body.get("sys")
+            if question == b'{"jv":null}' and isinstance(verbosity, int):
+                self._verbosity = verbosity if self._verbosity is None else self._verbosity
             if isinstance(system, dict):
                 self.controller.version = f"{system.get('fv', '')} build {system.get('fb', '')}"
                 self.controller.settings |= {k: str(v) for k, v in system.items()}
             for name in WORK:
-                place = numbers(body.get(name))
+                place = ",".join(f"{v:.3f}" for v in numbers(body.get(name)))
                 if place:
-                    self.controller.offsets.append(
-                        f"[{name.upper()}:{','.join(f'{v:.3f}' for v in place)}]"
-                    )
+                    self.controller.offsets.append(f"[{name.upper()}:{place}]")
 
 
-def footer_is_good(footer: list[Any], text: str) -> bool:
+def footer_is_good(footer: Any, text: str) -> bool:
     """Whether it is one, and its checksum, where it has one, is that of the text before it."""
-    if len(footer) < 3 or not all(isinstance(v, int) for v in footer):
+    if not isinstance(footer, list) or len(footer) < 3:
+        return False
+    if not all(isinstance(v, int) for v in footer):
         return False
     return len(footer) < 4 or checksum(text[: text.rindex(",")]) == footer[3]
 
