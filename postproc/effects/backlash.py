@@ -7,7 +7,7 @@ Positive when it stops short in either direction; negative when the control over
 
 import numpy as np
 
-from postproc.effects import UM, State, along, lost_motion_share
+from postproc.effects import UM, State, along, by_name, lost_motion_share
 
 PARAMETERS = {
     "size_um": "um, lost motion between the two directions of approach",
@@ -38,12 +38,7 @@ def columns(state: State, axis: str, play_mm: float = 0.0) -> np.ndarray:
     return along(axis, -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0]), "play_mm": shape["play_mm"]}
-
-
-def coefficients(size_um: float, play_mm: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {"play_mm": play_mm}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um")
 
 
 def ramp_mm(size_um: float, play_mm: float = 0.0) -> float:

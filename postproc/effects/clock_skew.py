@@ -3,7 +3,7 @@ late, in all axes alike."""
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "ppm": "us per s, how much slower the recording's clock runs",
@@ -34,9 +34,4 @@ def columns(state: State, axis: str, whole: float = 0.0) -> np.ndarray:
     )
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"ppm": float(coefficients[0]), "whole": shape["whole"]}
-
-
-def coefficients(ppm: float, whole: float = 0.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([ppm]), {"whole": whole}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "ppm")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State
+from postproc.effects import State, by_name
 
 PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
@@ -50,9 +50,4 @@ def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:
     return (state.beam * own * 1e-6)[None]
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"ppm": float(coefficients[0]), "file": shape["file"]}
-
-
-def coefficients(ppm: float, file: float = -1.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([ppm]), {"file": file}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "ppm")

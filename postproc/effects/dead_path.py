@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State, first_timed, low_pass
+from postproc.effects import State, by_name, first_timed, low_pass
 
 PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
@@ -39,15 +39,4 @@ def columns(state: State, axis: str, file: float = -1.0, late_s: float = 0.0) ->
     return (changed * own * 1e-3)[None]
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {
-        "um_K": float(coefficients[0]),
-        "file": shape["file"],
-        "late_s": shape.get("late_s", 0.0),
-    }
-
-
-def coefficients(
-    um_K: float, file: float = -1.0, late_s: float = 0.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_K]), {"file": file, "late_s": late_s}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "um_K")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "delay_ms": "ms, how late the recording is",
@@ -24,9 +24,4 @@ def columns(state: State, axis: str) -> np.ndarray:
     return sum((along(x, -v) for x, v in state.velocity.items()), np.zeros((1, 3, len(state))))
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"delay_ms": float(coefficients[0])}
-
-
-def coefficients(delay_ms: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([delay_ms]), {}
+parameters, coefficients = by_name(PARAMETERS, {}, "delay_ms")

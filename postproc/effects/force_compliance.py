@@ -7,7 +7,7 @@ load to 2/3 (Hertz), and what is made of both in between.
 
 import numpy as np
 
-from postproc.effects import State, along, loads
+from postproc.effects import State, along, by_name, loads
 
 PARAMETERS = {
     "um_per_N": "um per N, deflection along the axis at the usual load",
@@ -57,11 +57,4 @@ def columns(
     return along(axis, np.sign(load) * usual_N * (np.abs(load) / usual_N) ** power)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_per_N": float(coefficients[0])} | {k: shape.get(k, d) for k, d in OPTIONAL.items()}
-
-
-def coefficients(
-    um_per_N: float, power: float = 1.0, usual_N: float = 1.0, by: float = 0.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_per_N]), {"power": power, "usual_N": usual_N, "by": by}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "um_per_N")

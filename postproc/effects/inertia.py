@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",
@@ -29,9 +29,4 @@ def columns(state: State, axis: str) -> np.ndarray:
     return along(axis, state.acceleration[axis])
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_per_mm_s2": float(coefficients[0])}
-
-
-def coefficients(um_per_mm_s2: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_per_mm_s2]), {}
+parameters, coefficients = by_name(PARAMETERS, {}, "um_per_mm_s2")

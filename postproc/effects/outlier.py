@@ -3,7 +3,7 @@ number mistyped."""
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "jump_um": "um, by how much the reading is off",
@@ -28,9 +28,4 @@ def columns(state: State, axis: str, t_s: float) -> np.ndarray:
     return along(axis, off)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"jump_um": float(coefficients[0]), "t_s": shape["t_s"]}
-
-
-def coefficients(jump_um: float, t_s: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([jump_um]), {"t_s": t_s}
+parameters, coefficients = by_name(PARAMETERS, {}, "jump_um")

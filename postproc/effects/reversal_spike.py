@@ -3,7 +3,7 @@ circular test, ISO 230-4)."""
 
 import numpy as np
 
-from postproc.effects import State, along, grid
+from postproc.effects import State, along, by_name, grid
 
 PARAMETERS = {
     "size_um": "um, height of the excursion",
@@ -37,16 +37,4 @@ def columns(state: State, axis: str, tau_ms: float, rebounds: float = 0.0) -> np
     return along(axis, -fade, -q * fade)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    named = {
-        "size_um": float(coefficients[0]),
-        "slope_um": float(coefficients[1]),
-        "tau_ms": shape["tau_ms"],
-    }
-    return named | {"rebounds": shape.get("rebounds", 0.0)}
-
-
-def coefficients(
-    size_um: float, slope_um: float, tau_ms: float, rebounds: float = 0.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um, slope_um]), {"tau_ms": tau_ms, "rebounds": rebounds}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um", "slope_um")

@@ -11,7 +11,7 @@ from itertools import product
 
 import numpy as np
 
-from postproc.effects import UM, XYZ, State
+from postproc.effects import UM, XYZ, State, by_name
 from postproc.effects import along as towards
 
 PARAMETERS = {
@@ -98,22 +98,7 @@ def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> 
     return bent
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"size_um": float(coefficients[0])} | {
-        k: shape.get(k, d) for k, d in {"along": 0.0, **OPTIONAL}.items()
-    }
-
-
-def coefficients(
-    size_um: float,
-    along: float,
-    lever: float = 0.0,
-    beam: float = -1.0,
-    overhang: float = 0.0,
-    usual_N: float = 0.0,
-) -> tuple[np.ndarray, dict[str, float]]:
-    shape = {"along": along, "lever": lever, "beam": beam, "overhang": overhang, "usual_N": usual_N}
-    return np.array([size_um]), shape
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um")
 
 
 def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):

@@ -6,7 +6,7 @@ ISO 230-2: the slope of the positioning deviation.
 
 import numpy as np
 
-from postproc.effects import State, along, one_way
+from postproc.effects import State, along, by_name, one_way
 
 PARAMETERS = {
     "ppm": "um/m, how much too long the travel is per length",
@@ -30,12 +30,7 @@ def columns(state: State, axis: str) -> np.ndarray:
     return along(axis, state.position[axis] * 1e-3)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"ppm": float(coefficients[0])}
-
-
-def coefficients(ppm: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([ppm]), {}
+parameters, coefficients = by_name(PARAMETERS, {}, "ppm")
 
 
 def tables(axis: str, travel: tuple[float, float], ppm: float):

@@ -6,7 +6,7 @@ reads a length as wrong.
 
 import numpy as np
 
-from postproc.effects import State
+from postproc.effects import State, by_name
 
 PARAMETERS = {
     "K_per_h": "K/h, by how much more the thermometer reads with every hour",
@@ -31,9 +31,4 @@ def columns(state: State, axis: str) -> np.ndarray:
     return (PPM_K * 1e-6 * hours * state.beam)[None]
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"K_per_h": float(coefficients[0])}
-
-
-def coefficients(K_per_h: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([K_per_h]), {}
+parameters, coefficients = by_name(PARAMETERS, {}, "K_per_h")

@@ -3,7 +3,7 @@ late."""
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "tau_ms": "ms, how late the axis is",
@@ -28,9 +28,4 @@ def columns(state: State, axis: str) -> np.ndarray:
     return along(axis, -state.velocity[axis])
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"tau_ms": float(coefficients[0])}
-
-
-def coefficients(tau_ms: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([tau_ms]), {}
+parameters, coefficients = by_name(PARAMETERS, {}, "tau_ms")

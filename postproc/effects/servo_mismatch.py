@@ -4,7 +4,7 @@ that turns over with the sense (ISO 230-4).
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "delta_tau_ms": "ms, lag of the first axis minus that of the second",
@@ -26,9 +26,4 @@ def columns(state: State, axis: str) -> np.ndarray:
     return along(first, -state.velocity[first] / 2) - along(second, -state.velocity[second] / 2)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"delta_tau_ms": float(coefficients[0])}
-
-
-def coefficients(delta_tau_ms: float) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([delta_tau_ms]), {}
+parameters, coefficients = by_name(PARAMETERS, {}, "delta_tau_ms")

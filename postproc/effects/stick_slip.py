@@ -6,7 +6,7 @@ by half a tooth and more.
 
 import numpy as np
 
-from postproc.effects import State, along, grid
+from postproc.effects import State, along, by_name, grid
 
 PARAMETERS = {
     "period_mm": "mm, way between two jumps; 0, too short to be told apart",
@@ -43,13 +43,4 @@ def columns(state: State, axis: str, period_mm: float, fastest_mm_s: float = 0.0
     return along(axis, -state.approach[axis] * moves * phase)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"period_mm": shape["period_mm"], "size_um": float(coefficients[0])} | {
-        "fastest_mm_s": shape.get("fastest_mm_s", 0.0)
-    }
-
-
-def coefficients(
-    period_mm: float, size_um: float, fastest_mm_s: float = 0.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([size_um]), {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um")

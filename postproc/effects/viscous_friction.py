@@ -9,7 +9,7 @@ Automatica 30, 1994, 1083), which a lag never does.
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, by_name
 
 PARAMETERS = {
     "um_s_mm": "um per mm/s, deflection for a speed; with a power below 1 at 10 mm/s",
@@ -39,9 +39,4 @@ def columns(state: State, axis: str, power: float = 1.0) -> np.ndarray:
     return along(axis, -np.sign(v) * USUAL * (np.abs(v) / USUAL) ** power)
 
 
-def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    return {"um_s_mm": float(coefficients[0]), "power": shape.get("power", 1.0)}
-
-
-def coefficients(um_s_mm: float, power: float = 1.0) -> tuple[np.ndarray, dict[str, float]]:
-    return np.array([um_s_mm]), {"power": power}
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "um_s_mm")

@@ -4,9 +4,10 @@ program's own Python."""
 from __future__ import annotations
 
 import shlex
+from collections.abc import Callable
 
 from postproc.errors import UsageError
-from postproc.hooks import Call
+from postproc.hooks import Call, Installed
 
 # AppImages set both for themselves, and another Python does not start with them.
 UNSET = ("PYTHONHOME", "LD_LIBRARY_PATH")
@@ -87,6 +88,18 @@ def _shell(call: Call, what: str, before: str, line: str) -> str:
         f"#!/bin/sh\n# gcomp for {call.name}: {what}. Written by gcomp hook install.\n{before}unset"
         f" {' '.join(UNSET)}\nPYTHONPATH={shlex.quote(call.root)}\nexport PYTHONPATH\nexec {line}\n"
     )
+
+
+def at_a_setting(program: str, where: str) -> Callable[[Call], Installed]:
+    """install() of a slicer with a setting for scripts. Some versions take the whole line for the
+    name of one program (PrusaSlicer's PostProcessor.cpp asked whether a file of that name exists),
+    others take it apart at spaces: a script without arguments and without spaces suits both."""
+
+    def install(call: Call) -> Installed:
+        path = call.folder / f"{program}-{call.name}{'.bat' if call.windows else '.sh'}"
+        return Installed({path: (in_place(call), True)}, f"{where}:\n{one_word(path)}")
+
+    return install
 
 
 def one_word(path: object) -> str:

@@ -1,21 +1,9 @@
 """OrcaSlicer, Bambu Studio: runs a script on the file before it is saved or sent, and shows its
-message where it fails.
+message where it fails."""
 
-Some versions take the whole line for the name of one program (PrusaSlicer's PostProcessor.cpp asked
-whether a file of that name exists), others take it apart at spaces: a script without arguments and
-without spaces suits both.
-"""
-
-from __future__ import annotations
-
-from postproc.hooks import Call, Installed, _script
+from postproc.hooks import _script
 
 TITLE = "OrcaSlicer, Bambu Studio"
 TRIED = "not tried; its setting is PrusaSlicer's, from which it comes"
 WHERE = "Process > Others > Post-processing Scripts (advanced mode)"
-
-
-def install(call: Call) -> Installed:
-    """A script, and its path to be entered."""
-    path = call.folder / f"orcaslicer-{call.name}{'.bat' if call.windows else '.sh'}"
-    return Installed({path: (_script.in_place(call), True)}, f"{WHERE}:\n{_script.one_word(path)}")
+install = _script.at_a_setting("orcaslicer", WHERE)

@@ -68,7 +68,7 @@ class Controller:
 
 
 class Protocol(Interface):
-    """One connection: what every protocol has.
+    """One connection: what every protocol has, and what most of them do.
 
     does: what urgent("hold") and urgent("stop") really do there, and what follows from it, in words
     for a person.
@@ -84,6 +84,7 @@ class Protocol(Interface):
 
     controller: Controller
     does: Mapping[str, str]
+    urgents: Mapping[str, bytes] = {}
     confirms: str
     questions: tuple[bytes, ...]
     opening: tuple[bytes, ...]  # lines to send before the program (M110 N0, %)
@@ -108,24 +109,29 @@ class Protocol(Interface):
 
     def release(self) -> int:
         """How many bytes may be written at once now; then look for input again."""
+        return UNLIMITED
 
     def urgent(self, what: str) -> bytes:
         """Bytes that pass the queue: "status", "hold", "resume", "stop"; b"" where there are
         none."""
+        return self.urgents.get(what, b"")
 
     def outstanding(self) -> list[int]:
         """Numbers of the lines that wait for an answer, oldest first."""
+        return []
 
     def patience(self, text: bytes) -> float:
         """s that this line may take without any word from the controller."""
 
     def emptied(self, text: bytes) -> bool:
         """Whether the answer to this line is given only when all before it has been executed."""
+        return False
 
     def overdue(self) -> bytes:
         """What to write when the oldest line has waited too long for its answer: only what the
         receiver can not execute twice (a numbered line, a question). b"": nothing, the job has
         stalled."""
+        return b""
 
     def forget(self) -> None:
         """All that was sent is void: the controller has restarted, or the window was emptied."""
@@ -135,6 +141,7 @@ class Protocol(Interface):
 
     def check_mode(self) -> bytes:
         """The line that switches a dry run on and off; b"": there is none."""
+        return b""
 
 
 @functools.cache

@@ -30,7 +30,7 @@ from postproc.streaming.events import (
     Write,
 )
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller, _answers
+from postproc.streaming.protocols import Controller, Protocol, _answers
 
 COMMENT = re.compile(rb"\([^()\n]*\)|;[^\n]*|\([^()\n]*$")
 BAD = re.compile(rb"[^\x20-\x7e]|[*\\]")
@@ -90,7 +90,7 @@ class Requests:
     strange: int = 0
 
 
-class Numbered:
+class Numbered(Protocol):
     """What Marlin and Smoothieware share."""
 
     confirms = "answers"
@@ -174,12 +174,6 @@ class Numbered:
         """How many oks the line gets."""
         return 1
 
-    def release(self) -> int:
-        return UNLIMITED
-
-    def urgent(self, what: str) -> bytes:
-        return b""
-
     def outstanding(self) -> list[int]:
         return [frame.number for frame in self._waiting]
 
@@ -194,9 +188,6 @@ class Numbered:
     def nudges(self, text: bytes) -> int:
         """How often a line is sent again without being asked for."""
         return NUDGES
-
-    def emptied(self, text: bytes) -> bool:
-        return False
 
     def overdue(self) -> bytes:
         """The oldest line again, when nothing was heard of it for too long: if the receiver has it,
@@ -220,9 +211,6 @@ class Numbered:
         self._numbers = False  # its oks say numbers
         self._idle = 0
         self._missed = 0  # lines in a row that it had, and whose answer was not understood
-
-    def check_mode(self) -> bytes:
-        return b""
 
     # -- answers in --------------------------------------------------------------------------------
 
@@ -423,6 +411,3 @@ class Numbered:
         self.forget()
         self._rest = b""
         return [Restarted(text)]
-
-    def learn(self, question: bytes, answers: list[str]) -> None:
-        """Take what was said in answer to a question."""

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 from postproc.streaming.events import Alarm, Event, Told
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import Controller
+from postproc.streaming.protocols import Controller, Protocol
 
 TITLE = "DNC, Fanuc"
 POKE = b""
@@ -71,7 +71,7 @@ def recognises(banner: str) -> bool:
     return False
 
 
-class Dnc:
+class Dnc(Protocol):
     """One connection. `counting` means nothing here."""
 
     title = TITLE
@@ -134,26 +134,8 @@ class Dnc:
     def release(self) -> int:
         return 0 if self.stopped else self.link.at_once
 
-    def urgent(self, what: str) -> bytes:
-        return b""
-
-    def outstanding(self) -> list[int]:
-        return []
-
     def patience(self, text: bytes) -> float:
         return float("inf")
-
-    def emptied(self, text: bytes) -> bool:
-        return False
-
-    def overdue(self) -> bytes:
-        return b""
-
-    def forget(self) -> None:
-        """Nothing was promised."""
-
-    def check_mode(self) -> bytes:
-        return b""
 
     @property
     def waits(self) -> str:
@@ -183,9 +165,6 @@ class Dnc:
             elif byte >= 0x20:
                 words.append(byte)
         return [Told(words.decode()), *events] if words else events
-
-    def learn(self, question: bytes, answers: list[str]) -> None:
-        """It is asked nothing."""
 
 
 PROTOCOL = Dnc

@@ -11,7 +11,7 @@ lines on the way (its wiki, "linemode"). The echo of verbosity 5 is the only che
 from __future__ import annotations
 
 import re
-from typing import ClassVar
+from collections.abc import Mapping
 
 from postproc.streaming.protocols.tinyg import TinyG
 
@@ -37,8 +37,8 @@ class G2core(TinyG):
     lines = LINES
     fill = 4 * 254
     counts = False  # what the third number counts is unverified
-    does: ClassVar[dict[str, str]] = DOES
-    urgents: ClassVar[dict[str, bytes]] = {"hold": b"!", "resume": b"~", "stop": b"\x04"}
+    does: Mapping[str, str] = DOES
+    urgents: Mapping[str, bytes] = {"hold": b"!", "resume": b"~", "stop": b"\x04"}
 
 
 PROTOCOL = G2core

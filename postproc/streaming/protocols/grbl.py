@@ -25,7 +25,7 @@ from postproc.streaming.events import (
     Told,
 )
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller
+from postproc.streaming.protocols import Controller, Protocol
 from postproc.streaming.protocols._grbl_meanings import ALARMS, ERRORS
 from postproc.units import MM_PER_INCH
 
@@ -96,13 +96,14 @@ def recognises(banner: str) -> bool:
     return bool(BANNER.search(banner) or STATUS.search(banner) or re.search(r"\[VER:1\.1", banner))
 
 
-class Grbl:
+class Grbl(Protocol):
     """One connection. `counting`: keep the receive buffer full; else one line at a time."""
 
     title = TITLE
     confirms = "idle"
     exact = True  # it rounds no corner, and says where it is while it moves
     does: Mapping[str, str] = DOES
+    urgents: Mapping[str, bytes] = URGENT
     questions: tuple[bytes, ...] = (b"$I", b"$$", b"$#", b"$G")
     opening: tuple[bytes, ...] = ()
     closing: tuple[bytes, ...] = ()
@@ -178,12 +179,6 @@ class Grbl:
         self._alone = self.alone(text)
         return data
 
-    def release(self) -> int:
-        return UNLIMITED
-
-    def urgent(self, what: str) -> bytes:
-        return URGENT.get(what, b"")
-
     def outstanding(self) -> list[int]:
         return [number for number, _, _ in self._waiting]
 
@@ -200,9 +195,6 @@ class Grbl:
 
     def emptied(self, text: bytes) -> bool:
         return bool(EMPTIED.search(BLANKS.sub(b"", text)))
-
-    def overdue(self) -> bytes:
-        return b""  # a line that is sent again may be executed twice
 
     def forget(self) -> None:
         self._waiting.clear()

@@ -18,7 +18,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from postproc.streaming.events import Accepted, Alarm, Event, Rejected, Restarted, Status, Told
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller
+from postproc.streaming.protocols import Controller, Protocol
 
 TITLE = "LinuxCNC (linuxcncrsh)"
 POKE = b""  # its hello would be a line to execute for others
@@ -70,7 +70,7 @@ def recognises(banner: str) -> bool:
     return banner.startswith("HELLO ACK")
 
 
-class Linuxcnc:
+class Linuxcnc(Protocol):
     """One connection. `counting` means nothing here."""
 
     title = TITLE
@@ -150,9 +150,6 @@ class Linuxcnc:
         self._asked.append((number, text))
         return text + b"\r\n"
 
-    def release(self) -> int:
-        return UNLIMITED
-
     def urgent(self, what: str) -> bytes:
         return b"".join(command + b"\r\n" for command in URGENT.get(what, ()))
 
@@ -162,18 +159,9 @@ class Linuxcnc:
     def patience(self, text: bytes) -> float:
         return OPENS if self.alone(text) else 2.0
 
-    def emptied(self, text: bytes) -> bool:
-        return False
-
-    def overdue(self) -> bytes:
-        return b""
-
     def forget(self) -> None:
         self._asked.clear()
         self._lines.clear()
-
-    def check_mode(self) -> bytes:
-        return b""
 
     # -- answers in ------------------------------------------------------------------------------
 

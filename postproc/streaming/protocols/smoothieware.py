@@ -55,6 +55,7 @@ class Smoothieware(Numbered):
 
     confirms = "idle"
     does: Mapping[str, str] = DOES
+    urgents: Mapping[str, bytes] = URGENT
     questions = (PROBE, b"M115", b"M114")
     closing = (b"M400",)
     forbidden = re.compile(rb"M(?:110|112|28|29|1000)(?![0-9])", re.IGNORECASE)
@@ -96,9 +97,6 @@ class Smoothieware(Numbered):
             nexts = [i for i in (text.find(b"G", 2), text.find(b"M", 2)) if i > 0]
             text = text[min(nexts) :] if nexts else b""
         return max(1, n)
-
-    def urgent(self, what: str) -> bytes:
-        return URGENT.get(what, b"")
 
     def _meaning(self, text: str) -> list[Event]:
         events: list[Event] = []

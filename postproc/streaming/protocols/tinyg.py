@@ -16,7 +16,8 @@ from __future__ import annotations
 import json
 import re
 from collections import deque
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from typing import Any
 
 from postproc.streaming.events import (
     Accepted,
@@ -31,7 +32,7 @@ from postproc.streaming.events import (
     Told,
 )
 from postproc.streaming.lines import Unsendable
-from postproc.streaming.protocols import UNLIMITED, Controller, _answers
+from postproc.streaming.protocols import UNLIMITED, Controller, Protocol, _answers
 
 TITLE = "TinyG"
 POKE = b'{"fv":null}\n'
@@ -117,7 +118,7 @@ def recognises(banner: str) -> bool:
     return bool(re.search(r"\"f\":\[\d+,\d+,\d+|\{\"sr\":\{|tinyg \[(?:mm|inch)\]", banner))
 
 
-class TinyG:
+class TinyG(Protocol):
     """One connection. `counting`: keep its receive buffer filled; else one line at a time."""
 
     title = TITLE
@@ -135,8 +136,8 @@ class TinyG:
     lines = 1 << 20  # that may wait for an answer
     fill = FILL
     counts = True  # its footers say how many bytes it took
-    does: ClassVar[dict[str, str]] = DOES
-    urgents: ClassVar[dict[str, bytes]] = {"hold": b"!", "resume": b"~", "stop": b"!%"}
+    does: Mapping[str, str] = DOES
+    urgents: Mapping[str, bytes] = {"hold": b"!", "resume": b"~", "stop": b"!%"}
 
     def __init__(self, counting: bool = True):
         self.counting = counting
@@ -148,7 +149,7 @@ class TinyG:
         self.forget()
 
     @property
-    def closing(self) -> tuple[bytes, ...]:
+    def closing(self) -> tuple[bytes, ...]:  # type: ignore[override]
         back = () if self._verbosity in (None, 5) else (b'{"jv":%d}' % (self._verbosity or 0),)
         return (STAND, PLACE, *back)
 
@@ -200,9 +201,6 @@ class TinyG:
     def release(self) -> int:
         return 0 if self._held else UNLIMITED
 
-    def urgent(self, what: str) -> bytes:
-        return self.urgents.get(what, b"")
-
     def outstanding(self) -> list[int]:
         return [number for number, _ in self._waiting]
 
@@ -213,9 +211,6 @@ class TinyG:
 
     def patience(self, text: bytes) -> float:
         return 300.0 if SLOW.search(text) else 10.0
-
-    def emptied(self, text: bytes) -> bool:
-        return False
 
     def overdue(self) -> bytes:
         """A question may be asked again; a block never."""
@@ -228,9 +223,6 @@ class TinyG:
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._stands_asked = False
         self._asked_again = 0
-
-    def check_mode(self) -> bytes:
-        return b""
 
     # -- answers in --------------------------------------------------------------------------------
 
