@@ -317,8 +317,7 @@ class Filter:
         """A notice of what heat does, at the line of its block, or of no line."""
         of_all = notice.code in ("heat", "heat stops", "heat surface")
         return replace(
-            notice,
-            line=-self.summary.lines - 1 if of_all else int(words.line[notice.line]),
+            notice, line=-self.summary.lines - 1 if of_all else int(words.line[notice.line])
         )
 
     def _numbered(self, text: bytes) -> bytes:

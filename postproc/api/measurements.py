@@ -132,13 +132,7 @@ def diagnose(
     found = analysed(read, model, Options(held_out=held_out, told=told))
     answer = report.of_sources(found, sources)
     names = tuple(f.block.key for f in found.findings if f.status == "accepted")
-    return Diagnosed(
-        found.verdict,
-        names,
-        report.as_text(found),
-        answer,
-        found,
-    )
+    return Diagnosed(found.verdict, names, report.as_text(found), answer, found)
 
 
 @dataclass(frozen=True)

@@ -32,22 +32,17 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
     """Squareness by name. Raises CalibrationError for a source that is asked for and not there."""
     options = calibration.options
     axes = tuple(x for x in options.chain.axes if x in XYZ)
+    pairs = ("".join(p) for p in itertools.combinations([x for x in XYZ if x in axes], 2))
+    straight = [
+        _straightness(calibration, square.name_for(p, options.squareness, axes)) for p in pairs
+    ]
+    across, told = _diagonals(calibration, axes) if calibration.diagonals else ([], [])
+    circles, says = _circles(calibration, axes)
+    told = [*told, *says]
     found: dict[str, dict[str, Squareness]] = {}
-    told: list[Finding] = []
-    for pair in ("".join(p) for p in itertools.combinations([x for x in XYZ if x in axes], 2)):
-        name = square.name_for(pair, options.squareness, axes)
-        one = _straightness(calibration, name)
-        if one is not None:
-            found.setdefault(name, {})["straightness"] = one
-    if calibration.diagonals:
-        many, says = _diagonals(calibration, axes)
-        told += says
-        for one in many:
-            found.setdefault(one.name, {})["diagonals"] = one
-    many, says = _circles(calibration, axes)
-    told += says
-    for one in many:
-        found.setdefault(one.name, {})["ballbar"] = one
+    for source, many in (("straightness", straight), ("diagonals", across), ("ballbar", circles)):
+        for one in filter(None, many):
+            found.setdefault(one.name, {})[source] = one
     result: dict[str, Squareness] = {}
     for name, wanted in options.squareness.items():
         if not isinstance(wanted, str):

@@ -236,16 +236,15 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
     counts = {s: sum(one["status"] == s for one in told) for s in ("done", "refused", "failed")}
     out = as_json.beside(options.json)
     wrong = [one for one in told if one["status"] != "done"]
+    rows = _rows(told if len(told) <= SHOWN else wrong)
     if not options.quiet:
-        for line in _rows(told if len(told) <= SHOWN else wrong):
-            print(line, file=out)
+        print("".join(f"{line}\n" for line in rows), end="", file=out)
     for one in wrong:
         colour.fault(one["text"])
     if not options.quiet:
         print(f"{_sum(told, counts)}; all in {folder / TABLE}", file=out)
-    programs = [
-        {k: v for k, v in one.items() if k not in ("number", "text", "pid")} for one in told
-    ]
+    hidden = ("number", "text", "pid")
+    programs = [{k: v for k, v in one.items() if k not in hidden} for one in told]
     as_json.put(options.json, {"format": FORMAT, "counts": counts, "programs": programs})
     return 1 if counts["failed"] else 2 if counts["refused"] else 0
 

@@ -13,13 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from postproc import intake, ports, standing
-from postproc.calibrate import (
-    CalibrationError,
-    Options,
-    figure,
-    folder,
-    report,
-)
+from postproc.calibrate import CalibrationError, Options, figure, folder, report
 from postproc.calibrate.calibration import Calibration, calibrate
 from postproc.commands import as_json, session
 from postproc.commands.calibrate_options import arguments, datum_of
@@ -158,13 +152,12 @@ def machine_of(
         if x not in chain.axes:
             raise UsageError(f"--travel names {x}, and the chain {said['chain']} has none")
         axes[x]["travel"] = [low, high]
-    limits = dict(head.get("limits", {}))
-    if options.max_slope:
-        limits["max_slope"] = options.max_slope * 1e-3
-    if options.accept_slope:
-        limits["accept_slope"] = True
-    if options.outside:
-        limits["outside"] = options.outside
+    given = {
+        "max_slope": (options.max_slope or 0.0) * 1e-3,
+        "accept_slope": options.accept_slope,
+        "outside": options.outside,
+    }
+    limits = dict(head.get("limits", {})) | {k: v for k, v in given.items() if v}
     if limits:
         head["limits"] = limits
     if options.diameter is not None:

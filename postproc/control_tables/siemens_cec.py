@@ -35,7 +35,7 @@ STATED = {  # what no source gives, so the user must: key to why and how it is f
         "the sign of $AN_CEC is in no source that we know: --set cec_sign=- writes -deviation, as"
         " one public generator does, + the opposite; try it at SD41310 = 0.1 with a dial gauge, the"
         " deviation has to become a tenth less"
-    ),
+    )
 }
 EXTRA = {
     "cec_sign": "- or +, which has to be said",
@@ -190,7 +190,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if plain.upper() in ("M17", "M02", "M30"):
             ended = True
             continue
-        key, indices, word = _word(source, at.number, at.text, plain)
+        key, indices, word = _word(at, plain)
         t = int(indices[0])
         places[t] = at.number
         if key.endswith("_AXIS"):
@@ -210,28 +210,16 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     return _joined(source, values, heads, axes, places, unit, options)
 
 
-def _word(source: Source, line: int, text: str, plain: str) -> tuple[str, list[str], str]:
+def _word(at: common.Line, plain: str) -> tuple[str, list[str], str]:
     """What a line gives, "" for a value; the indices of the table and, of a value, the point; and
     what it gives."""
     found = WORD.fullmatch(plain)
     key = (found[1] or "").upper() if found else "?"
     if found is None or (key and key not in KEYS):
-        raise common.fault(
-            source,
-            line,
-            "this is no line of a cross error compensation",
-            "$AN_CEC[0,0]=0.003",
-            text,
-        )
+        raise at.fault("this is no line of a cross error compensation", "$AN_CEC[0,0]=0.003")
     indices = [p.strip() for p in re.split("[,.]", found[2])]
     if len(indices) != (1 if key else 2) or not all(i.isdigit() for i in indices):
-        raise common.fault(
-            source,
-            line,
-            f"[{found[2]}] is not the index of a {'table' if key else 'point'}",
-            "",
-            text,
-        )
+        raise at.fault(f"[{found[2]}] is not the index of a {'table' if key else 'point'}")
     return key, indices, found[3]
 
 

@@ -4,9 +4,7 @@ import numpy as np
 
 from postproc.effects import State, along, by_name
 
-PARAMETERS = {
-    "delay_ms": "ms, how late the recording is",
-}
+PARAMETERS = {"delay_ms": "ms, how late the recording is"}
 PLAUSIBLE = {"delay_ms": (0.0, 5.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("velocity",), ("scale", "trace")

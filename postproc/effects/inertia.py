@@ -4,9 +4,7 @@ import numpy as np
 
 from postproc.effects import State, along, by_name
 
-PARAMETERS = {
-    "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",
-}
+PARAMETERS = {"um_per_mm_s2": "um per mm/s2, deflection for an acceleration"}
 # 1 over the square of the lowest mode: 0.25 um at 10 Hz, 1 at 5 Hz; of a drive without feed-forward
 # 1 over its position and
 # velocity gains: 2 um at 10 and 50 per s, which is a slow one.

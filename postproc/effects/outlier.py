@@ -5,10 +5,7 @@ import numpy as np
 
 from postproc.effects import State, along, by_name
 
-PARAMETERS = {
-    "jump_um": "um, by how much the reading is off",
-    "t_s": "s, when it was taken",
-}
+PARAMETERS = {"jump_um": "um, by how much the reading is off", "t_s": "s, when it was taken"}
 KIND, USE, PER = "data", "recording", "axis"
 NEEDS, SEES = ("time",), ("tool",)
 LISTED = True

@@ -8,9 +8,7 @@ import numpy as np
 
 from postproc.effects import State, along, by_name, one_way
 
-PARAMETERS = {
-    "ppm": "um/m, how much too long the travel is per length",
-}
+PARAMETERS = {"ppm": "um/m, how much too long the travel is per length"}
 # Rolled trapezoidal screws, the worst, are sold with 0.3 mm on 300 mm (unverified: makers'
 # catalogues); 30 K of a screw of steel are 345 ppm. More is a wrong number of teeth or of the unit.
 PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else

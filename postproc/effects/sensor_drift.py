@@ -8,9 +8,7 @@ import numpy as np
 
 from postproc.effects import State, by_name
 
-PARAMETERS = {
-    "K_per_h": "K/h, by how much more the thermometer reads with every hour",
-}
+PARAMETERS = {"K_per_h": "K/h, by how much more the thermometer reads with every hour"}
 KIND, USE, PER = "data", "recording", "all"
 NEEDS, SEES = ("time",), ("laser",)
 LISTED = True

@@ -5,9 +5,7 @@ import numpy as np
 
 from postproc.effects import State, along, by_name
 
-PARAMETERS = {
-    "tau_ms": "ms, how late the axis is",
-}
+PARAMETERS = {"tau_ms": "ms, how late the axis is"}
 # 1 over the position gain: 60 ms at 1 m/min per mm, 200 ms at 0.3, as slow as drives ever were; and
 # filters of the command.
 PLAUSIBLE = {"tau_ms": (0.0, 250.0)}  # beyond, it is something else (unverified: usual gains)

@@ -6,9 +6,7 @@ import numpy as np
 
 from postproc.effects import State, along, by_name
 
-PARAMETERS = {
-    "delta_tau_ms": "ms, lag of the first axis minus that of the second",
-}
+PARAMETERS = {"delta_tau_ms": "ms, lag of the first axis minus that of the second"}
 # No more than the lag of one of the axes, of which the other has at least half on any machine that
 # can go round (unverified).
 PLAUSIBLE = {"delta_tau_ms": (-125.0, 125.0)}  # beyond, it is something else

@@ -128,11 +128,7 @@ def apart(tau_s: float, housing_s: float) -> float:
 
 
 def lagged(
-    gone: np.ndarray,
-    heat: np.ndarray,
-    before: tuple[float, float],
-    tau_s: float,
-    housing_s: float,
+    gone: np.ndarray, heat: np.ndarray, before: tuple[float, float], tau_s: float, housing_s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """(N + 1,), (N + 1,): two first-order lags, one behind the other, from `before` on and behind
     each of N steps of `gone` (N,) s, in which the heat (N,) stays: solved exactly."""

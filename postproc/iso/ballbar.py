@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -228,20 +229,19 @@ def _noise(recording: Recording) -> float:
 
 def _columns(axes: str, found: list[Trace]) -> dict[str, list]:
     a, b = tuple(axes.lower())
-    out: dict[str, list] = {
+
+    def of_full(length: Callable[[Trace], float]) -> list:
+        return [length(t) / UM if t.full else None for t in found]
+
+    return {
         "run": [t.run for t in found],
         "sense": [f"{a}{b}" if t.way > 0 else f"{b}{a}" for t in found],
         "samples": [len(t.angle) for t in found],
-        "G um": [t.least_squares.zone / UM if t.full else None for t in found],
-        "G mz um": [t.minimum_zone.zone / UM if t.full else None for t in found],
+        "G um": of_full(lambda t: t.least_squares.zone),
+        "G mz um": of_full(lambda t: t.minimum_zone.zone),
+        f"centre {axes[0]} um": of_full(lambda t: float(t.least_squares.centre[0])),
+        f"centre {axes[1]} um": of_full(lambda t: float(t.least_squares.centre[1])),
+        "radius - nominal um": of_full(lambda t: t.least_squares.radius - t.nominal),
+        "F max um": [t.about_nominal[0] / UM for t in found],
+        "F min um": [t.about_nominal[1] / UM for t in found],
     }
-    for i, letter in enumerate(axes):
-        out[f"centre {letter} um"] = [
-            float(t.least_squares.centre[i]) / UM if t.full else None for t in found
-        ]
-    out["radius - nominal um"] = [
-        (t.least_squares.radius - t.nominal) / UM if t.full else None for t in found
-    ]
-    out["F max um"] = [t.about_nominal[0] / UM for t in found]
-    out["F min um"] = [t.about_nominal[1] / UM for t in found]
-    return out

@@ -113,13 +113,15 @@ def _of_length(stated: Stated, length: float, of: frozenset[str]) -> list[Term]:
 def missing(stated: Stated, has_device: bool, length: bool, angle: bool = False) -> str:
     """A sentence that names the influences that nobody has stated, empty where all are."""
     own = stated.device_angle if angle else stated.device
-    absent = [] if has_device or own is not None else ["the device"]
-    if stated.drift is None and not angle:
-        absent.append("drift")
+    needed: dict[str, tuple[float | None, ...]] = {
+        "the device": () if has_device else (own,),
+        "drift": () if angle else (stated.drift,),
+    }
     if length:
-        absent += ["misalignment"] if stated.misalignment is None else []
-        absent += ["temperature"] if stated.alpha is None or stated.u_temperature is None else []
-        absent += ["expansion"] if stated.u_alpha is None or stated.temperature is None else []
+        needed["misalignment"] = (stated.misalignment,)
+        needed["temperature"] = (stated.alpha, stated.u_temperature)
+        needed["expansion"] = (stated.u_alpha, stated.temperature)
+    absent = [name for name, values in needed.items() if None in values]
     return f"not in U, since not stated: {', '.join(absent)}" if absent else ""
 
 

@@ -71,17 +71,17 @@ def parse(text: str) -> Chain:
     """Read "w-X-Y-b-Z-t", "w-X-Y-b-Z-W-t" or "w-C-A-b-X-Y-Z-t". Raises ValueError with what is
     wrong."""
     parts = text.split("-")
-    if len(parts) < 3 or parts[0] != "w" or parts[-1] != "t" or parts.count("b") != 1:
+    if parts[0] != "w" or parts[-1] != "t" or parts.count("b") != 1:
         raise ValueError(
             f"chain {text!r} must begin with w, end with t and hold one b, like w-b-Z-X-t"
         )
     axes = [p for p in parts[1:-1] if p != "b"]
     for axis in axes:
-        if axis not in LINEAR + ROTARY or len(axis) != 1:
+        if axis not in {*LINEAR, *ROTARY}:
             raise ValueError(f"chain {text!r}: {axis!r} is not one of X Y Z A B C U V W")
     if len(set(axes)) != len(axes):
         raise ValueError(f"chain {text!r} names an axis twice")
-    turning = sum(x in ROTARY for x in axes)
+    turning = len(set(axes) & set(ROTARY))
     if turning > 2:
         raise ValueError(f"chain {text!r} has more than two rotary axes")
     for axis in axes:

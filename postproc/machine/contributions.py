@@ -34,11 +34,7 @@ def contributions(
                 )
                 one = replace(table, forward=forward, reverse=reverse)
                 by = f" by {table.other}" if isinstance(table, GridTable) else ""
-                add(
-                    f"{COMPONENTS[i]}{x}{by}",
-                    x,
-                    **({"grids": (one,)} if by else {"table": one}),
-                )
+                add(f"{COMPONENTS[i]}{x}{by}", x, **({"grids": (one,)} if by else {"table": one}))
         if x in machine.expansions:
             add(f"heat {x}", x, expansion=axis.expansion)
         for i in map(int, np.flatnonzero(axis.location)):

@@ -6,15 +6,7 @@ from postproc import intake
 from postproc.machine.axis import Expansion
 from postproc.machine.toml_file import TomlFile
 
-KEYS = {
-    "scale_um_m_K",
-    "scale_C",
-    "work_um_m_K",
-    "work_C",
-    "fixed_mm",
-    "sensors",
-    "work_sensors",
-}
+KEYS = {"scale_um_m_K", "scale_C", "work_um_m_K", "work_C", "fixed_mm", "sensors", "work_sensors"}
 PPM = 1e-6  # um/m is mm/mm by a million
 
 
@@ -31,12 +23,7 @@ def heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
     known = ", ".join(sorted(KEYS))
     for key in heat:
         if key not in KEYS:
-            raise toml.fault(
-                name,
-                "heat",
-                f"{key!r} is not a key of heat",
-                f"keys: {known}",
-            )
+            raise toml.fault(name, "heat", f"{key!r} is not a key of heat", f"keys: {known}")
     rate, at, work, work_at, fixed = (
         toml.number(name, heat, key, default, at="heat")
         for key, default in (

@@ -84,9 +84,7 @@ class AxisTable:
         return float(gaps[0]) if np.allclose(gaps, gaps[0], rtol=0, atol=1e-9) else 0.0
 
     @cached_property
-    def _bins(
-        self,
-    ) -> tuple[np.ndarray, np.ndarray, dict[int, tuple[np.ndarray, np.ndarray]]]:
+    def _bins(self) -> tuple[np.ndarray, np.ndarray, dict[int, tuple[np.ndarray, np.ndarray]]]:
         """Value and rise (C, K - 1) of the mean of each live component at each interval's lower
         node; and component to the same (K - 1,) of its half, where it was measured both ways."""
         mean = self.mean[self.rows]

@@ -219,13 +219,12 @@ def _tools(
         )
     for (tool, number), edge in edges.items():
         turning = int(edge.get(TYPE, 0)) in TURNING
+        parts = zip((*(TURN if turning else MILL), "R"), (*LENGTHS, RADII), strict=True)
         place = {
             axis: sum(edge.get(n, 0.0) for n in numbers) * source.scale()
-            for axis, numbers in zip(TURN if turning else MILL, LENGTHS, strict=True)
-            if any(n in edge for n in numbers)
+            for axis, numbers in parts
+            if not edge.keys().isdisjoint(numbers)
         }
         if turning and source.diameter and "X" in place:
             place["X"] /= 2
-        if any(n in edge for n in RADII):
-            place["R"] = sum(edge.get(n, 0.0) for n in RADII) * source.scale()
         offsets.tools[f"T{tool}D{number}"] = place

@@ -295,12 +295,7 @@ def _angle(machine: Machine, letter: str, i: int, value: float) -> tuple[str, ..
     over = "-"
     if letter in machine.axes and letter in XYZ:
         over = f"{value * float(np.ptp(machine.axes[letter].travel)) / UM:+.1f}"
-    return (
-        name,
-        f"{value / URAD:+.1f}",
-        "not stated" if u is None else f"+- {u / URAD:.1f}",
-        over,
-    )
+    return (name, f"{value / URAD:+.1f}", "not stated" if u is None else f"+- {u / URAD:.1f}", over)
 
 
 def _lean(

@@ -14,11 +14,7 @@ from typing import Any
 import numpy as np
 
 from postproc.errors import Place
-from postproc.recordings import (
-    Fault,
-    RecordingError,
-    Source,
-)
+from postproc.recordings import Fault, RecordingError, Source
 from postproc.recordings import _text as text
 
 BLOCK = 20_000  # lines

@@ -93,11 +93,7 @@ def _measured(source, options, said, before, heading, notices) -> tuple[Componen
     component = components.positioning(options, source, axis, said, line, notices)
     unit = components.unit_for(options, source, component, said, line)
     rotary = component.axis in "ABC"
-    return (
-        component,
-        unit,
-        _sheet.position_factor(source, words, line, options, rotary, notices),
-    )
+    return (component, unit, _sheet.position_factor(source, words, line, options, rotary, notices))
 
 
 def _first(options: ReadingOptions, relative: bool, notices: list[str]) -> ReadingOptions:

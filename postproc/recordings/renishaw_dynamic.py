@@ -90,13 +90,12 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     )
     columns = {"run": np.ones(len(samples)), "t_s": np.arange(len(samples)) / rate}
     columns |= {f"{axis}_cmd_mm": command, f"{axis}_act_mm": position}
+    said = {k: v for k, (v, _) in keys.items()}
     head = {
-        "machine": options.machine or keys.get("machine", ("", 0))[0],
+        "machine": options.machine or said.get("machine"),
         "instrument": "Renishaw laser interferometer, dynamic",
-    }
-    head |= {
-        "serial_number": keys.get("serial no", ("", 0))[0],
-        "date": keys.get("date", ("", 0))[0],
+        "serial_number": said.get("serial no"),
+        "date": said.get("date"),
     }
     kept = {k: v for k, v in head.items() if v}
     told = {"sees": "tool", "sample_rate_hz": rate, "unit_in_file": options.unit}

@@ -77,9 +77,9 @@ class Before:
 
     def _block(self, named: list[tuple[str, float]]) -> None:
         word = dict(named)
-        codes = [value for name, value in named if name == "G"]
+        codes = {value for name, value in named if name == "G"}
         commands = [value for name, value in named if name == "M"]
-        if 20 in codes or 21 in codes:
+        if codes & {20, 21}:
             self.inch = 20 in codes
         scale = MM_PER_INCH if self.inch else 1.0
         if "F" in word and 4 not in codes:
@@ -87,7 +87,7 @@ class Before:
         if 64 in codes:
             self.path = f"G64 P{word['P'] * scale:g}" if "P" in word else "G64"
         self.surface = (self.surface or 96 in codes) and 97 not in codes
-        if "S" in word and not any(m > 5 for m in commands) and not {4, 10, 50, 92} & set(codes):
+        if "S" in word and max(commands, default=0) <= 5 and not codes & {4, 10, 50, 92}:
             self.speed = f"S{word['S']:g}"
         for value in commands:
             if value in (3, 4, 5):

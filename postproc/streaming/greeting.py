@@ -150,21 +150,15 @@ class Greeting:
         assert self._begun is not None
         known = protocols.recognised(self.banner) if self.auto else self.found
         whole = [getattr(protocols.load(name), "WHOLE", None) for name in known[:1]]
-        quiet = (
-            SETTLED if any(pattern and pattern.search(self.banner) for pattern in whole) else QUIET
-        )
-        if (self.banner.strip() and now - self._heard >= quiet and known) or (
-            known and not self._pokes
-        ):
+        settled = any(pattern and pattern.search(self.banner) for pattern in whole)
+        said = self.banner.strip() and now - self._heard >= (SETTLED if settled else QUIET)
+        if known and (said or not self._pokes):
             self.found = known
             self._choose(known[0], now)
         elif now - self._begun > self.listen:
             heard = " ".join(self.banner.split())[:120]
-            unknown = (
-                f"this is no controller that gcomp knows: {heard!r}",
-                "say --protocol, and check --baud",
-            )
-            self._fail(*(unknown if heard else NOBODY))
+            unknown = f"this is no controller that gcomp knows: {heard!r}"
+            self._fail(*((unknown, "say --protocol, and check --baud") if heard else NOBODY))
         elif self._pokes and now >= self._poked + POKE_EVERY:
             self._out += self._pokes[0]
             self._pokes = [*self._pokes[1:], self._pokes[0]]

@@ -215,13 +215,7 @@ class Sender:
     # -- the parts ---------------------------------------------------------------------------------
 
     def _fill(self, now: float) -> None:
-        if (
-            self._ended
-            and not self._queue
-            and self.check
-            and not self._check_off
-            and not self._sent
-        ):
+        if self._all_answered and self.check and not self._check_off:
             self._check_off = True
             self._insert(self.protocol.check_mode())
         if self.path.watched and self.status is None and now - self._moved < AGAIN:
@@ -267,6 +261,11 @@ class Sender:
             self.out.urgent += request
             self._reports.ask(now)
 
+    @property
+    def _all_answered(self) -> bool:
+        """Whether all lines of the program were sent and answered."""
+        return self._ended and not self._queue and not self._sent
+
     def _watch(self, now: float) -> None:
         """The clock's part: orders that are overdue, silence, standstill, the end."""
         if now >= self._deadline and self._pending is not None:
@@ -276,28 +275,16 @@ class Sender:
             late = endings.unconfirmed(self._pending, self.limits.grace)
             self.outcome = self._told(late if silent else self._pending)
             return
-        text = next(
-            (self._sent[k].text for k in self.protocol.outstanding()[:1] if k in self._sent), b""
-        )
+        oldest = [self._sent[k] for k in self.protocol.outstanding()[:1] if k in self._sent]
+        text = oldest[0].text if oldest else b""
         polls = bool(self.protocol.urgent("status"))
         patience = max(self.limits.silence, self.protocol.patience(text) if text else 0.0)
         if polls and self._reports.waits and now - max(self._heard, self._moved) > patience:
             self._finish(endings.silent(now - self._heard))
-        elif (
-            not polls
-            and text
-            and self.state == RUNNING
-            and not self._hold.stands
-            and now - self._moved > patience
-        ):
-            self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
-        elif (
-            self._ended
-            and not self._queue
-            and not self._sent
-            and not self.out
-            and not (self._pending or self.asks)
-        ):
+        elif not polls and text and now - self._moved > patience:
+            if self.state == RUNNING and not self._hold.stands:
+                self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
+        elif self._all_answered and not (self.out or self._pending or self.asks):
             self._drain(now)
 
     def _drain(self, now: float) -> None:

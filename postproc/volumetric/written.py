@@ -265,11 +265,4 @@ def without_errors(machine: Machine) -> Machine:
         x: replace(a.bare, uncertainty=None, measured_at=np.zeros(3))
         for x, a in machine.axes.items()
     }
-    return replace(
-        machine,
-        axes=axes,
-        square={},
-        effects=(),
-        control_tables=(),
-        growth=(),
-    )
+    return replace(machine, axes=axes, square={}, effects=(), control_tables=(), growth=())

@@ -75,30 +75,25 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
         f" {correlation:+.2f}, {predicted / UM:.2f} um predicted, {measured / UM:.2f} um read"
     )
     u = 0.0 if not np.isfinite(straight.largest_u) else straight.largest_u
+    level, of = "note", straight.name
     if measured < 4 * u:
-        return [
-            Finding(
-                "angle-straightness",
-                "note",
-                straight.name,
-                f"{both}: within the uncertainty, nothing can be said",
-                numbers,
-            )
-        ]
-    if predicted > TOO_MUCH * measured and predicted > 1 * UM:
-        text = (
-            f"{both}: the angle is {predicted / measured:.0f} times too large for it. Its unit (or"
-            " the arm's) is probably wrong"
+        says = "within the uncertainty, nothing can be said"
+    elif predicted > TOO_MUCH * measured and predicted > 1 * UM:
+        level, of = "doubt", angle.name
+        says = (
+            f"the angle is {predicted / measured:.0f} times too large for it. Its unit (or the"
+            " arm's) is probably wrong"
         )
-        return [Finding("angle-straightness", "doubt", angle.name, text, numbers)]
-    if predicted < FEEBLE * measured:
-        text = f"{both}: the angle explains too little of it to say anything"
-        return [Finding("angle-straightness", "note", straight.name, text, numbers)]
-    if correlation < TURNED:
-        text = f"{both}: the sign of {angle.name} or of {straight.name} is probably turned"
-        return [Finding("angle-straightness", "doubt", straight.name, text, numbers)]
-    says = "they agree" if correlation > FOLLOWS else "they neither agree nor contradict each other"
-    return [Finding("angle-straightness", "note", straight.name, f"{both}: {says}", numbers)]
+    elif predicted < FEEBLE * measured:
+        says = "the angle explains too little of it to say anything"
+    elif correlation < TURNED:
+        level = "doubt"
+        says = f"the sign of {angle.name} or of {straight.name} is probably turned"
+    elif correlation > FOLLOWS:
+        says = "they agree"
+    else:
+        says = "they neither agree nor contradict each other"
+    return [Finding("angle-straightness", level, of, f"{both}: {says}", numbers)]
 
 
 def _without_line(nodes: np.ndarray, values: np.ndarray) -> np.ndarray:

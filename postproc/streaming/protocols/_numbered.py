@@ -249,35 +249,31 @@ class Numbered(Protocol):
         return [] if TEMPERATURE.match(text) else [Told(text)]
 
     def _ok(self, text: str, found: re.Match[str]) -> list[Event]:
-        events: list[Event] = []
-        if found[4] and PLACE.match(found[4]):
-            events = self._place(found[4])
-        if found[3] is not None:
-            self._slots = max(self._slots, int(found[3]))
+        events = self._place(found[4]) if found[4] and PLACE.match(found[4]) else []
+        self._slots = max(self._slots, int(found[3] or 0))
         if found[1] is not None and self._started:
             self._numbers = True
             return events + self._ok_of(int(found[1]), text)
+        told = [*events, Told(text)]
         frame = self._waiting[0] if self._waiting else None
         if self._numbers and self._started and found[2] is not None:  # of a line without a number
-            if self._bare:
-                self._bare -= 1
-                return [*events, Told(text)]
-            return [
-                *events,
-                *self._fault(f"{text}: it has executed a line that had lost its number"),
-            ]
+            if not self._bare:
+                lost = f"{text}: it has executed a line that had lost its number"
+                return [*events, *self._fault(lost)]
+            self._bare -= 1
+            return told
         if self._numbers and frame is not None and frame.n is not None:
-            return [*events, Told(text)]  # it belongs to a request
+            return told  # it belongs to a request
         if self._spare:
             self._spare -= 1
-            return [*events, Told(text)]
+            return told
         if frame is None:
             return [*events, Stray(text)]
         frame.oks -= 1
         self._missed = 0
         # that one needs its report too
         done = frame.oks <= 0 and (frame.seen or frame.text != b"M114")
-        return events + (self._taken(frame) if done else [Told(text)])
+        return events + self._taken(frame) if done else told
 
     def _ok_of(self, n: int, text: str) -> list[Event]:
         """An ok that names its line: those before it were taken too."""
