@@ -66,6 +66,7 @@ CHAPTERS = (
     ("Written out: LinuxCNC's O-words and expressions", ("nc/expand/linuxcnc",)),
     ("Written out: Fanuc's macros", ("nc/expand/fanuc",)),
     ("Written out: Sinumerik's control structures", ("nc/expand/siemens",)),
+    ("Written out: Heidenhain Klartext", ("nc/expand/klartext",)),
     ("Written out: all languages", ("nc/expand",)),
     ("Machine folders", ("machine", "effects")),
     ("Heat over time", ("heat", "commands/warming")),

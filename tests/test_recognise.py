@@ -56,6 +56,10 @@ PROGRAMS = {
         "%PART G71 *\nN10 G30 G17 X+0 Y+0 Z-40*\nN20 G99 T1 L+0 R+3*\nN30 T1 G17 S5000*\nN40 G01"
         " G41 X+5 F100*\nN50 G98 L1*\nN99999999 %PART G71 *\n"
     ),
+    "heidenhain": (
+        "0 BEGIN PGM PART MM\n1 BLK FORM 0.1 Z X+0 Y+0 Z-40\n2 TOOL CALL 1 Z S5000\n3 L X+10 Y+5 R0"
+        " FMAX M3\n4 CYCL DEF 32.0 TOLERANCE\n5 L Z-5 F200\n6 END PGM PART MM\n"
+    ),
     "grbl": "; for GRBL 1.1\n$H\nG21 G90\nG0 X0 Y0\nM3 S1000\nG1 X10 F500\n",
     "grblhal": "(grblHAL)\n$H\nG21 G90\nG81 X1 Y1 Z-2 R1 F100\nG65 P3\n",
     "mach3": (

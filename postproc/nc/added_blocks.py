@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postproc.motions import RAPID
 from postproc.nc import codes
 
 if TYPE_CHECKING:
@@ -56,6 +57,10 @@ def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
     lead_of = [
         (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
     ]
+    if b.klartext:
+        lead_of = [b"/ L" if k % 2 else b"L" for k in range(-2, 20)]
+        fast = p.code[added] == RAPID
+        b.splice.constants(at[fast], at[fast], rank[fast] + 50, b" FMAX")
     kind = 2 * code + skip
     for k in sorted(set(kind[line].tolist())):
         which = line & (kind == k)

@@ -99,6 +99,8 @@ class Batch:
         # whether any does
         self.told = self.spelled and np.count_nonzero(words.letter >= RELATIVE) > 0
         self.several = ~(self.first & self.final)
+        # numbers above 0 have their sign, and every block begins with its statement
+        self.klartext = emitter.dialect.grammar.klartext
         self.layout()
 
     def run(self) -> tuple[bytes, Written, int, int]:
@@ -175,7 +177,7 @@ class Batch:
             blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
         )
         # G64X=5 would be read as no code and its word
-        self.spaced |= self.e.dialect.grammar.assigns
+        self.spaced |= self.e.dialect.grammar.assigns or self.klartext
 
     # -- G words -----------------------------------------------------------------------------------
 
@@ -212,7 +214,7 @@ class Batch:
         # Pieces behind the first name their code when it differs from the piece before.
         code = p.code.astype(np.int64)
         self.names_code = begins(code) & ~self.first
-        if not self.e.dialect.modal_motion:
+        if self.klartext or not self.e.dialect.modal_motion:
             self.names_code = ~self.first
 
     def _last_code(self) -> int:
@@ -310,7 +312,10 @@ class Batch:
         place = self._as_place(row, motion)
         if place.any():  # X=AC(5)
             prefix[place, 2:] = np.frombuffer(b"=AC(", np.uint8)
-        self.splice.numbers(start, start, rank, self.value(row, write, decimals), decimals, prefix)
+        value = self.value(row, write, decimals)
+        if self.klartext:
+            prefix[:, 2] = np.where(value >= 0, ord("+"), 0)
+        self.splice.numbers(start, start, rank, value, decimals, prefix)
         self.splice.constants(start[place], start[place], rank[place], b")")
         self.touched[motion] = True
 
@@ -347,15 +352,21 @@ class Batch:
     ) -> None:
         if np.count_nonzero(where) < len(where):
             word, value, decimals = word[where], value[where], decimals[where]
+        plus = np.where(value >= 0, ord("+"), 0).astype(np.uint8)[:, None]
         self.splice.numbers(
-            self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals
+            self.w.number[word],
+            self.w.stop[word],
+            np.zeros(len(word), np.int64),
+            value,
+            decimals,
+            plus if self.klartext else None,
         )
 
     def _letters(self, row: int, letter: str, motion: np.ndarray) -> np.ndarray:
         """(K,) uint8 the letter to write: the block's own (U for X, lower case) where it has
         one."""
         word = self.m.word[row, motion]
-        if not len(self.w.start):
+        if not len(self.w.start) or self.klartext:  # an increment's letter is the I of IX
             return np.full(len(motion), ord(letter), np.uint8)
         own = self.byte[self.w.start[np.maximum(word, 0)]]
         absolute_letter = np.full(len(motion), ord(letter), np.uint8)
@@ -388,7 +399,7 @@ class Batch:
     def tail(self, word: np.ndarray) -> np.ndarray:
         """(K,) offsets behind words, with the parenthesis of X=IC(5)."""
         stop = self.w.stop[word]
-        if not self.told:
+        if not self.told or self.klartext:
             return stop
         stop = stop.copy()
         for k in (self.w.letter[word] >= RELATIVE).nonzero()[0]:

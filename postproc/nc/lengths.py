@@ -181,7 +181,18 @@ def length_by(b: Batch, letter: str, number: int) -> None:
             f"the tool length {name} is not stated",
             f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",
         )
-    b.frame = with_known(replace(b.frame, length=ticks_of(b.setup, place or {})), "length", reason)
+    length = ticks_of(b.setup, place or {}) + _delta(b)
+    b.frame = with_known(replace(b.frame, length=length), "length", reason)
+
+
+def _delta(b: Batch) -> np.ndarray | int:
+    """(A,) ticks by which DL of a TOOL CALL (read as Q) makes the tool longer than its table says,
+    along Z."""
+    more = number_of(b, "Q") if b.dialect.grammar.klartext else None
+    if more is None or "Z" not in b.rows:
+        return 0
+    unit = np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]
+    return np.array([round(more * unit) if x == "Z" else 0 for x in b.setup.axes], np.int64)
 
 
 def length_words(b: Batch, axis_words, word: str) -> None:

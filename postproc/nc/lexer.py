@@ -58,7 +58,8 @@ class Grammar(NamedTuple):
     the machine has, what their group holds stays; each with 0, or with the number, from 1, of the
     sentence why it can not be followed. `homing`: a regular expression of what homes all axes.
     `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a
-    character that ends a block besides the line's end."""
+    character that ends a block besides the line's end. `klartext`: whether its statements are those
+    of Heidenhain's Klartext."""
 
     semicolon: str = "comment"
     parentheses: bool = True
@@ -72,6 +73,7 @@ class Grammar(NamedTuple):
     macros: tuple[tuple[str, int], ...] = ()
     homing: str = ""
     untold: bool = False
+    klartext: bool = False
 
     @property
     def is_respelled(self) -> bool:
@@ -87,6 +89,7 @@ class Grammar(NamedTuple):
             )
             or self.assigns
             or self.checksums
+            or self.klartext
         )
 
 

@@ -59,6 +59,10 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
     # the letters that stand for spellings are none of the program's own
     code = code.translate(REPLACED)
+    if grammar.klartext:
+        from postproc.nc import klartext
+
+        code = klartext.respelled(code)
     if grammar.checksums and b"*" in code:
         code = checksums.cover(code)
     for pattern in _ignored(grammar.ignores):

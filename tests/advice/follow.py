@@ -37,6 +37,7 @@ CHAPTERS = (
     "Written out: LinuxCNC's O-words and expressions",
     "Written out: Fanuc's macros",
     "Written out: Sinumerik's control structures",
+    "Written out: Heidenhain Klartext",
     "Written out: all languages",
 )
 WRITE = {"expand": True}

@@ -13,11 +13,26 @@ import pytest
 
 from postproc.errors import ProgramError
 from postproc.nc import dialects
-from tests.advice import follow, plain, rest, written_fanuc, written_linuxcnc, written_siemens
+from tests.advice import (
+    follow,
+    klartext,
+    plain,
+    rest,
+    written_fanuc,
+    written_linuxcnc,
+    written_siemens,
+)
 from tests.advice.no_case import NO_CASE
 from tests.refusals_doc import sentences
 
-CASES = [*plain.ALL, *written_fanuc.ALL, *written_linuxcnc.ALL, *written_siemens.ALL, *rest.ALL]
+CASES = [
+    *plain.ALL,
+    *written_fanuc.ALL,
+    *written_linuxcnc.ALL,
+    *written_siemens.ALL,
+    *rest.ALL,
+    *klartext.ALL,
+]
 ALL = {
     follow.bare(message): advice
     for chapter in follow.CHAPTERS

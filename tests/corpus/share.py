@@ -122,6 +122,7 @@ def machine_folder(machines: Machines, dialect: str) -> Path:
         **offsets(),
         **{f"{letter}{n}": {} for letter in "HDT" for n in range(100, 1000)},
         **{f"G15 H{n}": {} for n in range(1, 100)},  # Okuma
+        **{f"G247 P{n}": {} for n in range(1, 100)},  # Heidenhain
         **{f"G54.1 P{n}": {} for n in range(49, 100)},  # Haas: G154
     }
     letters = [x for x in offsets()["G54"] if x in XYZ and not (lathe and x == "Y")]

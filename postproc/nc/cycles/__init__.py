@@ -37,6 +37,7 @@ from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
+from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
 from postproc.nc.cycles.pole_heidenhain import PoleArcs
 from postproc.nc.cycles.polynomials_siemens import Polynomials
@@ -215,6 +216,10 @@ def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
     return Family(before=PoleArcs)
 
 
+def heidenhain(dialect: Dialect, synchronised: bool) -> Family:
+    return Family(before=KlartextPaths)
+
+
 def marlin(dialect: Dialect, synchronised: bool) -> Family:
     return Family({SPLINE: MarlinSpline()})
 
@@ -238,6 +243,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
     "fanuc-lathe": fanuc_lathe,
     "siemens": siemens,
     "marlin": marlin,
+    "heidenhain": heidenhain,
     "heidenhain-iso": heidenhain_iso,
     "haas": haas,
     "haas-lathe": haas_lathe,

@@ -160,7 +160,7 @@ class PoleArcs:
         if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
             raise scene.fault(
                 f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
-                "the control refuses more than 0.016 mm between them: check I and J",
+                "the control refuses more than 0.016 mm between them: check the pole",
             )
         begin = math.atan2(arms[0][1], arms[0][0])
         sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * sign % math.tau

@@ -1,0 +1,290 @@
+"""Arcs and polar places of Heidenhain Klartext, written out as L.
+
+HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Path contours": C about
+the pole CC, CR by its radius, LP and CP in polar coordinates, CP with Z a helix. Start and end of C
+may lie 0.016 mm unlike far from the pole; an end at the start is a full circle. CR with R above 0
+is the shorter arc, below 0 the longer. Lines leave the circle by the tolerance at most.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NamedTuple
+
+from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.expand import Line
+from postproc.nc.klartext import HEAD
+
+MISMATCH_MM = 0.016
+NEAR = 1e-9
+MOST_LINES = 100_000
+STATEMENT = re.compile(rb"(CC|CR|CP|CT|C|LP|L|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*")
+WORD = re.compile(
+    rb"(?<![A-Z])(I?)(X|Y|Z|PR|PA|R|DR)(?:[ \t]*([-+]?[0-9]*\.?[0-9]+)|([-+])(?![0-9.]))"
+)
+SIDES = re.compile(rb"(?<![A-Z])R[0LR](?![0-9.])")
+MARKED = re.compile(rb"\0([0LR])")
+CALLED = re.compile(rb"[ \t]*(?<![A-Z])M[ \t]*0*99(?![0-9])")
+FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+|AUTO|MAX)")
+LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
+DEFINED = re.compile(rb"CYCL[ \t]+DEF[ \t]+([0-9]+)(?:\.([0-9]+))?")
+SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
+DATA_ONLY = (9, 13, 14, 32, 247)  # defined beside a drilling cycle, which holds on
+CIRCLES = "write it as C with its pole, or as CR"
+Point = tuple[float, float]
+Words = dict[str, tuple[bool, float]]
+
+
+class Arc(NamedTuple):
+    """From `at` to `to` about `centre`; `turn`: 1 against the clock, -1 with it; `sweep`: radians,
+    None where the ends say it; `depth`: of Z, of a helix."""
+
+    at: Point
+    to: Point
+    centre: Point
+    turn: float
+    sweep: float | None = None
+    depth: float | None = None
+
+
+class KlartextPaths:
+    """Follows pole, feed and the cycle that is defined, and writes out what depends on them."""
+
+    rigid = False
+    codes: tuple[int, ...] = (20, 30)
+
+    def __init__(self, scene: Scene):
+        self.scene, self.holes = scene, Holes(scene)
+        self.pole: dict[str, float] = {}
+        self.shift: dict[str, float] = {}  # by cycle 7
+        self.feed = b""  # as the program wrote it last
+        self.due = False  # whether another feed is in force than the program's
+        self.goes_on = False  # a definition, in the next line
+
+    def wants(self, line: Line) -> bool:
+        """Every line may move the pole or say the feed."""
+        return True
+
+    def finish(self) -> list[Line]:
+        """Nothing is ever held back."""
+        return []
+
+    def take(self, line: Line) -> list[Line]:
+        """The line, or the lines that it becomes. Raises ProgramError."""
+        self.scene.forget()
+        head = HEAD.match(line.text)
+        assert head is not None
+        code = line.text[head.end() :].partition(b";")[0].rstrip(b" \t\r~")
+        if self.scene.passes(line.text):
+            return [line]
+        found = STATEMENT.match(code)
+        on = line.text.rstrip(b" \t\r").endswith(b"~")
+        if self.goes_on or found is None:
+            self.holes.datum(code)
+            self.goes_on = self.goes_on and on
+            return [line]
+        kind, rest = found[1].split()[-1], code[found.end() :]
+        self.goes_on = kind == b"DEF" and on
+        new = self._of(kind, code, rest)
+        if new == [code]:
+            return [line]
+        lead = b"/ " if head[1] else b""
+        return [line._replace(text=lead + text) for text in new]
+
+    def _of(self, kind: bytes, code: bytes, rest: bytes) -> list[bytes]:
+        """The statements that stand for one."""
+        if kind == b"DEF":
+            return self._define(code)
+        if kind == b"CC":
+            self._set(rest)
+            return []
+        if kind == b"CT":
+            raise self.scene.fault("CT: its centre follows from the line before", CIRCLES)
+        called = kind == b"CALL" or CALLED.search(code) is not None
+        if kind == b"CALL":
+            lines = [rest.strip()] if rest.strip() else []
+        elif kind in (b"L", b"TOOL", b"M"):
+            bare = CALLED.sub(b"", code)
+            lines = self._fed(kind, bare) if bare.strip() else []
+        else:
+            lines = self._path(kind, CALLED.sub(b"", rest))
+        if not called:
+            return lines
+        holes = self.holes.lines()
+        self.due = self.due or bool(holes)
+        return lines + holes
+
+    # -- feeds and definitions ---------------------------------------------------------------------
+
+    def _fed(self, kind: bytes, code: bytes) -> list[bytes]:
+        """A straight line or a tool call: the feed that holds from there on, and the program's own
+        again behind what a cycle fed with."""
+        feed = FEED.search(code)
+        if feed is not None and feed[1] != b"MAX":
+            self.feed, self.due = b"F" + feed[1], False
+        elif feed is None and self.due and kind == b"L" and WORD.search(SIDES.sub(b"", code)):
+            if not self.feed:
+                raise self.scene.fault("the feed behind a cycle is not known", "write F here")
+            self.due = False
+            late = LATE.search(code)
+            place = late.start() if late else len(code)
+            words = code[:place].rstrip(), self.feed, code[place:]
+            return [b" ".join(word for word in words if word)]
+        return [code]
+
+    def _define(self, code: bytes) -> list[bytes]:
+        """CYCL DEF: its number, and the values in the same line."""
+        found = DEFINED.match(code)
+        if found is None:
+            return [code]
+        number = int(found[1])
+        if number == 247:
+            self.shift = {}
+        if number == 7:
+            return self._shifted(code[: found.end()], code[found.end() :]) or [code]
+        if number not in DATA_ONLY and found[2] in (None, b"0"):
+            self.holes.define(number)
+        self.holes.datum(code[found.end() :])
+        return [code]
+
+    def _shifted(self, head: bytes, rest: bytes) -> list[bytes]:
+        """Cycle 7: an increment counts from the shift in force."""
+        found = SHIFTED.fullmatch(rest)
+        if found is None:
+            return []
+        axis, value = found[2].decode(), float(found[3])
+        self.shift[axis] = value + (self.shift.get(axis, 0.0) if found[1] else 0.0)
+        return [head + b" " + signed(self.scene, axis, self.shift[axis])] if found[1] else []
+
+    # -- paths -------------------------------------------------------------------------------------
+
+    def _words(self, text: bytes) -> Words:
+        """Whether each word is an increment, and its value; DR: 1 against the clock, -1 with it."""
+        found: Words = {}
+        for match in WORD.finditer(SIDES.sub(b"", text)):
+            name = match[2].decode()
+            if name in found:
+                raise self.scene.fault(f"two {name} words in one block", "keep one")
+            found[name] = bool(match[1]), float(match[3] or match[4] + b"1")
+        return found
+
+    def _place(self, words: Words, axis: str) -> float:
+        """Where an axis goes."""
+        if axis not in words:
+            return self.scene.at(axis)
+        step, value = words[axis]
+        return value + (self.scene.at(axis) if step else 0.0)
+
+    def _set(self, rest: bytes) -> None:
+        """CC: the pole; without words where the tool stands."""
+        words = self._words(rest)
+        if "Z" in words:
+            raise self.scene.fault("a pole outside the XY plane", "program with the tool axis Z")
+        for axis in "XY":
+            if axis in words or not words:
+                self.pole[axis] = self._place(words, axis)
+
+    def _path(self, kind: bytes, rest: bytes) -> list[bytes]:
+        """C, CR, CP and LP."""
+        scene, words = self.scene, self._words(rest)
+        at, polar = (scene.at("X"), scene.at("Y")), kind in (b"CP", b"LP")
+        if "Z" in words and not polar:
+            raise scene.fault(f"Z in {kind.decode()}", "write a helix as CP with IPA")
+        turn = words.get("DR", (False, 0.0))[1]
+        if kind != b"LP" and not turn:
+            raise scene.fault(f"{kind.decode()} without DR", "DR+ or DR- says which way it turns")
+        depth = self._place(words, "Z") if "Z" in words else None
+        if kind == b"CR":
+            to = self._place(words, "X"), self._place(words, "Y")
+            ways = self._along(Arc(at, to, self._by_radius(at, to, words, turn), turn))
+        elif not polar:
+            to = self._place(words, "X"), self._place(words, "Y")
+            ways = self._along(Arc(at, to, self._centre(), turn))
+        else:
+            arc = self._polar(kind, at, words)._replace(depth=depth)
+            ways = [(arc.to, depth)] if kind == b"LP" else self._along(arc)
+        return self._written(ways, rest)
+
+    def _centre(self) -> Point:
+        if len(self.pole) < 2:
+            raise self.scene.fault("an arc or a polar place, and no pole is set", "write CC before")
+        return self.pole["X"], self.pole["Y"]
+
+    def _polar(self, kind: bytes, at: Point, words: Words) -> Arc:
+        """LP and CP: to a radius and an angle about the pole."""
+        centre, turn = self._centre(), words.get("DR", (False, 0.0))[1]
+        radius = math.dist(at, centre)
+        begin = math.degrees(math.atan2(at[1] - centre[1], at[0] - centre[0]))
+        step, angle = words.get("PA", (True, 0.0))
+        end = begin + angle if step else angle
+        if "PR" in words:
+            if kind == b"CP":
+                raise self.scene.fault("PR in CP", "the radius of CP is that of its start")
+            more, value = words["PR"]
+            radius = radius + value if more else value
+        place = math.radians(end)
+        to = centre[0] + radius * math.cos(place), centre[1] + radius * math.sin(place)
+        if step and angle * turn < 0:
+            raise self.scene.fault("IPA and DR of CP have different signs", "write both alike")
+        sweep = abs(angle) if step else (end - begin) * turn % 360 or 360.0
+        return Arc(at, to, centre, turn, math.radians(sweep))
+
+    def _by_radius(self, at: Point, to: Point, words: Words, turn: float) -> Point:
+        """The centre of CR."""
+        radius = words.get("R", (False, 0.0))[1]
+        chord = to[0] - at[0], to[1] - at[1]
+        length = math.hypot(*chord)
+        if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
+            raise self.scene.fault(
+                f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
+            )
+        away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
+        away *= 1 if (turn > 0) == (radius > 0) else -1
+        middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2
+        return middle[0] - chord[1] / length * away, middle[1] + chord[0] / length * away
+
+    def _along(self, arc: Arc) -> list[tuple[Point, float | None]]:
+        """Places along an arc, with Z where it is a helix."""
+        scene, centre = self.scene, arc.centre
+        arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (arc.at, arc.to)]
+        radii = [math.hypot(*arm) for arm in arms]
+        unit = 25.4 if scene.inch else 1.0
+        if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
+            raise scene.fault(
+                f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
+                "the control refuses more than 0.016 mm between them: check the pole",
+            )
+        begin, sweep = math.atan2(arms[0][1], arms[0][0]), arc.sweep
+        if sweep is None:
+            sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * arc.turn % math.tau
+            sweep = math.tau if math.dist(arc.at, arc.to) < NEAR or sweep < NEAR else sweep
+        flat = max(1.0 - scene.chord / max(radii), math.cos(math.pi / 4))
+        count = max(1, math.ceil(sweep / (2 * math.acos(flat))))
+        if count > MOST_LINES:
+            raise scene.fault(f"the arc would take {count:,} lines", "a larger --tolerance")
+        low = scene.at("Z") if arc.depth is not None else 0.0
+        ways: list[tuple[Point, float | None]] = []
+        for k in range(1, count + 1):
+            angle = begin + arc.turn * sweep * k / count
+            radius = radii[0] + (radii[1] - radii[0]) * k / count
+            place = centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
+            z = None if arc.depth is None else low + (arc.depth - low) * k / count
+            ways.append((arc.to if k == count else place, z))
+        return ways
+
+    def _written(self, ways: list[tuple[Point, float | None]], rest: bytes) -> list[bytes]:
+        """L through places; the statement's own words at its first line, M at the last."""
+        words = MARKED.sub(rb"R\1", WORD.sub(b"", SIDES.sub(lambda m: b"\0" + m[0][1:], rest)))
+        words = b" ".join(words.split())
+        at = LATE.search(words)
+        words, late = (words[: at.start()].rstrip(), words[at.start() :]) if at else (words, b"")
+        fast = b"FMAX" if re.search(rb"F[ \t]*MAX", words) else b""
+        lines = []
+        for k, (place, z) in enumerate(ways):
+            to = [signed(self.scene, axis, value) for axis, value in zip("XY", place, strict=True)]
+            to += [] if z is None else [signed(self.scene, "Z", z)]
+            own = [fast if k else words, late if k == len(ways) - 1 else b""]
+            lines.append(b" ".join([b"L", *to, *(text for text in own if text)]))
+        return [*self._fed(b"L", lines[0]), *lines[1:]]

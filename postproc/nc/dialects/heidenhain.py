@@ -1,0 +1,56 @@
+"""Heidenhain TNC in Klartext: L X+10 Y+20 R0 FMAX M3, TOOL CALL, CYCL DEF, LBL (.h files).
+
+Statements become words in postproc/nc/klartext.py; labels, Q parameters and jumps run in
+postproc/nc/expand/klartext.py, arcs and drilling cycles are written out as L by
+postproc/nc/cycles/klartext_paths.py. Sources: HEIDENHAIN TNC 640, TNC 620 and iTNC 530 user's
+manuals, Klartext programming; what Autodesk's heidenhain.cps and other posts write. A block in
+machine coordinates (M91) is one by G53; where M140 MB MAX ends the machine knows alone. The preset
+of cycle 247 is --offset "G247 P1=X..,Y..,Z..", the datum without it --offset G54=; T is the tool
+with its length.
+"""
+
+from postproc.nc import klartext
+from postproc.nc.dialects import Dialect
+from postproc.nc.dialects.heidenhain_iso import DIALECT as ISO
+from postproc.nc.lexer import Grammar
+from postproc.nc.rows import CUTTER, DISTANCE, LOCAL, MACHINE_FRAME, MOTION, PLANE, UNITS, rows
+
+_ISO_ARC = "an arc is written C, CR or CP here: is it DIN/ISO? --dialect heidenhain-iso"
+_REFUSED = {n: why for n, why in ISO.m_refuses.items() if n not in (91, 99)}
+
+DIALECT = Dialect(
+    name="heidenhain",
+    title="Heidenhain TNC, Klartext",
+    codes=(
+        *MOTION[:2],
+        *rows("motion", {"2": "arc, clockwise", "3": "arc, counter-clockwise"}, refuses=_ISO_ARC),
+        *PLANE,
+        *DISTANCE,
+        *UNITS,
+        *CUTTER,
+        *MACHINE_FRAME,
+        *rows("", {"30": "to the limit of the travel (M140 MB MAX)"}, takes=True),
+        *rows("work offset", {"247": "preset (cycle 247)"}, does="extended", like="G54.1"),
+        *LOCAL,
+    ),
+    m_codes=ISO.m_codes,
+    m_refuses={**_REFUSED, 99: klartext.EXPAND_PATH},
+    grammar=Grammar(parentheses=False, klartext=True),
+    language="klartext",
+    plane=170,
+    extended_name="G247 P",
+    tip_codes={128: True, 129: False},
+    length_letter="T",
+    letters="Q",  # DL of TOOL CALL
+    macro_refuses=klartext.REASONS,
+    signs=(
+        r"^[ \t]*(?:\d+[ \t]+)?BEGIN[ \t]+PGM\b",
+        r"^[ \t]*(?:\d+[ \t]+)?TOOL[ \t]+CALL\b",
+        r"^[ \t]*(?:\d+[ \t]+)?L[ \t]+I?[XYZ][-+]?[.\d]",
+        r"\bR0[ \t]+F[ \t]*MAX\b",
+        r"\bCYCL[ \t]+(?:DEF|CALL)\b",
+        r"^[ \t]*(?:\d+[ \t]+)?BLK[ \t]+FORM\b",
+    ),
+    excludes=(r"(?<![A-Z0-9_])G[ \t]*\d", r"^[ \t]*N[ \t]*\d", r"\*[ \t]*$"),
+    remarks=(r"\bHEIDENHAIN\b", r"\bI?TNC ?\d{3}\b"),
+)

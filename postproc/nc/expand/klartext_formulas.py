@@ -1,0 +1,130 @@
+"""Formulas of Heidenhain's Q parameters.
+
+TNC 640 user's manual, Klartext programming, "Entering formulas directly" and "Describing contours
+with mathematical functions" (FN 0 to FN 8): + - * / ^, DIV, LEN, SQ, SQRT, SIN, COS, TAN, ASIN,
+ACOS, ATAN, ABS, INT, FRAC, NEG, SGN, LN, EXP, PI; angles in degrees.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+
+TOKEN = re.compile(r"\s*(?:([0-9]*\.?[0-9]+)|Q([LR]?[0-9]+)|([A-Z]+)|(.))")
+DEEPEST = 50
+
+
+class FormulaError(Exception):
+    """What can not be calculated."""
+
+
+class Unset(FormulaError):
+    """A parameter that has no value."""
+
+
+FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "SIN": lambda v: math.sin(math.radians(v)),
+    "COS": lambda v: math.cos(math.radians(v)),
+    "TAN": lambda v: math.tan(math.radians(v)),
+    "ASIN": lambda v: math.degrees(math.asin(v)),
+    "ACOS": lambda v: math.degrees(math.acos(v)),
+    "ATAN": lambda v: math.degrees(math.atan(v)),
+    "SQ": lambda v: v * v,
+    "SQRT": math.sqrt,
+    "ABS": abs,
+    "INT": lambda v: float(math.trunc(v)),
+    "FRAC": lambda v: v - math.trunc(v),
+    "NEG": lambda v: -v,
+    "SGN": lambda v: math.copysign(1.0, v) if v else 0.0,
+    "LN": math.log,
+    "EXP": math.exp,
+}
+
+
+class Formula:
+    """One formula over parameters by name ("1", "L2")."""
+
+    def __init__(self, text: str, parameters: dict[str, float]):
+        self.parameters, self.at, self.deep = parameters, 0, 0
+        self.tokens = [m.groups() for m in TOKEN.finditer(text.strip().upper())]
+        self.text = text.strip()
+
+    def value(self) -> float:
+        """Raises FormulaError."""
+        try:
+            result = self._length()
+        except (ArithmeticError, ValueError):
+            raise FormulaError(f"{self.text[:40]!r} has no value") from None
+        if self.at < len(self.tokens):
+            raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
+        return result
+
+    def _next(self, *operators: str) -> str:
+        """The next token if it is one of these operators, taken; else ""."""
+        if self.at < len(self.tokens):
+            _, _, name, mark = self.tokens[self.at]
+            if (name or mark) in operators:
+                self.at += 1
+                return name or mark or ""
+        return ""
+
+    def _length(self) -> float:
+        left = self._sum()
+        while self._next("LEN"):
+            left = math.hypot(left, self._sum())
+        return left
+
+    def _sum(self) -> float:
+        left = self._product()
+        while sign := self._next("+", "-"):
+            right = self._product()
+            left = left + right if sign == "+" else left - right
+        return left
+
+    def _product(self) -> float:
+        left = self._power()
+        while sign := self._next("*", "/", "DIV"):
+            right = self._power()
+            left = left * right if sign == "*" else left / right
+        return left
+
+    def _power(self) -> float:
+        left = self._factor()
+        if self._next("^"):
+            return float(left ** self._factor())
+        return left
+
+    def _factor(self) -> float:
+        self.deep += 1
+        if self.deep > DEEPEST:
+            raise FormulaError(f"{self.text[:40]!r} nests more than {DEEPEST} deep")
+        try:
+            return self._one()
+        finally:
+            self.deep -= 1
+
+    def _one(self) -> float:
+        if sign := self._next("+", "-"):
+            value = self._factor()
+            return -value if sign == "-" else value
+        if self._next("("):
+            value = self._length()
+            if not self._next(")"):
+                raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
+            return value
+        if self.at >= len(self.tokens):
+            raise FormulaError(f"{self.text[:40]!r} ends too early")
+        digits, parameter, name, _ = self.tokens[self.at]
+        self.at += 1
+        if digits:
+            return float(digits)
+        if parameter:
+            if parameter not in self.parameters:
+                raise Unset(f"Q{parameter}")
+            return self.parameters[parameter]
+        if name == "PI":
+            return math.pi
+        if name in FUNCTIONS:
+            return FUNCTIONS[name](self._factor())
+        raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")

@@ -1,0 +1,292 @@
+"""Heidenhain Klartext as letters and numbers: every statement is brought to words of the same
+length.
+
+L is G1, and G0 with FMAX, which holds in its own block alone. RL, RR and R0 are G41, G42 and G40;
+M91 is G53; M140 MB MAX is G30, to a place that the machine knows; IX is an increment; TOOL CALL is
+T and S, its DL is Q; cycle 7 and TRANS DATUM are G52, and the preset of cycle 247 (Q339) is G247 P.
+What defines, names or remarks something without moving is blank; what moves otherwise is a MACRO
+with the number of its reason (REASONS). Lines are looked at one by one, whatever stands around
+them: any cut of the text reads alike.
+
+HEIDENHAIN TNC 640 (81760x), TNC 620 (81760x), iTNC 530 user's manuals, Klartext programming:
+"Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7, 8,
+10, 11, 19, 26, 247.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from postproc.nc import codes
+from postproc.nc.lexer import AXES, BARE, MACRO, RELATIVE, UNTOLD
+
+EXPAND_PATH = "its motions are worked out by the control: --expand writes it out as straight lines"
+DATUM = "it moves the datum by the tables of the control: program in one datum, with --offset G54="
+VALUES = "its numbers are Q parameters: --expand writes them out"
+SUM = "an increment counts from the shift before it: --expand writes their sum"
+LONGER = "by how much DL makes the tool longer is not certain: write its number beside the tool's"
+ALONG = "the tool does not lie along Z: program with the tool axis Z"
+SETS = "it sets data of the control: set them before the program, and take the block out"
+# why a statement can not be followed; a MACRO says the number, from 1
+REASONS = (
+    codes.CALL,
+    EXPAND_PATH,
+    codes.WRITE_OUT,
+    codes.UNTURNED,
+    codes.TILTED,
+    codes.TOOL_POINT,
+    codes.PROBE,
+    DATUM,
+    LONGER,
+    ALONG,
+    SETS,
+    codes.TRANSFORM,
+    codes.CURVE,
+    SUM,
+    VALUES,
+)
+REASON = {why: number for number, why in enumerate(REASONS, 1)}
+HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
+WORD = re.compile(rb"Q[LRS]?[0-9]+[ \t]*=|[A-Z]+|\*")
+PARAMETER = re.compile(rb"Q([LRS]?)([0-9]+)[ \t]*=[ \t]*")
+PRESET = re.compile(rb"Q339[ \t]*=[ \t]*[+]?[ \t]*[0-9]+[ \t\r]*\Z")
+SIDE = re.compile(rb"[ \t]R(?:([0LR])(?![A-Z0-9.+-])|(?=[ \t\r]|\Z))")
+FAST = re.compile(rb"(?<![A-Z])F[ \t]*MAX\b")
+FEED = re.compile(rb"(?<![A-Z])F[ \t]*(?:AUTO\b|[+-]?Q[LR]?[0-9]+)")
+MACHINE = re.compile(rb"(?<![A-Z])M[ \t]*0*91(?![0-9])")
+TO_LIMIT = re.compile(
+    rb"(?<![A-Z])M[ \t]*0*140[ \t]+MB[ \t]*MAX\b(?:[ \t]*F[ \t]*(?:MAX|[0-9.]+))?"
+)
+USED = re.compile(rb"(?<![A-Z])(?:I?[XYZABCUVW]|R|T)[ \t]*[+-]?[ \t]*Q[LR]?[0-9]+")
+SPEED = re.compile(rb"(?<![A-Z])S[ \t]*[+-]?Q[LR]?[0-9]+")
+STEP = re.compile(rb"(?<![A-Z])I([XYZABCUVW])(?=[ \t]*[-+.0-9])")
+AXIS = re.compile(rb"(?<![A-Z])[XYZABCUVW](?=[ \t]*[-+.0-9Q])|[\x90-\x9f]")
+TOOL = re.compile(
+    rb"TOOL[ \t]+CALL(?:[ \t]+(?:([0-9]+)(\.[0-9]+)?|(\"[^\"]*\")))?(?:[ \t]+([XYZ])\b)?"
+)
+DELTA = re.compile(rb"\bD(L|R2?)[ \t]*([+-]?(?:[0-9.]+|Q[LR]?[0-9]+))?")
+CYCLE = re.compile(rb"CYCL[ \t]+DEF[ \t]+([0-9]+)(?:\.([0-9]+))?")
+VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
+MOVES_AT_ONCE = (220, 221, 224, 238, 239)
+TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
+CYLINDERS = (27, 28, 29, 39)
+ZERO = b"G52X0Y0Z0"
+
+
+def respelled(code: bytes) -> bytes:
+    """A text without comments, byte for byte as long, as words that the lexer reads."""
+    return b"\n".join([_line(line) for line in code.split(b"\n")])
+
+
+def _line(line: bytes) -> bytes:
+    if not line or line.isspace():
+        return line
+    head = HEAD.match(line)
+    assert head is not None
+    begin = head.end()
+    lead = (head[1] or b"").rjust(head.end(1) if head[1] else 0).ljust(begin)
+    rest = line[begin:]
+    if rest[:2] in (b"L ", b"L\t"):
+        return lead + _straight(rest)
+    upper = rest.upper()
+    word = WORD.match(upper)
+    if word is None:
+        return lead + rest
+    if word[0].endswith(b"="):
+        return lead + _parameter(upper)
+    of = STATEMENTS.get(word[0])
+    return lead + (rest if of is None else of(upper).ljust(len(rest)))
+
+
+def _macro(text: bytes, why: str) -> bytes:
+    """The whole line as one word."""
+    return (bytes([MACRO]) + b"%d" % REASON[why]).ljust(len(text))
+
+
+def _blank(text: bytes) -> bytes:
+    return b" " * len(text)
+
+
+def _filled(new: bytes, match: re.Match[bytes]) -> bytes:
+    return new.ljust(len(match[0]))
+
+
+def _words(text: bytes) -> tuple[bytes, bool]:
+    """The words of a line without its statement, and whether FMAX stood among them."""
+    if b"M" in text:
+        limit = b"G30" + bytes([BARE + AXES.index("Z")])
+        text = TO_LIMIT.sub(lambda m: _filled(limit, m), text)
+        text = MACHINE.sub(lambda m: _filled(b"G53", m), text)
+    if b"Q" in text:
+        text = SPEED.sub(lambda m: _blank(m[0]), text)
+    fast = FAST.search(text) is not None
+    if fast:
+        text = FAST.sub(lambda m: b" " * len(m[0]), text)
+    elif b"F" in text:
+        text = FEED.sub(lambda m: _filled(bytes([UNTOLD]), m), text)
+    if b"I" in text:
+        text = STEP.sub(lambda m: bytes([RELATIVE + AXES.index(m[1].decode()), 0x20]), text)
+    return text, fast
+
+
+def _straight(text: bytes) -> bytes:
+    """L X+10 IY-5 R0 FMAX M3."""
+    if b"Q" in text and USED.search(text):
+        return _macro(text, VALUES)
+    body, fast = _words(text[1:])
+    if b"R" in body:
+        body = SIDE.sub(_side, body)
+    if AXIS.search(body) is None:
+        return b" " + body
+    # the blank before RL and its kin is the first byte of a code
+    return (b"G0" if fast else b"G1") + body[1:]
+
+
+def _side(match: re.Match[bytes]) -> bytes:
+    """R0 RL RR, with the blank before; R alone says that nothing changes."""
+    code = {b"0": b"G40", b"L": b"G41", b"R": b"G42"}.get(match[1] or b"", b"")
+    return _filled(code, match)
+
+
+def _parameter(text: bytes) -> bytes:
+    """Q1=+5: it moves nothing, and who uses it is asked there; Q339 of cycle 247 is the preset."""
+    if PRESET.match(text):
+        number = VALUE.findall(text.partition(b"=")[2])
+        return (b"G247P" + number[0].lstrip(b"+")).ljust(len(text))
+    return _blank(text)
+
+
+def _tool(text: bytes) -> bytes:
+    match = TOOL.match(text)
+    if match is None:
+        return _blank(text)  # TOOL DEF
+    rest = text[match.end() :]
+    for delta in DELTA.finditer(rest):
+        value = VALUE.fullmatch((delta[2] or b"0").rstrip(b"."))
+        if value is None and delta[1] == b"L":
+            return _macro(text, VALUES)
+        if delta[1] == b"L" and value and match[1] is None and float(value[0]):
+            return _macro(text, LONGER)
+    if match[4] not in (None, b"Z"):
+        return _macro(text, ALONG)
+    rest, _ = _words(DELTA.sub(_longer, rest))
+    head = b""
+    if match[1] is not None:
+        head = b"T".rjust(match.start(1)) + match[1]
+    elif match[3] is not None:
+        head = b"T9999".rjust(match.end(3))
+    return head.ljust(match.end()) + rest
+
+
+def _longer(match: re.Match[bytes]) -> bytes:
+    """DL+0.1 is Q; DR and DR2 are of the radius."""
+    if match[1] != b"L" or match[2] is None:
+        return _blank(match[0])
+    return b"Q".ljust(match.start(2) - match.start()) + match[2]
+
+
+def _cycle(text: bytes) -> bytes:
+    """A definition moves nothing by itself, but for a few."""
+    match = CYCLE.match(text)
+    if match is None:  # CYCL CALL
+        return _macro(text, EXPAND_PATH)
+    number, part, rest = int(match[1]), match[2], text[match.end() :]
+    if number == 247:
+        return ZERO.ljust(len(text))
+    if number == 7 and part not in (None, b"0"):
+        return _shift(text, match.end())
+    if number == 12:
+        return _macro(text, codes.CALL)
+    if number in MOVES_AT_ONCE or 400 <= number < 500:
+        return _macro(text, codes.WRITE_OUT)
+    if number in CYLINDERS:
+        return _macro(text, codes.TRANSFORM)
+    if number in TURNS and part not in (None, b"0") and rest.strip():
+        return _turned(text, number, rest)
+    return _blank(text)
+
+
+def _turned(text: bytes, number: int, rest: bytes) -> bytes:
+    """What brings a rotation, a scale, a mirror or a plane back to nothing passes."""
+    values = [float(v) for v in VALUE.findall(rest)]
+    nothing = TURNS[number]
+    if nothing and values and all(v == float(nothing) for v in values):
+        return _blank(text)
+    return _macro(text, codes.TILTED if number == 19 else codes.UNTURNED)
+
+
+def _shift(text: bytes, begin: int) -> bytes:
+    """The words behind cycle 7 or TRANS DATUM AXIS."""
+    rest = text[begin:]
+    if b"#" in rest:
+        return _macro(text, DATUM)
+    if USED.search(rest):
+        return _macro(text, VALUES)
+    if STEP.search(rest):
+        return _macro(text, SUM)
+    return b"G52".ljust(begin) + rest if AXIS.search(rest) else _blank(text)
+
+
+def _datum(text: bytes) -> bytes:
+    match = re.match(rb"TRANS[ \t]+DATUM[ \t]+(AXIS|RESET)\b", text)
+    if match is None:
+        return _macro(text, DATUM)
+    return ZERO.ljust(len(text)) if match[1] == b"RESET" else _shift(text, match.end())
+
+
+def _plane(text: bytes) -> bytes:
+    if re.match(rb"PLANE[ \t]+RESET\b", text) and b"MOVE" not in text:
+        # TURN takes rotary axes to zero
+        return _blank(text) if b"TURN" not in text else bytes([MACRO]).ljust(len(text))
+    return _macro(text, codes.TILTED)
+
+
+def _function(text: bytes) -> bytes:
+    if re.match(rb"FUNCTION[ \t]+(?:RESET[ \t]+TCPM|MODE[ \t]+MILL|TCPM[ \t]+RESET)\b", text):
+        return _blank(text)
+    return _macro(text, codes.TOOL_POINT if b"TCPM" in text else SETS)
+
+
+def _fn(text: bytes) -> bytes:
+    """FN 0 to 8 calculate, 9 to 12 jump, 14 to 38 write, print and wait."""
+    number = re.match(rb"FN[ \t]*([0-9]+)", text)
+    if number is None:
+        return text
+    if 9 <= int(number[1]) <= 12:
+        return _macro(text, codes.CALL)
+    return _macro(text, SETS) if number[1] in (b"17", b"25") else _blank(text)
+
+
+def _begin(text: bytes) -> bytes:
+    return b"G20" if re.search(rb"[ \t]INCH[ \t\r]*\Z", text) else b"G21"
+
+
+def _named(why: str) -> Callable[[bytes], bytes]:
+    return lambda text: _macro(text, why)
+
+
+def _stop(text: bytes) -> bytes:
+    return b"M0  " + _words(text[4:])[0]
+
+
+STATEMENTS: dict[bytes, Callable[[bytes], bytes]] = {
+    **dict.fromkeys((b"END", b"BLK", b"*", b"LBL", b"CC", b"PATTERN", b"POS"), _blank),
+    **dict.fromkeys((b"C", b"CR", b"CT", b"CP", b"LP", b"CTP"), _named(EXPAND_PATH)),
+    **dict.fromkeys(
+        (b"RND", b"CHF", b"APPR", b"DEP", b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
+        _named(codes.WRITE_OUT),
+    ),
+    b"SPL": _named(codes.CURVE),
+    b"CALL": _named(codes.CALL),
+    b"TCH": _named(codes.PROBE),
+    b"BEGIN": _begin,
+    b"TOOL": _tool,
+    b"CYCL": _cycle,
+    b"TRANS": _datum,
+    b"PLANE": _plane,
+    b"FUNCTION": _function,
+    b"FN": _fn,
+    b"STOP": _stop,
+    b"M": lambda text: _words(text)[0],
+}

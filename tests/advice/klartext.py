@@ -1,0 +1,43 @@
+"""Sentences of Heidenhain Klartext: labels, parameters, arcs, drilling."""
+
+from __future__ import annotations
+
+from tests.advice.follow import WRITE, Case
+
+
+def klartext(before: str, after: str, then: str = "", **options) -> Case:
+    head = "BEGIN PGM A MM|L X+0 Y+0 Z+5 R0 FMAX|"
+    return Case("heidenhain", head + before, head + after, then, how={**WRITE, **options})
+
+
+def cycle(data: str, number: int = 200, call: str = "L X+5 FMAX M99", feed: str = "F500") -> str:
+    values = "".join(f" ~|{q}" for q in data.split())
+    return f"L Z+5 {feed}|CYCL DEF {number} HOLE{values}|{call}|L X+9"
+
+
+DRILL = "Q200=+2 Q201=-5 Q206=+90 Q202=+3 Q203=+0"
+POLE = "CC X+5 Y+0|"
+RIGHT = POLE + "C X+10 Y+0 DR+ F99"
+ALL = [
+    klartext("C X+10 Y+0 DR+ F99", RIGHT),
+    klartext(POLE + "C X+12 Y+0 DR+ F99", RIGHT),
+    klartext(POLE + "C X+10 Y+0 F99", RIGHT),
+    klartext(POLE + "C X+10 Y+0 Z+1 DR+ F99", POLE + "CP IPA+180 Z+1 DR+ F99"),
+    klartext(POLE + "CP IPA-90 DR+ F99", POLE + "CP IPA-90 DR- F99"),
+    klartext(POLE + "CP PR+5 IPA+90 DR+ F99", POLE + "CP IPA+90 DR+ F99"),
+    klartext("L X+1 F99|CT X+10 Y+3", "L X+1 F99|CR X+10 Y+3 R+9 DR+"),
+    klartext("CC X+5 Z+0|" + RIGHT, RIGHT),
+    klartext(cycle(DRILL, 252), "L Z-5 F99|L Z+5 FMAX"),
+    klartext(cycle(DRILL + " Q395=+1"), "L Z-5 F99|L Z+5 FMAX"),
+    klartext(cycle(DRILL.replace("Q201=-5", "Q201=+5")), "L Z-5 F99|L Z+5 FMAX"),
+    klartext(cycle(DRILL.replace("Q206=+90", "")), "L Z-5 F99|L Z+5 FMAX"),
+    klartext(cycle(DRILL.replace("Q203=+0", "")), "L Z-5 F99|L Z+5 FMAX"),
+    klartext(cycle(DRILL.replace("Q202=+3", "Q202=+0.0001")), cycle(DRILL)),
+    klartext(cycle(DRILL, feed="FMAX"), cycle(DRILL)),
+    klartext("CALL LBL 1", "LBL 1|L X+1 F9|CALL LBL 1 REP 2"),
+    klartext("LBL 1|L X+1 F9|LBL 1", "LBL 1|L X+1 F9|LBL 2"),
+    klartext("LBL 1|CALL LBL 1", "LBL 1|L X+1 F9"),
+    klartext("L X+Q1 F9", "Q1 = 5|L X+Q1 F9"),
+    klartext("FN 9: IF +Q1 EQU +1 GOTO LBL 1|LBL 1", "Q1 = 1|FN 9: IF +Q1 EQU +1 GOTO LBL 1|LBL 1"),
+    klartext("CALL PGM C", "CALL PGM B", library={"B.H": "L X+5 F9"}),
+]

@@ -1,0 +1,174 @@
+"""Heidenhain Klartext in place: what its statements are read as, and that any cut of a program,
+corrected, gives the same bytes and keeps the tolerance.
+
+By hand from HEIDENHAIN's TNC 640 and iTNC 530 user's manuals, Klartext programming.
+"""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+
+import pytest
+
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.nc import dialects
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.klartext import respelled
+from postproc.nc.lexer import lex
+from postproc.nc.state import Setup
+from postproc.units import TICKS_PER_MM
+from postproc.verify import Verifier
+from tests.small_machines import write_mill
+
+ROOT = Path(__file__).resolve().parents[1]
+DIALECT = dialects.load("heidenhain")
+SETUP = Setup(
+    axes=("X", "Y", "Z"),
+    least_increment=dict.fromkeys("XYZ", 1e-4),
+    start=dict.fromkeys("XYZ", 0.0),
+    offsets={"G54": {}, "T1": {}, "T5": {"Z": 50.0}, "G247 P2": {"X": 100.0}},
+)
+PART = """0 BEGIN PGM PART MM
+1 BLK FORM 0.1 Z X+0 Y+0 Z-40
+2 BLK FORM 0.2 X+100 Y+100 Z+0
+3 * - SLOT
+4 TOOL CALL 5 Z S3000 F500 DL+0.1 DR-0.05
+5 L M140 MB MAX
+6 L X+10 Y+5 R0 FMAX M3
+7 L Z-20 FMAX M8
+8 CYCL DEF 32.0 TOLERANCE
+9 CYCL DEF 32.1 T0.01
+10 L Z-80 F200
+11 L X+150 Y-3.5
+12 L IX-50.25 IZ+10 F AUTO M9
+/ 13 L Y+40
+14 CYCL DEF 7.0 DATUM SHIFT
+15 CYCL DEF 7.1 X+5
+16 L X+0 Y+0 Z-60 FMAX
+17 TRANS DATUM RESET
+18 L X+20 ; a remark, (L X+500)
+19 L Z-1 R0 FMAX M91
+20 L X+100 M30
+21 END PGM PART MM
+"""
+
+
+def follow(text: str):
+    """Ends of the motions (mm, machine coordinates), and why they can not be followed."""
+    interpreter = Interpreter(DIALECT, SETUP)
+    words = lex(text.replace("|", "\n").encode() + b"\n", DIALECT.grammar, False)
+    assert words.fault is None, words.fault
+    motions, _, _ = interpreter.run(words, interpreter.initial())
+    ends = (motions.target.T / TICKS_PER_MM).round(9).tolist()
+    return ends, [" ".join(motions.reasons[r]).strip() for r in motions.reason]
+
+
+def corrected(folder: Path, text: bytes, cuts: list[int]) -> tuple[bytes, Verifier]:
+    machine = read_machine(folder)
+    offsets = {"G54": {"X": 10.0}, "T5": {"Z": 50.0}}
+    filter_ = Filter(machine, DIALECT, setup_of(machine, offsets=offsets, block_delete=False))
+    verifier = Verifier(filter_)
+    edges = [0, *sorted(cuts), len(text)]
+    out = b"".join(filter_.feed(text[a:b]) for a, b in zip(edges, edges[1:], strict=False))
+    return out + filter_.finish(), verifier
+
+
+def test_statements_are_words_of_the_same_length():
+    code = respelled(PART.encode())
+    assert len(code) == len(PART)
+    assert [len(a) for a in code.split(b"\n")] == [len(a) for a in PART.encode().split(b"\n")]
+
+
+@pytest.mark.parametrize(
+    ("text", "ends"),
+    [
+        ("L X+10 Y-5 Z+2 R0 F100 M3", [[10, -5, 2]]),
+        ("7 L X10 FMAX|8 L IX-4 IY+.5 F200", [[10, 0, 0], [6, 0.5, 0]]),
+        ("TOOL CALL 5 Z S100|L Z+1 FMAX", [[0, 0, 51]]),
+        ("TOOL CALL 5 Z S100 DL+0.25 DR-1|L Z+1 FMAX", [[0, 0, 51.25]]),
+        ("TOOL CALL 5 Z S100 DL+0.25|TOOL CALL 1 Z|L Z+1 FMAX", [[0, 0, 1]]),
+        ("TOOL CALL 5 Z|L Z+1|L Z-2 R0 FMAX M91|L Z+3", [[0, 0, 51], [0, 0, -2], [0, 0, 53]]),
+        ("BEGIN PGM A INCH|L X+1 FMAX", [[25.4, 0, 0]]),
+        ("CYCL DEF 7.0 DATUM|CYCL DEF 7.1 X+5|CYCL DEF 7.2 Y+1|L X+1 Y+1", [[6, 2, 0]]),
+        ("TRANS DATUM AXIS X+5 Z-1|L X+1 Z+1|TRANS DATUM RESET|L X+1", [[6, 0, 0], [1, 0, 0]]),
+        ("CYCL DEF 247 PRESET ~|  Q339=+2 ;NUMBER|L X+1 Y+1", [[101, 1, 0]]),
+        ("CYCL DEF 10.0 ROT|CYCL DEF 10.1 ROT+0|CYCL DEF 11.1 SCL 1|L X+1", [[1, 0, 0]]),
+        ("FN 0: Q5 = +3|Q6 = Q5 * 2|LBL 1|L X+1 FQ5|LBL 0", [[1, 0, 0]]),
+        ("PLANE RESET STAY|FUNCTION RESET TCPM|M129|L X+1", [[1, 0, 0]]),
+        ("STOP M8|M126|L M3|L X+1 R FMAX", [[1, 0, 0]]),
+        ("TOOL CALL 5 Z SQ3 FQ4|L X+1", [[1, 0, 0]]),
+    ],
+)
+def test_places(text, ends):
+    found, reasons = follow(text)
+    assert found == ends
+    assert not any(reasons)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("C X+5 Y+5 DR-", "--expand"),
+        ("CP IPA+90 DR+", "--expand"),
+        ("CALL LBL 5", "--expand"),
+        ("CYCL CALL M3", "--expand"),
+        ("L X+2 FMAX M99", "--expand"),
+        ("FN 9: IF +Q1 EQU +2 GOTO LBL 1", "--expand"),
+        ("CYCL DEF 7.1 IX+5", "--expand"),
+        ("CYCL DEF 7.1 #3", "datum"),
+        ("CYCL DEF 10.1 ROT+35", "turns"),
+        ("CYCL DEF 8.1 X", "mirrors"),
+        ("CYCL DEF 19.1 A+20 C+0", "tilted"),
+        ("PLANE SPATIAL SPA+10 SPB+0 SPC+0 TURN", "tilted"),
+        ("CYCL DEF 220 POLAR PATTERN ~", "the control's own"),
+        ("TCH PROBE 411 DATUM ~", "measuring"),
+        ("RND R5", "the control's own"),
+        ("FUNCTION TCPM F TCP", "swings"),
+        ("TOOL CALL 5 Y S100", "tool axis"),
+        ("TOOL CALL S100 DL+1", "DL"),
+        ("TOOL CALL 5 Z DL+Q3", "--expand"),
+        ("L X+Q3 FMAX", "--expand"),
+        ("CYCL DEF 7.1 X+Q3", "--expand"),
+    ],
+)
+def test_what_moves_otherwise_is_refused_by_name(text, said):
+    _, reasons = follow(f"L X+1|{text}|L X+9 Y+9 Z+9|L X+9.5")
+    assert said in " ".join(reasons)
+    assert text.split()[0] in " ".join(reasons) or "M99" in text
+
+
+@pytest.mark.parametrize("two_way", [False, True])
+def test_any_cut_gives_the_same_bytes_and_keeps_the_tolerance(tmp_path, two_way):
+    folder, text = write_mill(tmp_path / "mill", two_way), PART.encode()
+    whole, verifier = corrected(folder, text, [])
+    assert verifier.passed, verifier.report()
+    rng = random.Random(5)
+    for _ in range(20):
+        cuts = [rng.randrange(len(text)) for _ in range(rng.randint(1, 9))]
+        assert corrected(folder, text, cuts)[0] == whole
+    by_line = [m.end() for m in re.finditer(rb"\n", text)]
+    assert corrected(folder, text, by_line)[0] == whole
+
+
+def test_new_blocks_are_statements(tmp_path):
+    """L, a sign before every number, FMAX for rapids; M9 at the last piece."""
+    out = corrected(write_mill(tmp_path / "mill", True), PART.encode(), [])[0].decode()
+    added = [line for line in out.split("\n") if re.match("/? ?L", line)]
+    assert len(added) > 3
+    for line in added:
+        assert re.fullmatch(r"(/ )?L( [XYZ][-+]\d+\.\d+)+( FMAX)?( M9| M30)?", line), line
+    assert not re.search(r"[XYZ]\d", "\n".join(out.split("\n")[3:])), "a number without its sign"
+    assert "19 L Z-1 R0 FMAX M91" in out
+    pieces = out[out.index("12 L") : out.index("/ 13")]
+    assert pieces.count("M9") == 1
+    assert pieces.rstrip().endswith("M9")
+
+
+def test_nothing_changes_on_a_machine_without_errors():
+    machine = read_machine(ROOT / "machines" / "perfect")
+    offsets = {"G54": {}, "T5": {"Z": 50.0}}
+    filter_ = Filter(machine, DIALECT, setup_of(machine, offsets=offsets))
+    assert filter_.feed(PART.encode()) + filter_.finish() == PART.encode()
