@@ -10,13 +10,18 @@ from postproc.nc.numbers import decimal_cells
 from postproc.nc.splice import Splice
 
 
-@given(st.lists(st.integers(-(10**15), 10**15), min_size=1, max_size=20), st.integers(1, 9))
-def test_numbers_are_written_exactly(values, decimals):
-    cells, begin = decimal_cells(np.array(values), decimals)
+@given(
+    st.lists(st.integers(-(10**15), 10**15), min_size=1, max_size=20),
+    st.integers(1, 9),
+    st.integers(0, 6),
+)
+def test_numbers_are_written_exactly(values, decimals, room):
+    cells, begin, end = decimal_cells(np.array(values), decimals, room)
     for value, cell, b in zip(values, cells, begin, strict=True):
+        assert b >= room
         digits = f"{abs(value):0{decimals + 1}d}"
         assert (
-            cell[b:].tobytes().decode()
+            cell[b:end].tobytes().decode()
             == ("-" if value < 0 else "") + digits[:-decimals] + "." + digits[-decimals:]
         )
 

@@ -16,7 +16,7 @@ import numpy as np
 from postproc.motions import FOREIGN, Motions
 from postproc.nc.added_blocks import frames_of_blocks, late_codes
 from postproc.nc.centres import centre_words
-from postproc.nc.columns import begins
+from postproc.nc.columns import begins, cells
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.feeds import GROUPS, kept_feeds, states_feed
@@ -225,17 +225,22 @@ class Batch:
 
     def value(self, row: int | np.ndarray, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""
-        return counts(self._ticks(row, piece), self.m.scale[row, self.p.motion[piece]], decimals)
+        return counts(
+            self._ticks(row, piece), cells(self.m.scale, row, self.p.motion[piece]), decimals
+        )
 
     def _ticks(self, row: int | np.ndarray, piece: np.ndarray) -> np.ndarray:
         """(K,) what the axis word of pieces is worth."""
         m, p = self.m, self.p
         motion = p.motion[piece]
+        absolute = cells(p.end, row, piece) - cells(m.origin, row, motion)
+        if not self.told and not m.incremental.any():
+            return absolute
         incremental = m.incremental[row, motion]
         if self.told:  # X=IC() holds for its own word; blocks put in follow G90 G91
             by_letter = self._by_letter(row, motion) & ~self.first[piece]
             incremental = np.where(by_letter, m.relative[motion], incremental)
-        return p.end[row, piece] - np.where(incremental, p.start[row, piece], m.origin[row, motion])
+        return np.where(incremental, p.end[row, piece] - p.start[row, piece], absolute)
 
     def _by_letter(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
         """(K,) bool: words whose own spelling says whether they are absolute."""
@@ -250,9 +255,9 @@ class Batch:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has
         more."""
         m, w = self.m, self.w
-        word = m.word[row, motion]
+        word, places = cells(m.word, row, motion), cells(m.places, row, motion)
         own = np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0) if len(w.decimals) else 0
-        return np.minimum(np.maximum(m.places[row, motion], own), MOST_DECIMALS)
+        return np.minimum(np.maximum(places, own), MOST_DECIMALS)
 
     def _enough(self, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) as many decimals as new words need: more than the least increment's where the
@@ -291,7 +296,7 @@ class Batch:
 
     def _rewrite(self, row: np.ndarray, motion: np.ndarray) -> None:
         """Change the numbers of words (K,) that stand in the text."""
-        word = self.m.word[row, motion]
+        word = cells(self.m.word, row, motion)
         decimals = self.decimals(row, motion)
         value = self.value(row, self.first.nonzero()[0][motion], decimals)
         differs = value != self._stands(word, decimals)

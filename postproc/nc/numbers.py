@@ -8,40 +8,49 @@ MOST_DECIMALS = 9
 INSERT_WORD = 100  # rank of words put in behind a block's last one
 POWERS = 10 ** np.arange(19)
 
-_FOUR = (np.arange(10000)[:, None] // POWERS[3::-1] % 10 + ord("0")).astype(np.uint8)
+# Four characters of text as one integer each: 0000 to 9999, and 000. to 999.
+_DIGITS = np.frombuffer(b"".join(b"%04d" % n for n in range(10000)), np.uint32)
+_POINTED = np.frombuffer(b"".join(b"%03d." % n for n in range(1000)), np.uint32)
 
 
-def decimal_cells(value: np.ndarray, decimals: int, room: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """(T, W) uint8 cells holding value / 10**decimals, right-aligned, and (T,) where each text
-    begins in its cell.
+def decimal_cells(
+    value: np.ndarray, decimals: int, room: int = 0
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """(T, W) uint8 cells holding value / 10**decimals, (T,) where each text begins in its cell, and
+    where all of them end.
 
     value (T,) int64. Always with a decimal point, never with a plus sign; minus zero does not
     occur. `room`: columns kept free at the left.
     """
     size = np.abs(value)
-    most = max(len(str(size.max(initial=0))), decimals + 1)
-    groups = -(-most // 4)
-    digit = np.empty((len(value), 4 * groups), np.uint8)
-    rest = size
-    for g in range(groups - 1, -1, -1):
-        high = rest // 10000
-        digit[:, 4 * g : 4 * g + 4] = _FOUR[rest - high * 10000]
-        rest = high
-    width = room + 2 + 4 * groups
+    whole = size // POWERS[decimals]
+    part = size - whole * POWERS[decimals]
+    most = len(str(whole.max(initial=0)))
+    left, behind = max(-(-(most - 3) // 4), 0), -(-decimals // 4)
+    middle = -(-(room + 1) // 4) + left  # the column with the point
+    cell = np.zeros((len(value), middle + 1 + behind), np.uint32)
+    high = whole // 1000
+    cell[:, middle] = _POINTED.take(whole - high * 1000)
+    _fill(cell, range(middle - 1, middle - 1 - left, -1), high)
+    _fill(cell, range(middle + behind, middle, -1), part * POWERS[4 * behind - decimals])
     begin = np.empty(len(value), np.int64)
-    begin.fill(width - 2 - decimals)
-    for k in range(decimals + 1, most):
-        begin -= size >= 10**k
-    cell = np.zeros((len(value), width), np.uint8)
-    whole = 4 * groups - decimals
-    cell[:, width - decimals :] = digit[:, whole:]
-    cell[:, width - decimals - 1] = ord(".")
-    cell[:, width - decimals - 1 - whole : width - decimals - 1] = digit[:, :whole]
+    begin.fill(4 * middle + 2)
+    for k in range(1, most):
+        begin -= whole >= POWERS[k]
+    text = cell.view(np.uint8)
     negative = (value < 0).nonzero()[0]
     if len(negative):
         begin[negative] -= 1
-        cell[negative, begin[negative]] = ord("-")
-    return cell, begin
+        text[negative, begin[negative]] = ord("-")
+    return text, begin, 4 * middle + 4 + decimals
+
+
+def _fill(cell: np.ndarray, columns: range, rest: np.ndarray) -> None:
+    """Four digits of (T,) numbers to each of the columns, from the right."""
+    for column in columns:
+        high = rest // 10000
+        cell[:, column] = _DIGITS.take(rest - high * 10000)
+        rest = high
 
 
 def counts(

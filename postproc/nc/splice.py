@@ -40,19 +40,19 @@ class Splice:
     ) -> None:
         """value / 10**decimals at each of (T,) places, after `prefix` (T, k) uint8, whose zeros are
         left out."""
-        for d in np.bincount(decimals).nonzero()[0].tolist():
-            of = (decimals == d).nonzero()[0]
+        few = np.bincount(decimals).nonzero()[0].tolist()
+        for d in few:
+            of = slice(None) if len(few) == 1 else (decimals == d).nonzero()[0]
             room = 0 if prefix is None else prefix.shape[1]
-            cell, begin = decimal_cells(value[of], int(d), room)
+            cell, begin, end = decimal_cells(value[of], d, room)
             if prefix is not None:
                 for k in range(room - 1, -1, -1):
                     mark = prefix[of, k]
                     some = mark.nonzero()[0]
                     begin[some] -= 1
                     cell[some, begin[some]] = mark[some]
-            width = cell.shape[1]
-            at = np.arange(len(of)) * width + begin
-            self._add(cell.tobytes(), start[of], stop[of], rank[of], at, width - begin)
+            at = np.arange(len(begin)) * cell.shape[1] + begin
+            self._add(cell.tobytes(), start[of], stop[of], rank[of], at, end - begin)
 
     def _add(self, text: bytes, start, stop, rank, at, size) -> None:
         self._edits.append(
