@@ -46,15 +46,19 @@ def initial(axes: int) -> Sides:
 def scan(low: np.ndarray, high: np.ndarray, carry: np.ndarray) -> np.ndarray:
     """(A, S) a state (A,) clamped into low .. high (A, S), ticks, one after the other.
 
-    Composed in pairs, pairs of pairs and so on (Hillis and Steele 1986); whole numbers, so any cut
-    gives the same.
+    Composed in pairs, pairs of pairs and so on (Hillis and Steele 1986), until each leaves one
+    place alone; whole numbers, so any cut gives the same.
     """
-    low, high, width = low.copy(), high.copy(), 1
-    while width < low.shape[1]:
-        least, most = low[:, width:], high[:, width:]
-        pair = [np.minimum(np.maximum(end[:, :-width], least), most) for end in (low, high)]
-        low[:, width:], high[:, width:] = pair
-        width *= 2
+    low, high = low.copy(), high.copy()
+    for least, most in zip(low, high, strict=True):
+        width = 1
+        while width < len(least) and np.count_nonzero(least[width:] < most[width:]):
+            at = slice(width, None)
+            pair = [
+                np.minimum(np.maximum(end[:-width], least[at]), most[at]) for end in (least, most)
+            ]
+            least[at], most[at] = pair
+            width *= 2
     return np.minimum(np.maximum(carry[:, None], low), high)
 
 
@@ -86,8 +90,8 @@ def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.nda
     if np.count_nonzero(given) == value.size:
         return value
     last = np.maximum.accumulate(np.where(given, np.arange(value.shape[1]), -1), axis=1)
-    row = np.arange(len(value))[:, None]
-    return np.where(last >= 0, value[row, np.maximum(last, 0)], carry[:, None])
+    first = np.arange(0, value.size, value.shape[1])[:, None]  # of each row
+    return np.where(last >= 0, value.take(np.maximum(last, 0) + first), carry[:, None])
 
 
 def ramp(

@@ -112,12 +112,22 @@ class Course:
             result[:, at] = np.where(b.told[:, at], found, b.end_nominal[:, at])
         return result
 
-    def wanted(self, side: np.ndarray, exact: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def wanted(
+        self,
+        side: np.ndarray,
+        exact: np.ndarray,
+        known: tuple[np.ndarray, np.ndarray] | None = None,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each
-        stroke, which is the command without their own lost motion. Where no axis changes its side,
-        or all of them can not move one another, the begin is the end before, and not looked at, but
-        for where nothing was corrected before; nor is it in rapids, which take nothing up."""
-        end = self._without_play(side, exact)
+        stroke, which is the command without their own lost motion; known: other sides and their
+        ends. Where no axis changes its side, or all of them can not move one another, the begin is
+        the end before, and not looked at, but for where nothing was corrected before; nor is it in
+        rapids, which take nothing up."""
+        if known is None:
+            end = self._without_play(side, exact)
+        else:
+            end, at = known[1].copy(), (known[0] != side).any(axis=0).nonzero()[0]
+            end[:, at] = self._without_play(side[:, at], exact[:, at])
         turned = ~self.b.sure
         if self.couples:
             turned = turned | (side != self.before(side, self.carry.side)).any(axis=0)
@@ -176,8 +186,8 @@ class Course:
         while not done:
             led = self.nominal(self.before(side, self.carry.side))
             for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
-                known = (led, self.commands(led, known))
-                place = self.wanted(*known)
+                before, known = known, (led, self.commands(led, known))
+                place = self.wanted(*known, (before[0], place[1]))
                 last, led = led, self.once(place, side, middle)
                 if (led == last).all():
                     break
