@@ -221,7 +221,7 @@ class Motions:
     def part(self, first: int, stop: int) -> Motions:
         """Motions first to stop - 1 alone; blocks and words keep their numbers. Presets and
         spells are left out."""
-        columns = {name: getattr(self, name)[..., first:stop] for name in _COLUMNS}
+        columns = {name: getattr(self, name)[..., first:stop] for name in _COLUMNS[Motions]}
         tables = {}
         for name in ("arcs", "holes"):
             table = getattr(self, name)
@@ -238,51 +238,41 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
     """One table of several, whose blocks and words begin at these numbers."""
     if len(parts) == 1 and not blocks[0] and not words[0]:
         return parts[0]
-    begin = np.concatenate([[0], np.cumsum([len(p) for p in parts])])
+    begin = 0
     reasons: list[tuple[str, str]] = [("", "")]
     spaces: list[Space | None] = [None]
-    columns: dict[str, list[np.ndarray]] = {}
-    arcs: dict[str, list[np.ndarray]] = {}
-    holes: dict[str, list[np.ndarray]] = {}
-    presets: dict[str, list[np.ndarray]] = {}
-    for k, part in enumerate(parts):
-        for name in _COLUMNS:
-            column = getattr(part, name)
-            if name == "block":
-                column = column + blocks[k]
-            elif name in ("word", "feed_word", "code_word"):
-                column = np.where(column >= 0, column + words[k], column)
-            elif name == "reason":
-                column = np.where(column > 0, column + len(reasons) - 1, 0)
-            elif name == "space":
-                column = np.where(column > 0, column + len(spaces) - 1, 0)
-            columns.setdefault(name, []).append(column)
+    columns: dict[tuple[type, str], list[np.ndarray]] = {}
+    for part, block, word in zip(parts, blocks, words, strict=True):
+        # what counts something, from which number on it does, and what came before this part
+        counts = {"block": (NEVER, block), "motion": (NEVER, begin)}
+        counts |= {"reason": (1, len(reasons) - 1), "space": (1, len(spaces) - 1)}
+        counts |= dict.fromkeys(("word", "feed_word", "code_word", "words"), (0, word))
+        for table in (part, part.arcs, part.holes, part.presets):
+            for name in _COLUMNS[type(table)]:
+                least, by = counts.get(name, (0, 0))
+                column = getattr(table, name)
+                if by:
+                    column = np.where(column >= least, column + by, column)
+                columns.setdefault((type(table), name), []).append(column)
+        begin += len(part)
         reasons += part.reasons[1:]
         spaces += part.spaces[1:]
-        tables = (
-            (part.arcs, arcs, "words"),
-            (part.holes, holes, "word"),
-            (part.presets, presets, "word"),
-        )
-        for table, into, index in tables:
-            for name in table.__dataclass_fields__:
-                column = getattr(table, name)
-                if name == "motion":
-                    column = column + begin[k]
-                elif name == index:
-                    column = np.where(column >= 0, column + words[k], column)
-                into.setdefault(name, []).append(column)
-    joined = {name: np.concatenate(c, axis=-1) for name, c in columns.items()}
+
+    def joined(kind: type) -> dict[str, np.ndarray]:
+        return {n: np.concatenate(c, axis=-1) for (k, n), c in columns.items() if k is kind}
+
     return Motions(
-        **joined, reasons=reasons, spaces=spaces, spells=no_spells(),
-        arcs=Arcs(**{name: np.concatenate(c, axis=-1) for name, c in arcs.items()}),
-        holes=Holes(**{name: np.concatenate(c) for name, c in holes.items()}),
-        presets=Presets(**{name: np.concatenate(c) for name, c in presets.items()}),
+        **joined(Motions), reasons=reasons, spaces=spaces, spells=no_spells(),
+        arcs=Arcs(**joined(Arcs)), holes=Holes(**joined(Holes)), presets=Presets(**joined(Presets)),
     )  # fmt: skip
 
 
-_COLUMNS = tuple(
-    name
-    for name in Motions.__dataclass_fields__
-    if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells")
-)
+NEVER = -(1 << 62)  # a number below all that a column counts
+_COLUMNS: dict[type, tuple[str, ...]] = {
+    kind: tuple(
+        name
+        for name in kind.__dataclass_fields__
+        if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells")
+    )
+    for kind in (Motions, Arcs, Holes, Presets)
+}

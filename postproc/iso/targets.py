@@ -20,6 +20,7 @@ from postproc.iso import (
     straightness,
 )
 from postproc.iso.assign import LINEAR, Motion
+from postproc.iso.lines import Line
 from postproc.iso.positioning import Positioning
 from postproc.iso.sampling import noise_of
 from postproc.iso.straightness import NAMES, Straightness
@@ -282,84 +283,59 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
 
 def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[Result]:
     """The squareness of every pair of axes of which each was read along the other."""
-    out = []
-    for (one, first), (two, second) in itertools.combinations(found, 2):
-        if (
-            one.axes != two.across
-            or two.axes != one.across
-            or one.axes not in LINEAR
-            or two.axes not in LINEAR
-        ):
-            continue
-        parts = []
-        for _, result in ((one, first), (two, second)):
-            lines: Straightness = result.detail
-            line = lines.lines[lines.best]
-            if line is None:
-                break
-            runs = straightness.from_runs(lines.kind, lines.test, lines.best)
-            parts.append((line.slope, runs[1] if runs else None, result, lines))
-        if len(parts) < 2:
-            continue
-        name, value = straightness.squareness(one.axes, two.axes, parts[0][0], parts[1][0])
-        terms = []
-        if options.budget.square is not None:
-            terms.append(
-                Term(
-                    "square",
-                    options.budget.square,
-                    frozenset([name]),
-                    "stated, of the square itself",
-                )
-            )
-        for _, _, result, lines in parts:
-            device = next((t for t in result.terms if t.name == "device"), None)
-            if device is not None:
-                terms.append(
-                    Term(
-                        f"device, {result.subject}",
-                        device.u / lines.test.length,
-                        frozenset([name]),
-                        "of the ends of the line",
-                    )
-                )
-        known = [p[1] for p in parts if p[1] is not None]
-        both = math.hypot(*known) if len(known) == 2 else None
-        parameter = combined(
-            Parameter(
-                name, value, "squareness, as a rotation about the third axis (ISO 841 signs)"
-            ),
-            tuple(terms),
-            both,
-        )
-        notices = [
-            "holds only if both runs were read against one and the same square or optical square"
-        ]
-        if options.budget.square is None:
-            notices.append("not in U, since not stated: the square's own error")
-        excess = -(parts[0][0] + parts[1][0]) / URAD
-        notices.append(
-            f"the angle between the {options.line} lines is 90 degrees {excess:+.1f} urad"
-        )
-        columns: dict[str, list] = {
-            "run": [p[2].subject for p in parts],
-            "slope urad": [p[0] / URAD for p in parts],
-        }
-        out.append(
-            Result(
-                "squareness",
-                "ISO 230-1",
-                name,
-                f"{first.subject} and {second.subject} are straightnesses of two axes, each read"
-                " along the other",
-                "urad",
-                (one.recording.file, two.recording.file),
-                (parameter,),
-                tuple(terms),
-                tuple(notices),
-                max(r.noise / t.test.length for _, _, r, t in parts),
-                columns,
-                None,
-            )
-        )
-    return out
+    linear = [(m, r) for m, r in found if m.axes in LINEAR and m.across in LINEAR]
+    return [
+        _square_of((one, two), (first, second), options)
+        for (one, first), (two, second) in itertools.combinations(linear, 2)
+        if one.axes == two.across
+        and two.axes == one.across
+        and None not in (_best(first), _best(second))
+    ]
+
+
+def _best(result: Result) -> Line | None:
+    """The line of a straightness that counts."""
+    lines: Straightness = result.detail
+    return lines.lines[lines.best]
+
+
+def _square_of(
+    motions: tuple[Motion, Motion], results: tuple[Result, Result], options: Options
+) -> Result:
+    """The squareness of two axes."""
+    slopes = [line.slope for r in results if (line := _best(r)) is not None]
+    lines = [r.detail for r in results]
+    runs = [straightness.from_runs(x.kind, x.test, x.best) for x in lines]
+    known = [r[1] for r in runs if r and r[1] is not None]
+    name, value = straightness.squareness(motions[0].axes, motions[1].axes, *slopes)
+    stated, of = options.budget.square, frozenset([name])
+    terms = [] if stated is None else [Term("square", stated, of, "stated, of the square itself")]
+    for result in results:
+        device = next((t for t in result.terms if t.name == "device"), None)
+        if device is not None:
+            u = device.u / result.detail.test.length
+            terms.append(Term(f"device, {result.subject}", u, of, "of the ends of the line"))
+    words = "squareness, as a rotation about the third axis (ISO 841 signs)"
+    both = math.hypot(*known) if len(known) == 2 else None
+    notices = [
+        "holds only if both runs were read against one and the same square or optical square"
+    ]
+    if stated is None:
+        notices.append("not in U, since not stated: the square's own error")
+    notices.append(
+        f"the angle between the {options.line} lines is 90 degrees {-sum(slopes) / URAD:+.1f} urad"
+    )
+    return Result(
+        "squareness",
+        "ISO 230-1",
+        name,
+        f"{results[0].subject} and {results[1].subject} are straightnesses of two axes, each read"
+        " along the other",
+        "urad",
+        (motions[0].recording.file, motions[1].recording.file),
+        (combined(Parameter(name, value, words), tuple(terms), both),),
+        tuple(terms),
+        tuple(notices),
+        max(r.noise / r.detail.test.length for r in results),
+        {"run": [r.subject for r in results], "slope urad": [s / URAD for s in slopes]},
+    )

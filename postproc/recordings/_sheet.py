@@ -3,7 +3,9 @@ columns are, its unit."""
 
 from __future__ import annotations
 
+import itertools
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from postproc.errors import Place, UsageError
@@ -103,20 +105,15 @@ def _headings(table: text.Table, top: int, width: int) -> tuple[list[str], int]:
     """A heading for each column: of the row above the table and, where it heads pairs of columns,
     of the one above that."""
     rows = [cells for _, cells in table.rows[max(0, top - 2) : top]]
-    if not rows or len([c for c in rows[-1] if c]) < 2:
+    if not rows or sum(map(bool, rows[-1])) < 2:
         return [""] * width, 0
-    lower = (rows[-1] + [""] * width)[:width]
-    if len(rows) == 1:
+    *upper, lower = ((cells + [""] * width)[:width] for cells in rows)
+    labels = [c for c in rows[0][1:] if c]
+    above = upper and len(rows[0]) > 2 and labels
+    if not above or not all(RUN.search(c) or _direction(c)[0] for c in labels):
         return lower, 1
-    upper = rows[0]
-    labels = [c for c in upper[1:] if c]
-    if len(upper) < 3 or not labels or not all(RUN.search(c) or _direction(c)[0] for c in labels):
-        return lower, 1
-    spread, last = [], ""
-    for j, cell in enumerate((upper + [""] * width)[:width]):
-        last = cell or (last if j else "")
-        spread.append(last if j else cell)
-    return [" ".join(x for x in (a, b) if x) for a, b in zip(spread, lower, strict=True)], 2
+    spread: Iterable[str] = itertools.accumulate(upper[0], lambda last, cell: cell or last)
+    return [" ".join(filter(None, pair)) for pair in zip(spread, lower, strict=True)], 2
 
 
 def _direction(title: str) -> tuple[int, bool]:
@@ -154,24 +151,15 @@ def value_of(pairs: list[tuple[str, str, int]], *names: str) -> str:
 def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
     """The unit that the headings of the readings agree on, or a line `Unit`. Raises RecordingError
     where they differ."""
-    said: dict[str, str] = {}
-    for column in sheet.columns:
-        unit = units.in_heading(column.title)
-        if unit:
-            said.setdefault(unit.name, column.title)
+    said = {u.name: c.title for c in reversed(sheet.columns) if (u := units.in_heading(c.title))}
     for key, value, _ in sheet.before:
+        unit, where = None, key
         if re.fullmatch(r"units?|einheit(en)?|deviations?|readings?", key, re.I):
-            unit = units.unit_of(value) or units.in_heading(value)
-            if unit:
-                said.setdefault(unit.name, f"{key}: {value}")
-        elif not said:
-            unit = (
-                units.in_heading(key)
-                if re.search(r"deviation|reading|error|abweichung", key, re.I)
-                else None
-            )
-            if unit:
-                said.setdefault(unit.name, key)
+            unit, where = units.unit_of(value) or units.in_heading(value), f"{key}: {value}"
+        elif not said and re.search(r"deviation|reading|error|abweichung", key, re.I):
+            unit = units.in_heading(key)
+        if unit:
+            said.setdefault(unit.name, where)
     if len(said) > 1:
         raise source.fault(
             sheet.line,
@@ -227,33 +215,33 @@ def cells(
     """
     found: list[tuple[Column, int, float, float]] = []
     faults: list[Fault] = []
-    widest = max([sheet.target, *(c.at for c in sheet.columns)])
-    for line, row in sheet.rows:
-        place = Place(source.name, line, table.delimiter.join(row))
-        target = text.number(row[sheet.target], table.decimal) if sheet.target < len(row) else None
+    width = max([sheet.target, *(c.at for c in sheet.columns)]) + 1
+    for line, cells in sheet.rows:
+        place = Place(source.name, line, table.delimiter.join(cells))
+        row = cells + [""] * (width - len(cells))
+        target = text.number(row[sheet.target], table.decimal)
         if target is None:
-            what = row[sheet.target] if sheet.target < len(row) else ""
-            raise RecordingError(f"the target {what!r} is not a number", "", place)
-        if len(row) > max(widest + 1, len(sheet.headings)) and any(row[len(sheet.headings) :]):
+            raise RecordingError(f"the target {row[sheet.target]!r} is not a number", "", place)
+        if len(cells) > max(width, len(sheet.headings)) and any(row[len(sheet.headings) :]):
             raise RecordingError(
-                f"this row has {len(row)} cells under {len(sheet.headings)} columns",
+                f"this row has {len(cells)} cells under {len(sheet.headings)} columns",
                 "a decimal comma in a table split at commas? Say --set decimal=, and split it at"
                 " semicolons",
                 place,
             )
         for column in sheet.columns:
-            cell = row[column.at] if column.at < len(row) else ""
+            cell = row[column.at]
             value = text.number(cell, table.decimal)
-            if value is None and cell and options.strict:
+            if value is not None:
+                found.append((column, line, target, value))
+                continue
+            if cell and options.strict:
                 raise RecordingError(
                     f"{cell!r} under {column.title!r} is not a number",
                     "mend it; --lenient leaves such readings out",
                     place,
                 )
-            if value is None:
-                faults.append(
-                    Fault(line, column.title, f"{cell!r} is not a number" if cell else MISSING)
-                )
-                continue
-            found.append((column, line, target, value))
+            faults.append(
+                Fault(line, column.title, f"{cell!r} is not a number" if cell else MISSING)
+            )
     return found, faults

@@ -86,21 +86,19 @@ def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
     """
     if told:
         return told, ""
-    comma = point = thousands = ""
+    first: dict[str, str] = {}
     for cell in cells:
         plain = cell.strip().replace("\u2212", "-")
         if COMMA.fullmatch(plain):
-            comma = comma or ("" if THOUSANDS.fullmatch(plain) else plain)
-            thousands = thousands or (plain if THOUSANDS.fullmatch(plain) else "")
+            first.setdefault("thousands" if THOUSANDS.fullmatch(plain) else "comma", plain)
         elif "." in plain and NUMBER.fullmatch(plain):
-            point = point or plain
-    if point and (comma or thousands):
-        raise ValueError(f"{comma or thousands} has a decimal comma and {point} a decimal point")
-    if comma:
-        return ",", ""
-    if thousands:
-        return ",", f"{thousands} is read as {thousands.replace(',', '.')}, with a decimal comma"
-    return ".", ""
+            first.setdefault("point", plain)
+    comma = first.get("comma", first.get("thousands"))
+    if comma and "point" in first:
+        raise ValueError(f"{comma} has a decimal comma and {first['point']} a decimal point")
+    if comma and "comma" not in first:
+        return ",", f"{comma} is read as {comma.replace(',', '.')}, with a decimal comma"
+    return ("," if comma else "."), ""
 
 
 def direction(text: str) -> tuple[int, bool] | None:
