@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import closing
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -297,31 +297,33 @@ CHOICES = {
 }
 
 
+# Setting to the option that it is, and its value made of the setting's.
+TAKEN: dict[str, tuple[str, Callable[[Any], Any]]] = {
+    "offsets": ("offset", lambda value: [_offset(key, place) for key, place in value.items()]),
+    "offset_files": ("offsets", lambda value: [str(path) for path in value]),
+    "library": ("library", lambda value: [str(path) for path in value]),
+    "temperatures": ("temperatures", str),
+    "block_delete": ("block_delete", lambda value: "on" if value else "off"),
+}
+
+
 def _options(settings: dict[str, Any], program: Any) -> argparse.Namespace:
     """What the command line would have made of the settings. Raises TypeError for a name that is
     none, UsageError for a value."""
     options = defaults()
-    unknown = sorted(set(settings) - set(Settings.__annotations__))
-    if unknown:
-        raise TypeError(
-            f"there is no setting {unknown[0]!r}; settings: {', '.join(Settings.__annotations__)}"
-        )
+    known = Settings.__annotations__
+    if unknown := sorted(set(settings) - set(known)):
+        raise TypeError(f"there is no setting {unknown[0]!r}; settings: {', '.join(known)}")
     for name, value in settings.items():
         if name in CHOICES and value not in CHOICES[name]:
             raise UsageError(f"{name}={value!r} is none of {', '.join(CHOICES[name])}")
         if name in UNITS:
-            name, value = name.rpartition("_")[0], _length(name, value)
-        elif name == "offsets":
-            name, value = "offset", [_offset(key, place) for key, place in value.items()]
-        elif name == "offset_files":
-            name, value = "offsets", [str(path) for path in value]
-        elif name == "library":
-            value = [str(path) for path in value]
-        elif name == "temperatures":
-            value = str(value)
-        elif name == "block_delete":
-            value = "on" if value else "off"
-        setattr(options, name, value)
+            setattr(options, name.rpartition("_")[0], _length(name, value))
+        elif name in TAKEN:
+            option, made = TAKEN[name]
+            setattr(options, option, made(value))
+        else:
+            setattr(options, name, value)
     options.file = str(program) if isinstance(program, Path) else None
     return options
 

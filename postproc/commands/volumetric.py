@@ -54,53 +54,45 @@ def run(options: argparse.Namespace) -> int:
     of_single_slides(machine.chain, "gcomp volumetric")
     if options.nodes is not None and not 2 <= options.nodes <= 200:
         raise UsageError(f"--nodes {options.nodes}: a component has 2 to 200 nodes")
-    zero = frozenset(n.strip() for text in options.zero for n in text.split(",") if n.strip())
+    zero = {n.strip() for n in ",".join(options.zero).split(",")} - {""}
     read = read_files(options.recordings, options.format, reading_options(options))
-    bare = written.without_errors(machine)
-    rows = [part for r in read for part in rows_of(r, bare, dict(options.others))]
-    turned = any(
-        np.ptp(r.q[machine.letters.index(x)]) > 1e-3 for r in rows for x in machine.chain.rotary
-    )
+    known = written.without_errors(machine)
+    rows = [part for r in read for part in rows_of(r, known, dict(options.others))]
+    rotary = [machine.letters.index(x) for x in machine.chain.rotary]
+    turned = any(np.ptp(r.q[k]) > 1e-3 for r in rows for k in rotary)
     if turned:
         _of_slides_only([r.kind for r in rows])
         every = locations(machine, frozenset())
-        groups, known = locations(machine, zero), _slides(machine)
     else:
         nodes = placed.of_axes(rows, machine, options.nodes)
         if not nodes:
             raise UsageError("no slide moves in these recordings")
         if options.nodes is None:
-            nodes |= placed.of_components(rows, bare, nodes)
-        both = _two_way(rows, machine)
-        every = components(machine, nodes, frozenset(), both)
-        groups, known = components(machine, nodes, zero, both), bare
+            nodes |= placed.of_components(rows, known, nodes)
+        every = components(machine, nodes, frozenset(), _two_way(rows, machine))
     names = [g.name for g in every]
-    for name in sorted(zero):
-        if name not in names:
-            raise UsageError(
-                f"--zero {name}: there is no such error here", f"errors: {', '.join(names)}"
-            )
-    fit = solve.fit(rows, Unknowns(tuple(groups), bare, known))
-    tool = rows[0].tool
+    if wrong := sorted(zero - set(names)):
+        raise UsageError(
+            f"--zero {wrong[0]}: there is no such error here", f"errors: {', '.join(names)}"
+        )
+    groups = tuple(g for g in every if g.name not in zero)
+    base = _slides(machine) if turned else known
+    fit = solve.fit(rows, Unknowns(groups, known, base))
     told = as_json.beside(options.json)
-    print(written.report(fit, tool, zero), file=told)
+    print(written.report(fit, rows[0].tool, frozenset(zero)), file=told)
     for text in dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices):
         print(f"notice: {text}", file=told)
     if options.output:
-        head = {
-            "name": Path(options.output).resolve().name,
-            "title": f"{Path(options.output).resolve().name}, measured in its volume",
-        }
+        name = Path(options.output).resolve().name
+        head = {"name": name, "title": f"{name}, measured in its volume"}
         files, like = [r.file for r in read], like_of(options.like)
         if turned:
             texts = written.turned(fit, like, head, _tables(options.like), files)
         else:
-            texts = written.folder(fit, like, head, tool, files)
+            texts = written.folder(fit, like, head, rows[0].tool, files)
         backup = write_folder(Path(options.output), texts, options.force)
-        print(
-            f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""),
-            file=told,
-        )
+        kept = f" (the old one is {backup})" if backup else ""
+        print(f"\nwritten: {options.output}{kept}", file=told)
     else:
         print("\nnothing is written: -o machines/NAME names the folder", file=told)
     as_json.put(options.json, written.as_json(fit))

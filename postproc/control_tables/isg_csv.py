@@ -143,31 +143,21 @@ def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[
     names = [COMPONENTS[row] + letter for row in rows]
     if not other:
         assert own is not None
-        cells = [own.nodes, *own.forward[rows]]
-        return [
-            " ".join([letter, *names]),
-            *(" ".join(map(plain, row)) for row in zip(*cells, strict=True)),
-        ]
-    grids = [g for g in found.grids if g.letter == letter and g.other == other]
-    nodes = np.unique(
-        np.concatenate([g.nodes for g in grids] + ([own.nodes] if own is not None else []))
-    )
-    others = np.unique(np.concatenate([g.others for g in grids]))
-    # the second axis turns slowest, as in the manual's example
-    q, p = (v.ravel() for v in np.meshgrid(nodes, others))
-    none = np.zeros(len(q))
-    values = np.zeros((6, len(q)))
-    parts = [g.evaluate(q, p, none) for g in grids] + (
-        [own.evaluate(q, none)] if own is not None else []
-    )
-    for part in parts:
-        for row in rows:
-            values[row] += 0.0 if part[row] is None else part[row]
-    cells = [p, q, *values[rows]]
-    return [
-        " ".join([other, letter, *names]),
-        *(" ".join(map(plain, row)) for row in zip(*cells, strict=True)),
-    ]
+        heads, cells = [letter, *names], [own.nodes, *own.forward[rows]]
+    else:
+        grids = [g for g in found.grids if g.letter == letter and g.other == other]
+        every = [g.nodes for g in (*grids, own) if g is not None]
+        # the second axis turns slowest, as in the manual's example
+        q, p = np.meshgrid(
+            np.unique(np.concatenate(every)), np.unique(np.concatenate([g.others for g in grids]))
+        )
+        q, p, none = q.ravel(), p.ravel(), np.zeros(q.size)
+        parts = [g.evaluate(q, p, none) for g in grids]
+        parts += [] if own is None else [own.evaluate(q, none)]
+        values = [sum((v for part in parts if (v := part[k]) is not None), none) for k in rows]
+        heads, cells = [other, letter, *names], [p, q, *values]
+    lines = (" ".join(map(plain, row)) for row in zip(*cells, strict=True))
+    return [" ".join(heads), *lines]
 
 
 # -- reading ---------------------------------------------------------------------------------------

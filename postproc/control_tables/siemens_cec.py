@@ -260,14 +260,10 @@ def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTab
     result = []
     for (moving, along), ways in columns.items():
         none = (np.zeros(1), np.zeros(1))
-        up, down = (
-            (ways["0"], ways["0"]) if "0" in ways else (ways.get("1", none), ways.get("-1", none))
-        )
-        nodes = (
-            np.union1d(up[0], down[0])
-            if "1" in ways and "-1" in ways
-            else (up if len(up[0]) > 1 else down)[0]
-        )
+        up, down = (ways.get("0", ways.get(way, none)) for way in ("1", "-1"))
+        nodes = (up if len(up[0]) > 1 else down)[0]
+        if {"1", "-1"} <= ways.keys():
+            nodes = np.union1d(up[0], down[0])
         result.append(
             ErrorTable(moving, along, nodes, np.interp(nodes, *up), np.interp(nodes, *down))
         )

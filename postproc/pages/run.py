@@ -11,6 +11,9 @@ from postproc.pages.frame import Page
 
 MOST = 200  # refused lines, and events, that are listed
 
+FREE = "Blocks that are free in the controller's planner: at zero it has as much as it can hold."
+BUFFER = "Bytes in the controller's receive buffer, as they are counted here."
+
 
 def html(fields: dict[str, Any], samples: list[dict[str, Any]], ended: str = "") -> str:
     """The file's text of `page`."""
@@ -104,19 +107,8 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
     )
     for key, unit, said in (
         ("feed_mm_min", "mm/min", "Feed as the controller reports it."),
-        (
-            "planner_free",
-            "blocks",
-            (
-                "Blocks that are free in the controller's planner: at zero it has as much as it can"
-                " hold."
-            ),
-        ),
-        (
-            "buffer_bytes",
-            "bytes",
-            "Bytes in the controller's receive buffer, as they are counted here.",
-        ),
+        ("planner_free", "blocks", FREE),
+        ("buffer_bytes", "bytes", BUFFER),
     ):
         values = [s.get(key) for s in samples]
         if any(v is not None for v in values):

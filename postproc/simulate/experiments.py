@@ -122,12 +122,8 @@ def ballbar(write: Writer, ask: Ask) -> Test:
     room, centre = ranges(write.machine, OUTRUN), middle(write.machine)
     centre = {x: round(ask.of(f"at_{x}", v), 3) for x, v in centre.items()}
     reach = min(min(centre[x] - room[x][0], room[x][1] - centre[x]) for x in plane)
-    radius = ask.of(
-        "radius",
-        float(
-            next((r for r in (300, 250, 150, 100, 75, 50, 25, 10) if r <= 0.9 * reach), reach / 2)
-        ),
-    )
+    usual = (r for r in (300.0, 250.0, 150.0, 100.0, 75.0, 50.0, 25.0, 10.0) if r <= 0.9 * reach)
+    radius = ask.of("radius", next(usual, reach / 2))
     if radius > reach:
         raise UsageError(
             f"a circle of {radius:g} mm does not fit: {reach:g} mm are left", "radius=... smaller"
