@@ -18,7 +18,17 @@ def cycle(data: str, number: int = 200, call: str = "L X+5 FMAX M99", feed: str 
 DRILL = "Q200=+2 Q201=-5 Q206=+90 Q202=+3 Q203=+0"
 POLE = "CC X+5 Y+0|"
 RIGHT = POLE + "C X+10 Y+0 DR+ F99"
+ISO = "%9 G71 *|N1 G90 G00 X0 Y0 Z5*|N2 G200 Q200=2 Q201=-5 Q206=90 Q202=3 Q203=0*|"
+
+
+def iso(before: str, after: str) -> Case:
+    return Case("heidenhain-iso", ISO + before, ISO + after, how=WRITE)
+
+
 ALL = [
+    iso("N3 G98 L1*|N4 G79*|N5 L1,2*", "N4 G79*"),
+    iso("N3 G91*|N4 G79*", "N4 G79*"),
+    iso("N3 I5 J0*|N4 G03 X10 Y0 F9*|N5 G79*", "N4 G00 X10*|N5 G79*"),
     klartext("C X+10 Y+0 DR+ F99", RIGHT),
     klartext(POLE + "C X+12 Y+0 DR+ F99", RIGHT),
     klartext(POLE + "C X+10 Y+0 F99", RIGHT),

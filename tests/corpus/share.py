@@ -70,6 +70,7 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     "is not defined in this program",
     "has no number",
     "no sequence number",
+    "there is no block N",
     "an arc of radius 0",
     "WHILE without DO1",
     "calls it unimplemented",
@@ -92,6 +93,9 @@ NOT_THERE = (  # what the text does not say
     "there is no program O",
     "there is no sub o",
     "nor a subprogram that it has",
+    "beside this one",  # a program that Klartext calls
+    "has no value in this program yet",
+    "where it ends is known at the machine alone",
 )
 
 

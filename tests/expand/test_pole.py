@@ -136,3 +136,36 @@ def test_polar_words_become_places():
 def test_what_is_no_arc_is_refused(program, says):
     with pytest.raises(ProgramError, match=says):
         plain(program)
+
+
+HOLE = (
+    "G00 G90 X+5 Y+6 Z+50|G01 X+6 F900|N14 G200 Q200=2 Q201=-5 Q206=150 Q202=3 Q210=0 Q203=+1"
+    " Q204={} Q211=0.5|N15 G00 X+50 Y+50 M13|{}|X+60"
+)
+
+
+@pytest.mark.parametrize("call", ["N16 G79 M8", "N16 X+50 M99 M8"])
+def test_a_drilling_cycle_is_written_out_where_it_is_called(call):
+    """Surface 1, clearance 2, pecks of 3: by hand from the manual's cycle 200."""
+    lines = plain(HOLE.format("20", call))
+    at = next(k for k, line in enumerate(lines) if "M13" in line)
+    first = "N16 M8*" if "G79" in call else "N16 X+50 M8*"
+    assert lines[at + 1 :] == [
+        first, "G00 Z+3*", "G01 Z-2 F150*", "G00 Z+3*", "G00 Z+0*", "G01 Z-4 F150*", "G04 F0.5*",
+        "G00 Z+3*", "G00 Z+21*", "G00 F900*", "X+60*",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("program", "says"),
+    [
+        (HOLE.format("20", "L1,2|G79"), "program that calls labels"),
+        (HOLE.format("20", "G91|G79"), "in G91, or not along Z"),
+        (HOLE.format("20", "I+55 J+50|G03 X+60 Y+50|G79"), "neither G00 nor G01"),
+        (HOLE.format("20", "G79").replace("G200", "G252"), "cycle 252 is called"),
+        ("G00 G90 X+5|G79", "none is defined"),
+    ],
+)
+def test_a_cycle_that_can_not_be_written_out_is_refused(program, says):
+    with pytest.raises(ProgramError, match=says):
+        plain(program)

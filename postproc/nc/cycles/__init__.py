@@ -37,6 +37,7 @@ from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
+from postproc.nc.cycles.holes_heidenhain import IsoHoles
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
 from postproc.nc.cycles.pole_heidenhain import PoleArcs
@@ -137,6 +138,15 @@ class ArcsAndCorners(Chain):
         super().__init__(Openings(scene), PlacedArcs(scene), Polynomials(scene))
 
 
+class HolesAndPoles(Chain):
+    """Of Heidenhain's DIN/ISO."""
+
+    codes = IsoHoles.codes + PoleArcs.codes
+
+    def __init__(self, scene: Scene):
+        super().__init__(IsoHoles(scene), PoleArcs(scene))
+
+
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
     holes = LinuxcncDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*ACTIONS, *REFUSED], holes)
@@ -213,7 +223,7 @@ def siemens(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=PoleArcs)
+    return Family(before=HolesAndPoles)
 
 
 def heidenhain(dialect: Dialect, synchronised: bool) -> Family:

@@ -110,7 +110,7 @@ DIALECT = Dialect(
         *rows("scaling", {"72": "scaling"}, refuses=codes.UNTURNED),
         *rows("rotation", {"80": "working plane"}, refuses=codes.TILTED, like="G68.2"),
         *rows("", {"55": "probe"}, takes=True, refuses=codes.PROBE),
-        *rows("", {"79": "cycle call"}, refuses=codes.WRITE_OUT),
+        *rows("", {"79": "cycle call"}, refuses=codes.CYCLE),
         *rows(
             "",
             {
@@ -173,7 +173,7 @@ DIALECT = Dialect(
     },
     m_refuses={
         89: codes.WRITE_OUT,
-        99: codes.WRITE_OUT,
+        99: codes.CYCLE,
         91: (
             "its block is in machine coordinates, which are not told apart here: write it at the"
             " datum in force"

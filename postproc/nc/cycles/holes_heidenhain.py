@@ -1,0 +1,105 @@
+"""Drilling cycles of Heidenhain's DIN/ISO, written out as G00 and G01: G200, G201, G203 and G240,
+called by G79 or M99.
+
+What each does: klartext_holes.py; HEIDENHAIN user's manuals, ISO programming, "Calling a cycle".
+Behind the holes the motion code and the feed that were in force are named again. A program that
+calls labels runs its text in another order than it stands in, so that nobody knows which cycle was
+defined last: it is refused.
+"""
+
+from __future__ import annotations
+
+import re
+
+from postproc.nc.cycles.klartext_holes import Holes
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.expand import Line
+
+CALL_CODE = 790
+DEFINED = re.compile(rb"(?<![A-Z])G[ \t]*(2[0-9]{2})(?![0-9])")
+DATUM = re.compile(rb"(?<![A-Z])Q([0-9]+)[ \t]*=[ \t]*([-+]?[0-9]*\.?[0-9]+)")
+CALLED = re.compile(rb"[ \t]*(?<![A-Z])(?:G[ \t]*79|M[ \t]*0*99)(?![0-9])")
+FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+)")
+NUMBER = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:N[ \t]*[0-9]+[ \t]*)?")
+LABEL = re.compile(rb"(?<![A-Z;])L[ \t]*[0-9]+[ \t]*,", re.IGNORECASE)
+MOTION = re.compile(rb"(?<![A-Z])G[ \t]*0*([0-35-7]|1[0-6])(?![0-9])")
+PLAIN_MOTIONS = (0, 1)
+
+
+class IsoHoles:
+    """Follows the cycle that is defined and the feed, and writes out its calls."""
+
+    rigid = False
+    codes: tuple[int, ...] = (CALL_CODE,)
+
+    def __init__(self, scene: Scene):
+        self.scene, self.holes = scene, Holes(scene)
+        self.feed, self.motion = b"", -1  # as the program named them last
+
+    def wants(self, line: Line) -> bool:
+        """Every line may say the feed."""
+        return True
+
+    def finish(self) -> list[Line]:
+        """Nothing is ever held back."""
+        return []
+
+    def take(self, line: Line) -> list[Line]:
+        """The line, or the lines that it becomes. Raises ProgramError."""
+        if self.scene.passes(line.text):
+            return [line]
+        body, star, rest = line.text.partition(b"*")
+        code = body.partition(b";")[0].upper()
+        defined = DEFINED.search(code)
+        if defined:
+            self.holes.define(int(defined[1]))
+            self.holes.data = {int(q): value for q, value in DATUM.findall(code)}
+            return [line]
+        for motion in MOTION.findall(code):
+            self.motion = int(motion)
+        feed = FEED.search(code)
+        self.feed = feed[1] if feed else self.feed
+        if not CALLED.search(code):
+            return [line]
+        self._may_be_called()
+        bare = CALLED.sub(b"", body)
+        number = NUMBER.match(bare)
+        assert number is not None
+        lines = [bare + star + rest] if bare[number.end() :].strip() else []
+        lines += self._holes()
+        return [line._replace(text=text) for text in lines]
+
+    def _may_be_called(self) -> None:
+        scene = self.scene
+        scene.forget()
+        if any(LABEL.search(text.partition(b";")[0]) for text in scene.lines()):
+            raise scene.fault(
+                "a cycle in a program that calls labels", "write the program out without L first"
+            )
+        if scene.incremental or scene.plane[2] != "Z":
+            raise scene.fault(
+                "a cycle is called in G91, or not along Z", "write G90 and G17 before"
+            )
+        if self.motion not in PLAIN_MOTIONS:
+            raise scene.fault(
+                "a cycle is called where neither G00 nor G01 is in force", "write G00 before it"
+            )
+
+    def _holes(self) -> list[bytes]:
+        """The holes, and what was in force before them."""
+        lines = []
+        for text in self.holes.lines():
+            lines += self._iso(text)
+        if lines:
+            feed = b" F" + self.feed if self.feed else b""
+            lines.append(b"G%02d" % self.motion + feed + b"*")
+        return lines
+
+    def _iso(self, text: bytes) -> list[bytes]:
+        """A statement of Klartext as a block."""
+        if text.startswith(b"CYCL"):
+            dwell = text.partition(b"DWELL ")[2]
+            return [] if dwell == b"TIME" else [b"G04 F" + dwell + b"*"]
+        _, place, feed = text.split(b" ", 2)
+        code = b"G00" if feed == b"FMAX" else b"G01"
+        return [code + b" " + place + (b"" if feed == b"FMAX" else b" " + feed) + b"*"]
