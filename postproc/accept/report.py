@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from postproc.accept import VERDICTS, Change, Outcome, Ratio
@@ -47,18 +47,16 @@ ADVICE = {
 }
 
 
-def _faults(one: Outcome) -> list[str]:
+def _faults(one: Outcome) -> Iterator[str]:
     """A line for each kind of fault of one line of targets."""
-    lines = []
     for kind, advice in ADVICE.items():
         mine = [r for r in one.ratios if r.verdict == kind]
         if mine:
             said = "; ".join(f"{r.of} {ratio(r)}" for r in mine)
-            lines.append(
+            yield (
                 f"{VERDICTS[kind]}: {one.subject}: {said};"
                 f" {_turned(one) if kind == 'turned' else advice}"
             )
-    return lines
 
 
 def _turned(one: Outcome) -> str:

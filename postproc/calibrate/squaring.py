@@ -8,6 +8,7 @@ never add up.
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -108,11 +109,10 @@ def _nowhere(calibration: Calibration, one: Squareness) -> list[Finding]:
     return [Finding("square-at", "doubt", one.name, text, {"opened_urad": most / URAD})]
 
 
-def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> list[Finding]:
+def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> Iterator[Finding]:
     """What the other sources say."""
-    told = []
     if chosen.told:
-        told.append(Finding("squareness", "note", chosen.name, f"{chosen.name}: {chosen.told}"))
+        yield Finding("squareness", "note", chosen.name, f"{chosen.name}: {chosen.told}")
     for other in sources.values():
         if other is chosen:
             continue
@@ -123,21 +123,17 @@ def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> list[Finding
             f"{chosen.name} is {chosen.value / URAD:+.1f} urad ({chosen.source}); {other.source}"
             f" would give {other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
         )
-        told.append(
-            Finding(
-                "squareness",
-                "doubt" if doubt else "note",
-                chosen.name,
-                text,
-                {"apart_urad": apart, "u_urad": u},
-            )
+        yield Finding(
+            "squareness",
+            "doubt" if doubt else "note",
+            chosen.name,
+            text,
+            {"apart_urad": apart, "u_urad": u},
         )
-    return told
 
 
-def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> list[Finding]:
+def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> Iterator[Finding]:
     """Lines that were left in beside a squareness."""
-    told = []
     for one in result.values():
         for a, b in itertools.permutations(square.pair_of(one.name)):
             component = calibration.components.get(f"E{a}{b}")
@@ -149,16 +145,13 @@ def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> l
                     " is squareness counts twice, up to"
                     f" {abs(component.slope) * length * 1e3:.1f} um"
                 )
-                told.append(
-                    Finding(
-                        "squareness",
-                        "doubt",
-                        component.name,
-                        text,
-                        {"slope_urad": component.slope / URAD},
-                    )
+                yield Finding(
+                    "squareness",
+                    "doubt",
+                    component.name,
+                    text,
+                    {"slope_urad": component.slope / URAD},
                 )
-    return told
 
 
 def _slope(calibration: Calibration, series: Series) -> float:

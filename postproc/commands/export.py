@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -188,26 +189,26 @@ def _asked(options: argparse.Namespace, tables: list[ErrorTable]) -> list[ErrorT
     ]
 
 
-def _notices(options: argparse.Namespace, machine: Machine, x: str, names: set[str]) -> list[str]:
+def _notices(
+    options: argparse.Namespace, machine: Machine, x: str, names: set[str]
+) -> Iterator[str]:
     """Of the tables over axis x: where the others stand, what squareness they hold, and what the
     words of x are. names: of the tables."""
     pose = pose_of(machine, x, options.at)
     stand = [f"{o} = {p:g}" for o, p in pose.items() if o != x and o in machine.chain.axes]
-    notices = []
     if stand:
-        notices.append(f"over {x}: the other axes stand at {' '.join(stand)} (--at)")
+        yield f"over {x}: the other axes stand at {' '.join(stand)} (--at)"
     if x in machine.square and machine.square[x].any():
-        notices += [
+        yield from [
             f"E{o}{x} holds the squareness of {x} as a line"
             for o in XYZ
             if o != x and f"E{o}{x}" in names
         ]
     if x in machine.diameter:
-        notices.append(
+        yield (
             f"words of {x} are diameters; positions and values here are slide positions,"
             " radius: make sure that the table of the control is too"
         )
-    return notices
 
 
 def told_of(

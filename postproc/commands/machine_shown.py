@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.commands import machine_facts
@@ -109,15 +111,13 @@ def _squareness(machine: Machine) -> list[str]:
     ]
 
 
-def _effects(machine: Machine) -> list[str]:
-    lines = []
+def _effects(machine: Machine) -> Iterator[str]:
     for term in machine.effects:
         sizes = ", ".join(f"{k} = {v:g}" for k, v in term.parameters.items())
-        lines.append(f"\neffect {term.name} on {term.axis}: {sizes}")
+        yield f"\neffect {term.name} on {term.axis}: {sizes}"
         if term.spread:
             spread = [f"{k} +- {v:g}" for one in term.spread for k, v in one.parameters.items()]
-            lines.append(f"  known to {', '.join(spread)} (95 %)")
-    return lines
+            yield f"  known to {', '.join(spread)} (95 %)"
 
 
 def _control(machine: Machine) -> list[str]:

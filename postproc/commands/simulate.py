@@ -6,7 +6,7 @@ from __future__ import annotations
 import argparse
 import io
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -135,28 +135,22 @@ def _refuse(options: argparse.Namespace) -> None:
 
 def _assumed(
     options: argparse.Namespace, machine: Machine, limits: Limits, corrected: bool
-) -> list[Notice]:
+) -> Iterator[Notice]:
     """What was taken for granted: the play of a corrected program, limits that are not stated."""
     from postproc.simulate import limits as bounds
 
-    notices = []
     if options.play is None and corrected:
-        notices.append(
-            Notice(
-                "play",
-                "this program is corrected: an axis that goes back by less than"
-                f" {machine.limits.hysteresis * 1e3:g} um (hysteresis_um) has not turned (--play)",
-            )
+        yield Notice(
+            "play",
+            "this program is corrected: an axis that goes back by less than"
+            f" {machine.limits.hysteresis * 1e3:g} um (hysteresis_um) has not turned (--play)",
         )
     if limits.assumed:
-        notices.append(
-            Notice(
-                "limits",
-                f"{machine.name} states no velocity and acceleration of {' '.join(limits.assumed)}:"
-                f" taken as {bounds.VELOCITY * 60:g} mm/min and {bounds.ACCELERATION:g} mm/s2",
-            )
+        yield Notice(
+            "limits",
+            f"{machine.name} states no velocity and acceleration of {' '.join(limits.assumed)}:"
+            f" taken as {bounds.VELOCITY * 60:g} mm/min and {bounds.ACCELERATION:g} mm/s2",
         )
-    return notices
 
 
 def _signal(
@@ -325,22 +319,18 @@ def _stated(name: str) -> dict[str, Any]:
     )
 
 
-def _held(machine: Machine, position: dict) -> list[Notice]:
+def _held(machine: Machine, position: dict) -> Iterator[Notice]:
     """A notice for every axis that is read where its table does not reach."""
-    result = []
     for x, table in machine.tables.items():
         low, high = float(table.nodes[0]), float(table.nodes[-1])
         if x in position and not (
             position[x].min() >= low - 1e-6 and position[x].max() <= high + 1e-6
         ):
-            result.append(
-                Notice(
-                    f"table {x}",
-                    f"{x} is read beyond its table ({low:g} to {high:g}): its end values are held"
-                    " there",
-                )
+            yield Notice(
+                f"table {x}",
+                f"{x} is read beyond its table ({low:g} to {high:g}): its end values are held"
+                " there",
             )
-    return result
 
 
 def _spares(options: argparse.Namespace, text: bytes) -> None:

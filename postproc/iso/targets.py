@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -105,36 +106,34 @@ def _straight(lines: Straightness, terms: tuple[Term, ...]) -> tuple[Parameter, 
     return tuple(out)
 
 
-def _conditions(motion: Motion, test: Positioning, options: Options) -> list[str]:
+def _conditions(motion: Motion, test: Positioning, options: Options) -> Iterator[str]:
     """What departs from the conditions of ISO 230-2, and what it means."""
-    out = []
     if not test.two_way:
-        out.append(
+        yield (
             f"approached in {'+' if np.isfinite(test.mean[0]).any() else '-'} only: reversal and"
             " all two-way parameters are not defined"
         )
     elif not test.both.all():
         lone = ", ".join(f"{x:g}" for x in test.target[~test.both][:5])
-        out.append(
+        yield (
             f"approached in one direction only at {lone}: B and M are taken over the"
             f" {int(test.both.sum())} other targets"
         )
     if test.long:
-        out.append(
+        yield (
             f"{test.length:g} mm is longer than 2 m: the standard asks for one run each way and"
             " defines E, M and B; s, R and A are not defined"
         )
     elif 2 <= test.runs < 5:
-        out.append(
+        yield (
             f"n = {test.runs} runs each way, the standard asks for 5: s, R and A are indicative"
             " only"
         )
     if test.n[test.n > 0].min() != test.n.max():
-        out.append(f"the targets have between {test.runs} and {test.n.max()} runs")
+        yield f"the targets have between {test.runs} and {test.n.max()} runs"
     if test.runs < 2 <= test.n.max() and not test.long:
-        out.append("R and A are not defined: at some target s is not")
-    out += _targets(motion, test, options)
-    return out
+        yield "R and A are not defined: at some target s is not"
+    yield from _targets(motion, test, options)
 
 
 def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:

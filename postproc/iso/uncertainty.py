@@ -8,6 +8,7 @@ twice, and the cosine error of a beam is one-sided; both stay in U.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -72,42 +73,34 @@ def terms_of(
     return tuple(terms)
 
 
-def _of_length(stated: Stated, length: float, of: frozenset[str]) -> list[Term]:
+def _of_length(stated: Stated, length: float, of: frozenset[str]) -> Iterator[Term]:
     """Cosine error, temperature and expansion over a length in mm."""
-    terms = []
     if stated.misalignment is not None:
         short = length * (1 - math.cos(stated.misalignment))
-        terms.append(
-            Term(
-                "misalignment",
-                rectangular(short),
-                of,
-                f"up to {stated.misalignment * 1e3:.3g} mrad: reads up to {short / UM:.3g} um"
-                " short, one-sided, rectangular",
-            )
+        yield Term(
+            "misalignment",
+            rectangular(short),
+            of,
+            f"up to {stated.misalignment * 1e3:.3g} mrad: reads up to {short / UM:.3g} um"
+            " short, one-sided, rectangular",
         )
     if stated.alpha is not None and stated.u_temperature is not None:
         u = stated.alpha * length * stated.u_temperature
-        terms.append(
-            Term(
-                "temperature",
-                u,
-                of,
-                f"{stated.alpha * 1e6:.3g} um/m/K, {length:.4g} mm, u(T) ="
-                f" {stated.u_temperature:.3g} K",
-            )
+        yield Term(
+            "temperature",
+            u,
+            of,
+            f"{stated.alpha * 1e6:.3g} um/m/K, {length:.4g} mm, u(T) ="
+            f" {stated.u_temperature:.3g} K",
         )
     if stated.u_alpha is not None and stated.temperature is not None:
         away = abs(stated.temperature - 20.0)
-        terms.append(
-            Term(
-                "expansion",
-                length * away * stated.u_alpha,
-                of,
-                f"{away:.3g} K from 20 degrees C, u(alpha) = {stated.u_alpha * 1e6:.3g} um/m/K",
-            )
+        yield Term(
+            "expansion",
+            length * away * stated.u_alpha,
+            of,
+            f"{away:.3g} K from 20 degrees C, u(alpha) = {stated.u_alpha * 1e6:.3g} um/m/K",
         )
-    return terms
 
 
 def missing(stated: Stated, has_device: bool, length: bool, angle: bool = False) -> str:

@@ -3,6 +3,8 @@ sign, corrections that its own limits refuse. What nobody measured is no slip: l
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.machine import overshoot
@@ -30,8 +32,7 @@ def doubts(machine: Machine) -> list[str]:
     ]
 
 
-def _sizes(machine: Machine) -> list[str]:
-    found = []
+def _sizes(machine: Machine) -> Iterator[str]:
     for x, table in machine.tables.items():
         for row in table.rows:
             unit, one, most = ("um", UM, LARGEST_UM) if row < 3 else ("urad", URAD, LARGEST_URAD)
@@ -39,42 +40,37 @@ def _sizes(machine: Machine) -> list[str]:
             size, name = float(np.abs(values).max()), f"{COMPONENTS[row]}{x}"
             if size > most:
                 likely = "nm" if row < 3 else "nrad, or mrad as urad times a thousand"
-                found.append(
+                yield (
                     f"{name} reaches {size:.4g} {unit}, more than a machine strays: are its values"
                     f" {likely}?"
                 )
             elif 0 < size < LEAST:
                 likely = "mm" if row < 3 else "mrad (mm/m)"
-                found.append(
+                yield (
                     f"{name} is {size:.2g} {unit} at most, less than is ever measured: are its"
                     f" values {likely}?"
                 )
-    return found
 
 
-def _square(machine: Machine) -> list[str]:
-    found = []
+def _square(machine: Machine) -> Iterator[str]:
     for x, lean in machine.square.items():
         for i, value in enumerate(lean / URAD):
             if abs(value) > LARGEST_SQUARE:
-                found.append(
+                yield (
                     f"squareness {'ABC'[i]}0{x} = {value:g} urad is {abs(value) * 0.3e-3:.2f} mm on"
                     f" 300 mm, which the eye sees: are these {value / 1e3:g} urad, or nrad? urad"
                     " are wanted (1 mm/m = 1000)"
                 )
-    return found
 
 
-def _play(machine: Machine) -> list[str]:
-    found = []
+def _play(machine: Machine) -> Iterator[str]:
     for term in machine.effects:
         size = term.parameters.get("size_um", 0.0)
         if term.name == "backlash" and abs(size) > LARGEST_PLAY_UM:
-            found.append(
+            yield (
                 f"backlash of {term.axis} is {size:g} um, {abs(size) / 1e3:g} mm: is its unit"
                 " right? um are wanted"
             )
-    return found
 
 
 def _refused(machine: Machine) -> list[str]:

@@ -13,7 +13,7 @@ beyond the first and the last it is as warm as there.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -84,15 +84,13 @@ def drivers(
     return tuple(found), lacking, out
 
 
-def _stays(growth: Expansion, x: str, turned: str, of_scale: bool, of_work: bool) -> list[str]:
+def _stays(growth: Expansion, x: str, turned: str, of_scale: bool, of_work: bool) -> Iterator[str]:
     """What of an axis' growth no column follows. turned: the axis that turns the work, or ""."""
-    out = []
     if growth.scale and not of_scale:
-        out.append(f"no column for the scale of {x}: it stays at {growth.scale_at:g} C")
+        yield f"no column for the scale of {x}: it stays at {growth.scale_at:g} C"
     if growth.work and not of_work:
         why = f"{turned} turns the work" if turned else "no column for the work"
-        out.append(f"{why}: along {x} it stays at {growth.work_at:g} C")
-    return out
+        yield f"{why}: along {x} it stays at {growth.work_at:g} C"
 
 
 def _first(names: Sequence[str], columns: Collection[str]) -> str:

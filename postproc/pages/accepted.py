@@ -3,7 +3,7 @@ sign is right."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from postproc.accept import VERDICTS, Change, Outcome, report
 from postproc.iso import Parameter
@@ -52,9 +52,8 @@ def mood(outcomes: Sequence[Outcome]) -> str:
     return "good" if "good" in verdicts and not moods else "open"
 
 
-def _tiles(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str]]:
+def _tiles(outcomes: Sequence[Outcome]) -> Iterator[tuple[str, str, str]]:
     """The first parameter of each line of targets, before and after."""
-    tiles = []
     for one in outcomes[:6]:
         change = next(
             (c for c in one.changes if c.before.value is not None and c.after.value is not None),
@@ -63,14 +62,13 @@ def _tiles(outcomes: Sequence[Outcome]) -> list[tuple[str, str, str]]:
         if change is not None:
             unit = report.unit_of(one)
             before, after = (_shown(p.value, unit) for p in (change.before, change.after))
-            tiles.append(
+            yield (
                 (
                     f"{before} to {after} {one.unit}",
                     f"{change.before.means} of {one.subject}, before and after",
                     "after",
                 )
             )
-    return tiles
 
 
 def _shown(value: float | None, unit: float) -> str:

@@ -7,7 +7,7 @@ What the instrument did not write down is taken and said.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -206,28 +206,26 @@ def _once(source, run, target, sign, line) -> None:
         seen[key] = at
 
 
-def _doubts(target, raw, value, run, sign, unit) -> list[str]:
+def _doubts(target, raw, value, run, sign, unit) -> Iterator[str]:
     """What looks like a slip: the unit, positions for deviations, runs of nothing but zeros, the
     direction of runs."""
-    result = []
     odd = units.outside(float(np.ptp(value)), unit.quantity, unit) if len(value) > 1 else None
     if odd:
-        result.append(odd)
+        yield odd
     if len(value) > 2 and np.ptp(target) > 0 and unit.quantity == LENGTH:
         slope = float(np.polyfit(target - target.mean(), raw, 1)[0])
         if abs(abs(slope) - 1) < 0.02:
-            result.append(
+            yield (
                 f"the readings follow the targets one to one (slope {slope:.4f}): these look like"
                 " positions, not deviations (by a column mapping they are read so: --column"
                 " actual_mm=NAME)"
             )
     zero = [int(r) for r in np.unique(run) if not np.any(raw[run == r])]
     if zero and np.any(raw):
-        result.append(
+        yield (
             f"all readings of run {', '.join(map(str, zero))} are 0: was it measured?"
             " (--bidirectional no if one way only)"
         )
     doubt = split.doubt(run, target, value, sign)
     if doubt:
-        result.append(doubt)
-    return result
+        yield doubt

@@ -9,6 +9,8 @@ anything.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -21,8 +23,7 @@ FEEBLE = 0.15  # of what was read: a path that explains less agrees or not by ch
 FEWEST = 5
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for letter in [x for x in calibration.options.chain.axes if x in XYZ]:
         for turn in range(3):
             own = XYZ.index(letter)
@@ -36,8 +37,7 @@ def check(calibration) -> list[Finding]:
             # eps x u_own points along `across` with this sign; seen from the workpiece's side both
             # turn round.
             sign = 1.0 if (turn + 1) % 3 == own else -1.0
-            found += _compare(calibration, letter, angle, straight, sign)
-    return found
+            yield from _compare(calibration, letter, angle, straight, sign)
 
 
 def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Finding]:

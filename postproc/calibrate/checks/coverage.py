@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -11,17 +13,14 @@ NEAR = 0.01  # mm
 WORTH = 1.0  # um or urad
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     bare = [x for x in calibration.options.chain.axes if x not in calibration.axes()]
     if bare:
-        found.append(
-            Finding(
-                "no-table",
-                "note",
-                "",
-                f"nothing to correct of {', '.join(bare)}: written without a table",
-            )
+        yield Finding(
+            "no-table",
+            "note",
+            "",
+            f"nothing to correct of {', '.join(bare)}: written without a table",
         )
     for letter in calibration.axes():
         low, high = calibration.travel(letter)
@@ -32,7 +31,7 @@ def check(calibration) -> list[Finding]:
                 f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken"
                 " as from the first target to the last"
             )
-            found.append(Finding("travel", "note", letter, text))
+            yield Finding("travel", "note", letter, text)
         beyond = [
             (side, d)
             for side, d in (("below", nodes[0] - low), ("above", high - nodes[-1]))
@@ -44,7 +43,7 @@ def check(calibration) -> list[Finding]:
                 f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to"
                 f" {high:g}"
             )
-            found.append(Finding("travel", "doubt", letter, text, {"at": float(outside[0])}))
+            yield Finding("travel", "doubt", letter, text, {"at": float(outside[0])})
         if beyond:
             where = " and ".join(f"{d:g} {unit} {side}" for side, d in beyond)
             does = (
@@ -56,12 +55,9 @@ def check(calibration) -> list[Finding]:
                 f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel"
                 f" from {low:g} to {high:g}: {where} are not covered, a program {does}"
             )
-            found.append(
-                Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)})
-            )
+            yield Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)})
         for component in calibration.of(letter):
-            found += _held(calibration, component, low, high)
-    return found
+            yield from _held(calibration, component, low, high)
 
 
 def _held(calibration, component, low: float, high: float) -> list[Finding]:

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -12,12 +14,10 @@ from postproc.calibrate.statistics import cells_of
 TIMES = 5.0
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         for series in component.series:
-            found += _drift(name, series)
-    return found
+            yield from _drift(name, series)
 
 
 def _drift(name: str, series) -> list[Finding]:

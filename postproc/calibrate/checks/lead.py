@@ -3,6 +3,8 @@ the screw."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -11,8 +13,7 @@ from postproc.calibrate import Finding
 SAME_ANGLE = 0.95
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for letter, lead in calibration.options.leads.items():
         component = calibration.measured.get(f"E{letter}{letter}")
         if component is None:
@@ -28,19 +29,19 @@ def check(calibration) -> list[Finding]:
                 f" are whole turns of the screw ({lead:g} mm): its cyclic error is invisible. Add a"
                 " part of the lead to each target (ISO 230-2), or a fine run over two turns"
             )
-            found.append(Finding("lead", "doubt", component.name, text, numbers))
+            yield Finding("lead", "doubt", component.name, text, numbers)
         elif twice > SAME_ANGLE:
             text += (
                 f" are half turns of the screw ({lead:g} mm): its cyclic error shows in part only,"
                 " and as a zigzag"
             )
-            found.append(Finding("lead", "doubt", component.name, text, numbers))
+            yield Finding("lead", "doubt", component.name, text, numbers)
         elif spacing > lead / 2:
             text += (
                 f" are further apart than half the lead ({lead:g} mm): its cyclic error looks like"
                 " scatter between targets, and the table does not correct it"
             )
-            found.append(Finding("lead", "note", component.name, text, numbers))
+            yield Finding("lead", "note", component.name, text, numbers)
     asked = [
         c.letter
         for n, c in calibration.components.items()
@@ -53,5 +54,4 @@ def check(calibration) -> list[Finding]:
             f"lead of the screw of {', '.join(asked)} not said (--lead {asked[0]}=5): whether the"
             " targets hide its cyclic error is not looked at"
         )
-        found.append(Finding("lead", "note", "", text))
-    return found
+        yield Finding("lead", "note", "", text)

@@ -3,6 +3,8 @@ nothing is reversed."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -12,8 +14,7 @@ SHARE = 0.25  # of the reversal next to it: an end with less has probably not be
 LEAST = 0.3  # um or urad of difference: below it nothing is seen
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         if not component.two_way or len(component.nodes) < 5:
             continue
@@ -26,7 +27,7 @@ def check(calibration) -> list[Finding]:
                     f"{name}: {at} was read in one direction only (no overrun?); the reversal of"
                     " the next target is taken"
                 )
-                found.append(Finding("overrun", "doubt", name, text))
+                yield Finding("overrun", "doubt", name, text)
                 continue
             beside = float(np.median(b[near]))
             u = component.u[:, end].max() / one
@@ -36,13 +37,10 @@ def check(calibration) -> list[Finding]:
                     f"{name} reverses by {b[end]:+.1f} {unit} at {at}, and by {beside:+.1f} beside"
                     " it: was the target overrun before coming back?"
                 )
-                found.append(
-                    Finding(
-                        "overrun",
-                        "doubt",
-                        name,
-                        text,
-                        {f"B_{unit}": float(b[end]), f"beside_{unit}": beside},
-                    )
+                yield Finding(
+                    "overrun",
+                    "doubt",
+                    name,
+                    text,
+                    {f"B_{unit}": float(b[end]), f"beside_{unit}": beside},
                 )
-    return found

@@ -3,6 +3,8 @@ too much."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -10,8 +12,7 @@ from postproc.calibrate.assign import unit_of
 from postproc.machine import overshoot
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         if name != f"E{component.letter}{component.letter}" or not component.two_way:
             continue
@@ -20,8 +21,7 @@ def check(calibration) -> list[Finding]:
         if text:
             unit, one = unit_of(name)
             numbers = {f"lost_motion_{unit}": float(np.nanmedian(lost)) / one}
-            found.append(Finding("overshoot", "doubt", name, f"{component.file}: {text}", numbers))
-    return found
+            yield Finding("overshoot", "doubt", name, f"{component.file}: {text}", numbers)
 
 
 def _known_to(component) -> float:

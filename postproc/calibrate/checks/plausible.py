@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -15,8 +17,7 @@ LEAST = 0.02
 INCH_MM = 25.4
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         unit, one = unit_of(name)
         raw = component.cells.mean[np.isfinite(component.cells.mean)] / one
@@ -40,10 +41,9 @@ def check(calibration) -> list[Finding]:
         elif span == 0:
             text = f"{name} is {raw[0]:g} {unit} at every target: was anything recorded?"
         else:
-            found += _positions(calibration, component)
+            yield from _positions(calibration, component)
             continue
-        found.append(Finding("unit", "doubt", name, text, {f"span_{unit}": span}))
-    return found
+        yield Finding("unit", "doubt", name, text, {f"span_{unit}": span})
 
 
 def _positions(calibration, component) -> list[Finding]:

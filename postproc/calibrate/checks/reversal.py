@@ -3,6 +3,8 @@ program."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -11,8 +13,7 @@ from postproc.calibrate.assign import unit_of
 WORTH = 1.0  # um or urad: less than this no control takes up
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for name, component in calibration.components.items():
         unit, one = unit_of(name)
         if not component.two_way:
@@ -23,7 +24,7 @@ def check(calibration) -> list[Finding]:
                 f"{name} was approached {way}: its reversal is not known, and the table holds for"
                 " both directions"
             )
-            found.append(Finding("one-way", "note", name, text))
+            yield Finding("one-way", "note", name, text)
             continue
         b = float(np.nanmax(np.abs(component.reversal))) / one
         u = component.largest_u / one if np.isfinite(component.largest_u) else 0.0
@@ -32,5 +33,4 @@ def check(calibration) -> list[Finding]:
                 f"{name} is written as the mean of both directions, and they differ by up to"
                 f" {b:.1f} {unit}: up to {b / 2:.1f} {unit} stays, with either sign"
             )
-            found.append(Finding("mean-map", "doubt", name, text, {f"B_{unit}": b}))
-    return found
+            yield Finding("mean-map", "doubt", name, text, {f"B_{unit}": b})

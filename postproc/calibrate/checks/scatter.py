@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import unit_of
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     silent = [n for n, c in calibration.measured.items() if all(s.u is None for s in c.series)]
     single = [n for n, c in calibration.measured.items() if not c.cells.scatter.known]
     unknown = [n for n in single if n in silent]
@@ -18,28 +19,28 @@ def check(calibration) -> list[Finding]:
             f"{', '.join(unknown)}: one run and no u_um in the head, so the uncertainty is not"
             " known, nor whether they stand out of it"
         )
-        found.append(Finding("scatter", "doubt", "", text, {"components": len(unknown)}))
+        yield Finding("scatter", "doubt", "", text, {"components": len(unknown)})
     for name in [n for n in single if n not in silent]:
         unit, one = unit_of(name)
         text = (
             f"{name}: one run, so u is the instrument's alone,"
             f" {calibration.measured[name].largest_u / one:.2g} {unit}"
         )
-        found.append(Finding("scatter", "note", name, text))
+        yield Finding("scatter", "note", name, text)
     many = [n for n in silent if n not in single]
     if many:
         text = (
             f"{', '.join(many)}: no u_um in the head, so u is the scatter of the runs alone,"
             " without the instrument's part"
         )
-        found.append(Finding("scatter", "note", "", text))
+        yield Finding("scatter", "note", "", text)
     for name, component in calibration.measured.items():
         for _, k in component.filled:
             text = (
                 f"{name} has no reading at {component.letter} = {component.nodes[k]:g} in one"
                 " direction: filled from its neighbours"
             )
-            found.append(Finding("filled", "note", name, text, {"node": float(component.nodes[k])}))
+            yield Finding("filled", "note", name, text, {"node": float(component.nodes[k])})
         if component.cells.scatter.known and not component.cells.scatter.pooled:
             s = component.cells.s[np.isfinite(component.cells.s)] / unit_of(name)[1]
             text = (
@@ -47,13 +48,6 @@ def check(calibration) -> list[Finding]:
                 f" {s.max():.2g} {unit_of(name)[0]}), so each has its own, with the larger factor"
                 " of its few runs"
             )
-            found.append(
-                Finding(
-                    "scatter",
-                    "note",
-                    name,
-                    text,
-                    {"least": float(s.min()), "largest": float(s.max())},
-                )
+            yield Finding(
+                "scatter", "note", name, text, {"least": float(s.min()), "largest": float(s.max())}
             )
-    return found

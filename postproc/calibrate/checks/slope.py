@@ -3,6 +3,8 @@ machine."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc.calibrate import Finding
@@ -11,8 +13,7 @@ from postproc.calibrate.assign import place_name, unit_of
 WARN = 1.0  # um/mm, ours: the grinder measured for this project has 1.7 at its worst
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     for name, component in calibration.components.items():
         unit, one = unit_of(name)
         if component.angle:
@@ -33,9 +34,6 @@ def check(calibration) -> list[Finding]:
                 f": over the limit of {limit:g} {unit}/{mm}. A slip, or a wrong unit; if it is"
                 " true, --accept-slope"
             )
-        found.append(
-            Finding(
-                "slope", "doubt", name, text, {"slope_um_per_mm": worst, "limit_um_per_mm": limit}
-            )
+        yield Finding(
+            "slope", "doubt", name, text, {"slope_um_per_mm": worst, "limit_um_per_mm": limit}
         )
-    return found

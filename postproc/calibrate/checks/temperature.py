@@ -4,6 +4,7 @@ in or taken twice."""
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,8 +16,7 @@ ALIKE = 0.3  # share by which a slope may differ from the expansion and still lo
 REFERENCE = 20.0  # degrees Celsius, ISO 1
 
 
-def check(calibration) -> list[Finding]:
-    found = []
+def check(calibration) -> Iterator[Finding]:
     bare = []
     for name, component in calibration.measured.items():
         for series in component.series:
@@ -29,16 +29,15 @@ def check(calibration) -> list[Finding]:
             if not columns:
                 bare.append(name)
                 continue
-            found += _span(calibration, component, series, columns)
+            yield from _span(calibration, component, series, columns)
             if name == f"E{component.letter}{component.letter}":
-                found += _expansion(calibration, component, series, columns)
+                yield from _expansion(calibration, component, series, columns)
     if bare:
         text = (
             f"no temperature was recorded with {', '.join(dict.fromkeys(bare))}: what the machine"
             " grew meanwhile is not known"
         )
-        found.append(Finding("temperature", "note", "", text))
-    return found
+        yield Finding("temperature", "note", "", text)
 
 
 def _span(calibration, component, series, columns) -> list[Finding]:

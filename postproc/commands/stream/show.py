@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from postproc.commands.stream.keys import IN_REFUSAL
@@ -304,13 +304,11 @@ def _moves(state: dict[str, Any]) -> list[str]:
     return [*parts, " ".join(changed)]
 
 
-def _buffers(state: dict[str, Any]) -> list[str]:
-    parts = []
+def _buffers(state: dict[str, Any]) -> Iterator[str]:
     if state["buffer_bytes"] is not None:
-        parts.append(f"{state['buffer_bytes']} bytes in the buffer")
+        yield f"{state['buffer_bytes']} bytes in the buffer"
     if "planner_free" in state:
-        parts.append(f"{state['planner_free']} blocks free")
-    return parts
+        yield f"{state['planner_free']} blocks free"
 
 
 def _times(state: dict[str, Any]) -> list[str]:
