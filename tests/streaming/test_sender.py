@@ -6,7 +6,10 @@ from __future__ import annotations
 import pytest
 
 from postproc.streaming.events import Status
+from postproc.streaming.limits import Limits
 from postproc.streaming.outcome import STATUS
+from postproc.streaming.protocols.marlin import Marlin
+from postproc.streaming.sender import Sender
 from tests.streaming.bench import Faults, lines_of, new_sender, run, zigzag
 from tests.streaming.grbl_model import GrblModel
 
@@ -285,3 +288,41 @@ def test_A3_the_wire_is_full_at_115200_baud(counting, least):
     times = [t for kind, _, t in sender.log if kind in ("sent", "answered")]
     part = sender.tally.bytes / (times[-1] - times[0]) / 11520
     assert sender.outcome.kind == "done" and least <= part <= 1.0
+
+
+def test_after_the_end_of_a_job_no_order_writes_anything():
+    model = GrblModel()
+    sender = new_sender(model)
+    now = run(sender, model, lines_of("G21G90G94F600\nG1X1")) + 5.0
+    ended = sender.outcome
+    for order in (sender.hold, sender.resume, sender.stop, lambda t: sender.give_up("gone", t)):
+        order(now)
+        sender.tick(now)
+        assert sender.outcome is ended and not sender.bytes_out() and not sender.urgent_out()
+
+
+def test_reading_nothing_is_no_sign_of_life():
+    sender = new_sender(GrblModel())
+    sender.give(lines_of("G21G90G94F600\nG1X1"))
+    now = 0.0
+    while sender.outcome is None and now < 60.0:
+        sender.tick(now)
+        sender.bytes_out()
+        sender.receive(b"", now)
+        now += 0.05
+    assert sender.outcome is not None and sender.outcome.kind == "disconnected"
+
+
+def test_a_line_that_comes_late_through_a_pipe_is_waited_for_from_then_on():
+    """Before it nothing was sent, so that nothing was due."""
+    sender = Sender(Marlin(), Limits())
+    patience = sender.protocol.patience(b"G1 X1")
+    ticks = int((patience + 10.0) / 0.05)
+    for k in range(ticks):
+        sender.tick(k * 0.05)
+    sender.give(lines_of("G1 X1"))
+    written = b""
+    for k in range(ticks, ticks + 20):
+        sender.tick(k * 0.05)
+        written += sender.bytes_out()
+    assert written.count(b"G1 X1") == 1 and sender.waiting and sender.outcome is None
