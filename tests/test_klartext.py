@@ -167,6 +167,30 @@ def test_new_blocks_are_statements(tmp_path):
     assert pieces.rstrip().endswith("M9")
 
 
+def test_a_tap_loses_the_tool_axis_alone(tmp_path):
+    """Its place is corrected, and what comes behind it; its depth is not, which a notice says."""
+    text = PART.replace("16 L X+0", "CYCL DEF 207 TAP ~\n Q200=+2\n16 L X+0").replace(
+        "17 TRANS", "CYCL CALL M8\n17 TRANS"
+    ).replace("18 L X+20", "L Z-60 FMAX\n18 L X+20")  # fmt: skip
+    filter_ = Filter(
+        read_machine(write_mill(tmp_path / "mill", True)),
+        DIALECT,
+        setup_of(read_machine(tmp_path / "mill"), offsets={"G54": {"X": 10.0}, "T5": {"Z": 50.0}}),
+    )
+    verifier = Verifier(filter_)
+    out = (filter_.feed(text.encode()) + filter_.finish()).decode()
+    assert verifier.passed, verifier.report()
+    assert "CYCL CALL M8\n" in out
+    assert any("depth is not" in notice.message for notice in filter_.notices)
+
+
+@pytest.mark.parametrize("cycle", ["", "CYCL DEF 200 DRILL ~|", "CYCL DEF 2.0 TAPPING|"])
+def test_a_call_of_another_cycle_is_refused(cycle):
+    _, reasons = follow(f"L X+1|{cycle}CYCL CALL|L X+9 Y+9 Z+9")
+    assert "CYCL CALL can not be followed" in " ".join(reasons)
+    assert "--expand" in " ".join(reasons)
+
+
 def test_nothing_changes_on_a_machine_without_errors():
     machine = read_machine(ROOT / "machines" / "perfect")
     offsets = {"G54": {}, "T5": {"Z": 50.0}}

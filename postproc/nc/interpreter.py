@@ -34,6 +34,7 @@ from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
     check_points,
+    cycle_calls,
     drop_arguments,
     idle_letters,
     m_codes,
@@ -196,6 +197,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     refuse_planes(b, axis_words)
     m_codes(b)
     macros(b)
+    cycle_calls(b)
     if b.dialect.conditions:
         conditionals(b)
     check_points(b)

@@ -67,11 +67,15 @@ TOOL = re.compile(
 )
 DELTA = re.compile(rb"\bD(L|R2?)[ \t]*([+-]?(?:[0-9.]+|Q[LR]?[0-9]+))?")
 CYCLE = re.compile(rb"CYCL[ \t]+DEF[ \t]+([0-9]+)(?:\.([0-9]+))?")
+CALLED = re.compile(rb"CYCL[ \t]+CALL(?![ \t]*(?:PAT|POS))")
 VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
 MOVES_AT_ONCE = (220, 221, 224, 238, 239)
 TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
 CYLINDERS = (27, 28, 29, 39)
+ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
+TAPS = (206, 207, 209)
 ZERO = b"G52X0Y0Z0"
+Z_ALONE = bytes([BARE + AXES.index("Z")])
 
 
 def respelled(code: bytes) -> bytes:
@@ -115,7 +119,7 @@ def _filled(new: bytes, match: re.Match[bytes]) -> bytes:
 def _words(text: bytes) -> tuple[bytes, bool]:
     """The words of a line without its statement, and whether FMAX stood among them."""
     if b"M" in text:
-        limit = b"G30" + bytes([BARE + AXES.index("Z")])
+        limit = b"G30" + Z_ALONE
         text = TO_LIMIT.sub(lambda m: _filled(limit, m), text)
         text = MACHINE.sub(lambda m: _filled(b"G53", m), text)
     if b"Q" in text:
@@ -189,8 +193,12 @@ def _longer(match: re.Match[bytes]) -> bytes:
 def _cycle(text: bytes) -> bytes:
     """A definition moves nothing by itself, but for a few."""
     match = CYCLE.match(text)
-    if match is None:  # CYCL CALL
-        return _macro(text, EXPAND_PATH)
+    if match is None:
+        call = CALLED.match(text)
+        if call is None:
+            return _macro(text, EXPAND_PATH)
+        # what it does refusals.py asks; where it leaves the tool axis only the control knows
+        return (b"G79G30" + Z_ALONE).ljust(call.end()) + _words(text[call.end() :])[0]
     number, part, rest = int(match[1]), match[2], text[match.end() :]
     if number == 247:
         return ZERO.ljust(len(text))
@@ -204,7 +212,9 @@ def _cycle(text: bytes) -> bytes:
         return _macro(text, codes.TRANSFORM)
     if number in TURNS and part not in (None, b"0") and rest.strip():
         return _turned(text, number, rest)
-    return _blank(text)
+    if number in ACT_AT_ONCE or part not in (None, b"0"):
+        return _blank(text)
+    return (b"G207" if number in TAPS else b"G200").ljust(len(text))
 
 
 def _turned(text: bytes, number: int, rest: bytes) -> bytes:

@@ -27,6 +27,7 @@ from postproc.nc.lexer import (
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
+CYCLE_CALL, TAPPING = 790, 2070  # of Klartext
 CENTRES = range(AXES.index("I"), len(AXES))
 
 
@@ -216,6 +217,28 @@ def macros(b: Batch) -> None:
         )
 
 
+def cycle_calls(b: Batch) -> None:
+    """CYCL CALL of Klartext: a tap goes with the spindle, from the place that is corrected before
+    it; other cycles can not be followed."""
+    block = b.single.get(CYCLE_CALL)
+    if block is None or not b.dialect.grammar.klartext:
+        return
+    name = "CYCL CALL"
+    tapped = np.broadcast_to(b.held("defined cycle"), b.n)[block] == TAPPING
+    for i in block[~tapped]:
+        b.foreign[i] = True
+        b.reason[i] = b.because(f"{name} can not be followed", codes.CYCLE)
+    if tapped.any():
+        b.notices.append(
+            Notice(
+                "tapping cycle",
+                "cycles that tap stay as they are: their place is corrected at the clearance above"
+                " the hole, their depth is not",
+                int(b.words.line[block[tapped][0]]),
+            )
+        )
+
+
 def _name_of(b: Batch, place: int) -> str:
     """The first word of the text that a macro's word stands for."""
     text = b.words.text[b.words.start[place] :][:60].decode("latin-1")
@@ -223,7 +246,8 @@ def _name_of(b: Batch, place: int) -> str:
 
 
 def _called(b: Batch, number: int) -> str:
-    meaning = codes.CALLS.get(number, b.dialect.m_codes.get(number, ""))
+    calls = b.dialect.m_refuses.get(number) in (codes.CALL, codes.INLINE)
+    meaning = codes.CALLS.get(number, "") if calls else b.dialect.m_codes.get(number, "")
     return f"M{number} ({meaning})" if meaning else f"M{number} can not be followed"
 
 

@@ -168,6 +168,14 @@ def test_drilling(cycle, lines):
     assert last == ("L X+20 F900" if lines else "L X+20")
 
 
+@pytest.mark.parametrize("cycle", ["206", "207", "209"])
+@pytest.mark.parametrize("call", ["L X+10 FMAX M99", "L X+10 FMAX|CYCL CALL"])
+def test_a_tap_stays_and_is_called_at_its_clearance(cycle, call):
+    """Between places of the tool axis that are known: surface -1, clearances 2 and 50."""
+    lines = plain(CYCLE.format(cycle, "-15", "+50", "0").replace("L X+10 FMAX M99", call))
+    assert drilled(lines) == ["L Z+1 FMAX", "CYCL CALL", "L Z+49 FMAX", "L X+20"]
+
+
 def test_a_cycle_is_called_by_itself_and_its_words_stay():
     lines = plain(CYCLE.format("200", "-5", "+0", "0").replace("FMAX M99", "FMAX|CYCL CALL M8"))
     assert drilled(lines)[:2] == ["M8", "L Z+1 FMAX"]

@@ -5,7 +5,8 @@ HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, cycle programming: cycles 
 the surface Q203: FMAX to the set-up clearance Q200, pecks of Q202 at Q206 down to Q201, each but
 the last drawn out to the clearance, where it waits Q210, and back to the clearance above what is
 drilled; at the bottom it waits Q211; then FMAX (201, 203: at Q208) to the clearance, and to the
-second one, Q204, if it lies higher. With Q201 0 the control does nothing.
+second one, Q204, if it lies higher. With Q201 0 the control does nothing. Taps (206, 207, 209)
+stay, called at the set-up clearance by CYCL CALL.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ DRILLING = {200: "drilling", 201: "reaming", 203: "universal drilling", 240: "ce
 PECKING = (200, 203)
 AT_OWN_FEED = (201, 203)  # come out at Q208
 NOT_FOLLOWED = (212, 213, 343, 395)  # decrement, chip breaking, a diameter, another reference
+TAPS = (206, 207, 209)
 HELP = "let the CAM program write this hole out as L"
 
 
@@ -56,6 +58,18 @@ class Holes:
         lines += [*self._dwell(211), self._to(top + clear, self._out(feed))]
         second = self._value(204, clear)
         return [*lines, self._to(top + second, b" FMAX")] if second > clear else lines
+
+    @property
+    def taps(self) -> bool:
+        """Whether the cycle goes in step with the spindle."""
+        return self.cycle in TAPS
+
+    def tapped(self) -> list[bytes]:
+        """A call that stays, with places in front and behind at which the tool axis is known."""
+        top, clear = self._value(203), self._value(200)
+        high = max(clear, self._value(204, clear))
+        places = [self._to(top + z, b" FMAX") for z in (clear, high)]
+        return [places[0], b"CYCL CALL", places[1]]
 
     def _known(self) -> None:
         if self.cycle not in DRILLING:

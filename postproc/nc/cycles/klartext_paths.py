@@ -112,6 +112,8 @@ class KlartextPaths:
             lines = self._path(kind, CALLED.sub(b"", rest))
         if not called:
             return lines
+        if self.holes.taps:
+            return lines + self.holes.tapped()
         holes = self.holes.lines()
         self.due = self.due or bool(holes)
         return lines + holes

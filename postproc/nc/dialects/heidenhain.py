@@ -32,6 +32,8 @@ DIALECT = Dialect(
         *rows("", {"30": "to the limit of the travel (M140 MB MAX)"}, takes=True),
         *rows("work offset", {"247": "preset (cycle 247)"}, does="extended", like="G54.1"),
         *LOCAL,
+        *rows("defined cycle", {"200": "a cycle, defined", "207": "a tapping cycle, defined"}),
+        *rows("", {"79": "cycle call"}, takes=True, does="words"),
     ),
     m_codes=ISO.m_codes,
     m_refuses={**_REFUSED, 99: klartext.EXPAND_PATH},
