@@ -223,11 +223,10 @@ def cycle_calls(b: Batch) -> None:
     block = b.single.get(CYCLE_CALL)
     if block is None or not b.dialect.grammar.klartext:
         return
-    name = "CYCL CALL"
     tapped = np.broadcast_to(b.held("defined cycle"), b.n)[block] == TAPPING
     for i in block[~tapped]:
         b.foreign[i] = True
-        b.reason[i] = b.because(f"{name} can not be followed", codes.CYCLE)
+        b.reason[i] = b.because("CYCL CALL can not be followed", codes.CYCLE)
     if tapped.any():
         b.notices.append(
             Notice(

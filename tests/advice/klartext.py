@@ -29,6 +29,12 @@ ALL = [
     iso("N3 G98 L1*|N4 G79*|N5 L1,2*", "N4 G79*"),
     iso("N3 G91*|N4 G79*", "N4 G79*"),
     iso("N3 I5 J0*|N4 G03 X10 Y0 F9*|N5 G79*", "N4 G00 X10*|N5 G79*"),
+    Case(
+        "heidenhain",
+        "L X+0 Y+0 Z+5 FMAX|" + cycle(DRILL, call="CYCL CALL"),
+        "L X+0 Y+0 Z+5 FMAX|" + cycle(DRILL, call="CYCL CALL"),
+        also=WRITE,
+    ),
     klartext("C X+10 Y+0 DR+ F99", RIGHT),
     klartext(POLE + "C X+12 Y+0 DR+ F99", RIGHT),
     klartext(POLE + "C X+10 Y+0 F99", RIGHT),
