@@ -63,8 +63,7 @@ def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
     """Where the first line begins that is too long or gcomp's own mark, with what to say, or
     None."""
     found = []
-    mark = marks.PROGRAM[0].search(text)
-    if mark:
+    if mark := marks.PROGRAM[0].search(text):
         found.append((text.rfind(b"\n", 0, mark.start()) + 1, *OWN_OUTPUT))
     start = 0
     while len(text) - start > intake.LINE:
@@ -370,8 +369,7 @@ class Filter:
 
     def _tell(self, notice: Notice) -> None:
         if notice.counts:
-            before = self._counted.get(notice.code)
-            if before is not None:
+            if (before := self._counted.get(notice.code)) is not None:
                 sums = tuple(map(sum, zip(before.counts, notice.counts, strict=True)))
                 first = before if before.refusal[0] or not notice.refusal[0] else notice
                 notice = replace(first, counts=sums)

@@ -74,8 +74,7 @@ def inside(folder: Path, name: str) -> Path | None:
 def toml(text: str) -> dict[str, Any]:
     """A TOML document. Raises ValueError (tomllib.TOMLDecodeError is one), in words, with "line N"
     where that is known, for what is none, nests too deep, or holds an integer beyond 64 bits."""
-    deep = DOTTED.search(text)
-    if deep:
+    if deep := DOTTED.search(text):
         line = text.count("\n", 0, deep.start()) + 1
         raise ValueError(f"a key of more than {PARTS} parts (at line {line})")
     try:

@@ -123,8 +123,7 @@ class Slides:
         half = self.half(legs.end)
         for k, row in enumerate(self.rows):
             columns = (legs.begin[row].tolist(), legs.end[row].tolist(), half[k].tolist())
-            states = [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]
-            if states:
+            if states := [self.one[row].move(*leg) for leg in zip(*columns, strict=True)]:
                 lived[:, row] = np.array(states).T
         return Led(self, legs, *lived)
 

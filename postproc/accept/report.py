@@ -50,8 +50,7 @@ ADVICE = {
 def _faults(one: Outcome) -> Iterator[str]:
     """A line for each kind of fault of one line of targets."""
     for kind, advice in ADVICE.items():
-        mine = [r for r in one.ratios if r.verdict == kind]
-        if mine:
+        if mine := [r for r in one.ratios if r.verdict == kind]:
             said = "; ".join(f"{r.of} {ratio(r)}" for r in mine)
             yield (
                 f"{VERDICTS[kind]}: {one.subject}: {said};"

@@ -167,8 +167,7 @@ class Sorted:
 def _of_chain(one: Series | Diagonal, recording: Recording, options: Options) -> None:
     """Raises CalibrationError for an axis that the chain has not."""
     axes = [one.letter] if isinstance(one, Series) else list(one.path)
-    missing = [x for x in axes if x not in options.chain.axes]
-    if missing:
+    if missing := [x for x in axes if x not in options.chain.axes]:
         raise CalibrationError(
             f"{missing[0]} moves, and the chain {'-'.join(options.chain.axes)} has no {missing[0]}",
             "--chain names all axes",

@@ -98,8 +98,7 @@ def _squareness(calibration: Calibration) -> tuple[dict[str, Any], dict[str, str
     """urad by name, U = 2 u of those that are known, and comments to them."""
     every = calibration.squareness.values()
     data: dict[str, Any] = {s.name: round(s.value / URAD, 6) for s in every}
-    known = {s.name: round(2 * s.u / URAD, 6) for s in every if s.u is not None}
-    if known:
+    if known := {s.name: round(2 * s.u / URAD, 6) for s in every if s.u is not None}:
         data["u"] = known
     comments = {}
     for one in every:
@@ -135,8 +134,7 @@ def _top(calibration: Calibration) -> str:
         "Written by gcomp calibrate. Deviation = actual - commanded, tool against workpiece, slide"
         " positions, radius."
     ]
-    doubts = [f.message for f in calibration.findings if f.level == "doubt"]
-    if doubts:
+    if doubts := [f.message for f in calibration.findings if f.level == "doubt"]:
         lines += ["In doubt when it was written:"] + [
             f"- {' '.join(text.split())}" for text in doubts
         ]

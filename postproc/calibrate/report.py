@@ -43,8 +43,7 @@ def table(calibration: Calibration) -> str:
     if calibration.lacks:
         lines += ["", "not in this map:", *(f"  {text}" for text in calibration.lacks)]
     for level, title in (("doubt", "in doubt:"), ("note", "to know:")):
-        found = [f for f in calibration.findings if f.level == level]
-        if found:
+        if found := [f for f in calibration.findings if f.level == level]:
             lines += ["", title] + [f"  {f.message}" for f in found]
     return "\n".join(lines)
 
@@ -64,8 +63,7 @@ def _treated(calibration: Calibration) -> list[str]:
             else "zeros as recorded"
         )
     ]
-    slopes = [f"{c.name} {c.slope / URAD:+.2f}" for c in parts if c.straight]
-    if slopes:
+    if slopes := [f"{c.name} {c.slope / URAD:+.2f}" for c in parts if c.straight]:
         did = (
             "left in"
             if calibration.options.keep_lines

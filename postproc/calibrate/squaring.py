@@ -240,8 +240,7 @@ def _diagonals(
         pairs += [
             p for p in ("".join(c) for c in itertools.combinations(crossed, 2)) if p not in pairs
         ]
-        lacking = [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]
-        if lacking:
+        if lacking := [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]:
             text = (
                 f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the"
                 " diagonal's scale contains it"

@@ -68,8 +68,7 @@ def run(options: argparse.Namespace) -> int:
 def _not_taken(like: dict[str, Any]) -> list[str]:
     """What of the machine that is copied is its own."""
     told = [f"{key}: {why}" for key, why in ITS_OWN.items() if key in like]
-    warm = [x for x, section in like.get("axes", {}).items() if "heat" in section]
-    if warm:
+    if warm := [x for x, section in like.get("axes", {}).items() if "heat" in section]:
         told.append(f"heat of {', '.join(warm)}: growth and temperatures are its own")
     if like.get("effect"):
         names = ", ".join(f"{e.get('name')} of {e.get('axis')}" for e in like["effect"])
@@ -104,8 +103,7 @@ def like_of(name: str | None) -> dict[str, Any]:
 def of_single_slides(chain: chains.Chain, command: str) -> None:
     """Raises UsageError for a chain with second slides: recordings do not say where these stood,
     and the machine that is written would lose the errors that were measured of them."""
-    second = [x for x in chain.axes if x in "UVW"]
-    if second:
+    if second := [x for x in chain.axes if x in "UVW"]:
         raise UsageError(
             f"{command} measures X Y Z and rotary axes, and this machine has second slides too"
             f" ({', '.join(second)})",

@@ -195,8 +195,7 @@ def _notices(
     """Of the tables over axis x: where the others stand, what squareness they hold, and what the
     words of x are. names: of the tables."""
     pose = pose_of(machine, x, options.at)
-    stand = [f"{o} = {p:g}" for o, p in pose.items() if o != x and o in machine.chain.axes]
-    if stand:
+    if stand := [f"{o} = {p:g}" for o, p in pose.items() if o != x and o in machine.chain.axes]:
         yield f"over {x}: the other axes stand at {' '.join(stand)} (--at)"
     if x in machine.square and machine.square[x].any():
         yield from [

@@ -66,8 +66,7 @@ def write(
         )
 
     files = {section["file"]: export.files[section["file"]] for section, _ in sections}
-    taken = [n for n in files if (places.folder_of(folder) / n).exists()]
-    if taken:
+    if taken := [n for n in files if (places.folder_of(folder) / n).exists()]:
         raise UsageError(
             f"{machine.name} has a file {taken[0]} of its own",
             "rename it there, or export under another name",

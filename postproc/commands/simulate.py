@@ -226,8 +226,7 @@ def _timeline(
         force=simulate_named.forces(options.force, machine),
     )
     run_ = timeline.of(steps, machine, limits, conditions, letters)
-    wrong = run_.outside()
-    if wrong:
+    if wrong := run_.outside():
         line, axis, at = wrong
         low, high = machine.axes[axis].travel
         raise GcompError(

@@ -43,8 +43,7 @@ def _parameters(word: str, module: ModuleType, text: str) -> dict[str, float]:
             name = word.partition(":")[0]
             raise UsageError(f"--with {word}: {name} has no {key!r}", f"its parameters: {told}")
         parameters[key] = values.number(value)
-    missing = [key for key in module.PARAMETERS if key not in parameters]
-    if missing:
+    if missing := [key for key in module.PARAMETERS if key not in parameters]:
         raise UsageError(f"--with {word}: {missing[0]} is missing", module.PARAMETERS[missing[0]])
     return parameters
 

@@ -171,8 +171,7 @@ def _notices(machine: Machine, heat: Heat, out: list[str]) -> list[Notice]:
                 " the zero was touched then",
             )
         )
-    slow = [x for x, axis in machine.axes.items() if x in XYZ and not axis.velocity]
-    if slow:
+    if slow := [x for x, axis in machine.axes.items() if x in XYZ and not axis.velocity]:
         found.append(
             Notice(
                 "heat rapids",

@@ -91,8 +91,7 @@ def parse(source: Source, options: ExportOptions) -> Listing:
     head = next(at.text for at in lines if at.text.strip())
     if head.lower().startswith("axis,"):
         _csv_pitch(listing, source, lines)
-        settings = options.extra.get("settings", "")
-        if settings:
+        if settings := options.extra.get("settings", ""):
             other = Source(options.extra.get("settings_name", "settings"), settings.encode())
             _csv_settings(listing, other, common.numbered(other))
     elif head.lower().startswith("parameter_no,"):

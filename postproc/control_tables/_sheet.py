@@ -51,8 +51,7 @@ def text(
 def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
     """The sheet's table. Raises TableError with file and line."""
     head, rows, last = _lines(source, columns)
-    absent = [key for key in HEAD if key not in head]
-    if absent:
+    if absent := [key for key in HEAD if key not in head]:
         raise common.fault(source, last, f"{absent[0]} is missing")
     if head["axis"] not in ("X", "Y", "Z") or head["unit"] not in ("mm", "inch"):
         raise common.fault(

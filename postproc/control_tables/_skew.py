@@ -77,8 +77,7 @@ def settings(
         line = slope * table.nodes
         off = max(np.abs(table.forward - line).max(), np.abs(table.reverse - line).max())
         result.left[table.name] = float(off)
-    large = {name: size for name, size in result.left.items() if size > 0.01 * UM}
-    if large:
+    if large := {name: size for name, size in result.left.items() if size > 0.01 * UM}:
         sizes = ", ".join(f"{name} {size / UM:.2f} um" for name, size in sorted(large.items()))
         result.notices.append(
             f"{control} holds straight leaning{' and lost motion' if backlash else ''} only; it"

@@ -54,8 +54,7 @@ def plain(value: float) -> str:
 def lines_of(source: Source) -> Iterator[tuple[int, str]]:
     """Number and text of every line that holds more than a // comment."""
     for at in common.numbered(source):
-        text = at.text.split("//", 1)[0].strip()
-        if text:
+        if text := at.text.split("//", 1)[0].strip():
             yield at.number, text
 
 
@@ -185,8 +184,7 @@ class Collected:
                 f"chain {chain!r} with {count!r} workpiece axes is none",
                 "like --set chain=XYZ --set workpiece_axes=1",
             )
-        absent = sorted((set(self.parts) | {g.letter for g in self.grids}) - set(chain))
-        if absent:
+        if absent := sorted((set(self.parts) | {g.letter for g in self.grids}) - set(chain)):
             raise TableError(
                 f"{self.source.name} has components of {' '.join(absent)}, not in the chain {chain}"
             )

@@ -176,8 +176,7 @@ def _columns(told: List, count: int, gap: float) -> dict[str, np.ndarray]:
     if told.number("ssfk.bilateral", 0):
         needed.append("neg")
     for column in needed:
-        absent = [i for i in range(count) if i not in told.cells[column]]
-        if absent:
+        if absent := [i for i in range(count) if i not in told.cells[column]]:
             raise common.fault(
                 told.source,
                 told.last,

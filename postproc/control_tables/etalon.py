@@ -72,8 +72,7 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
             " their middle"
         )
         parts = [(i, grid.nodes, middle[i], middle[i]) for i in range(6)]
-        own = axes.get(grid.letter)
-        if own is not None:
+        if (own := axes.get(grid.letter)) is not None:
             nodes = np.union1d(own.nodes, grid.nodes)
             sums = [
                 np.interp(nodes, own.nodes, own.mean[i]) + np.interp(nodes, grid.nodes, middle[i])

@@ -68,8 +68,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     if settings:
         files, back = _files(settings, pitch, form, options, notices)
         _advice(settings, options, notices)
-    cross = [t for t in tables if t.moving != t.along]
-    if cross:
+    if cross := [t for t in tables if t.moving != t.along]:
         name, data = (
             f"{options.program}_straightness.csv",
             _straightness(cross, options, notices, shifts),
@@ -282,8 +281,7 @@ def _files(
             options, extra={**options.extra, "settings": files[f"{name}_settings.csv"].decode()}
         )
         return files, read(Source(f"{name}_pitch.csv", files[f"{name}_pitch.csv"]), told)
-    missing = [axis for axis in settings if axis not in listings.axis_order(options)]
-    if missing:
+    if missing := [axis for axis in settings if axis not in listings.axis_order(options)]:
         raise UsageError(
             f"which axis number has {missing[0]}?",
             "--set axes=XZ: the letters in the control's order",

@@ -53,8 +53,7 @@ def write_machine(machine: Machine, options: ExportOptions) -> Export:
     """All components, squareness, the chain. Raises TableError or MachineError for what VolComp can
     not hold."""
     found, left = of_machine(machine)
-    missing = [x for x in XYZ if x not in found.chain]
-    if missing:
+    if missing := [x for x in XYZ if x not in found.chain]:
         raise TableError(
             f"{machine.name} has no axis {' '.join(missing)}: VolComp needs X, Y and Z",
             "state the missing axis in the machine's chain, or write one-axis tables"

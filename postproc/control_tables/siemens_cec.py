@@ -274,8 +274,7 @@ def _letter(source: Source, name: str, line: int, options: ExportOptions) -> str
     for key, value in options.extra.items():
         if key.startswith("axis_") and value.upper() == name:
             return key[5:].upper()
-    number = re.fullmatch(r"AX([1-6])", name)
-    if number:
+    if number := re.fullmatch(r"AX([1-6])", name):
         return "XYZUVW"[int(number[1]) - 1]
     if name[:1] in "XYZUVW":
         return name[:1]

@@ -78,8 +78,7 @@ class Log:
 
     def moment(self, text: str) -> float:
         """s of the log: of seconds, or of a date and time. Raises GcompError."""
-        seconds = _number(text)
-        if seconds is not None:
+        if (seconds := _number(text)) is not None:
             return seconds
         moment = _date(text)
         if moment is None or self.dated is None:

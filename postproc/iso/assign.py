@@ -58,10 +58,9 @@ def motions(recording: Recording) -> list[Motion]:
         )
     if len(moved) == 1:
         return [_along_axis(recording, moved[0], {})]
-    if all(x in LINEAR for x in moved):
-        direction = _collinear(recording, moved)
-        if direction is not None:
-            return [_along_diagonal(recording, direction)]
+    linear = all(x in LINEAR for x in moved)
+    if linear and (direction := _collinear(recording, moved)) is not None:
+        return [_along_diagonal(recording, direction)]
     letter = _moving_axis(recording, moved)
     others = [x for x in moved if x != letter]
     places = [targets_of(recording.position(x)) for x in others]

@@ -83,14 +83,12 @@ def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
 
 def _said(found: list[Trace]) -> list[str]:
     notices = []
-    cut = [t for t in found if t.cut > math.radians(0.5)]
-    if cut:
+    if cut := [t for t in found if t.cut > math.radians(0.5)]:
         notices.append(
             f"overshoot taken off: {math.degrees(min(t.cut for t in cut)):.0f} to"
             f" {math.degrees(max(t.cut for t in cut)):.0f} degrees a run, the middle turn is kept"
         )
-    arcs = [t for t in found if not t.full]
-    if arcs:
+    if arcs := [t for t in found if not t.full]:
         least = math.degrees(
             min(float(np.ptp(t.angle) + np.median(np.diff(t.angle))) for t in arcs)
         )
@@ -131,8 +129,7 @@ def result_of(recording: Recording, options: Options) -> Result:
     )
     if len(pairs) < 2:
         notices.append("one run of a sense: U holds no scatter of runs")
-    absent = missing(options.budget, recording.u is not None, False)
-    if absent:
+    if absent := missing(options.budget, recording.u is not None, False):
         notices.append(absent)
     feed = recording.head.get("feed_mm_min")
     said = f", feed {feed:g} mm/min" if feed else ""

@@ -66,8 +66,7 @@ def result_of(motion: Motion, options: Options) -> Result:
         notices.append(
             "E, M and B are of the readings as recorded, with the tilt of the reference in E and M"
         )
-    absent = missing(options.budget, motion.recording.u is not None, lengths, angle)
-    if absent:
+    if absent := missing(options.budget, motion.recording.u is not None, lengths, angle):
         notices.append(absent)
     if test.runs < 2 and not test.long:
         notices.append("one run: s, R and A are not defined, and U holds no scatter")
@@ -150,8 +149,7 @@ def _targets(motion: Motion, test: Positioning, options: Options) -> list[str]:
     if motion.test != "positioning":
         return out
     step = positioning.spacing(test.target)
-    lead = options.leads.get(motion.axes, options.leads.get(""))
-    if lead is not None:
+    if (lead := options.leads.get(motion.axes, options.leads.get(""))) is not None:
         found = positioning.aliases(test.target, lead)
         out += [
             f"error with the period {lead / k:g} mm ({_part(k)} of {lead:g} mm): {words}"
@@ -233,8 +231,7 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
                 name += f" ({motion.recording.file})"
             tests[name] = result.detail
         wanted = diagonals.every(axes)
-        absent = [d for d in wanted if d not in {m.subject for m, _ in members}]
-        if absent:
+        if absent := [d for d in wanted if d not in {m.subject for m, _ in members}]:
             notices.append(
                 f"{len(wanted) - len(absent)} of {len(wanted)} diagonals measured,"
                 f" {', '.join(absent)} not: the largest may be among them"
@@ -310,8 +307,7 @@ def _square_of(
     stated, of = options.budget.square, frozenset([name])
     terms = [] if stated is None else [Term("square", stated, of, "stated, of the square itself")]
     for result in results:
-        device = next((t for t in result.terms if t.name == "device"), None)
-        if device is not None:
+        if (device := next((t for t in result.terms if t.name == "device"), None)) is not None:
             u = device.u / result.detail.test.length
             terms.append(Term(f"device, {result.subject}", u, of, "of the ends of the line"))
     words = "squareness, as a rotation about the third axis (ISO 841 signs)"

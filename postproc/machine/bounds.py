@@ -160,8 +160,7 @@ class Bounds:
         angle = shift = 0.0
         for x in m.chain.axes:
             size, lean, _, _ = self._sizes(x, np.zeros(1))
-            stands = m.locations.get(x)
-            if stands is not None:
+            if (stands := m.locations.get(x)) is not None:
                 size += 2 * float(np.linalg.norm(stands[:3]))
                 lean += 2 * float(np.linalg.norm(stands[3:]))
             if x in m.expansions:
@@ -244,8 +243,7 @@ class Bounds:
         for x in m.chain.axes:
             arm = self.reach(x)
             shift, lean, shift_rise, lean_rise = self._sizes(x, np.abs(way[rows[x]]))
-            stands = m.locations.get(x)
-            if stands is not None:
+            if (stands := m.locations.get(x)) is not None:
                 shift += 2 * float(np.linalg.norm(stands[:3]))
                 lean += 2 * float(np.linalg.norm(stands[3:]))
             if x in m.expansions:

@@ -122,8 +122,7 @@ def following(machine: Machine, moving: tuple[Driver, ...]) -> Machine:
     """The machine with its drivers, and without the constant growth that they stand for."""
     axes = dict(machine.axes)
     for x, axis in machine.axes.items():
-        e = axis.expansion
-        if e is not None:
+        if (e := axis.expansion) is not None:
             by = {d.name.split()[0] for d in moving if d.letter == x}
             scale_at = REFERENCE if "scale" in by else e.scale_at
             work_at = REFERENCE if "work" in by else e.work_at

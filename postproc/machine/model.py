@@ -403,8 +403,7 @@ class Machine:
             part = _sum(part, table.evaluate(q[letter], s[letter]))
         for grid in self.grids_of[letter]:
             part = _sum(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
-        growth = self.expansions.get(letter)
-        if growth is not None:
+        if (growth := self.expansions.get(letter)) is not None:
             more: Parts = [None] * 6
             more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (
                 q[letter] - growth.fixed

@@ -240,8 +240,7 @@ def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 def _lacking(machine: Machine) -> tuple[str, str] | None:
     """What machine.toml must state before the tip can be followed: where the rotary axes' lines
     lie, and for a head how far the tool stands before them."""
-    missing = [x for x in XYZ if x not in machine.chain.axes]
-    if missing:
+    if missing := [x for x in XYZ if x not in machine.chain.axes]:
         return (
             (
                 f"the machine has no slide {' '.join(missing)}, and no tip can be held with rotary"

@@ -29,8 +29,7 @@ class TomlFile:
         lets us find it."""
         here, count, fallback = "", -1, 0
         for number, line in enumerate(self.text.splitlines(), 1):
-            header = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
-            if header:
+            if header := re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line):
                 here = header[1].replace('"', "")
                 count += here == section
                 if here == section and count == index:

@@ -122,8 +122,7 @@ def _refuse(machine: Machine) -> None:
             f"{machine.name} has rotary axes ({' '.join(machine.chain.rotary)})",
             "volumetric tables are written for chains of linear axes only",
         )
-    second = [x for x in machine.chain.axes if x in SECOND.values()]
-    if second:
+    if second := [x for x in machine.chain.axes if x in SECOND.values()]:
         raise MachineError(
             f"{machine.name} has second slides ({' '.join(second)})",
             "volumetric tables are written for chains of X Y Z only",

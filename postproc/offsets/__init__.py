@@ -90,8 +90,7 @@ class Source:
         """Number (from 1) and text of every line that is not blank, without the blanks around
         it."""
         for number, line in enumerate(self.text.split("\n"), 1):
-            stripped = line.strip()
-            if stripped:
+            if stripped := line.strip():
                 yield number, stripped
 
     def fault(self, line: int, message: str, advice: str) -> UsageError:
@@ -123,13 +122,11 @@ def canonical(name: str) -> str | None:
     """An offset's name as Offsets writes it ("g54.1p03" is "G54.1 P3"), or None where there is no
     such offset."""
     name = name.strip().upper()
-    extended = EXTENDED_NAME.fullmatch(name)
-    if extended:
+    if extended := EXTENDED_NAME.fullmatch(name):
         return f"{extended[1][:-1].strip()} {extended[1][-1]}{extended[2]}"
     if WORK_NAME.fullmatch(name):
         return name
-    tool = TOOL_NAME.fullmatch(name)
-    if tool:
+    if tool := TOOL_NAME.fullmatch(name):
         return f"{tool[1]}{tool[2]}" if tool[1] else name
     return None
 
@@ -206,8 +203,7 @@ def _decoded(data: bytes, name: str) -> str:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError:
             text = data.decode("latin-1")  # comments in an old code page
-    strange = re.search(r"[^\t\n\r\x20-\x7e\x80-\U0010ffff]", text)
-    if strange:
+    if strange := re.search(r"[^\t\n\r\x20-\x7e\x80-\U0010ffff]", text):
         line = text.count("\n", 0, strange.start()) + 1
         raise UsageError(f"character {ord(strange[0])} is not text", BINARY, Place(name, line))
     return text

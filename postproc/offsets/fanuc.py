@@ -124,8 +124,7 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
         raise source.fault(number, "G10 needs P, the number of the offset", ADVICE)
     n = int(p)
     if lathe:
-        nose = words.pop("Q", "")
-        if nose:
+        if nose := words.pop("Q", ""):
             memory.nose[n % GEOMETRY] = source.number(number, nose)
         for letter in set(words) & set(STEPS):
             if STEPS[letter] in words:

@@ -59,8 +59,7 @@ def read(source: Source) -> Offsets:
             place["R"] = source.number(number, values["D"]) * source.scale() / 2
         for letter in "PIJ":
             source.number(number, values.get(letter, "0"))
-        orientation = source.number(number, values.get("Q", "0"))
-        if orientation:
+        if orientation := source.number(number, values.get("Q", "0")):
             place["Q"] = orientation
         offsets.tools[name] = place
     return offsets

@@ -48,11 +48,9 @@ def read(source: Source) -> Offsets:
     if source.diameter:
         offsets.notices.append("LinuxCNC stores X as a radius: it is read as one")
     for i, name in enumerate(SYSTEMS):
-        place = _place(value, FIRST + STEP * i, source.scale())
-        if place:
+        if place := _place(value, FIRST + STEP * i, source.scale()):
             offsets.work[name] = place
-        angle = value.get(FIRST + STEP * i + len(AXES), 0.0)
-        if angle:
+        if angle := value.get(FIRST + STEP * i + len(AXES), 0.0):
             offsets.rotation[name] = angle
     shift = _place(value, SHIFT, source.scale())
     if any(shift.values()):

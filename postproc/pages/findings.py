@@ -151,8 +151,7 @@ def unknown(d: Diagnosis) -> charts.Figure | None:
     by_side = u.depends == ("direction",)
     data = []
     for way, role, said in left.SIDES:
-        own = [c for c in u.cells if c.approach == way]
-        if own:
+        if own := [c for c in u.cells if c.approach == way]:
             x = [way if by_side else (c.low + c.high) / 2 for c in own]
             wide = charts.limits(charts.column([1.96 * c.error * scale for c in own], 3))
             data.append(

@@ -38,14 +38,12 @@ def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) ->
     made.subject = [row for row in made.subject if row[0] not in ("name", "map")]
     told = made.blocks
     made.blocks = told[:1]
-    doubts = [f.message for f in findings if f.level == "doubt"]
-    if doubts:
+    if doubts := [f.message for f in findings if f.level == "doubt"]:
         made.mood = "open"
         made.section("In doubt")
         made.listing(doubts)
     made.blocks += told[1:]
-    notes = [f.message for f in findings if f.level != "doubt"]
-    if notes:
+    if notes := [f.message for f in findings if f.level != "doubt"]:
         made.section("To know")
         made.listing(notes)
     return made.html()
@@ -371,15 +369,13 @@ def _said(result: Page, machine: Machine, missing: list[str]) -> None:
                 for t in machine.effects
             ],
         )
-    heated = [x for x, axis in machine.axes.items() if axis.expansion is not None]
-    if heated:
+    if heated := [x for x, axis in machine.axes.items() if axis.expansion is not None]:
         result.section(
             "Heat",
             f"{', '.join(heated)}: growth with temperature is stated; --temperatures LOG follows it"
             " along a program.",
         )
-    doubts = overshoot.found(machine)
-    if doubts:
+    if doubts := overshoot.found(machine):
         result.section("In doubt")
         result.listing(list(doubts))
     if missing:

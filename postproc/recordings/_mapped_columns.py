@@ -143,8 +143,7 @@ def named_in(at: dict[str, int]) -> Named:
     """Raises UsageError for a mapping of targets that says too little or too much."""
     positions, ways, values = (_matching(p, at) for p in (POSITION, WAY, READING))
     known = positions | ways | values
-    unknown = [n for n in at if n not in known and not OTHER.fullmatch(n)]
-    if unknown:
+    if unknown := [n for n in at if n not in known and not OTHER.fullmatch(n)]:
         raise UsageError(
             f"--column {unknown[0]}=... is no column of a recording",
             "Z_mm, reading_um, actual_mm, forward_um, reverse_um, run, direction, t_s,"

@@ -231,8 +231,7 @@ def cells(
             )
         for column in sheet.columns:
             cell = row[column.at]
-            value = text.number(cell, table.decimal)
-            if value is not None:
+            if (value := text.number(cell, table.decimal)) is not None:
                 found.append((column, line, target, value))
                 continue
             if cell and options.strict:

@@ -226,6 +226,5 @@ def _doubts(target, raw, value, run, sign, unit) -> Iterator[str]:
             f"all readings of run {', '.join(map(str, zero))} are 0: was it measured?"
             " (--bidirectional no if one way only)"
         )
-    doubt = split.doubt(run, target, value, sign)
-    if doubt:
+    if doubt := split.doubt(run, target, value, sign):
         yield doubt

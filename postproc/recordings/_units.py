@@ -108,8 +108,7 @@ def in_heading(text: str) -> Unit | None:
     """The unit that a heading such as "Up 1 (µm)", "dzz_mm" or "Deviation in arcsec" ends with or
     has in brackets."""
     for found in BRACKETS.findall(text):
-        unit = unit_of(found)
-        if unit:
+        if unit := unit_of(found):
             return unit
     tail = TAIL.search(text)
     return unit_of(tail[1]) if tail and tail[1].lower() != "in" else None

@@ -147,13 +147,11 @@ def _numbers(row: dict[str, str], decimal: str) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for name in ("target", "run", "value", *PLACES, *TEMPERATURES):
         cell = row.get(name, "")
-        value = text.number(cell, decimal)
-        if value is not None:
+        if (value := text.number(cell, decimal)) is not None:
             numbers[name] = value
         elif cell or name in NEEDED:
             raise ValueError(f"{name} {cell!r} is not a number" if cell else f"{name} is empty")
-    wrong = text.wrong_run(numbers["run"])
-    if wrong:
+    if wrong := text.wrong_run(numbers["run"]):
         raise ValueError(wrong)
     return numbers
 

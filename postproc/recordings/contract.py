@@ -245,10 +245,8 @@ def _needed_measured(
     if kind == "targets":
         reading = "reading_urad" if head["quantity"] == "angle" else "reading_um"
         return {reading} | ({f"approach_{x}" for x in axes} & set(names))
-    if kind == "ballbar":
-        wrong = [x for x in head["centre"] if x not in axes]
-        if wrong:
-            raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
+    if kind == "ballbar" and (wrong := [x for x in head["centre"] if x not in axes]):
+        raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
     # places in the frame of an instrument, or how far the tool is off along the machine's axes
     if kind == "points" and "dx_um" in names:
         return {"dx_um", "dy_um", "dz_um"}

@@ -155,8 +155,7 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
         notices.append(notice)
     columns: list[_sheet.Column] = []
     for j, title in enumerate(headings[1:], 1):
-        run = RUN.match(title)
-        if run:
+        if run := RUN.match(title):
             if any(_run(c.title) == int(run[1]) for c in columns):
                 raise RecordingError(f"RUN {run[1]} heads two columns", "", at)
             columns.append(_sheet.Column(j, title, 0, False))

@@ -140,8 +140,7 @@ def _sections(content: str) -> _File:
         if not plain:
             continue
         found.last = i
-        heading = SECTION.fullmatch(plain)
-        if heading:
+        if heading := SECTION.fullmatch(plain):
             section, state = heading[1].strip(), ""
             found.sections.setdefault(section, i)
             continue

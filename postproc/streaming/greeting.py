@@ -232,8 +232,7 @@ NOBODY = (
 
 def unfit(protocol: Protocol, status: Status | None, port: str = "PORT") -> GreetingError | None:
     """Why a job can not begin, if it can not. port: as a person names it."""
-    compensates = protocol.controller.compensates
-    if compensates:
+    if compensates := protocol.controller.compensates:
         return GreetingError(
             f"{protocol.controller.name} compensates by itself: {', '.join(compensates)}; with"
             " gcomp's map that would be done twice",

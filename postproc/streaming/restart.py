@@ -182,8 +182,7 @@ class Preamble:
     def _top(self, safe: dict[str, float]) -> float:
         """mm, machine coordinates: where the tool is taken first along the axis that lifts it."""
         top = safe.get(self.lift, self.before.highest)
-        other = next((x for x in safe if x != self.lift), None)
-        if other:
+        if other := next((x for x in safe if x != self.lift), None):
             raise UsageError(
                 f"a {self.kind} goes out along {self.lift} first, and --safe-{other.lower()} says"
                 " nothing of it",

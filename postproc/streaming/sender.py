@@ -404,8 +404,7 @@ class Sender:
             self._deadline = min(self._deadline, now)
         if self.state in (RUNNING, HELD):
             self._looked(self.path.judge(status), status, now)
-        news = self._hold.reported(status.state, asked)
-        if news:
+        if news := self._hold.reported(status.state, asked):
             self._held(news, status, now)
         elif not self._hold.ordered:
             self._at_rest(status, asked_after_drain, now)

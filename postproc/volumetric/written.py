@@ -143,8 +143,7 @@ def folder(
         if own or turned:
             data["axes"][x]["table"] = f"{x}.csv"
             texts[f"{x}.csv"], texts[f"{x}_uncertainty.csv"] = _tables(fit, x, own, turned)
-    square = _squareness(fit, known)
-    if square:
+    if square := _squareness(fit, known):
         data["squareness"] = square
         comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square["u"]}
     if tool.any():

@@ -14,8 +14,7 @@ WORTH = 1.0  # um or urad
 
 
 def check(calibration) -> Iterator[Finding]:
-    bare = [x for x in calibration.options.chain.axes if x not in calibration.axes()]
-    if bare:
+    if bare := [x for x in calibration.options.chain.axes if x not in calibration.axes()]:
         yield Finding(
             "no-table",
             "note",
@@ -37,8 +36,7 @@ def check(calibration) -> Iterator[Finding]:
             for side, d in (("below", nodes[0] - low), ("above", high - nodes[-1]))
             if d > NEAR
         ]
-        outside = [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]
-        if outside:
+        if outside := [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]:
             text = (
                 f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to"
                 f" {high:g}"

@@ -17,8 +17,7 @@ def check(calibration) -> Iterator[Finding]:
         if name != f"E{component.letter}{component.letter}" or not component.two_way:
             continue
         lost = -component.reversal
-        text = overshoot.sentence(name, lost, _known_to(component))
-        if text:
+        if text := overshoot.sentence(name, lost, _known_to(component)):
             unit, one = unit_of(name)
             numbers = {f"lost_motion_{unit}": float(np.nanmedian(lost)) / one}
             yield Finding("overshoot", "doubt", name, f"{component.file}: {text}", numbers)

@@ -13,8 +13,7 @@ from postproc.calibrate.assign import unit_of
 def check(calibration) -> Iterator[Finding]:
     silent = [n for n, c in calibration.measured.items() if all(s.u is None for s in c.series)]
     single = [n for n, c in calibration.measured.items() if not c.cells.scatter.known]
-    unknown = [n for n in single if n in silent]
-    if unknown:
+    if unknown := [n for n in single if n in silent]:
         text = (
             f"{', '.join(unknown)}: one run and no u_um in the head, so the uncertainty is not"
             " known, nor whether they stand out of it"
@@ -27,8 +26,7 @@ def check(calibration) -> Iterator[Finding]:
             f" {calibration.measured[name].largest_u / one:.2g} {unit}"
         )
         yield Finding("scatter", "note", name, text)
-    many = [n for n in silent if n not in single]
-    if many:
+    if many := [n for n in silent if n not in single]:
         text = (
             f"{', '.join(many)}: no u_um in the head, so u is the scatter of the runs alone,"
             " without the instrument's part"

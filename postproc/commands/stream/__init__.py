@@ -70,8 +70,7 @@ def run(options: argparse.Namespace) -> int:
             signals.at_once = None  # from here on the job obeys
             link = Link(port, greeting, signals)
             if load is not None and first_pass.wanted(options, job, load):
-                status = _dry_run(options, machine, link, job, load)
-                if status:
+                if status := _dry_run(options, machine, link, job, load):
                     return status
                 if not options.quiet:
                     print(f"gcomp: {first_pass.PASSED}", file=sys.stderr)
@@ -106,8 +105,7 @@ def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
     controller = greeting.protocol.controller
     if options.control_compensates:
         controller.compensates = []
-    fault = unfit(greeting.protocol, greeting.status, options.port)
-    if fault:
+    if fault := unfit(greeting.protocol, greeting.status, options.port):
         raise fault
     if not options.quiet:
         sent = greeting.protocol.confirms == "idle" and not getattr(

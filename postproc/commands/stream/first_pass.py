@@ -56,8 +56,7 @@ def greeted_again(
     loop.greet(port, greeted)
     assert greeted.protocol is not None
     now = lives.read(greeted.protocol.controller, greeted.status, machine.letters)
-    changed = changes(job.live, now)
-    if changed:
+    if changed := changes(job.live, now):
         raise UsageError(
             "nothing has moved: the controller's check of the program ended in a reset, and that"
             f" has changed something: {changed}",

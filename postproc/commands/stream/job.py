@@ -187,8 +187,7 @@ class Job:
         for notice in (notice for source in self.sources for notice in source.filter.notices):
             self.notices += [notice] * (notice.message not in told)
             told.add(notice.message)
-        dropped = max(source.dropped for source in self.sources)
-        if dropped:
+        if dropped := max(source.dropped for source in self.sources):
             self.notices.append(
                 Notice(
                     "behind",

@@ -364,8 +364,7 @@ class Run:
         elif isinstance(what, Status) and what.place:
             order = self.sender.order
             place = tuple(what.place[i] for i in order) if order else what.place
-            row = self.trace.row(place, t - self.begun)
-            if row:
+            if row := self.trace.row(place, t - self.begun):
                 self.record.say(row.rstrip("\n"))
 
     def _fault(self, which: str, why: str) -> None:

@@ -41,8 +41,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         "instrument": TITLE,
         "tool": {x: float(arm[i]) for i, x in enumerate(XYZ) if x in state.position},
     }
-    station = settings.place("station")
-    if station:
+    if station := settings.place("station"):
         away = tip - np.array([station.get(x, 0.0) for x in XYZ])[:, None]
         columns["length_mm"] = np.linalg.norm(away, axis=0) - settings.number("dead", 123.4)
         return Signal("lengths", head, columns, {"length_mm": 1e3}, state, channel_names(state))

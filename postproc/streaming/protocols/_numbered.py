@@ -121,8 +121,7 @@ class Numbered(Protocol):
         text = re.sub(rb"^N[0-9]+ *", b"", text)
         if not TEXTS.match(text):
             text = text.upper()
-        found = BAD.search(text)
-        if found:
+        if found := BAD.search(text):
             raise Unsendable(
                 f"the line has byte {found[0][0]} in it, which upsets the receiver's checksums",
                 "take it out; in comments it does no harm",

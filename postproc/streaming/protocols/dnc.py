@@ -99,8 +99,7 @@ class Dnc(Protocol):
             return b""
         text = UNCLOSED.sub(b"", EOB.sub(b"", text))
         text = COMMENT.sub(self._comment, text).upper().strip()
-        found = FOREIGN.search(text)
-        if found:
+        if found := FOREIGN.search(text):
             raise Unsendable(
                 f"the line has byte {found[0][0]} in it, which is none of the control's code or"
                 " means something else on this link",

@@ -141,8 +141,7 @@ class Grbl(Protocol):
         if not text.startswith(b"$") and (b"(" in text or b";" in text):
             text = COMMENT.sub(b"", text).strip()
         text = text.lstrip(b"/").strip()
-        found = REALTIME.search(text)
-        if found:
+        if found := REALTIME.search(text):
             what = (
                 f"byte {found[0][0]}"
                 if found[0][0] >= 127 or found[0][0] < 32
@@ -224,8 +223,7 @@ class Grbl(Protocol):
                 return Altered(number, "")
             return Stray(text) if number is None else Accepted(number)
         for pattern, reader in self._readers():
-            found = pattern.fullmatch(text)
-            if found:
+            if found := pattern.fullmatch(text):
                 return reader(text, found)
         if self.banner.match(text):
             self.forget()

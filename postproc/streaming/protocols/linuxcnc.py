@@ -127,8 +127,7 @@ class Linuxcnc(Protocol):
         if text.startswith(b"%"):
             return b""
         text = COMMENT.sub(b"", text).strip()
-        found = FOREIGN.search(text)
-        if found:
+        if found := FOREIGN.search(text):
             what = f"the line has byte {found[0][0]} in it"
             raise Unsendable(what, "take it out; in comments it does no harm")
         if len(text) > LONGEST:
@@ -169,8 +168,7 @@ class Linuxcnc(Protocol):
         *lines, self._rest = (self._rest + data).replace(b"\r", b"\n").split(b"\n")
         events: list[Event] = []
         for line in lines:
-            text = line.decode("latin-1").strip()
-            if text:
+            if text := line.decode("latin-1").strip():
                 events += self._meaning(text)
         return events
 

@@ -68,8 +68,7 @@ class Marlin(Numbered):
     def patience(self, text: bytes) -> float:
         if self._alive:
             return KEEPALIVE
-        dwell = DWELL.match(text)
-        if dwell:
+        if dwell := DWELL.match(text):
             return QUIET + float(dwell[2]) / (1000.0 if dwell[1] == b"P" else 1.0)
         return QUIET
 

@@ -100,8 +100,7 @@ class Smoothieware(Numbered):
 
     def _meaning(self, text: str) -> list[Event]:
         events: list[Event] = []
-        found = REPORT.match(text)
-        if found:
+        if found := REPORT.match(text):
             events = [self._report(text, found)]
             text = text[found.end() :].strip()
             if not text:
@@ -151,8 +150,7 @@ class Smoothieware(Numbered):
 
     def learn(self, question: bytes, answers: list[str]) -> None:
         for text in answers:
-            found = re.search(r"FIRMWARE_VERSION:\s*([^,]+)", text)
-            if found:
+            if found := re.search(r"FIRMWARE_VERSION:\s*([^,]+)", text):
                 self.controller.version = found[1].strip()
 
 

@@ -161,8 +161,7 @@ class TinyG(Protocol):
         if not text or text.startswith(b"%"):
             return b""
         text = BLANKS.sub(b"", COMMENT.sub(b"", text)).lstrip(b"/").upper()
-        found = REALTIME.search(text)
-        if found:
+        if found := REALTIME.search(text):
             raise Unsendable(
                 f"the line has {found[0]!r} in it, which {self.controller.name} would obey at once"
                 " wherever it stands",
@@ -282,10 +281,8 @@ class TinyG(Protocol):
             self._stands_asked = True
             return events + self._report(body["sr"])
         self._waiting.popleft()
-        if sent == PLACE:
-            place = numbers(body["mpo"])
-            if place:
-                events.append(Status("idle", place=place))
+        if sent == PLACE and (place := numbers(body["mpo"])):
+            events.append(Status("idle", place=place))
         self._asked_again = 0
         return [*events, Accepted(number)]
 
@@ -340,8 +337,7 @@ class TinyG(Protocol):
                 self.controller.version = f"{system.get('fv', '')} build {system.get('fb', '')}"
                 self.controller.settings |= {k: str(v) for k, v in system.items()}
             for name in WORK:
-                place = ",".join(f"{v:.3f}" for v in numbers(body.get(name)))
-                if place:
+                if place := ",".join(f"{v:.3f}" for v in numbers(body.get(name))):
                     self.controller.offsets.append(f"[{name.upper()}:{place}]")
 
 
