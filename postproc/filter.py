@@ -39,6 +39,7 @@ TOO_LONG = (
     f"a line of more than {intake.LINE:,} characters",
     "this is no NC program, or its line ends were lost",
 )
+IF_LEFT_OUT = "where the operator's switch leaves this block out, say so: --block-delete on"
 OWN_OUTPUT = (
     "this program is gcomp's own output: it is corrected already",
     "give the nominal program; correcting twice doubles the correction",
@@ -363,6 +364,8 @@ class Filter:
     ) -> ProgramError:
         """An error in the first line of `text`, where all lines before it are handled."""
         line = text.split(b"\n", 1)[0][:1000].decode("latin-1")
+        if line.lstrip().startswith("/") and not self.setup.block_delete:
+            advice += f"; {IF_LEFT_OUT}"
         return ProgramError(
             message, advice, Place(self.name, self.summary.lines + 1, line, start, stop)
         )

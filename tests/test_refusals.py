@@ -346,3 +346,20 @@ def test_feed_as_inverse_time_without_a_feed_is_refused():
     error = refusal(GRINDER, Case("", ""), "G0 X20. Z10.\nG93 G1 X30. Z60.\n")
     assert error.place.line == 2
     assert "F" in error.message
+
+
+@pytest.mark.parametrize("block", ["/ G31 Z-5. F100.", "/G31 Z-5. F100."])
+def test_a_refused_block_that_a_switch_leaves_out_says_so(block):
+    """Probing is often marked with /: with --block-delete on such a program is corrected."""
+    machine = read_machine(Path(__file__).parents[1] / "machines" / "mv-1060")
+    text = f"G21 G90 G17\nG0 X-400. Y-200. Z-100.\n{block}\nG1 X-410. F100.\nM30\n".encode()
+
+    def run(block_delete: bool) -> bytes:
+        setup = setup_of(machine, {"G54": {}}, block_delete=block_delete)
+        filter_ = Filter(machine, dialects.load("fanuc-mill"), setup)
+        return filter_.feed(text) + filter_.finish()
+
+    with pytest.raises(ProgramError) as caught:
+        run(False)
+    assert caught.value.advice.endswith("--block-delete on")
+    assert block.encode() in run(True)

@@ -45,8 +45,10 @@ SAID = """Programs of other people, read from public repositories and from the e
 dialect of its control; long ones with fewer of their motions, each as it was measured last. Where a search named no repository each program is a source
 of its own. `gcomp --verify` runs as its user would run it: a machine with 6 m of travel and a smooth two-way map, all offsets
 stated as zero, home stated, 1 um; a refusal is answered by the option that its advice names (`python -m tests.corpus.share`).
+*none*: controls of which there is no dialect here (Fadal, Okuma lathes, MillMaster), all refused.
 *Broken*: the control would stop at it too. *Not in the text*: what is cut depends on what only the machine knows (probing,
 variables that it keeps, axes that a machine with X Y Z A B C has not), or it is a template."""  # noqa: E501
+NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 OPTIONS = (  # what an advice names, and what its user would type
     (r"--arc-centre", ("--arc-centre", "absolute")),
@@ -179,6 +181,8 @@ def _once(path: Path, folder: Path, more: tuple[str, ...]) -> tuple[bool, str]:
 
 def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result:
     """One program, and once more with each option that an advice names."""
+    if dialect == NONE:
+        return Result(source, dialect, path.name, "refused", "there is no dialect of its control")
     folder = machine_folder(machines, dialect)
     more: tuple[str, ...] = ()
     done, said = _once(path, folder, more)
