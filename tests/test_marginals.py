@@ -124,3 +124,16 @@ def test_what_belongs_to_no_single_slide_is_said():
     said = [n for n in notices if "belong to no single slide" in n]
     assert [n.split(" along ")[1][0] for n in said] == ["X", "Y"]
     assert all(9.0 < float(n.split()[2]) <= 10.01 for n in said)
+
+
+def test_ends_that_hold_a_value_are_left_out_where_both_directions_hold_it():
+    nodes = np.arange(7.0)
+    up = np.array([1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 3.0])
+    down = np.array([0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0])
+    found = module._trimmed(module.Marginal("X", "X", nodes, up, down))
+    assert (found.nodes[0], found.nodes[-1]) == (1.0, 4.0)
+    # one direction rises by as much as the other falls
+    found = module._trimmed(module.Marginal("X", "X", nodes, up, -up))
+    assert (found.nodes[0], found.nodes[-1]) == (2.0, 4.0)
+    flat = module._trimmed(module.Marginal("X", "X", nodes, np.ones(7), np.zeros(7)))
+    assert list(flat.nodes) == [5.0, 6.0]

@@ -199,7 +199,7 @@ def _one_state(
 def _shared(cells: Cells, other: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Position of every cell that both have, the first's mean there, and the other's less it."""
     theirs = cells_of(other.position, other.approach, other.reading)
-    ways = [0, 1] if cells.two_way and theirs.two_way else [0 if theirs.one_way >= 0 else 1]
+    ways = [0, 1] if cells.two_way and theirs.two_way else [int(theirs.one_way < 0)]
     if not cells.two_way and not theirs.two_way and cells.one_way != theirs.one_way:
         return np.zeros(0), np.zeros(0), np.zeros(0)
     position, ours, difference = [], [], []

@@ -134,14 +134,15 @@ def report(
         f"{'U (95 %)':>13}",
     ]
     for row in rows:
-        there, u = row["nodes"] is not None, row["u_um"]
-        size = f"{row['largest_um']:.2f} um" if there else ""
+        size = stated = ""
+        if row["nodes"] is not None:
+            size = f"{row['largest_um']:.2f} um"
+            stated = "not stated" if row["u_um"] is None else f"{row['u_um']:.2f} um"
         rest = "not written" if row["left_um"] is None else f"{row['left_um']:.3f} um"
-        stated = "" if not there else "not stated" if u is None else f"{u:.2f} um"
-        nodes = row["nodes"] if there else ""
+        nodes = row["nodes"] or ""
         lines.append(f"{row['name']:<10}{nodes:>7}{size:>21}{rest:>20}{stated:>13}".rstrip())
     lines += ["", *(f"note: {n}" for n in notices)]
-    lines += ["", *(f"UNVERIFIED: {n}" for n in unverified)] if unverified else []
+    lines += [""] * bool(unverified) + [f"UNVERIFIED: {n}" for n in unverified]
     lines += ["", *(f"wrote {path}" for path in paths)]
     return "\n".join(lines)
 

@@ -42,20 +42,20 @@ def _slides(machine: Machine) -> list[str]:
 def _square(machine: Machine) -> list[str]:
     """Pairs of slides without a squareness, and what 100 urad would be at the far corner: the
     longer of both travels leans."""
-    names = [name for name in machine.square_stated if name[2] in XYZ]
-    stated = {frozenset(XYZ) - {XYZ[ROTARY.index(name[0])]} for name in names}
+    stated = {
+        frozenset(XYZ) - {XYZ[ROTARY.index(name[0])]}
+        for name in machine.square_stated
+        if name[2] in XYZ
+    }
     stated |= {frozenset(term.axis) for term in machine.effects if term.name == "squareness"}
-    pairs, sizes = [], []
-    for pair in itertools.combinations(_slides(machine), 2):
-        if frozenset(pair) not in stated:
-            length = max(high - low for low, high in (machine.axes[x].travel for x in pair))
-            pairs.append("".join(pair))
-            sizes.append(f"{SQUARE * length / UM:.1f}")
+    pairs = [p for p in itertools.combinations(_slides(machine), 2) if frozenset(p) not in stated]
     if not pairs:
         return []
+    way = {x: high - low for x, (low, high) in ((x, a.travel) for x, a in machine.axes.items())}
+    lengths = [max(way[a], way[b]) for a, b in pairs]
     return [
-        f"squareness of {', '.join(pairs)}, which nobody measured: 100 urad would be "
-        f"{', '.join(sizes)} um at the far corner"
+        f"squareness of {', '.join(map(''.join, pairs))}, which nobody measured: 100 urad would be "
+        f"{', '.join(f'{SQUARE * v / UM:.1f}' for v in lengths)} um at the far corner"
     ]
 
 

@@ -93,17 +93,8 @@ def _elsewhere(name: str, stand: dict[str, float], off: float) -> str:
 def _trimmed(table: Marginal) -> Marginal:
     """Without the outermost nodes that only hold the value of the next ones."""
     _, _, nodes, up, down = table
-    first, last = 0, len(nodes)
-    while (
-        last - first > 2
-        and abs(up[first] - up[first + 1]) + abs(down[first] - down[first + 1]) < 1e-12
-    ):
-        first += 1
-    while (
-        last - first > 2
-        and abs(up[last - 1] - up[last - 2]) + abs(down[last - 1] - down[last - 2]) < 1e-12
-    ):
-        last -= 1
+    steps = np.flatnonzero(np.abs(np.diff(up)) + np.abs(np.diff(down)) >= 1e-12)
+    first, last = (steps[0], steps[-1] + 2) if len(steps) else (max(0, len(nodes) - 2), len(nodes))
     return Marginal(table.moving, table.along, nodes[first:last], up[first:last], down[first:last])
 
 
