@@ -39,12 +39,18 @@ def test_they_are_no_words():
     assert b"".join(spellings.respelled(line, grammar).split()) == b"G1X5Y3"
 
 
+def test_a_feed_for_one_block_is_written_out():
+    error = stopped("siemens", HEAD + "X10 FB=50|X20", {})
+    assert error.message == "FB is a feed for one block"
+    assert "--expand" in error.advice
+    assert stopped("siemens", HEAD + "X10 FB=50|X20", WRITE) is None
+
+
 @pytest.mark.parametrize(
     ("words", "says", "instead"),
     [
         ("FGROUP(X,Y)", "FGROUP (the axes that F speaks of)", "FGROUP(X,Y,Z)|X10"),
         ("FGROUP(X,Y,A)", "FGROUP (the axes that F speaks of)", "X10"),
-        ("X10 FB=50", "FB is a feed for one block", "X10 F50|X20 F100"),
         ("POS[X]=10", "POS moves an axis by itself, beside the path", "G1 X10"),
         ("POSA[A]=IC(5)", "POSA moves an axis by itself, beside the path", "G1 A5"),
     ],

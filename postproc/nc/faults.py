@@ -35,7 +35,7 @@ SIEMENS_WORDS = (  # plain to read, and not followed: message and advice
     (
         re.compile(rb"(FB)[ \t]*=", re.IGNORECASE),
         "is a feed for one block",
-        "write F in its place, and the F that held before it in the block behind it",
+        "--expand writes F in its place, and the F that held before it behind it",
     ),
     (
         re.compile(rb"(POS[AP]?)[ \t]*\[", re.IGNORECASE),

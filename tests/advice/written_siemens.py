@@ -206,5 +206,6 @@ POLYNOMIALS = [
     frame(POLY + " PL=0", POLY + " PL=1"),
     frame("DIAM90|" + POLY, "DIAMOF|" + POLY),
     frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
+    run("G1 X2 FB=200|X3", "G1 F50|X2 FB=200|X3"),
 ]
 ALL = [*DRILLING, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]

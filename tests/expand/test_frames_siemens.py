@@ -3,6 +3,8 @@ worked out here, from the programming manual."""
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -62,6 +64,25 @@ def test_polar_words_about_a_pole():
     )
 
 
+@pytest.mark.parametrize("frame", ["", "TRANS X7 Y-3|", "ROT Z40|"])
+def test_an_arc_in_polar_words_goes_about_the_pole(frame):
+    """The manual's own pair: G3 X17.203 Y38.029 I-17.5 J-30.211 from X67.5 Y80.211, and G111 X50
+    Y50, G3 RP=34.913 AP=200.052; then AP alone, and a clockwise one back."""
+    head = f"G0 X0 Y0 Z5|{frame}G0 X67.5 Y80.211|"
+    polar = "G111 X50 Y50|G3 RP=34.913 AP=200.052 F500|AP=270|G2 AP=200.052"
+    plain = (
+        "G3 X17.203 Y38.029 I-17.5 J-30.211 F500|X50 Y15.087 I32.797 J11.971|"
+        "G2 X17.203 Y38.029 I0 J34.913"
+    )
+    lines, others = text_of(head + polar, "siemens"), text_of(head + plain, "siemens")
+    numbers = [
+        [float(v) for v in re.findall(r"[XYIJ]=?(-?[\d.]+)", line)]
+        for line in (*lines[-3:], *others[-3:])
+    ]
+    for made, meant in zip(numbers[:3], numbers[3:], strict=True):
+        assert made == pytest.approx(meant, abs=1.5e-3)
+
+
 @pytest.mark.parametrize(
     ("program", "why"),
     [
@@ -82,3 +103,21 @@ def test_sinumerik_frames_that_can_not_be_vouched_for_are_refused(program, why):
     with pytest.raises(ProgramError, match=why) as caught:
         expand(("G0 X0 Y0 Z5|" + program).replace("|", "\n"), "siemens")
     assert caught.value.advice
+
+
+@pytest.mark.parametrize(
+    ("program", "lines"),
+    [
+        ("G1 X1 F500|X2 FB=200|X3|X4", "G1 X1 F500|X2 F200|F500|X3|X4"),
+        ("G1 X1 F=500|X2 FB=200|X3 FB=50|X4 F30|X5", "G1 X1 F=500|X2 F200|X3 F50|X4 F30|X5"),
+        ("G1 X1 F500|X2 FB=200|; a remark|G0 X3", "G1 X1 F500|X2 F200|; a remark|F500|G0 X3"),
+        ("G1 X2 FB=200", "G1 X2 F200"),
+    ],
+)
+def test_a_feed_for_one_block(program, lines):
+    assert text_of(program, "siemens") == lines.split("|")
+
+
+def test_a_block_behind_such_a_feed_wants_the_one_before():
+    with pytest.raises(ProgramError, match="no F was in force before it"):
+        text_of("G1 X2 FB=200|X3", "siemens")

@@ -15,6 +15,7 @@ from postproc.nc.cycles.arcs_placed_siemens import PlacedArcs
 from postproc.nc.cycles.arcs_siemens import Openings
 from postproc.nc.cycles.before import Chain
 from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.block_feed_siemens import BlockFeed
 from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
@@ -135,7 +136,7 @@ class ArcsAndCorners(Chain):
     codes = PlacedArcs.codes + Polynomials.codes
 
     def __init__(self, scene: Scene):
-        super().__init__(Openings(scene), PlacedArcs(scene), Polynomials(scene))
+        super().__init__(BlockFeed(scene), Openings(scene), PlacedArcs(scene), Polynomials(scene))
 
 
 class HolesAndPoles(Chain):

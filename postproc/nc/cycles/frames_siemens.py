@@ -4,7 +4,8 @@ G110 G111 G112.
 Siemens, SINUMERIK NC Programming Manual, "Frame instructions" and "Travel commands with polar
 coordinates". ROT, MIRROR, SCALE and TRANS replace the whole programmable frame; AROT, AMIRROR,
 ASCALE and ATRANS go on in the coordinates that hold. TRANS stays in the text while nothing is
-turned; within turned coordinates ATRANS becomes part of the map.
+turned; within turned coordinates ATRANS becomes part of the map. An arc in polar words has its
+centre in the pole ("Circular interpolation with polar coordinates").
 
 Assumed: the settable frames (G54 ...) are shifts alone. Refused: turns about more than one axis in
 one block, and axes left unnamed in the first block behind a change.
@@ -18,7 +19,7 @@ from postproc.nc.codes import code_number
 from postproc.nc.cycles.affine import AXES, Affine, exact_turn, point, rotation, scaling
 from postproc.nc.cycles.block import Block, number_of
 from postproc.nc.cycles.frames import Frames
-from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
 TURNS = {"X": ("Y", "Z"), "Y": ("Z", "X"), "Z": ("X", "Y")}  # about an axis: from one to the other
 NAMES = ("TRANS", "ATRANS", "ROT", "AROT", "MIRROR", "AMIRROR", "SCALE", "ASCALE")
@@ -27,6 +28,7 @@ SHIFTS = ("TRANS", "ATRANS")
 FROM_HERE, POLE, FROM_POLE = 1100, 1110, 1120
 POLES = (FROM_HERE, POLE, FROM_POLE)
 SMALLEST = 1e-3
+OWN_CENTRE = ("I", "J", "K", "CR", "AR")
 CANCEL = "end it before: TRANS or ROT without words"
 
 
@@ -227,11 +229,24 @@ class SiemensFrames:
         for axis, value in at.items():
             text = scene.text(axis, value)
             texts.append(axis.encode() + b"=AC(" + text[1:] + b")" if scene.incremental else text)
+        texts += self._about_pole(block, (first, second))
         scene.extra_decimals = 0
         out = {i for i, w in enumerate(block.words) if w.letter in ("AP", "RP")}
         if self.frames.map.identity:
             self.frames.loose -= {first, second}
         return Block.of(block.written(out, b" ".join(texts)), scene.dialect.grammar)
+
+    def _about_pole(self, block: Block, names: tuple[str, str]) -> list[bytes]:
+        """The centre of an arc that has none of its own: the pole."""
+        scene = self.scene
+        if scene.code("motion") not in (CLOCKWISE, COUNTER) or any(
+            w.letter in OWN_CENTRE for w in block.words
+        ):
+            return []
+        return [
+            scene.text(CENTRES[axis], self.pole.get(axis, 0.0) - self._stands(axis))
+            for axis in names
+        ]
 
     def _stands(self, axis: str) -> float:
         value = self.frames.known(axis)

@@ -1,0 +1,59 @@
+"""FB= of Sinumerik, a feed for its own block alone, written out as F, and the F that held before it
+as a block behind it.
+
+SINUMERIK NC Programming Manual, "Feedrate for one block (FB)".
+"""
+
+from __future__ import annotations
+
+import re
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.expand import Line
+
+NUMBER = rb"[ \t]*([0-9]*\.?[0-9]+)"
+FOR_ONE_BLOCK = re.compile(rb"(?<![A-Za-z0-9_])FB[ \t]*=" + NUMBER, re.IGNORECASE)
+FEED = re.compile(rb"(?<![A-Za-z0-9_])F[ \t]*=?" + NUMBER + rb"(?![A-Za-z_])", re.IGNORECASE)
+
+
+class BlockFeed:
+    """Follows F."""
+
+    rigid = False
+    codes: tuple[int, ...] = ()
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.feed = b""  # as the program wrote it last
+        self.due = False  # whether another one is in force now
+
+    def wants(self, line: Line) -> bool:
+        """Lines that name a feed, and the one behind FB."""
+        return self.due or b"F" in line.text.upper()
+
+    def finish(self) -> list[Line]:
+        """Nothing is ever held back."""
+        return []
+
+    def take(self, line: Line) -> list[Line]:
+        """The line, and F before it. Raises ProgramError."""
+        code = line.text.partition(b";")[0]
+        if self.scene.passes(line.text) or not code.strip():
+            return [line]
+        own = FOR_ONE_BLOCK.search(code)
+        feed = FEED.search(code)
+        before: list[Line] = []
+        if self.due and not own and not feed:
+            if not self.feed:
+                self.scene.block = Block.of(line.text, self.scene.dialect.grammar)
+                raise self.scene.fault(
+                    "a block behind FB, and no F was in force before it", "write F before FB"
+                )
+            before = [line._replace(text=b"F" + self.feed)]
+        self.due = own is not None
+        if own is not None:
+            new = line.text[: own.start()] + b"F" + own[1] + line.text[own.end() :]
+            return [line._replace(text=new)]
+        self.feed = feed[1] if feed else self.feed
+        return [*before, line]
