@@ -32,10 +32,11 @@ def ratios(before: Positioning, after: Positioning, line: bool) -> list[Ratio]:
     ub, ua = _u(before), _u(after)
     dof = _dof(before, after)
     out = []
+    order = 2 if line else 1
     for way in (0, 1):
         used = np.isfinite(before.mean[way]) & np.isfinite(after.mean[way])
-        if used.sum() > (3 if line else 2):
-            terms = np.vander(before.target[used] / max(before.length, 1e-9), 2 if line else 1)
+        if used.sum() > order + 1:
+            terms = np.vander(before.target[used] / max(before.length, 1e-9), order)
             b, a = (_about(m[way][used], terms) for m in (before.mean, after.mean))
             out.append(_ratio(WAYS[way], b, a, ub[way][used], ua[way][used], dof, terms.shape[1]))
     told = {r.verdict for r in out} - {"undecided", "between"}

@@ -37,10 +37,9 @@ def of(machine: Machine) -> dict[str, Any]:
         "diameter": list(machine.diameter),
         "axes": {x: _axis(axis) for x, axis in machine.axes.items()},
         "squareness_urad": {
-            f"{ROTARY[i]}0{x}": float(v / URAD)
+            f"{ROTARY[i]}0{x}": float(lean[i] / URAD)
             for x, lean in machine.square.items()
-            for i, v in enumerate(lean)
-            if v
+            for i in lean.nonzero()[0]
         },
         "squareness_U_urad": {name: float(u / URAD) for name, u in machine.square_u.items()},
         "effects": [

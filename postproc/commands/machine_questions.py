@@ -20,7 +20,7 @@ def asked(options: argparse.Namespace) -> None:
         options.name = _answer("name of the machine (a folder's name): ", str, needed=True)
     kind = _kind_and_control(options)
     said = options.chain or (kind.chain if kind else "")
-    letters = sorted(x for x in said if x in XYZ)
+    letters = sorted(set(said) & set(XYZ))
     _travel(options, letters)
     if not (options.squareness or options.drift or options.diagonals):
         for a, b in combinations(letters, 2):

@@ -104,9 +104,9 @@ def _text(table: ErrorTable, options: ExportOptions, notices: list[str]) -> byte
         "kw.ssfk.unit 1",
         f"kw.ssfk.bilateral {bilateral}",
     ]
-    rows = [] if gap else [f"kw.ssfk.table[{i}].setpoint {v}" for i, v in enumerate(places)]
-    rows += [f"kw.ssfk.table[{i}].pos {v}" for i, v in enumerate(pos)]
-    rows += [f"kw.ssfk.table[{i}].neg {v}" for i, v in enumerate(neg)] if bilateral else []
+    none = places[:0]
+    columns = {"setpoint": none if gap else places, "pos": pos, "neg": neg if bilateral else none}
+    rows = [f"kw.ssfk.table[{i}].{n} {v}" for n, c in columns.items() for i, v in enumerate(c)]
     return ("\n".join(head + rows) + "\n").encode()
 
 

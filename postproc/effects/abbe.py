@@ -41,8 +41,7 @@ ZEROS = np.linspace(-0.5, 1.5, 21)  # of the travel
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    known = state.angles.get(axis)
-    turns = [] if known is None else [k for k in range(3) if known[k].any()]
+    turns = np.flatnonzero(state.angles.get(axis, np.zeros((3, 1))).any(axis=1))
     ways = [(float(k), float(a), 1.0, 0.0, 5.0) for k in turns for a in range(3) if a != k]
     for other in state.lines.get(axis, ""):
         low, high = state.travel[other]

@@ -61,9 +61,8 @@ def _lines(result: Result) -> list[str]:
     rows = [["", result.unit, "U (k=2)", "of it runs", ""]]
     for p in result.parameters:
         shown = [None if v is None else v / unit for v in (p.value, p.U, p.runs)]
-        rows.append(
-            [p.name, *(number(v, digits) for v in shown), p.means + (f", {p.at}" if p.at else "")]
-        )
+        said = ", ".join(filter(None, (p.means, p.at)))
+        rows.append([p.name, *(number(v, digits) for v in shown), said])
     out += _table(rows, left=(0, 4))
     if result.terms:
         out += ["", f"  in U, k = 1, {result.unit}"]
@@ -80,9 +79,7 @@ def _lines(result: Result) -> list[str]:
             "  what makes it out of round, of each alone; % of the sum",
             *_table(cause_rows(result.causes), left=(0, 3, 4)),
         ]
-    if result.notices:
-        out += ["", *(f"  note: {n}" for n in result.notices)]
-    return out
+    return out + [""] * bool(result.notices) + [f"  note: {n}" for n in result.notices]
 
 
 def cause_rows(causes: Causes) -> list[list[str]]:

@@ -75,7 +75,8 @@ def parse(text: str) -> Chain:
         raise ValueError(
             f"chain {text!r} must begin with w, end with t and hold one b, like w-b-Z-X-t"
         )
-    axes = [p for p in parts[1:-1] if p != "b"]
+    bed = parts.index("b")
+    axes = [*parts[1:bed], *parts[bed + 1 : -1]]
     for axis in axes:
         if axis not in {*LINEAR, *ROTARY}:
             raise ValueError(f"chain {text!r}: {axis!r} is not one of X Y Z A B C U V W")
@@ -87,7 +88,7 @@ def parse(text: str) -> Chain:
     for axis in axes:
         if axis in "UVW":
             _check_second(text, axis, axes, turning > 0)
-    return Chain(tuple(axes), parts.index("b") - 1)
+    return Chain(tuple(axes), bed - 1)
 
 
 def _check_second(text: str, axis: str, axes: list[str], turning: bool) -> None:

@@ -66,9 +66,11 @@ def drivers(
     out: list[str] = []
     turned = next((x for x in machine.chain.rotary if machine.chain.side(x) == "workpiece"), "")
     for x, axis in machine.axes.items():
-        if axis.expansion is not None and x not in LINEAR:
+        if axis.expansion is None:
+            continue
+        if x not in LINEAR:
             out.append(f"growth of {x}, which turns, is not followed")
-        elif axis.expansion is not None:
+        else:
             of_scale = _scale(axis, columns, lacking)
             of_work = [] if turned else _work(axis, columns, lacking)
             found += of_scale + of_work

@@ -103,10 +103,9 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
             if own:
                 _add(left, _bend(table, x))
     square = {
-        f"{ROTARY[i]}0{x}": float(a)
+        f"{ROTARY[i]}0{x}": float(v[i])
         for x, v in machine.square.items()
-        for i, a in enumerate(v)
-        if a
+        for i in np.flatnonzero(v)
     }
     chain, notices = machine.chain, _unwritten(machine)
     return (
