@@ -126,6 +126,8 @@ def test_places(text, ends):
         ("CYCL DEF 220 POLAR PATTERN ~", "the control's own"),
         ("TCH PROBE 411 DATUM ~", "measuring"),
         ("RND R5", "the control's own"),
+        ("X+20 F100", "write L"),
+        ("IZ-5", "write L"),
         ("FUNCTION TCPM F TCP", "swings"),
         ("TOOL CALL 5 Y S100", "tool axis"),
         ("TOOL CALL S100 DL+1", "DL"),

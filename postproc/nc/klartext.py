@@ -24,6 +24,7 @@ from postproc.nc.lexer import AXES, BARE, MACRO, RELATIVE, UNTOLD
 EXPAND_PATH = "its motions are worked out by the control: --expand writes it out as straight lines"
 DATUM = "it moves the datum by the tables of the control: program in one datum, with --offset G54="
 VALUES = "its numbers are Q parameters: --expand writes them out"
+PARAXIAL = "a block that begins with an axis moves it alone, its R is no side: write L before it"
 SUM = "an increment counts from the shift before it: --expand writes their sum"
 LONGER = "by how much DL makes the tool longer is not certain: write its number beside the tool's"
 ALONG = "the tool does not lie along Z: program with the tool axis Z"
@@ -45,6 +46,7 @@ REASONS = (
     codes.CURVE,
     SUM,
     VALUES,
+    PARAXIAL,
 )
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
@@ -75,6 +77,7 @@ CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
 TAPS = (206, 207, 209)
 ZERO = b"G52X0Y0Z0"
+PARAXIALS = (b"X", b"Y", b"Z", b"A", b"B", b"U", b"V", b"W")
 Z_ALONE = bytes([BARE + AXES.index("Z")])
 
 
@@ -287,6 +290,7 @@ STATEMENTS: dict[bytes, Callable[[bytes], bytes]] = {
         (b"RND", b"CHF", b"APPR", b"DEP", b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
         _named(codes.WRITE_OUT),
     ),
+    **dict.fromkeys((i + axis for i in (b"", b"I") for axis in PARAXIALS), _named(PARAXIAL)),
     b"SPL": _named(codes.CURVE),
     b"CALL": _named(codes.CALL),
     b"TCH": _named(codes.PROBE),
