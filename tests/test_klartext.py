@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import random
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -108,6 +109,15 @@ def test_places(text, ends):
     assert not any(reasons)
 
 
+def test_the_datum_in_force_is_g54_until_a_preset_is_chosen():
+    interpreter = Interpreter(
+        DIALECT, replace(SETUP, offsets={"G54": {"X": 30.0}, "G247 P2": {"X": 100.0}})
+    )
+    text = b"L X+1\nL X+2 FMAX M91\nL X+3\nCYCL DEF 247 PRESET ~\n  Q339=+2\nL X+4\nL X+5 M91\n"
+    motions, _, _ = interpreter.run(lex(text, DIALECT.grammar, False), interpreter.initial())
+    assert (motions.target[0] / TICKS_PER_MM).tolist() == [31.0, 2.0, 33.0, 104.0, 5.0]
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -153,6 +163,33 @@ def test_any_cut_gives_the_same_bytes_and_keeps_the_tolerance(tmp_path, two_way)
         assert corrected(folder, text, cuts)[0] == whole
     by_line = [m.end() for m in re.finditer(rb"\n", text)]
     assert corrected(folder, text, by_line)[0] == whole
+
+
+@pytest.mark.parametrize("two_way", [False, True])
+def test_the_corrections_are_those_of_the_same_program_of_linuxcnc(tmp_path, two_way):
+    """Word for word, block for block: lines, rapids, a datum shift, M91."""
+    klartext = (
+        "L X+10 Y+5 Z-10 R0 FMAX|L Z-20 F200|L X+150 Y-3.5|L X+99.75|L Z-1 R0 FMAX M91|"
+        "L X+20 Z-30 F100|CYCL DEF 7.1 X+5|L X+0 Y+0 FMAX|L X+80 F100|M30"
+    )
+    gcode = (
+        "G0 X10 Y5 Z-10|G1 Z-20 F200|X150 Y-3.5|X99.75|G53 G0 Z-1|G1 X20 Z-30 F100|G52 X5|"
+        "G0 X0 Y0|G1 X80 F100|M30"
+    )
+    machine = read_machine(write_mill(tmp_path / "mill", two_way))
+    outputs = []
+    for name, text in (("heidenhain", klartext), ("linuxcnc", gcode)):
+        setup = setup_of(machine, offsets={"G54": {"X": 10.0, "Z": 2.0}})
+        filter_ = Filter(machine, dialects.load(name), setup)
+        out = filter_.feed(text.replace("|", "\n").encode() + b"\n") + filter_.finish()
+        blocks = [
+            {x: float(v) for x, v in re.findall(r"([XYZ])([-+]?[\d.]+)", line)}
+            for line in out.decode().split("\n")
+            if re.match("L |[GXYZ]", line) and "G52" not in line
+        ]
+        outputs.append(blocks)
+    assert len(outputs[0]) > 15
+    assert outputs[0] == outputs[1]
 
 
 def test_new_blocks_are_statements(tmp_path):

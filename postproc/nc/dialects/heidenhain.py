@@ -30,6 +30,7 @@ DIALECT = Dialect(
         *CUTTER,
         *MACHINE_FRAME,
         *rows("", {"30": "to the limit of the travel (M140 MB MAX)"}, takes=True),
+        *rows("work offset", {"54": "the datum in force, where it is stated"}),
         *rows("work offset", {"247": "preset (cycle 247)"}, does="extended", like="G54.1"),
         *LOCAL,
         *rows("defined cycle", {"200": "a cycle, defined", "207": "a tapping cycle, defined"}),
