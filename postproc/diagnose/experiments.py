@@ -95,7 +95,7 @@ SHOWS = {  # effect: (experiment, what about it matters)
 }
 
 
-NO_CIRCLES = ("heidenhain-iso",)  # their circles hang on a pole
+NO_CIRCLES = ("heidenhain", "heidenhain-iso")  # their circles hang on a pole
 # for a control whose circles gcomp can not read back: what shows the most of the same at rest or in
 # a log
 WITHOUT_CIRCLES = {
