@@ -11,6 +11,7 @@ from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
 from typing import Any, TypeVar, dataclass_transform
 
 Class = TypeVar("Class", bound=type)
+SET = object.__setattr__
 
 
 @dataclass_transform(frozen_default=True, field_specifiers=(field,))
@@ -45,21 +46,22 @@ def _with(cls: Class, more: dict[str, Any]) -> Class:
 
 
 def _init(self: Any, *values: Any, **named: Any) -> None:
-    own = self.__dict__
-    own.update(zip(self._names, values, strict=False))
-    own.update(named)
-    repeated = len(own) < len(values) + len(named)
-    if len(own) < len(self._names):
+    given = len(values) + len(named)
+    if values:
+        named.update(zip(self._names, values, strict=False))
+    repeated = len(named) < given
+    if len(named) < len(self._names):
         for name, value in self._defaults.items():
-            own.setdefault(name, value)
+            named.setdefault(name, value)
         for name, make in self._makers.items():
-            if name not in own:
-                own[name] = make()
-    if repeated or own.keys() != self._names:
+            if name not in named:
+                named[name] = make()
+    if repeated or named.keys() != self._names:
         raise TypeError(
-            f"{type(self).__name__} takes {', '.join(self._names)}; given: {len(values)} by their"
-            f" place, and {', '.join(named) or 'none'} by name"
+            f"{type(self).__name__} takes {', '.join(self._names)}, each once; given:"
+            f" {len(values)} by their place, then {', '.join(named)}"
         )
+    SET(self, "__dict__", named)
 
 
 def _frozen(self: Any, name: str, value: object = None) -> None:

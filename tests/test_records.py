@@ -41,7 +41,7 @@ def test_what_is_no_field_or_missing_is_an_error(values, named):
 
 
 def test_a_value_given_twice_is_an_error():
-    with pytest.raises(TypeError, match="given: 1 by their place, and x by name"):
+    with pytest.raises(TypeError, match="each once; given: 1 by their place, then x"):
         Point(1.0, **{"x": 2.0})
 
 
