@@ -25,7 +25,10 @@ SIGNALS = {  # what an effect must be able to show in -> kinds of signals
 }
 MOST_STEPS, MOST_JUMPS, MOST_ABRUPT = 200, 60, 24
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
-FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
+NEVER = 1e5  # s: an axis that has not turned back
+FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
+# waves that are found (also) in the spectrum of what is left, and teeth behind turns
+FOUND, TEETH = ("cyclic", "encoder_cyclic", "vibration"), "stick_slip"
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "acceleration" and not any(np.any(state.acceleration[x]) for x in letters):
             return False
-        if need == "since" and not any(np.any(state.since[x] < 1e5) for x in letters):
+        if need == "since" and not any(np.any(state.since[x] < NEVER) for x in letters):
             return False
         if need == "approach" and not any(np.ptp(state.approach[x]) > 0 for x in letters):
             return False
@@ -191,7 +194,18 @@ def _steps(rows: Rows) -> list[float]:
         gaps = list(
             middle[np.unique(np.concatenate([np.flatnonzero(pause)[:MOST_STEPS], jumps, some]))]
         )
-    return [float(g) for g in [*gaps, *_steps_moving(rows)]]
+    return [float(g) for g in [*gaps, *_steps_moving(rows)] if between_readings(rows, g)]
+
+
+def between_readings(rows: Rows, t: float) -> bool:
+    """Whether some signal has readings enough before and behind a moment t (s) to show a jump: at
+    its ends, and between two recordings, a jump is no more than another zero."""
+    seen = rows.sees != "part"
+    number, later = rows.signal[seen], rows.state.time[seen] > t
+    most = int(number.max(initial=0)) + 1
+    behind = np.bincount(number[later], minlength=most)
+    before = np.bincount(number[~later], minlength=most)
+    return bool(np.any(np.minimum(behind, before) >= FEWEST_BETWEEN))
 
 
 def _steps_moving(rows: Rows) -> list[float]:
@@ -223,7 +237,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
     """Blocks of what is periodic in what is left. weighted (N,): P y, what is left over the square
     of the noise."""
     result = []
-    for name in FOUND:
+    for name in (*FOUND, TEETH):
         module = effects.load(name)
         seen = visible(rows, module)
         if not seen.any():
@@ -232,17 +246,39 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
             if not needed(rows, module, axis):
                 continue
             along = rows.direction[:, XYZ.index(axis)] * seen
-            if name == "vibration":
-                peaks = spectra.in_time(rows, weighted * along, along**2 / sigma**2)
-                shapes = [{"frequency_hz": f, "passages": 1.0} for f in peaks]
-            else:
-                peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
-                shapes = [{"period_mm": p} | module.PLAIN for p in peaks]
-            for shape in shapes:
+            for shape in _periodic(rows, module, axis, weighted * along, along**2 / sigma**2):
                 columns = read(rows, module, axis, shape)
-                columns = columns[:, swings(columns)]
+                if name != TEETH:
+                    columns = columns[:, swings(columns)]
                 if columns.shape[1]:
                     result.append(
                         Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED)
                     )
+    return result
+
+
+def _periodic(
+    rows: Rows, module: ModuleType, axis: str, weighted: np.ndarray, power: np.ndarray
+) -> list[dict[str, float]]:
+    """The likeliest shapes of an effect that is periodic in place, in time, or since a turn."""
+    if module.__name__.endswith("vibration"):
+        peaks = spectra.in_time(rows, weighted, power)
+        return [{"frequency_hz": f, "passages": 1.0} for f in peaks]
+    if module.__name__.endswith(TEETH):
+        return _teeth(rows, module, axis, weighted, power)
+    return [{"period_mm": p} | module.PLAIN for p in spectra.in_place(rows, axis, weighted, power)]
+
+
+def _teeth(
+    rows: Rows, module: ModuleType, axis: str, weighted: np.ndarray, power: np.ndarray
+) -> list[dict[str, float]]:
+    state = rows.state
+    speed, result = np.abs(state.velocity[axis]), []
+    for fastest in [*module.slow(state, axis), 2.0 * float(speed.max())]:
+        use = (power > 0) & (speed > 0) & (speed < fastest) & (state.since[axis] < NEVER)
+        opposed = -state.approach[axis][use] * weighted[use]
+        shape = {"period_mm": 0.0, "fastest_mm_s": fastest, "period_s": 0.0}
+        for name, way in (("period_mm", state.distance[axis]), ("period_s", state.since[axis])):
+            lengths = spectra.after_turns(way[use], opposed, power[use])
+            result += [shape | {name: length} for length in lengths]
     return result

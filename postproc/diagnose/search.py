@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from postproc.diagnose import shapes
+from postproc.diagnose import abrupt, shapes
 from postproc.diagnose.evidence import Fit
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
@@ -39,6 +39,7 @@ class Search:
         self.sets = sets
         self.least = LEAST
         self._looked: set[tuple] = set()
+        self._barred: set[str] = set()  # names whose jumps no readings bear out
 
     def calibrate(self, rng: np.random.Generator) -> None:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
@@ -51,6 +52,20 @@ class Search:
         self.least = max(LEAST, tail)
 
     def run(self) -> Found:
+        """The most probable set of which no jump is one by name only."""
+        while True:
+            state = self._chosen()
+            false = {
+                self.sets.blocks[k].key
+                for k in state.members
+                if self.sets.blocks[k].name == abrupt.NAME
+                and not abrupt.borne_out(self.sets, state, k)
+            }
+            if not false:
+                return state
+            self._barred |= false
+
+    def _chosen(self) -> Found:
         """The most probable set of which every member is worth its place. Names first; what comes
         back and has no name may take the place of some of them, or come before all of them."""
         alone = self._grown(self.sets.null(), self._processes)
@@ -63,7 +78,8 @@ class Search:
         if alone[-1].fit.on:
             ends.append(self._settled(self._grown(alone[-1], self.children)[-1]))
         best = sorted(
-            (f for f in self.sets.seen.values() if f.members or f.fit.on), key=lambda f: -f.score
+            (f for f in self.sets.seen.values() if (f.members or f.fit.on) and self._free(f)),
+            key=lambda f: -f.score,
         )[:LOOKED_AT]
         return self._dropped(self._likeliest([*ends, *best]))
 
@@ -222,7 +238,11 @@ class Search:
 
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
         """An effect and axis once: what its shape leaves is a process."""
-        return self.sets.blocks[k].key not in [self.sets.blocks[c].key for c in chosen]
+        taken = self._barred.union(self.sets.blocks[c].key for c in chosen)
+        return self.sets.blocks[k].key not in taken
+
+    def _free(self, state: Found) -> bool:
+        return not any(self.sets.blocks[k].key in self._barred for k in state.members)
 
     def _look(self, state: Found) -> None:
         """Let in what is periodic in what a set leaves."""

@@ -23,7 +23,6 @@ WORTH = 6.0  # that what comes with a wave must add
 # meaning
 FIRST, HALVINGS, FAR = 1.4, 4, 1.5
 FEWEST_MOMENTS = 4  # between which jumps are looked for
-FEWEST_BETWEEN = 6  # readings between two jumps: fewer are readings that are off
 WITHIN, TRIED, ROUNDS = 0.6, 5, 4  # of what the span resolves; periods tried each time
 
 
@@ -118,6 +117,8 @@ def _moment(sets: Sets, fit: Fit, block: Block) -> Block | None:
     for stride in (8, 1):
         near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
         for k in range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride):
+            if not library.between_readings(sets.rows, float(middle[k])):
+                continue
             tried = at(sets, block, {"t_s": float(middle[k])})
             if tried is not None and (now := worth(sets, fit, tried)) > most:
                 best, most = tried, now
@@ -126,7 +127,7 @@ def _moment(sets: Sets, fit: Fit, block: Block) -> Block | None:
 
 def jumps(sets: Sets, fit: Fit) -> list[int]:
     """Blocks of two or three jumps of an axis, the likeliest of all that the dictionary's moments
-    make: steps that are lost and found again show in no single jump."""
+    make: steps that are lost several times show in no single jump."""
     result: list[int] = []
     single = [k for k, b in enumerate(sets.blocks) if tuple(n for n, _ in b.shape) == ("t_s",)]
     for axis in sorted({sets.blocks[k].axis for k in single}):
@@ -146,18 +147,21 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
     """Which two or three of the blocks `own`, a column each, are likeliest, that stand so far apart
     that no few readings are off; tried: moments that there are."""
     a, b = sets.evidence.among(fit, own)
+    sensible = sets.blocks[own[0]].module.sensible
     later = np.array([np.count_nonzero(sets.blocks[k].columns) for k in own])
     picks = np.stack(np.triu_indices(len(later), 1), axis=1)
     chosen: list[int] = []
     now = -np.inf
-    while len(picks):
-        apart = np.diff(np.sort(later[picks], axis=1), axis=1).min(axis=1) >= FEWEST_BETWEEN
+    while len(picks) and len(chosen) < len(MOMENTS):
+        apart = np.diff(np.sort(later[picks], axis=1), axis=1).min(axis=1) >= library.FEWEST_BETWEEN
         if not apart.any():
             break
         picks = picks[apart]
-        value = _values(a, b, picks) - 2 * np.log(tried) * (picks.shape[1] - 1)
+        worth, size = _values(a, b, picks)
+        value = worth - 2 * np.log(tried) * (picks.shape[1] - 1)
+        value[[not sensible(*jumps) for jumps in size.tolist()]] = -np.inf
         best = int(np.argmax(value))
-        if value[best] < now + WORTH or len(chosen) == len(MOMENTS):
+        if not value[best] > now + WORTH:
             break
         chosen, now = picks[best].tolist(), float(value[best])
         rest = np.setdiff1d(np.arange(len(later)), chosen)
@@ -165,25 +169,22 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
     return chosen
 
 
-def _values(a: np.ndarray, b: np.ndarray, picks: np.ndarray) -> np.ndarray:
+def _values(a: np.ndarray, b: np.ndarray, picks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(S,) twice the logarithm of the Bayes factor of picks (S, K) of columns of 1 um, of their
-    products a (M, M) and b (M,)."""
+    products a (M, M) and b (M,); (S, K) um, the likeliest sizes."""
     slab = SLAB / UM
     scaled = a[picks[:, :, None], picks[:, None, :]] * slab**2 + np.eye(picks.shape[1])
     along = b[picks] * slab
     told = np.linalg.solve(scaled, along[:, :, None])[:, :, 0]
-    return np.einsum("sk,sk->s", along, told) - np.linalg.slogdet(scaled)[1]
+    worth = np.einsum("sk,sk->s", along, told) - np.linalg.slogdet(scaled)[1]
+    return worth, told * slab
 
 
 def continuous(block: Block) -> dict[str, tuple[float, float]]:
     """What of its shape has a value between those of the grid, with the range."""
     named = getattr(block.module, "CONTINUOUS", {})
     shape = dict(block.shape)
-    return {
-        name: ends
-        for name, ends in named.items()
-        if shape[name] > 0 and shape[name] < ends[1] * FAR
-    }
+    return {name: ends for name, ends in named.items() if 0 < shape.get(name, 0.0) < ends[1] * FAR}
 
 
 def _between(sets: Sets, fit: Fit, block: Block) -> Block | None:

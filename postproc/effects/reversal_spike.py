@@ -1,5 +1,10 @@
 """Reversal spike: a short excursion after an axis turns back (stiction, the quadrant glitch of a
-circular test, ISO 230-4)."""
+circular test, ISO 230-4).
+
+It lasts as long as the loop takes to push the slide on, or over the way in which friction builds
+up (pre-sliding: Armstrong-Helouvry, Dupont, Canudas de Wit, A survey of models, analysis tools and
+compensation methods for the control of machines with friction, Automatica 30, 1994, 1083).
+"""
 
 import numpy as np
 
@@ -10,11 +15,13 @@ PARAMETERS = {
     "slope_um": "um, its share that rises first",
     "tau_ms": "ms, how long it lasts",
     "rebounds": "1, the loop overshoots and swings once or twice; 0, it does not",
+    "length_mm": "mm, over which way it lasts, at any speed; 0, it lasts for tau_ms",
 }
-OPTIONAL = {"rebounds": 0.0}
+OPTIONAL = {"rebounds": 0.0, "length_mm": 0.0}
 # turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set
 SWINGS = 1 / 3
-CONTINUOUS = {"tau_ms": (4.0, 600.0)}
+CONTINUOUS = {"tau_ms": (4.0, 600.0), "length_mm": (0.01, 4.0)}
+FADED = 10.0  # lengths after which nothing is left
 PLAUSIBLE = {"size_um": (-500.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
@@ -25,10 +32,20 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"tau_ms": v, "rebounds": r} for r in (0.0, 1.0) for v in grid(6.0, 400.0, 9)]
+    plain = {"rebounds": 0.0, "length_mm": 0.0}
+    times = [plain | {"tau_ms": v, "rebounds": r} for r in (0.0, 1.0) for v in grid(6.0, 400.0, 9)]
+    near = float(np.min(state.distance.get(axis, np.inf), initial=np.inf))
+    ways = [v for v in grid(0.02, 2.0, 9) if near < FADED * v]
+    return times + [plain | {"tau_ms": 0.0, "length_mm": v} for v in ways]
 
 
-def columns(state: State, axis: str, tau_ms: float, rebounds: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, tau_ms: float, rebounds: float = 0.0, length_mm: float = 0.0
+) -> np.ndarray:
+    if length_mm > 0:
+        q = np.minimum(state.distance[axis] / length_mm, 50.0)
+        fade = np.exp(-q) * state.approach[axis]
+        return along(axis, -fade, -q * fade)
     q = np.minimum(state.since[axis] / (tau_ms * 1e-3), 50.0)
     fade = np.where(state.velocity[axis] != 0, np.exp(-q), 0.0) * state.approach[axis]
     if rebounds:

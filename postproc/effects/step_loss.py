@@ -1,5 +1,5 @@
 """Step loss: jumps that stay, of lost steps, a slipped coupling or belt; up to three in an
-experiment, some of them back."""
+experiment, all to one side."""
 
 import numpy as np
 
@@ -40,8 +40,10 @@ def columns(
 def sensible(
     jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **moments: float
 ) -> bool:
-    """Whether the largest of them is more than an instrument's own."""
-    return max(abs(jump_um), abs(second_um), abs(third_um)) >= SMALLEST
+    """Whether each of them is more than an instrument's own, and all go one way: what jumps to and
+    fro is as well an instrument that switches."""
+    jumps = [jump for jump in (jump_um, second_um, third_um) if jump]
+    return abs(sum(np.sign(jumps))) == len(jumps) and min(map(abs, jumps)) >= SMALLEST
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

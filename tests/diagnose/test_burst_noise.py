@@ -114,6 +114,13 @@ def test_steps_that_are_lost_to_one_side_are_no_levels(tmp_path):
     assert [(f["effect"], f["axis"]) for f in found] == [("step_loss", "X")]
 
 
+def test_what_one_signal_does_again_and_again_is_no_lost_step(tmp_path):
+    """Pulses of 4 um, seven times, that fade within four seconds: each begins like a lost step."""
+    starts = np.array([3.1, 9.4, 13.0, 20.2, 24.3, 31.7, 36.0])
+    later = np.maximum(TIME[:, None] - starts, 0.0)
+    assert not told(tmp_path, ((later > 0) * 4.0 * np.exp(-later / 4.0)).sum(axis=1))
+
+
 def test_what_changes_with_every_turn_is_the_machine(tmp_path):
     """10 um of lost motion that the scale at the tool sees: two levels too, but the axis makes
     them."""

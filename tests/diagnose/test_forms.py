@@ -54,9 +54,45 @@ def test_steps_are_lost_and_found_again():
         "third_s": 25.0,
     }
     assert moved("step_loss", state, **named) == approx([0.0, 8.0, 2.0, 3.0])
-    assert not step_loss.sensible(jump_um=1.2, second_um=-1.0) and step_loss.sensible(
-        jump_um=1.0, second_um=-3.0
+
+
+def test_lost_steps_are_named_where_each_is_large_and_all_go_one_way():
+    """To and fro is as well an instrument that switches."""
+    assert step_loss.sensible(jump_um=-2.0, second_um=-3.0, second_s=7.0)
+    assert not step_loss.sensible(jump_um=1.2)
+    assert not step_loss.sensible(jump_um=4.0, second_um=0.3, second_s=7.0)
+    assert not step_loss.sensible(jump_um=4.0, second_um=-3.0, second_s=7.0)
+
+
+def test_a_spike_lasts_over_a_way():
+    """8 um at the turn, 8 / e after 0.5 mm, whatever the speed; 8 / e + 2 / e with a slope of 2."""
+    state = State(
+        {"X": np.zeros(3)},
+        {"X": np.array([1.0, 1.0, -1.0])},
+        LIMITS,
+        distance={"X": np.array([0.0, 0.5, 0.5])},
+        velocity={"X": np.array([0.0, 3.0, -30.0])},
+        since={"X": np.array([0.0, 9.0, 9.0])},
     )
+    named = {"size_um": 8.0, "slope_um": 0.0, "tau_ms": 0.0, "length_mm": 0.5}
+    assert moved("reversal_spike", state, **named) == approx([-8.0, -8 / np.e, 8 / np.e])
+    assert moved("reversal_spike", state, **named | {"slope_um": 2.0})[1] == approx(-10 / np.e)
+
+
+def test_a_slide_sticks_while_it_is_slow():
+    """Teeth of 4 um, 0.2 mm or 0.5 s each: half-way of one 2 um behind, above 5 mm/s nothing."""
+    state = State(
+        {"X": np.zeros(4)},
+        {"X": np.array([1.0, 1.0, -1.0, 1.0])},
+        LIMITS,
+        distance={"X": np.array([0.1, 0.25, 0.3, 0.1])},
+        velocity={"X": np.array([1.0, 1.0, -1.0, 9.0])},
+        since={"X": np.array([0.25, 0.625, 0.75, 0.25])},
+    )
+    named = {"size_um": 4.0, "fastest_mm_s": 5.0}
+    expected = approx([-2.0, -1.0, 2.0, 0.0])
+    assert moved("stick_slip", state, **named, period_mm=0.2) == expected
+    assert moved("stick_slip", state, **named, period_mm=0.0, period_s=0.5) == expected
 
 
 def test_a_screw_swings_otherwise_from_the_other_side():
