@@ -27,8 +27,7 @@ MOST_STEPS, MOST_JUMPS, MOST_ABRUPT = 200, 60, 24
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
 NEVER = 1e5  # s: an axis that has not turned back
 FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
-# waves that are found (also) in the spectrum of what is left, and teeth behind turns
-FOUND, TEETH = ("cyclic", "encoder_cyclic", "vibration"), "stick_slip"
+FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
 
 
 @dataclass(frozen=True)
@@ -237,7 +236,7 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
     """Blocks of what is periodic in what is left. weighted (N,): P y, what is left over the square
     of the noise."""
     result = []
-    for name in (*FOUND, TEETH):
+    for name in FOUND:
         module = effects.load(name)
         seen = visible(rows, module)
         if not seen.any():
@@ -246,39 +245,17 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
             if not needed(rows, module, axis):
                 continue
             along = rows.direction[:, XYZ.index(axis)] * seen
-            for shape in _periodic(rows, module, axis, weighted * along, along**2 / sigma**2):
+            if name == "vibration":
+                peaks = spectra.in_time(rows, weighted * along, along**2 / sigma**2)
+                shapes = [{"frequency_hz": f, "passages": 1.0} for f in peaks]
+            else:
+                peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
+                shapes = [{"period_mm": p} | module.PLAIN for p in peaks]
+            for shape in shapes:
                 columns = read(rows, module, axis, shape)
-                if name != TEETH:
-                    columns = columns[:, swings(columns)]
+                columns = columns[:, swings(columns)]
                 if columns.shape[1]:
                     result.append(
                         Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED)
                     )
-    return result
-
-
-def _periodic(
-    rows: Rows, module: ModuleType, axis: str, weighted: np.ndarray, power: np.ndarray
-) -> list[dict[str, float]]:
-    """The likeliest shapes of an effect that is periodic in place, in time, or since a turn."""
-    if module.__name__.endswith("vibration"):
-        peaks = spectra.in_time(rows, weighted, power)
-        return [{"frequency_hz": f, "passages": 1.0} for f in peaks]
-    if module.__name__.endswith(TEETH):
-        return _teeth(rows, module, axis, weighted, power)
-    return [{"period_mm": p} | module.PLAIN for p in spectra.in_place(rows, axis, weighted, power)]
-
-
-def _teeth(
-    rows: Rows, module: ModuleType, axis: str, weighted: np.ndarray, power: np.ndarray
-) -> list[dict[str, float]]:
-    state = rows.state
-    speed, result = np.abs(state.velocity[axis]), []
-    for fastest in [*module.slow(state, axis), 2.0 * float(speed.max())]:
-        use = (power > 0) & (speed > 0) & (speed < fastest) & (state.since[axis] < NEVER)
-        opposed = -state.approach[axis][use] * weighted[use]
-        shape = {"period_mm": 0.0, "fastest_mm_s": fastest, "period_s": 0.0}
-        for name, way in (("period_mm", state.distance[axis]), ("period_s", state.since[axis])):
-            lengths = spectra.after_turns(way[use], opposed, power[use])
-            result += [shape | {name: length} for length in lengths]
     return result

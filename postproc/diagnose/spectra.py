@@ -27,8 +27,6 @@ MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-w
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
 LEAST_PART = 0.05  # of a wave's power beyond the zeros
 FEWEST_SWINGS = 3.0  # of a passage: fewer are a curve
-# rows between which teeth are told; of a tooth at least; of its harmonics that are summed
-FEWEST_TEETH, SAMPLES, HARMONICS = 32, 4, 3
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
 
@@ -165,40 +163,6 @@ def _structure(
         np.bincount(group, power[use]), 1e-30
     )
     return float(each.sum() - len(each))
-
-
-def after_turns(way: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[float]:
-    """mm or s: the likeliest lengths of teeth that begin where an axis turned, by the way or the
-    time since then (n,) of the rows of a signal one after the other."""
-    span = float(way.max(initial=0.0))
-    steps = np.abs(np.diff(way))
-    steps = steps[steps > 0]
-    if span <= 0 or len(steps) < FEWEST_TEETH:
-        return []
-    finest = min(1 / (SAMPLES * float(np.median(steps))), MOST_BINS / (span * FINE * 8))
-    bins = int(min(MOST_BINS, 2 ** np.ceil(np.log2(max(span * finest * FINE * 4, 2.0)))))
-    # a quarter of what the span resolves: the phase of a tooth is known
-    step = span * 4 / bins
-    sums = np.fft.rfft(np.bincount((way / step).astype(int), weighted, bins)[:bins]).imag
-    first = np.arange(len(sums) // HARMONICS)
-    frequencies = np.fft.rfftfreq(bins, step)[first]
-    # a tooth, less its mean, is -sin(q)/pi - sin(2 q)/(2 pi) - ...
-    teeth = sum(sums[k * first] / (np.pi * k) for k in range(1, HARMONICS + 1))
-    total = np.maximum(teeth, 0.0) ** 2 / max(float(power.sum()) / 12, 1e-30)
-    total[(frequencies < FEWEST_SWINGS / span) | (frequencies > finest)] = 0.0
-
-    def at(frequency: float) -> float:
-        return float(weighted @ ((frequency * way) % 1.0 - 0.5))
-
-    result = []
-    for frequency in _best(frequencies, total, 0.7 / span):
-        within = 0.7 / span
-        for _ in range(3):
-            tried = frequency + within * np.linspace(-1.0, 1.0, 9)
-            frequency = float(max(tried[tried > 0], key=at))
-            within /= 4
-        result.append(1 / frequency)
-    return result
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:

@@ -79,22 +79,6 @@ def test_a_spike_lasts_over_a_way():
     assert moved("reversal_spike", state, **named | {"slope_um": 2.0})[1] == approx(-10 / np.e)
 
 
-def test_a_slide_sticks_while_it_is_slow():
-    """Teeth of 4 um, 0.2 mm or 0.5 s each: half-way of one 2 um behind, above 5 mm/s nothing."""
-    state = State(
-        {"X": np.zeros(4)},
-        {"X": np.array([1.0, 1.0, -1.0, 1.0])},
-        LIMITS,
-        distance={"X": np.array([0.1, 0.25, 0.3, 0.1])},
-        velocity={"X": np.array([1.0, 1.0, -1.0, 9.0])},
-        since={"X": np.array([0.25, 0.625, 0.75, 0.25])},
-    )
-    named = {"size_um": 4.0, "fastest_mm_s": 5.0}
-    expected = approx([-2.0, -1.0, 2.0, 0.0])
-    assert moved("stick_slip", state, **named, period_mm=0.2) == expected
-    assert moved("stick_slip", state, **named, period_mm=0.0, period_s=0.5) == expected
-
-
 def test_a_screw_swings_otherwise_from_the_other_side():
     """2 um, cosine, and 1 um cosine of the side: 3 um coming from below and 1 um from above; both
     are what the tables hold."""

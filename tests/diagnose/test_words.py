@@ -65,7 +65,7 @@ def test_numbers_that_stand_for_something_are_told_by_what_they_stand_for():
     assert of("squareness", urad=12.0, leans=1.0)[-1] == "the second as the first moves"
     assert of("cosine", ppm=-40.0, file=1.0)[-1] == "in b.csv alone"
     assert len(of("cosine", ppm=-40.0, file=-1.0)) == 1
-    assert of("stick_slip", period_mm=0.0, size_um=2.0)[0] == "no way is told"
+    assert of("stick_slip", period_mm=0.0, size_um=2.0)[0] == "too short to be told apart"
     assert of("tool_wear", rate_um=1.0, start_um=0.5, change=3.0)[-1].startswith("change 3 |")
 
 
