@@ -21,6 +21,7 @@ from unittest.mock import patch
 import numpy as np
 
 from postproc.diagnose import (
+    abrupt,
     isolated,
     map_agreement,
     noise,
@@ -69,6 +70,9 @@ PARTS: dict[str, Callable[[], list[Patch]]] = {
         (thermometers, "faulty", lambda value, time: None)
     ],
     "without lone wrong readings": lambda: [(isolated, "isolated", _nothing_isolated)],
+    "without a look at the readings beside a jump": lambda: [
+        (abrupt, "borne_out", lambda *_: True)
+    ],
     "without departures that several readings share": lambda: [
         (shared_jump, "find", lambda *_: [])
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from postproc.diagnose import (
+    abrupt,
     isolated,
     map_agreement,
     noise,
@@ -19,6 +20,7 @@ from postproc.diagnose import (
 from proof import ablations
 
 PLACES = (
+    abrupt,
     isolated,
     map_agreement,
     noise,
