@@ -18,6 +18,8 @@ OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
 # readings; parts into which targets are cut; of the squares without a curve
 FEWEST, FOLDS, FORETELLS = 6, 5, 0.95
+# times the noise of readings that took no part: 169 recordings without any effect left 2.05 at most
+UNFORETOLD = 2.5
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
@@ -29,7 +31,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     for f in d.findings:
         if d.doubts:
             f.status = "tentative"
-    left = sorted(_left(d, sets, state), reverse=True)
+    left = sorted([*_left(d, sets, state), *_unforetold(d, sets)], reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
         sizes = [float(np.std(f.contribution[own])) for own in parts]
@@ -110,6 +112,22 @@ def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, in
         least = LEAST_MM.get(part.unit.sees, LEAST_MM["tool"])
         there = float(np.std(d.before[own]))
         if rms > max(least, OF_EXPLAINED * explained, OF_ALL * there):
+            found.append((rms / least, rms, unit))
+    return found
+
+
+def _unforetold(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
+    """The same of units whose readings that took no part lie much farther off than their noise,
+    whatever wander the others were given: not all that is there was found."""
+    found = []
+    for unit, part in enumerate(sets.evidence.parts):
+        own = part.whole.rows[d.held[part.whole.rows]]
+        if len(own) < FEWEST:
+            continue
+        rms, ground = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.after, d.noise))
+        explained = float(np.std((d.before - d.after)[own]))
+        least = LEAST_MM.get(part.whole.sees, LEAST_MM["tool"])
+        if rms > max(UNFORETOLD * ground, least, OF_EXPLAINED * explained):
             found.append((rms / least, rms, unit))
     return found
 
