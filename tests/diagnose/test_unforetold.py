@@ -1,0 +1,47 @@
+"""What readings that took no part lie far off by is no clean bill, whatever wander was learned."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc.cli import main
+
+STUDER = Path(__file__).resolve().parents[2] / "machines" / "studer-s36"
+
+
+def answered(folder: Path, added_um) -> dict:
+    """The answer to three runs along Z, of which the middle one, held out, has more."""
+    path, answer = folder / "r.csv", folder / "a.json"
+    words = ["simulate", "--test", "positioning:Z,runs=3", "--machine", str(STUDER)]
+    assert main([*words, "--noise", "0.3", "--seed", "3", "-o", str(path), "--quiet"]) == 0
+    lines = path.read_text().splitlines(keepends=True)
+    head = [line for line in lines if line.startswith("#")]
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    own = [row for row in rows if row["run"] == "2"]
+    for row, more in zip(own, added_um(np.linspace(-1.0, 1.0, len(own))), strict=True):
+        row["reading_um"] = f"{float(row['reading_um']) + more:.3f}"
+    out = io.StringIO()
+    writer = csv.DictWriter(out, list(rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    path.write_text("".join(head) + out.getvalue())
+    main(["diagnose", str(path), "--machine", str(STUDER), "--json", str(answer), "--quiet"])
+    return json.loads(answer.read_text())
+
+
+@pytest.mark.parametrize(
+    "size_um, verdict", [(0.0, "nothing-left-out"), (4.0, "unknown"), (6.0, "unknown")]
+)
+def test_a_run_that_nothing_foretells(tmp_path, size_um, verdict):
+    """A zero that creeps during one run of three: more than an instrument in order wanders, and
+    nothing that the other runs know of."""
+    answer = answered(tmp_path, lambda t: size_um * t)
+    assert not [e for e in answer["effects"] if e["status"] == "accepted"]
+    assert answer["verdict"] == verdict
+    assert (answer["unknown"] is None) == (size_um == 0.0)
