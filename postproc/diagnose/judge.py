@@ -18,7 +18,7 @@ OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
 # readings; parts into which targets are cut; of the squares without a curve
 FEWEST, FOLDS, FORETELLS = 6, 5, 0.95
-# times the noise of readings that took no part: 169 recordings without any effect left 2.05 at most
+# times the noise of readings that took no part: 84 nulls left 2.05 at most
 UNFORETOLD = 2.5
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
