@@ -153,7 +153,6 @@ LONGER = {  # lines that it may have, and why it is one thing
     "nc/expand/fanuc.py": (450, "one language: macro B runs as one interpreter"),
     "nc/expand/resolve.py": (505, "one stage: a line passes cycles, then frames, then the tracker"),
     "nc/expand/siemens.py": (460, "one language: a Sinumerik program runs as one interpreter"),
-    "nc/expand/siemens_flow.py": (450, "where control goes from a line, of one control"),
     "nc/interpreter.py": (460, "words and modal state to motions, in the order of execution"),
     "nc/lexer.py": (450, "one grammar, from bytes to words"),
     "streaming/protocols/_numbered.py": (430, "one exchange: number, answer and request of a line"),

@@ -13,9 +13,9 @@ from postproc.effects import State, along, by_name, grid
 PARAMETERS = {
     "size_um": "um, height of the excursion",
     "slope_um": "um, its share that rises first",
-    "tau_ms": "ms, how long it lasts",
+    "tau_ms": "ms, how long it lasts; 0, it lasts over a way",
     "rebounds": "1, the loop overshoots and swings once or twice; 0, it does not",
-    "length_mm": "mm, over which way it lasts, at any speed; 0, it lasts for tau_ms",
+    "length_mm": "mm, over which way it lasts, at any speed; 0, it lasts for a time",
 }
 OPTIONAL = {"rebounds": 0.0, "length_mm": 0.0}
 # turns in the time that it lasts: damped by 0.4 of the critical damping, as position loops are set

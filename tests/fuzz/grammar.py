@@ -2,8 +2,8 @@
 
 A program is a row of snippets: motions, arcs, frames, holes, cutter compensation, macros, text of
 all kinds. What a snippet says is meant to be right most of the time, so that programs are followed
-to their end; what follows what is left to chance. Coordinates lie in the ranges of laws.WIDE for as
-long as no shift takes them elsewhere.
+to their end; what follows what is left to chance. Coordinates lie in the ranges of cases.WIDE for
+as long as no shift takes them elsewhere.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import FrameType
 
 from fuzz import grammar, laws
+from fuzz.cases import Case, random_case
 from fuzz.words import EXTREMES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,7 +48,7 @@ TOKEN = re.compile(rb"[A-Za-z#$<_]*[=( ]*[-+]?[0-9.]*[ \t]*|.", re.DOTALL)
 class Found:
     """A broken law: the case that breaks it, and how often it was met."""
 
-    case: laws.Case
+    case: Case
     told: str
     times: int = 1
 
@@ -59,7 +60,7 @@ class Fuzzer:
 
     rng: random.Random
     guided: bool = True
-    pool: list[laws.Case] = field(default_factory=list)
+    pool: list[Case] = field(default_factory=list)
     lines: set[tuple[str, int]] = field(default_factory=set)
     found: dict[str, Found] = field(default_factory=dict)
     cases: int = 0
@@ -67,7 +68,7 @@ class Fuzzer:
     def start(self) -> None:
         """Seeds: real programs, and one of the generator for each dialect."""
         for text, name in seeds():
-            self.pool.append(laws.random_case(self.rng, text, name))
+            self.pool.append(random_case(self.rng, text, name))
 
     def step(self) -> None:
         """One case: an old one changed, or at times a new one."""
@@ -82,9 +83,9 @@ class Fuzzer:
             name = base.dialect if rng.random() < 0.85 else rng.choice(grammar.every())
             other = rng.choice(self.pool).text
             text = changed(rng, base.text, other)
-        self.attempt(laws.random_case(rng, text[: 2 * LONGEST], name))
+        self.attempt(random_case(rng, text[: 2 * LONGEST], name))
 
-    def attempt(self, case: laws.Case) -> None:
+    def attempt(self, case: Case) -> None:
         self.cases += 1
         before = len(self.lines)
         if self.guided:

@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from fuzz import grammar, laws, mutate
+from fuzz.cases import Case, case_of, filter_of, random_case
 from postproc.nc.lexer import lex
 
 FOUND = Path(__file__).with_name("found")
@@ -40,7 +41,7 @@ def found() -> list:
     for path in sorted(FOUND.glob("*.txt")):
         options, _, reason = path.read_text().strip().partition(" | open: ")
         marks = [pytest.mark.xfail(strict=False, reason=reason)] if reason else []
-        case = laws.case_of(path.with_suffix(".nc").read_bytes(), options)
+        case = case_of(path.with_suffix(".nc").read_bytes(), options)
         result.append(pytest.param(case, bool(reason), id=path.stem, marks=marks))
     return result
 
@@ -69,7 +70,7 @@ def wrong(told: str) -> bool:
 )
 def test_a_plain_work_offset_takes_the_additional_one_back(name, code):
     """No law sees this: the Verifier reads the output as the filter reads the input."""
-    filter_ = laws.filter_of(laws.Case(b"", name))
+    filter_ = filter_of(Case(b"", name))
     text = b"G0 X10. Z0.\n" + code + b"\nG0 X10. Z0.\nG54\nG0 X10. Z0.\n"
     motions, _, _ = filter_.interpreter.run(
         lex(text, filter_.dialect.grammar), filter_.interpreter.initial()
@@ -82,10 +83,10 @@ def test_a_plain_work_offset_takes_the_additional_one_back(name, code):
 
 
 @st.composite
-def cases(draw, name: str) -> laws.Case:
+def cases(draw, name: str) -> Case:
     wild = draw(st.sampled_from((0.0, 0.02, 0.05)))
     text = draw(grammar.programs(name, 16, wild))
-    return laws.random_case(draw(st.randoms(use_true_random=False)), text, name)
+    return random_case(draw(st.randoms(use_true_random=False)), text, name)
 
 
 @pytest.mark.parametrize("name", grammar.every())
@@ -175,7 +176,7 @@ def test_long_and_deep_ones_end_in_time_and_memory(what):
     text, name, expand = LONG[what]
     child = os.fork()
     if not child:
-        os._exit(_measure(laws.Case(text, name, expand=expand)))
+        os._exit(_measure(Case(text, name, expand=expand)))
     _, status = os.waitpid(child, 0)
     assert os.waitstatus_to_exitcode(status) == 0, RESULTS.get(
         os.waitstatus_to_exitcode(status), "it died"
@@ -185,14 +186,14 @@ def test_long_and_deep_ones_end_in_time_and_memory(what):
 RESULTS = {0: "well", 1: "something else than a ProgramError", 2: "too much memory", 3: "too long"}
 
 
-def _measure(case: laws.Case) -> int:
+def _measure(case: Case) -> int:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     try:
         with laws.in_time(MOST_TIME):
             if case.expand:
                 laws.expanded(case)
             else:
-                laws.outcome(laws.filter_of(case), [case.text])
+                laws.outcome(filter_of(case), [case.text])
     except laws.TookTooLong:
         return 3
     except BaseException:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import re
 
-from fuzz.laws import LATHES
+from fuzz.cases import LATHES
 from postproc.nc import dialects
 
 MILL = {"X": (0.0, 190.0), "Y": (-55.0, 55.0), "Z": (-35.0, 35.0)}

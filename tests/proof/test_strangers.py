@@ -13,10 +13,11 @@ from proof.strangers import TIERS, make
 from proof.strangers.base import AX, Part, observe, stream
 from proof.strangers.check import check_case
 from proof.strangers.designs import ballbar, features, targets
+from proof.strangers.hidden import draw_effect, effect_of
 from proof.strangers.machines import draw_machine, stated
 from proof.strangers.motion import trace
+from proof.strangers.plans import EFFECTS
 from proof.strangers.registry import FORMS
-from proof.strangers.tiers import EFFECTS, draw_effect, effect_of
 from proof.strangers.world import draw_world
 
 LATHE = draw_machine(stream("lathe"), kind="lathe")

@@ -15,11 +15,12 @@ from proof.strangers import TIERS, make
 from proof.strangers.base import observe, stream
 from proof.strangers.check import check_case
 from proof.strangers.designs import ballbar, features, targets
+from proof.strangers.hidden import draw_effect
 from proof.strangers.machines import draw_machine
 from proof.strangers.motion import trace
 from proof.strangers.noise import LATER, LOSSES, MORE_FAST, MORE_SLOW, Noise
+from proof.strangers.plans import EFFECTS
 from proof.strangers.registry import FORMS
-from proof.strangers.tiers import EFFECTS, draw_effect
 from proof.strangers.world import draw_world
 
 MILL = draw_machine(stream("mill"), kind="mill")

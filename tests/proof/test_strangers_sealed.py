@@ -17,9 +17,11 @@ from proof.strangers.base import observe, stream
 from proof.strangers.check import check_case
 from proof.strangers.designs import ballbar, features, targets
 from proof.strangers.forms_motion import maxwell
+from proof.strangers.hidden import draw_effect
 from proof.strangers.machines import draw_machine
 from proof.strangers.motion import trace
 from proof.strangers.noise import LATER, LOSSES, MORE_FAST, MORE_SLOW, Noise
+from proof.strangers.plans import EFFECTS
 from proof.strangers.registry import FORMS
 from proof.strangers.sealed_designs import (
     CHAINS,
@@ -34,7 +36,6 @@ from proof.strangers.sealed_designs import (
 from proof.strangers.sealed_motion import hyperbola
 from proof.strangers.sealed_place import on_two_supports, pair_gives
 from proof.strangers.sealed_time import edlen, two_rates
-from proof.strangers.tiers import EFFECTS, draw_effect
 from proof.strangers.world import draw_world
 
 MILL = draw_machine(stream("mill"), kind="mill")

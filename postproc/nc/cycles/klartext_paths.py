@@ -1,25 +1,22 @@
 """Arcs and polar places of Heidenhain Klartext, written out as L.
 
 HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Path contours": C about
-the pole CC, CR by its radius, LP and CP in polar coordinates, CP with Z a helix. Start and end of C
-may lie 0.016 mm unlike far from the pole; an end at the start is a full circle. CR with R above 0
-is the shorter arc, below 0 the longer. Lines leave the circle by the tolerance at most.
+the pole CC, CR by its radius, LP and CP in polar coordinates, CP with Z a helix (the geometry of
+arcs: pole_arc.py). Lines leave the circle by the tolerance at most.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from typing import NamedTuple
+from collections.abc import Sequence
 
 from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
-from postproc.nc.klartext import HEAD
+from postproc.nc.klartext import CYCLE, HEAD
 
-MISMATCH_MM = 0.016
-NEAR = 1e-9
-MOST_LINES = 100_000
 STATEMENT = re.compile(rb"(CC|CR|CP|CT|C|LP|L|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*")
 WORD = re.compile(
     rb"(?<![A-Z])(I?)(X|Y|Z|PR|PA|R|DR)(?:[ \t]*([-+]?[0-9]*\.?[0-9]+)|([-+])(?![0-9.]))"
@@ -29,24 +26,10 @@ MARKED = re.compile(rb"\0([0LR])")
 CALLED = re.compile(rb"[ \t]*(?<![A-Z])M[ \t]*0*99(?![0-9])")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+|AUTO|MAX)")
 LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
-DEFINED = re.compile(rb"CYCL[ \t]+DEF[ \t]+([0-9]+)(?:\.([0-9]+))?")
 SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 DATA_ONLY = (9, 13, 14, 32, 247)  # defined beside a drilling cycle, which holds on
 CIRCLES = "write it as C with its pole, or as CR"
-Point = tuple[float, float]
 Words = dict[str, tuple[bool, float]]
-
-
-class Arc(NamedTuple):
-    """From `at` to `to` about `centre`; `turn`: 1 against the clock, -1 with it; `sweep`: radians,
-    None where the ends say it; `depth`: of Z, of a helix."""
-
-    at: Point
-    to: Point
-    centre: Point
-    turn: float
-    sweep: float | None = None
-    depth: float | None = None
 
 
 class KlartextPaths:
@@ -138,7 +121,7 @@ class KlartextPaths:
 
     def _define(self, code: bytes) -> list[bytes]:
         """CYCL DEF: its number, and the values in the same line."""
-        found = DEFINED.match(code)
+        found = CYCLE.match(code)
         if found is None:
             return [code]
         number = int(found[1])
@@ -197,17 +180,22 @@ class KlartextPaths:
         turn = words.get("DR", (False, 0.0))[1]
         if kind != b"LP" and not turn:
             raise scene.fault(f"{kind.decode()} without DR", "DR+ or DR- says which way it turns")
-        depth = self._place(words, "Z") if "Z" in words else None
-        if kind == b"CR":
-            to = self._place(words, "X"), self._place(words, "Y")
-            ways = self._along(Arc(at, to, self._by_radius(at, to, words, turn), turn))
-        elif not polar:
-            to = self._place(words, "X"), self._place(words, "Y")
-            ways = self._along(Arc(at, to, self._centre(), turn))
+        if polar:
+            arc = self._polar(kind, at, words)
         else:
-            arc = self._polar(kind, at, words)._replace(depth=depth)
-            ways = [(arc.to, depth)] if kind == b"LP" else self._along(arc)
-        return self._written(ways, rest)
+            to = self._place(words, "X"), self._place(words, "Y")
+            radius = words.get("R", (False, 0.0))[1]
+            arc = (
+                by_radius(scene, at, to, radius, turn)
+                if kind == b"CR"
+                else Arc(at, to, self._centre(), turn)
+            )
+        places = [arc.to] if kind == b"LP" else ends(scene, arc)
+        if "Z" not in words:
+            return self._written([(place, None) for place in places], rest)
+        low, depth = scene.at("Z"), self._place(words, "Z")
+        heights = [low + (depth - low) * k / len(places) for k in range(1, len(places) + 1)]
+        return self._written(list(zip(places, heights, strict=True)), rest)
 
     def _centre(self) -> Point:
         if len(self.pole) < 2:
@@ -233,50 +221,7 @@ class KlartextPaths:
         sweep = abs(angle) if step else (end - begin) * turn % 360 or 360.0
         return Arc(at, to, centre, turn, math.radians(sweep))
 
-    def _by_radius(self, at: Point, to: Point, words: Words, turn: float) -> Point:
-        """The centre of CR."""
-        radius = words.get("R", (False, 0.0))[1]
-        chord = to[0] - at[0], to[1] - at[1]
-        length = math.hypot(*chord)
-        if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
-            raise self.scene.fault(
-                f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
-            )
-        away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
-        away *= 1 if (turn > 0) == (radius > 0) else -1
-        middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2
-        return middle[0] - chord[1] / length * away, middle[1] + chord[0] / length * away
-
-    def _along(self, arc: Arc) -> list[tuple[Point, float | None]]:
-        """Places along an arc, with Z where it is a helix."""
-        scene, centre = self.scene, arc.centre
-        arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (arc.at, arc.to)]
-        radii = [math.hypot(*arm) for arm in arms]
-        unit = 25.4 if scene.inch else 1.0
-        if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
-            raise scene.fault(
-                f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
-                "the control refuses more than 0.016 mm between them: check the pole",
-            )
-        begin, sweep = math.atan2(arms[0][1], arms[0][0]), arc.sweep
-        if sweep is None:
-            sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * arc.turn % math.tau
-            sweep = math.tau if math.dist(arc.at, arc.to) < NEAR or sweep < NEAR else sweep
-        flat = max(1.0 - scene.chord / max(radii), math.cos(math.pi / 4))
-        count = max(1, math.ceil(sweep / (2 * math.acos(flat))))
-        if count > MOST_LINES:
-            raise scene.fault(f"the arc would take {count:,} lines", "a larger --tolerance")
-        low = scene.at("Z") if arc.depth is not None else 0.0
-        ways: list[tuple[Point, float | None]] = []
-        for k in range(1, count + 1):
-            angle = begin + arc.turn * sweep * k / count
-            radius = radii[0] + (radii[1] - radii[0]) * k / count
-            place = centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
-            z = None if arc.depth is None else low + (arc.depth - low) * k / count
-            ways.append((arc.to if k == count else place, z))
-        return ways
-
-    def _written(self, ways: list[tuple[Point, float | None]], rest: bytes) -> list[bytes]:
+    def _written(self, ways: Sequence[tuple[Point, float | None]], rest: bytes) -> list[bytes]:
         """L through places; the statement's own words at its first line, M at the last."""
         words = MARKED.sub(rb"R\1", WORD.sub(b"", SIDES.sub(lambda m: b"\0" + m[0][1:], rest)))
         words = b" ".join(words.split())

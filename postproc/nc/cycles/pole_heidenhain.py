@@ -3,10 +3,9 @@ straight lines; G10 and G11: a rapid and a feed to the radius R and the angle H 
 
 HEIDENHAIN user's manuals, ISO programming, "Circular path G02/G03 around circle centre I, J" and
 "Circular path with defined radius": in G90 the pole is a place, in G91 it counts from where the
-tool stands; G29 puts it there. End and start may lie 0.016 mm unlike far from it (MP7431); an end
-at the start is a full circle. R above 0 is the shorter arc, below 0 the longer. Angles count from
-the first axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by
-the tolerance at most: an arc could not be written back, for its pole would move all behind it.
+tool stands; G29 puts it there (the geometry of arcs: pole_arc.py). Angles count from the first
+axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by the
+tolerance at most: an arc could not be written back, for its pole would move all behind it.
 """
 
 from __future__ import annotations
@@ -16,14 +15,12 @@ import re
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
 AT_LAST_PLACE, LABEL = 290, 980
 POLAR = {100: "G00", 110: "G01"}
-MISMATCH_MM = 0.016
-NEAR = 1e-9
-MOST_LINES = 100_000
 POINT = re.compile(rb"(?<=\d)\.(?!\d)")
 
 
@@ -153,36 +150,12 @@ class PoleArcs:
             )
         at = scene.at(first), scene.at(second)
         to = self._end(block, (first, second), at)
-        centre, sign = self._centre(block, at, to), 1 if self.motion == COUNTER else -1
-        arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (at, to)]
-        radii = [math.hypot(*arm) for arm in arms]
-        unit = 25.4 if scene.inch else 1.0
-        if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
-            raise scene.fault(
-                f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
-                "the control refuses more than 0.016 mm between them: check the pole",
-            )
-        begin = math.atan2(arms[0][1], arms[0][0])
-        sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * sign % math.tau
-        if math.dist(at, to) < NEAR or sweep < NEAR:
-            sweep = math.tau
-        flat = max(1.0 - scene.chord / max(radii), math.cos(math.pi / 4))
-        count = max(1, math.ceil(sweep / (2 * math.acos(flat))))
-        if count > MOST_LINES:
-            raise scene.fault(f"the arc would take {count:,} lines", "a larger --tolerance")
         m = Moves(scene, own_words(block, "XYZIJKR", {CLOCKWISE, COUNTER}))
-        for k in range(1, count + 1):
-            share = k / count
-            angle, radius = begin + sign * sweep * share, radii[0] + (radii[1] - radii[0]) * share
-            place = to if k == count else (
-                centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)
-            )  # fmt: skip
+        for place in ends(scene, self._about(block, at, to)):
             m.move("G01", dict(zip((first, second), place, strict=True)))
         return [POINT.sub(b"", line) + end for line in m.finish()]
 
-    def _end(
-        self, block: Block, names: tuple[str, str], at: tuple[float, float]
-    ) -> tuple[float, float]:
+    def _end(self, block: Block, names: tuple[str, str], at: Point) -> Point:
         scene = self.scene
         incremental, place = scene.incremental, []
         for axis, here in zip(names, at, strict=True):
@@ -190,29 +163,13 @@ class PoleArcs:
             place.append(here if value is None else here + value if incremental else value)
         return place[0], place[1]
 
-    def _centre(
-        self, block: Block, at: tuple[float, float], to: tuple[float, float]
-    ) -> tuple[float, float]:
-        """The pole, or the centre that R says. Raises ProgramError."""
-        scene, radius = self.scene, block.get("R")
-        if radius is None:
-            names = [CENTRES[x] for x in scene.plane[:2]]
-            missing = [x for x in names if x not in self.pole]
-            if missing:
-                raise scene.fault(
-                    "an arc, and no pole is set", f"write {' and '.join(names)} before"
-                )
-            return self.pole[names[0]], self.pole[names[1]]
-        chord = to[0] - at[0], to[1] - at[1]
-        length = math.hypot(*chord)
-        if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
-            raise scene.fault(
-                f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
-            )
-        away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
-        # of the way: where the shorter arc against the clock has it
-        left = (self.motion == COUNTER) == (radius > 0)
-        side = 1 if left else -1
-        normal = -chord[1] / length * side, chord[0] / length * side
-        middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2
-        return middle[0] + away * normal[0], middle[1] + away * normal[1]
+    def _about(self, block: Block, at: Point, to: Point) -> Arc:
+        """The arc about the pole, or of the radius R. Raises ProgramError."""
+        scene, radius, turn = self.scene, block.get("R"), 1 if self.motion == COUNTER else -1
+        if radius is not None:
+            return by_radius(scene, at, to, radius, turn)
+        names = [CENTRES[x] for x in scene.plane[:2]]
+        missing = [x for x in names if x not in self.pole]
+        if missing:
+            raise scene.fault("an arc, and no pole is set", f"write {' and '.join(names)} before")
+        return Arc(at, to, (self.pole[names[0]], self.pole[names[1]]), turn)

@@ -16,9 +16,10 @@ from collections.abc import Callable, Iterator
 
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
-from postproc.nc.expand.siemens_flow import Declaration, Parameter, Source, read
+from postproc.nc.expand.siemens_flow import Declaration, Parameter, read
 from postproc.nc.expand.siemens_frames import Frame, Repeat
 from postproc.nc.expand.siemens_holes import NAMES, Holes, hole_of, missing
+from postproc.nc.expand.siemens_source import Source
 from postproc.nc.expand.siemens_statements import Call, Jump, Statement, Target, assign
 from postproc.nc.expand.siemens_values import (
     EMPTY,

@@ -1,4 +1,4 @@
-"""Sinumerik program flow: what control lines say, and where in a program control goes from a line.
+"""Sinumerik program flow: what control lines say. Where control goes from them: siemens_source.py.
 
 Source: Siemens "SINUMERIK 840D sl / 828D Job Planning": program jumps, program section repetition,
 control structures, subprogram technique.
@@ -9,43 +9,17 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 from postproc.nc.expand import siemens_boring, siemens_drilling
 from postproc.nc.expand.siemens_blocks import HEAD, JUMPS, NAME, PASSES, Words
-from postproc.nc.expand.siemens_statements import Jump, Right, Statement, Target
+from postproc.nc.expand.siemens_statements import Right, Statement, Target
 from postproc.nc.expand.siemens_values import Node, Refusal
 from postproc.nc.expand.siemens_words import end_of_code
 
 NAMES = (*siemens_drilling.NAMES, *siemens_boring.NAMES)
 TYPES = ("REAL", "INT", "BOOL", "CHAR", "STRING", "AXIS")
-STRUCTURE = re.compile(
-    HEAD.pattern
-    + r"(IF|ELSE|ENDIF|LOOP|ENDLOOP|WHILE|ENDWHILE|FOR|ENDFOR|REPEAT|UNTIL)(?![A-Z0-9_])",
-    re.IGNORECASE | re.ASCII,
-)
-MARK = re.compile(
-    rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)(\d+)[ \t]*)?(?:({NAME})[ \t]*:(?!=))?",
-    re.IGNORECASE | re.ASCII,
-)
 LABEL = re.compile(rf"[ \t]*({NAME}|N\d+)(?![A-Z0-9_])", re.IGNORECASE | re.ASCII)
 ATTRIBUTE = re.compile(r"[ \t]*([A-Z]+)", re.IGNORECASE)
-OPENS = {
-    "ENDIF": "IF",
-    "ELSE": "IF",
-    "ENDLOOP": "LOOP",
-    "ENDWHILE": "WHILE",
-    "ENDFOR": "FOR",
-    "UNTIL": "REPEAT",
-}
-CLOSES = {
-    "IF": "ENDIF",
-    "ELSE": "ENDIF",
-    "LOOP": "ENDLOOP",
-    "WHILE": "ENDWHILE",
-    "FOR": "ENDFOR",
-    "REPEAT": "UNTIL",
-}
 REASONS = {
     "DEFINE": "macros are not followed: write their text where they stand",
     "MCALL": f"of modal calls {', '.join(NAMES)} are: write the other calls out",
@@ -289,114 +263,3 @@ READERS: dict[str, Callable[[Words], None]] = {
     "PCALL": _call,
     "EXTCALL": _call,
 }
-
-
-# -- where control goes ----------------------------------------------------------------------------
-
-
-class Source:
-    """A program's lines (text), with what is found in them when it is first asked for. `skips`:
-    blocks with "/" are left out."""
-
-    def __init__(self, name: str, file: str, lines: list[bytes], skips: bool):
-        self.name, self.file, self.lines, self.skips = name, file, lines, skips
-
-    @cached_property
-    def marks(self) -> dict[str, list[int]]:
-        """The lines of every label, and of every block number as "N10"."""
-        found: dict[str, list[int]] = {}
-        for i, line in enumerate(self.lines):
-            mark = MARK.match(line.decode("latin-1"))
-            if mark and mark[1] and len(mark[1]) < 19:
-                found.setdefault(f"N{int(mark[1])}", []).append(i)
-            if mark and mark[2]:
-                found.setdefault(mark[2].upper(), []).append(i)
-        return found
-
-    @cached_property
-    def partners(self) -> dict[int, int | str]:
-        """For each line of a control structure the line that it depends on: IF its ELSE or ENDIF,
-        ELSE its ENDIF, a loop's begin its end and the other way round; or what is wrong with it."""
-        found: dict[int, int | str] = {}
-        opened: list[tuple[str, int]] = []
-        for i, line in enumerate(self.lines):
-            text = line.decode("latin-1")
-            word = STRUCTURE.match(text)
-            if not word or (self.skips and text.lstrip(" \t").startswith("/")):
-                continue
-            keyword, rest = word[2].upper(), text[word.end() : end_of_code(text)]
-            if (keyword == "IF" and re.search(r"\bGOTO[FBCS]?\b", rest, re.IGNORECASE)) or (
-                keyword == "REPEAT" and rest.strip(" \t")
-            ):
-                continue
-            if keyword in OPENS:
-                if not opened or (
-                    opened[-1][0] != OPENS[keyword]
-                    and (opened[-1][0], keyword) != ("ELSE", "ENDIF")
-                ):
-                    found[i] = f"{keyword} without {OPENS[keyword]}"
-                    continue
-                begin = opened.pop()[1]
-                found[begin], found[i] = i, begin
-            if keyword in CLOSES:
-                opened.append((keyword, i))
-        for keyword, i in opened:
-            found[i] = f"{keyword} without {CLOSES[keyword]}"
-        return found
-
-    def partner(self, at: int) -> int:
-        """The line that a line of a control structure depends on. Raises Refusal where the
-        structure is broken."""
-        found = self.partners.get(at, "this is no part of a control structure")
-        if isinstance(found, str):
-            raise Refusal(
-                found, "complete the control structure; blocks with / may have been left out"
-            )
-        return found
-
-    def destination(self, jump: Jump, target: str, at: int) -> int | None:
-        """The line that a jump leads to. None: GOTOC finds none. Raises Refusal where there is
-        none."""
-        if jump.kind == "GOTOS":
-            return 0
-        name = target.lstrip(":").upper()
-        number = name[1:] if name[:1] == "N" else name
-        lines = self.marks.get(name) or []
-        if not lines and number.isdigit() and number.isascii() and len(number) < 19:
-            lines = self.marks.get(f"N{int(number)}") or []
-        before, behind = [i for i in lines if i <= at], [i for i in lines if i > at]
-        if jump.kind == "GOTOB":
-            behind = []
-        elif jump.kind == "GOTOF":
-            before = []
-        if behind or before:
-            return behind[0] if behind else before[-1]
-        if jump.kind == "GOTOC":
-            return None
-        where = {"GOTOB": "before this line", "GOTOF": "behind this line"}.get(
-            jump.kind, "in this program"
-        )
-        raise Refusal(
-            f"there is no {name} {where}",
-            "correct the name of the label or block, or the direction",
-            jump.start,
-            jump.stop,
-        )
-
-    def section(self, first: str, last: str, at: int) -> tuple[int, int]:
-        """First and last line of the part that a REPEAT at line `at` repeats. Raises Refusal."""
-        starts = self.marks.get(first, [])
-        start = max(
-            (i for i in starts if i < at), default=min((i for i in starts if i > at), default=None)
-        )
-        if start is None:
-            raise Refusal(f"there is no {first} in this program", "correct the name of the label")
-        ends = [i for i in self.marks.get(last or "ENDLABEL", []) if i >= start]
-        if ends and (last or start > at or ends[0] < at):
-            return start, ends[0]
-        if last or start > at:
-            raise Refusal(
-                f"there is no {last or 'ENDLABEL'} behind {first}",
-                "write it at the end of what is repeated",
-            )
-        return start, at - 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from postproc.nc.expand.siemens_flow import Source
+from postproc.nc.expand.siemens_source import Source
 from postproc.nc.expand.siemens_values import (
     Scope,
 )

@@ -1,0 +1,72 @@
+"""Arcs about a pole, of Heidenhain's Klartext and DIN/ISO, as the ends of straight lines.
+
+HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, "Path contours": start and end may lie 0.016
+mm unlike far from the pole (MP7431); an end at the start is a full circle; R above 0 is the shorter
+arc, below 0 the longer.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from postproc.nc.cycles.scene import Scene
+
+MISMATCH_MM = 0.016
+NEAR = 1e-9
+MOST_LINES = 100_000
+Point = tuple[float, float]
+
+
+class Arc(NamedTuple):
+    """From `at` to `to` about `centre`, in the program's unit; `turn`: 1 against the clock, -1 with
+    it; `sweep`: radians, None where the ends say it."""
+
+    at: Point
+    to: Point
+    centre: Point
+    turn: float
+    sweep: float | None = None
+
+
+def by_radius(scene: Scene, at: Point, to: Point, radius: float, turn: float) -> Arc:
+    """The arc of this radius. Raises ProgramError where there is none."""
+    chord = to[0] - at[0], to[1] - at[1]
+    length = math.hypot(*chord)
+    if length < NEAR or length / 2 > abs(radius) + MISMATCH_MM:
+        raise scene.fault(
+            f"R{radius:g} makes no arc to a place {length:.4g} away", "check R and the end"
+        )
+    away = math.sqrt(max(radius**2 - (length / 2) ** 2, 0.0))
+    away *= 1 if (turn > 0) == (radius > 0) else -1
+    middle = (at[0] + to[0]) / 2, (at[1] + to[1]) / 2
+    centre = middle[0] - chord[1] / length * away, middle[1] + chord[0] / length * away
+    return Arc(at, to, centre, turn)
+
+
+def ends(scene: Scene, arc: Arc) -> list[Point]:
+    """The ends of lines of equal angles that leave the arc by the scene's chord at most. Raises
+    ProgramError where start and end lie too unlike far from the pole."""
+    centre = arc.centre
+    arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (arc.at, arc.to)]
+    radii = [math.hypot(*arm) for arm in arms]
+    unit = 25.4 if scene.inch else 1.0
+    if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
+        raise scene.fault(
+            f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
+            "the control refuses more than 0.016 mm between them: check the pole",
+        )
+    begin, sweep = math.atan2(arms[0][1], arms[0][0]), arc.sweep
+    if sweep is None:
+        sweep = (math.atan2(arms[1][1], arms[1][0]) - begin) * arc.turn % math.tau
+        sweep = math.tau if math.dist(arc.at, arc.to) < NEAR or sweep < NEAR else sweep
+    flat = max(1.0 - scene.chord / max(radii), math.cos(math.pi / 4))
+    count = max(1, math.ceil(sweep / (2 * math.acos(flat))))
+    if count > MOST_LINES:
+        raise scene.fault(f"the arc would take {count:,} lines", "a larger --tolerance")
+    places = []
+    for k in range(1, count):
+        angle = begin + arc.turn * sweep * k / count
+        radius = radii[0] + (radii[1] - radii[0]) * k / count
+        places.append((centre[0] + radius * math.cos(angle), centre[1] + radius * math.sin(angle)))
+    return [*places, arc.to]
