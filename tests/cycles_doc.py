@@ -26,6 +26,7 @@ NAMES = (
     "heidenhain-iso",
     "fagor",
     "okuma",
+    "okuma-lathe",
 )
 HEAD = f"""{TITLE}
 Generated from the declarations in `postproc/nc/cycles` by `python -m tests.cycles_doc`; `tests/expand/test_words.py` reads

@@ -80,6 +80,10 @@ PROGRAMS = {
         " X10. Y10.\nN19 G00 G56 Z15. H01\nN20 G71 Z15.\nN21 G81 X10. Y10. Z-10. R2. F300. M53\nN24"
         " G94\nM02\n"
     ),
+    "okuma-lathe": (
+        "$SHAFT.MIN%\nO1001\nG50 S2500\nG00 X600 Z400\nT010101\nG96 S180 M03\nNAT01 G81\n"
+        "G00 X20 Z2\nG01 Z-20 F0.15\nG80\nG85 NAT01 D4 F0.3 U0.4 W0.1\nM02\n"
+    ),
     "fluidnc": "; FluidNC\n$SD/Run=part.nc\nG21 G90\nG38.6 Z-10 F50\nG0 X0 Y0\n",
 }
 

@@ -21,7 +21,7 @@ from postproc.nc.arcs import PLANES
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.state import NONE, Beside
-from postproc.nc.zeros import stated, stated_tool
+from postproc.nc.zeros import lathe_tool, stated, stated_tool
 from postproc.units import MM_PER_INCH
 
 LEFT, DYNAMIC = (410, 411), (411, 421)
@@ -200,5 +200,4 @@ def _last_name(b: Batch, block: int) -> str:
     tool = tool[b.words.block[tool] <= block]
     if not len(tool):
         return b.tool
-    number = int(b.words.mantissa[tool[-1]])
-    return f"T{number:04d}" if number >= 100 and number % 100 else ""
+    return lathe_tool(b.dialect, int(b.words.mantissa[tool[-1]]))

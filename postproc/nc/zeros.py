@@ -14,6 +14,7 @@ import numpy as np
 from postproc.motions import Presets
 from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
+from postproc.nc.dialects import Dialect
 from postproc.nc.state import NONE, Frame, Setup
 from postproc.units import TICKS_PER_MM
 
@@ -68,7 +69,13 @@ def work_columns(b: Batch) -> np.ndarray:
 
 
 def _tool_name(b: Batch, place: int) -> str:
-    number = int(b.words.mantissa[place])
+    return lathe_tool(b.dialect, int(b.words.mantissa[place]))
+
+
+def lathe_tool(dialect: Dialect, number: int) -> str:
+    """The offset that a T word of a lathe names, "": none."""
+    if dialect.nose_in_tool:
+        number %= 10_000
     return f"T{number:04d}" if number >= 100 and number % 100 else ""
 
 

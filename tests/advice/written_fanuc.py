@@ -249,6 +249,20 @@ OKUMA = [
         ("G91 G71 Z5.|G90 G0 X2.", "G90 G71 Z5.|G90 G0 X2."),
     )
 ]
+LAP = "NSH G81|G0 X40. Z5.|G1 Z-9. F.1|X100.|G80|"
+OKUMA_LATHE = [
+    Case("okuma-lathe", f"G0 X100. Z9.|{before}", f"G0 X100. Z9.|{after}", how=WRITE)
+    for before, after in (
+        (LAP + "G85 NSH D4. Q1", LAP + "G85 NSH D4. F.3"),
+        (LAP + "G85 NSH F.3", LAP + "G85 NSH D4. F.3"),
+        (LAP + "G86 NSH D0", LAP + "G86 NSH D4."),
+        (LAP + "G87 NOTHER", LAP + "G87 NSH"),
+        ("NSH G81|G1 X40. F.1|G80|G85 NSH D4.", LAP + "G85 NSH D4."),
+        ("NSH G81|G0 X40. Z5.|G75 G1 Z-9. F.1|X90.|G80|G87 NSH", LAP + "G87 NSH"),
+        ("NSH G81|G1 X100. Z5.|Z-9. F.1|G80|G86 NSH D4.", LAP + "G86 NSH D4."),
+        ("G1 X90. F.1|G2 X80. Z0 L2.", "G1 X90. F.1|G2 X80. Z4. L9."),
+    )
+]
 FIVE = {"machine": "example-five-axis", **WRITE, "offsets": {"G54": {}, "H1": {"Z": 100.0}}}
 
 
@@ -445,6 +459,7 @@ ALL = [
     *HAAS_LATHE,
     *FAGOR,
     *OKUMA,
+    *OKUMA_LATHE,
     *DIRECTIONS,
     *POCKETS,
     *DRILLING,

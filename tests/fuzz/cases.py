@@ -18,7 +18,7 @@ from postproc.nc import dialects
 
 MODES = ("mean", "step", "ramp", "off")
 MAPS = ("zero", "one-way", "two-way")
-LATHES = ("fanuc-lathe", "fanuc-lathe-a", "fanuc-lathe-c", "haas-lathe")
+LATHES = ("fanuc-lathe", "fanuc-lathe-a", "fanuc-lathe-c", "haas-lathe", "okuma-lathe")
 
 WIDE = {
     "mill": {"X": (0.0, 200.0), "Y": (-60.0, 60.0), "Z": (-40.0, 40.0)},

@@ -16,6 +16,7 @@ from postproc.nc.cycles.arcs_siemens import Openings
 from postproc.nc.cycles.before import Chain
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.block_feed_siemens import BlockFeed
+from postproc.nc.cycles.blocks_okuma_lathe import LatheBlocks
 from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
@@ -246,6 +247,12 @@ def okuma(dialect: Dialect, synchronised: bool) -> Family:
     return Family(cycles | {LEVEL: ReturnLevel(holes)}, forgets=True)
 
 
+def okuma_lathe(dialect: Dialect, synchronised: bool) -> Family:
+    threads: dict[int, Cycle] = dict.fromkeys((310, 320, 330), Stays(True))
+    threads |= dict.fromkeys((710, 720, 770, 780), Stays(False))
+    return Family(threads, before=LatheBlocks)
+
+
 # the longest prefix of the dialect's name holds
 FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
     "linuxcnc": linuxcnc,
@@ -260,6 +267,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
     "haas-lathe": haas_lathe,
     "fagor": fagor,
     "okuma": okuma,
+    "okuma-lathe": okuma_lathe,
 }
 
 

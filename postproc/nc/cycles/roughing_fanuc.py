@@ -6,6 +6,7 @@ for type II.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from postproc.nc.cycles.moves import Moves
@@ -113,30 +114,41 @@ class Roughing:
             raise fault(
                 f"the shape goes deeper in {'ZX'[deep]} behind its first block", BOTH_OR_START
             )
-        target = rest[0].start[deep]
-        sense = 1 if target > c[deep] else -1
         side = 1 if rest[-1].end[along] > c[along] else -1
         pen.to("G0", c)
-        passes = int(abs(target - c[deep]) / self.depth) + 1
-        if passes > MOST_PASSES:
-            raise fault(
-                f"{passes:,} cuts of {self.depth:g} (limit {MOST_PASSES:,})",
-                "check the depth of cut",
-            )
-        for k in range(1, passes + 1):
-            level = c[deep] + sense * k * self.depth
-            if (target - level) * sense <= NEAR:
-                break
+        sense = 1 if rest[0].start[deep] > c[deep] else -1
+        for level in self.levels():
             crossings = (e.crossing(deep, level) for e in rest)
             stop = next((v for v in crossings if v is not None), rest[-1].end[along])
-            begin = first.crossing(deep, level)  # on the first block, where it moves both axes too
-            assert begin is not None
+            begin = self.entry(level)
             pen.to(self.infeed, (begin, level) if deep else (level, begin))
             pen.along("G1", along, stop)
             out = [0.0, 0.0]
             out[deep], out[along] = level - sense * self.escape, stop - side * self.escape
             pen.to("G0", (out[0], out[1]))
             pen.along("G0", along, begin)
+
+    def entry(self, level: float) -> float:
+        """Where the cut at a level begins: on the first block, where that moves both axes too."""
+        begin = self.first.crossing(self.deep, level)
+        assert begin is not None
+        return begin
+
+    def levels(self) -> Iterator[float]:
+        """The depths of the cuts, one after the other."""
+        target, here = self.rest[0].start[self.deep], self.begin[self.deep]
+        sense = 1 if target > here else -1
+        passes = int(abs(target - here) / self.depth) + 1
+        if passes > MOST_PASSES:
+            raise self.pen.scene.fault(
+                f"{passes:,} cuts of {self.depth:g} (limit {MOST_PASSES:,})",
+                "check the depth of cut",
+            )
+        for k in range(1, passes + 1):
+            level = here + sense * k * self.depth
+            if (target - level) * sense <= NEAR:
+                return
+            yield level
 
     def _monotonic(self) -> None:
         """Type I: neither Z nor X turns back, also not in a last block that only draws the tool

@@ -102,6 +102,7 @@ class Dialect:
     `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a
     place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
+    `nose_in_tool`: a T word of six digits begins with the number of the nose radius (Okuma).
     `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees
     (feeds.py).
     """
@@ -174,6 +175,7 @@ class Dialect:
     level_from_start: bool = False
     conditions: bool = False
     feed_along_first: bool = False
+    nose_in_tool: bool = False
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

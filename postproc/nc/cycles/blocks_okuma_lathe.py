@@ -1,0 +1,260 @@
+"""Blocks of Okuma lathes as plain ones: lines that go on behind `$` are joined, names of blocks
+(NLAP1) are taken off, arcs by their radius L get I and K, and the calls of shapes (LAP) are written
+out: lap_okuma.py.
+
+Okuma OSP-P200L / P20L programming manual 5238-E, P-175 to P-218. A shape stands between G81 (G82)
+and G80, under the name of its first block; where the program comes to it the control steps over it.
+In its blocks F is the finishing's, E the roughing's along the shape, G75 and G76 with L make a
+chamfer or an arc of L at the end of their block. Refused in it: what is none of G0 to G3, G40 to
+G42, G90, G91, G75, G76; a blank's shape (G83), which is the control's extra (LAP4).
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+from postproc.nc.cycles import drawing_fanuc
+from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.lap_okuma import Call, Change, Lap, Shape
+from postproc.nc.cycles.profile import Profile, shape
+from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
+from postproc.nc.expand import Line
+
+COMMENT = re.compile(rb"\([^()\n]*\)")
+HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:N[ \t]*([A-Z0-9]+)(?=[ \t(\r]|$))?[ \t]*", re.IGNORECASE)
+GOES_ON = re.compile(rb"[ \t]*\$(?![-A-Z0-9._]*%)", re.IGNORECASE)
+CALLED = re.compile(rb"G[ \t]*(8[5-7])[ \t]*N([A-Z0-9]+)", re.IGNORECASE)
+BEGINS = re.compile(rb"(?<![A-Z])G[ \t]*(8[12])(?![0-9])", re.IGNORECASE)
+ENDS = re.compile(rb"(?<![A-Z])G[ \t]*80(?![0-9])", re.IGNORECASE)
+WORDS = re.compile(rb"([A-Z]{1,2})[ \t]*=?[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))", re.IGNORECASE)
+CORNERS = {750: b",C", 760: b",R"}
+NOSE = (40, 41, 42)
+OWN = "XZIKGR"  # words of a shape's block that its element is made of
+LENGTHS = ("D", "DA", "DB", "U", "XA", "XB")  # diameters
+NAME = re.compile(rb"(/?[ \t]*)N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)[ \t]*", re.IGNORECASE)
+
+
+class LatheBlocks:
+    """Reads the program line by line, and further on where a line calls for it."""
+
+    rigid = False
+    codes: tuple[int, ...] = (800, 810, 820, 840, 850, 860, 870)
+
+    def __init__(self, scene: Scene):
+        self.scene, self.lap = scene, Lap(scene)
+        self.motion = 0
+        self.within = False  # a shape that the control steps over
+
+    def wants(self, line: Line) -> bool:
+        """Every line may name the motion code, or begin a shape."""
+        return True
+
+    def finish(self) -> list[Line]:
+        """Nothing is held back."""
+        return []
+
+    def take(self, line: Line) -> list[Line]:
+        """The lines that stand for one. Raises ProgramError."""
+        if GOES_ON.match(line.text) or self.scene.passes(line.text):
+            return [] if GOES_ON.match(line.text) else [line]
+        text = self._whole(line)
+        code = _code(text)
+        if self.within or BEGINS.search(code):
+            self.within = not ENDS.search(code)
+            return []
+        called = CALLED.search(code)
+        if called:
+            self.scene.block = Block.of(b"", self.scene.dialect.grammar)
+            self.scene.forget()
+            return [line._replace(text=t) for t in self._called(code, called)]
+        text = NAME.sub(rb"\1", text, count=1) if NAME.match(text) else text
+        block = Block.of(text, self.scene.dialect.grammar)
+        self._note(block)
+        text = self._centred(block) or text
+        return [line] if text == line.text else [line._replace(text=text)]
+
+    def _note(self, block: Block) -> None:
+        for code in block.codes:
+            if self.scene.group_of(code) == "motion":
+                self.motion = code
+
+    def _whole(self, line: Line) -> bytes:
+        """A line with those that go on behind it."""
+        lines, text = self.scene.lines(), line.text.rstrip(b"\r")
+        for more in lines[line.source :]:
+            if not GOES_ON.match(more):
+                break
+            text += b" " + more.rstrip(b"\r").strip(b" \t")[1:].strip(b" \t")
+        return text if text != line.text.rstrip(b"\r") else line.text
+
+    # -- arcs --------------------------------------------------------------------------------------
+
+    def _centred(self, block: Block) -> bytes | None:
+        """An arc by L with I and K in its place."""
+        radius = block.word("L")
+        if radius is None or self.motion not in (CLOCKWISE, COUNTER) or not block.plain:
+            return None
+        scene = self.scene
+        scene.block = block
+        scene.forget()
+        scene.note(block)
+        axes = scene.plane[:2]
+        start = [scene.at(x) / scene.double(x) for x in axes]
+        end = [_to(scene, block, x, here) for x, here in zip(axes, start, strict=True)]
+        centre = _centre(scene, self.motion, start, end, radius)
+        words = b" ".join(
+            scene.text({"X": "I", "Y": "J", "Z": "K"}[x], c - s)
+            for x, c, s in zip(axes, centre, start, strict=True)
+        )
+        at = block.words.index(radius)
+        return block.written(set(), changed={at: words})
+
+    # -- shapes ------------------------------------------------------------------------------------
+
+    def _called(self, code: bytes, called: re.Match[bytes]) -> list[bytes]:
+        number = int(called[1])
+        values = {k.upper().decode(): float(v) for k, v in WORDS.findall(code[called.end() :])}
+        return self.lap.lines(10 * number, self._shape(called[2]), self._call(values, code))
+
+    def _call(self, values: dict[str, float], code: bytes) -> Call:
+        """The words of a call, lengths along X as radii."""
+        half = self.scene.double("X")
+        strange = set(values) - {*LENGTHS, "G", "W", "F", "FA", "FB", "ZA", "ZB", "M"}
+        if strange:
+            raise self.scene.fault(
+                f"{min(strange)} in the call of a shape: that is no word of it",
+                "take it out, or write it in another block",
+            )
+        across = "ZA" in values or "ZB" in values
+        own = "Z" if across else "X"
+        changes = []
+        for letter in "AB":
+            if own + letter in values:
+                depth = values.get("D" + letter, values.get("DA", values.get("D", 0.0))) / half
+                feed = values.get("F" + letter)
+                changes.append(
+                    Change(
+                        values[own + letter] / (1.0 if across else half),
+                        depth,
+                        b"" if feed is None else self.scene.text("F", feed),
+                    )
+                )
+        feed = values.get("F")
+        return Call(
+            values.get("D", 0.0) / half,
+            (abs(values.get("W", 0.0)), abs(values.get("U", 0.0)) / half),
+            b"" if feed is None else self.scene.text("F", feed),
+            re.search(rb"M[ \t]*85(?![0-9])", code) is not None,
+            changes,
+        )
+
+    def _shape(self, name: bytes) -> Shape:
+        """The blocks under a name, up to G80."""
+        scene, beside = self.scene, []
+        texts: list[Block] = []
+        corners: dict[int, re.Match[bytes]] = {}
+        across = found = False
+        for line, raw in enumerate(scene.lines(), 1):
+            code = _code(raw)
+            head = HEAD.match(raw)
+            if not found:
+                begins = BEGINS.search(code)
+                if head is None or (head[2] or b"").upper() != name.upper() or not begins:
+                    continue
+                found, across = True, begins[1] == b"82"
+                code = BEGINS.sub(b"", code)
+            if ENDS.search(code):
+                break
+            block, corner = self._element(code, line)
+            if corner is not None:
+                corners[len(texts)] = corner
+            texts.append(Block.of(_only(block, OWN), scene.dialect.grammar))
+            beside.append(_beside(block))
+        if not found:
+            raise scene.fault(
+                f"there is no shape N{name.decode()} in the program",
+                "its first block has this name and G81 or G82",
+            )
+        start = (scene.at("Z"), scene.at("X") / scene.double("X"))
+        elements = shape(scene, Profile(texts, 0, 0, corners), start, 0)
+        return Shape(elements, beside, across)
+
+    def _element(self, code: bytes, line: int) -> tuple[Block, re.Match[bytes] | None]:
+        """A block of a shape, its radius as R, and the corner at its end."""
+        scene = self.scene
+        block = Block.of(code, scene.dialect.grammar)
+        if not block.plain:
+            raise scene.fault(
+                f"the shape's line {line} is more than words and numbers:"
+                f" {code[:40].decode('latin-1')!r}",
+                "variables must be written out in it",
+            )
+        own = next((c for c in block.codes if c in CORNERS), None)
+        radius = block.word("L")
+        if own is None:
+            text = code if radius is None else b"".join(
+                (code[: radius.start], b"R", code[radius.start + 1 :])
+            )  # fmt: skip
+            return Block.of(text, scene.dialect.grammar), None
+        if radius is None:
+            raise scene.fault("G75 or G76 without L", "write the size of the corner")
+        out = {i for i, w in enumerate(block.words) if w is radius or _number(w) == own}
+        text = block.written(out)
+        _, corner = drawing_fanuc.split(text + CORNERS[own] + radius.raw.encode())
+        return Block.of(text, scene.dialect.grammar), corner
+
+
+def _code(text: bytes) -> bytes:
+    """A block without its slash, its name or number, and its comments, in capitals."""
+    head = HEAD.match(text)
+    assert head is not None
+    return COMMENT.sub(b" ", text[head.end() :]).strip(b" \t\r").upper()
+
+
+def _number(word: Word) -> int:
+    return round(10 * (word.value or 0)) if word.letter == "G" else -1
+
+
+def _only(block: Block, letters: str) -> bytes:
+    """The block without the nose, and with these letters alone."""
+    keep = [w for w in block.words if w.letter in letters and _number(w) // 10 not in NOSE]
+    if any(_number(w) == 400 for w in block.words):  # I K of G40 say a direction, and no place
+        keep = [w for w in keep if w.letter not in "IK"]
+    return b" ".join(block.text[w.start : w.stop] for w in keep)
+
+
+def _beside(block: Block) -> bytes:
+    """G40 to G42, F and S of a block."""
+    return b" ".join(
+        block.text[w.start : w.stop]
+        for w in block.words
+        if w.letter in "FS" or _number(w) // 10 in NOSE
+    )
+
+
+def _to(scene: Scene, block: Block, axis: str, here: float) -> float:
+    word = block.word(axis)
+    if word is None:
+        return here
+    value = scene.length(word, axis) / scene.double(axis)
+    return here + value if scene.incremental else value
+
+
+def _centre(
+    scene: Scene, motion: int, start: list[float], end: list[float], word: Word
+) -> tuple[float, float]:
+    """Of the arc below a half circle."""
+    radius = abs(word.value or 0.0)
+    a, b = complex(*start), complex(*end)
+    chord = abs(b - a)
+    if chord == 0 or chord / 2 > radius + 1e-3:
+        raise scene.fault(
+            f"L{word.raw} is too short for an arc over {chord:.4f}",
+            "check L and the end point",
+            word,
+        )
+    height = math.sqrt(max(radius * radius - chord * chord / 4, 0.0))
+    side = 1 if motion == COUNTER else -1
+    centre = (a + b) / 2 + side * height * 1j * (b - a) / chord
+    return centre.real, centre.imag

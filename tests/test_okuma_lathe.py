@@ -1,0 +1,204 @@
+"""Okuma lathes: their own words, shapes (LAP) and arcs, by the pages of manual 5238-E."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import pytest
+
+from postproc.errors import ProgramError
+from postproc.nc import dialects
+from postproc.nc.expand import Line, Program
+from postproc.nc.expand.resolve import Resolver
+from postproc.nc.expand.tracker import Tracker
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.lexer import lex
+from postproc.nc.state import Setup
+from postproc.units import TICKS_PER_MM
+
+SETUP = Setup(
+    axes=("X", "Z"),
+    least_increment=dict.fromkeys("XZ", 1e-4),
+    start={"X": 0.0, "Z": 0.0},
+    diameter=("X",),
+    offsets={"T0101": {}, "T0202": {"X": 7.0, "Z": 50.0}},
+)
+SHAPE = "NAT01 G81|G00 X20 Z2|G01 Z-20 F0.1|X40 Z-30|Z-45|X60|G80|"
+
+
+def motions(text: str, name: str = "okuma-lathe"):
+    """What a program does, in place."""
+    dialect = dialects.load(name)
+    interpreter = Interpreter(dialect, SETUP)
+    words = lex(text.replace("|", "\n").encode() + b"\n", dialect.grammar, False)
+    assert words.fault is None, words.fault
+    found, _, _ = interpreter.run(words, interpreter.initial())
+    return found
+
+
+def follow(text: str):
+    """Ends of the motions (mm, radius), and why they can not be followed."""
+    found = motions(text)
+    return (found.target / TICKS_PER_MM).T.tolist(), [found.reasons[r][0] for r in found.reason]
+
+
+def written(text: str) -> str:
+    program = text.replace("|", "\n") + "\n"
+    tracker = Tracker(Interpreter(dialects.load("okuma-lathe"), SETUP))
+    resolver = Resolver(Program("part", program.encode()), tracker)
+    resolver.texts[""] = lines = program.encode().split(b"\n")
+    found = [x for n, one in enumerate(lines, 1) for x in resolver.take(Line(one, n))]
+    return "\n".join(line.text.decode() for line in found)
+
+
+def ends(text: str) -> list[list[float]]:
+    """Ends of the motions of what a program is written out as: (x radius, z)."""
+    found, reasons = follow(written(text).replace("\n", "|"))
+    assert not any(reasons), reasons
+    return found
+
+
+def test_six_digits_of_t_are_nose_tool_and_offset():
+    """P-76: T010101; the offset is the last two digits of the tool's four."""
+    six, _ = follow("T030202|G0 X10 Z1")
+    four, _ = follow("T0202|G0 X10 Z1")
+    assert six == four == [pytest.approx([12.0, 51.0])]
+
+
+def test_the_head_names_of_blocks_and_live_tools_are_no_words():
+    found, reasons = follow("$SHAFT-A.MIN%|O12AB|NAT1 G0 X10 Z1|SB=2000 M13|NEND M2")
+    assert found == [pytest.approx([5.0, 1.0])] and not any(reasons)
+
+
+def test_home_leads_to_where_nobody_knows():
+    _, reasons = follow("G0 X10 Z1|G20 HP=1|G1 X5 F.1")
+    assert [bool(r) for r in reasons] != [False, False, False]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "G1 X5 F.1|$ Z9",
+        "CALL O1000",
+        "X=V1+2",
+        "G50 X100 Z100",
+        "G14|G1 X5 F.1",
+        "G137|G1 X5 F.1",
+        "G1 Z-5 F.1|G3 X5 Z-6 L2",
+    ],
+)
+def test_what_is_not_followed_in_place_is_refused(text):
+    _, reasons = follow("G0 X10 Z1|" + text + "|G1 X9")
+    assert any(reasons)
+
+
+def test_an_arc_by_its_radius_gets_its_centre():
+    """From X20 Z0 to X30 Z-5 about X20 Z-5, counter-clockwise in ZX: I is a radius."""
+    lines = written("G0 X20 Z0|G3 X30 Z-5 L5 F0.1").split("\n")
+    assert lines[1] == "G3 X30 Z-5 K-5. I0. F0.1"
+    assert ends("G0 X20 Z0|G1 F.1|G2 X30 Z-5 L5")[-1] == pytest.approx([15.0, -5.0])
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_random_arc_by_its_radius_is_the_one_by_r_of_fanuc(seed):
+    rng = random.Random(seed)
+    x, z = rng.uniform(-20, 20), rng.uniform(-20, 20)
+    chord = math.hypot(x, z)
+    radius, code = chord / 2 * rng.uniform(1.01, 4), rng.choice((2, 3))
+    text = f"G0 X0 Z0|G{code} X{2 * x:.4f} Z{z:.4f} L{radius:.4f} F.1"
+    ours = motions(written(text).replace("\n", "|")).arcs
+    by_r = motions(text.replace("L", "R"), "fanuc-lathe").arcs
+    assert ours.centre[:, 0] == pytest.approx(by_r.centre[:, 0], abs=2e-4)
+
+
+def test_a_roughing_by_hand():
+    """D4 (diameter), U0.4, W0.1 from X64 Z5: cuts at X60, 56 ... 24; the shape is moved by (0.2,
+    0.1); the cut at X38 (radius 19) meets the taper X20 to X40, Z-20 to Z-30."""
+    found = ends("G0 X64 Z5|" + SHAPE + "G85 NAT01 D4 F0.3 U0.4 W0.1")
+    cuts = [(x, z) for (x, z), (before, _) in zip(found[1:], found, strict=False) if x == before]
+    assert [x for x, z in cuts if z < 0][:10] == pytest.approx(
+        [30, 28, 26, 24, 22, 20, 18, 16, 14, 12]
+    )
+    taper = next(z for x, z in cuts if x == 18 and z < 0)
+    assert taper == pytest.approx(-20 + 0.1 - (18 - 10 - 0.2), abs=1e-4)
+    assert found[-7:] == [
+        pytest.approx(p)
+        for p in (
+            [10.2, 2.1], [10.2, -19.9], [20.2, -29.9], [20.2, -44.9], [30.2, -44.9],
+            [30.2, 5.0], [32.0, 5.0],
+        )
+    ]  # fmt: skip
+
+
+def test_other_depths_hold_beyond_their_place():
+    """XA=40: the cuts at 60, 56, 52, 48, 44, 40 go by 4, those behind by DA=2."""
+    found = ends("G0 X64 Z5|" + SHAPE + "G85 NAT01 D4 F0.3|$ G84 XA=40 DA=2 FA=0.2")
+    deep = [
+        2 * x
+        for (x, z), (before, _) in zip(found[1:], found, strict=False)
+        if z < 0 and x == before
+    ]
+    assert deep[:15] == pytest.approx([60, 56, 52, 48, 44, 40, 38, 36, 34, 32, 30, 28, 26, 24, 22])
+    assert "F0.2" in written("G0 X64 Z5|" + SHAPE + "G85 NAT01 D4 F0.3|$ G84 XA=40 DA=2 FA=0.2")
+
+
+def test_copying_is_the_formula_of_the_manual():
+    """P-195, Xs 64, Zs 5, Xa 20, Za 2, D 10, U 2, W 1: XOFF = (Xs - Xa - U) - N D, and ZOFF the
+    same share of Zs - Za - W; cuts N = 1 to 4, then one at U and W."""
+    found = ends("G0 X64 Z5|" + SHAPE + "G86 NAT01 D10 U2 W1")
+    firsts = [
+        (2 * x, z)
+        for (x, z), after in zip(found, found[1:], strict=False)
+        if after[0] == x and after[1] < z and z > 0
+    ]
+    expected = [(20 + 2 + (42 - 10 * n), 2 + 1 + 2 * (1 - 10 * n / 42)) for n in (1, 2, 3, 4)] + [
+        (22, 3)
+    ]
+    assert firsts == [pytest.approx(p, abs=2e-4) for p in expected]
+    assert found[-1] == pytest.approx([32.0, 5.0])
+
+
+def test_finishing_goes_along_the_shape_with_its_own_words():
+    lines = written("G0 X64 Z5|" + SHAPE + "G87 NAT01").split("\n")
+    assert lines[1:] == [
+        "G0 X20. Z2.", "F0.1", "G1 Z-20.", "X40. Z-30.", "Z-45.", "X60.", "G0 Z5.", "X64.", "",
+    ]  # fmt: skip
+
+
+def test_a_bore_is_roughed_outwards():
+    """U and W lie towards the starting point: X10 is inside of the shape at X30."""
+    shape = "NB G81|G0 X30 Z2|G1 Z-10 F.1|X12|G80|"
+    found = ends("G0 X10 Z5|" + shape + "G85 NB D8 U0.4 W0.1")
+    assert [14.8, 2.1] in [pytest.approx(p) for p in found]
+    assert max(x for x, _ in found) == pytest.approx(14.8)
+
+
+def test_corners_of_a_shape():
+    """G75 L2 chamfers, G76 L3 rounds, at the end of their block."""
+    shape = "NC G81|G0 X20 Z2|G75 G1 Z-10 L2 F.1|G76 X40 L3|Z-30|X60|G80|"
+    found = ends("G0 X64 Z5|" + shape + "G87 NC")
+    assert found[2:7] == [
+        pytest.approx(p) for p in ([10, -8], [12, -10], [17, -10], [20, -13], [20, -30])
+    ]
+
+
+def test_no_way_back_behind_a_roughing_with_m85():
+    found = ends("G0 X64 Z5|" + SHAPE + "G85 NAT01 D4 F0.3 M85")
+    assert found[-1] == pytest.approx([30.0, -45.0])
+
+
+def test_a_shape_is_stepped_over_and_lines_are_joined():
+    text = written("G0 X34 Z8|" + SHAPE + "G71 X27.5 Z-30 B60 D0.7|$ H2.4 L2 F2 M23|G0 X60")
+    assert text == "G0 X34 Z8\nG71 X27.5 Z-30 B60 D0.7 H2.4 L2 F2 M23\nG0 X60\n"
+
+
+def test_threads_stay():
+    """P-97: a pass of G33 goes there and back; P-114: so does G71."""
+    found, reasons = follow("G0 X34 Z8|G33 X29.4 Z-30 F2|X28.9|G71 X27 Z-3 B60 D.7 H2 F2|G0 X40")
+    assert not any(reasons) and found[-1] == pytest.approx([20.0, 8.0])
+
+
+def test_a_call_within_compensation_is_refused():
+    with pytest.raises(ProgramError, match="G85 with nose radius compensation on"):
+        written("G0 X64 Z5|G42|" + SHAPE + "G85 NAT01 D4 F0.3")
