@@ -202,3 +202,28 @@ def test_threads_stay():
 def test_a_call_within_compensation_is_refused():
     with pytest.raises(ProgramError, match="G85 with nose radius compensation on"):
         written("G0 X64 Z5|G42|" + SHAPE + "G85 NAT01 D4 F0.3")
+
+
+def test_holes_of_a_live_tool_in_the_face_and_in_the_side():
+    """P-139: on to the place, on by K (I, a diameter), in with feed, back to where it stood."""
+    face = ends("G0 X60 Z5|G181 X40 Z-10 K3 F0.1|X20 E0.5|G180|G0 X100")
+    hole = [[30, 5], [20, 5], [20, 2], [20, -10], [20, 5]]
+    assert face == [*hole, [10, 5], [10, 2], [10, -10], [10, 5], [50, 5]]
+    side = ends("G0 X60 Z5|G181 Z-10 X40 I4 F0.1|G180|G0 Z9")
+    assert side == [[30, 5], [30, -10], [28, -10], [20, -10], [30, -10], [30, 9]]
+    assert "G4 F0.5" in written("G0 X60 Z5|G181 X40 Z-10 K3 E0.5 F0.1|G180")
+
+
+@pytest.mark.parametrize("words", ["X40 Z-9 K1 Q4", "X40 Z-9 K1 R2", "X40 Z-9 K1 I1", "X40 Z-9"])
+def test_holes_that_are_refused(words):
+    with pytest.raises(ProgramError):
+        written(f"G0 X60 Z5|G181 {words} F0.1")
+
+
+@pytest.mark.parametrize(
+    "words", ["G81 X20 Z-1", "NLAP1 G81|G1 X20", "G80", "G85 X20 Z-1", "G84", "G86", "G87"]
+)
+def test_what_belongs_to_no_shape_is_refused(words):
+    """Holes of another control's G81 are never stepped over in silence."""
+    with pytest.raises(ProgramError):
+        written(f"G0 X60 Z5|{words}|G1 X5 F0.1|G0 Z5")

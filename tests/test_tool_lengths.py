@@ -114,3 +114,15 @@ def test_a_radius_that_the_program_writes_is_known_where_it_is_as_stated(block, 
     place = tracker.state.offsets.get("D1", setup.offsets["D1"])
     assert place.get("R") == radius
     assert not tracker.state.frame.unknown
+
+
+@pytest.mark.parametrize("word", ["T1=2", "T1 = 2"])
+def test_the_tool_of_the_main_spindle_is_a_tool(word):
+    """Sinumerik's extended address: T1=2 is tool 2 of spindle 1."""
+    both = {"T1D1": {"Z": 30.0}, "T2D1": {"Z": 55.0}}
+    text = "G90 G500\nT1 M6\nD1\nG0 X0 Y0 Z9.\n{} M6\nD1\n" + BODY.format("M8")
+    named, plain, other = (
+        corrected(text.replace("{}", w, 1), "siemens", both)[0].split(" M6")[2]
+        for w in (word, "T2", "T1")
+    )
+    assert named == plain != other

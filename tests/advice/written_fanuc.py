@@ -261,6 +261,12 @@ OKUMA_LATHE = [
         ("NSH G81|G0 X40. Z5.|G75 G1 Z-9. F.1|X90.|G80|G87 NSH", LAP + "G87 NSH"),
         ("NSH G81|G1 X100. Z5.|Z-9. F.1|G80|G86 NSH D4.", LAP + "G86 NSH D4."),
         ("G1 X90. F.1|G2 X80. Z0 L2.", "G1 X90. F.1|G2 X80. Z4. L9."),
+        ("G91 G181 X50. Z-9. K1. F.1", "G90 G181 X50. Z-9. K1. F.1"),
+        ("G181 X50. Z-9. F.1", "G181 X50. Z-9. K1. F.1"),
+        ("G85", LAP + "G85 NSH D4."),
+        ("G81|G1 X40. F.1|G80", LAP),
+        ("NSH G81|G1 X40. F.1", LAP),
+        ("G181 X50. K1. F.1", "G181 X50. Z-9. K1. F.1"),
     )
 ]
 FIVE = {"machine": "example-five-axis", **WRITE, "offsets": {"G54": {}, "H1": {"Z": 100.0}}}

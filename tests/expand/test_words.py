@@ -122,6 +122,11 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         before = one.format(4) if name == "okuma" and code != "G71" else ""
         behind = "|" + one.format(3) + "G80" if code == "G71" else ""
         return [Sample(values(OTHERS[name].get(code, OTHERS[name][""])), BEGIN + before, behind)]
+    if name == "okuma-lathe":
+        words = "X20./21. Z-5./-6. C30./40. E.5/.6 {}"
+        return [
+            Sample(values(words.format(k)), "G0 X40. Z3.|G1 F.1|") for k in ("K1./1.5", "I1./2.")
+        ]
     if "lathe" not in name:
         peck = " I2./1.5 J.5/.4 K1./.9" if name == "haas" else ""
         both = [

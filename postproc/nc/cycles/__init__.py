@@ -34,6 +34,7 @@ from postproc.nc.cycles.drilling_fanuc import (
 from postproc.nc.cycles.drilling_haas_lathe import HAAS_LATHE, HaasLatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
 from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling, ReturnLevel
+from postproc.nc.cycles.drilling_okuma_lathe import DRILL, LiveDrilling
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
@@ -250,7 +251,7 @@ def okuma(dialect: Dialect, synchronised: bool) -> Family:
 def okuma_lathe(dialect: Dialect, synchronised: bool) -> Family:
     threads: dict[int, Cycle] = dict.fromkeys((310, 320, 330), Stays(True))
     threads |= dict.fromkeys((710, 720, 770, 780), Stays(False))
-    return Family(threads, before=LatheBlocks)
+    return Family(threads | {DRILL: LiveDrilling()}, forgets=True, before=LatheBlocks)
 
 
 # the longest prefix of the dialect's name holds

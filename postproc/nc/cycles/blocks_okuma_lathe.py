@@ -61,7 +61,7 @@ class LatheBlocks:
         text = self._whole(line)
         code = _code(text)
         if self.within or BEGINS.search(code):
-            self.within = not ENDS.search(code)
+            self._steps_over(line, code)
             return []
         called = CALLED.search(code)
         if called:
@@ -71,8 +71,28 @@ class LatheBlocks:
         text = NAME.sub(rb"\1", text, count=1) if NAME.match(text) else text
         block = Block.of(text, self.scene.dialect.grammar)
         self._note(block)
+        alone = next((c // 10 for c in block.codes if c in self.codes), None)
+        if alone is not None:
+            raise self.scene.fault(
+                f"G{alone} without the name of a shape",
+                "write the name that the first block of the shape has behind it: G85 NLAP1",
+            )
         text = self._centred(block) or text
         return [line] if text == line.text else [line._replace(text=text)]
+
+    def _steps_over(self, line: Line, code: bytes) -> None:
+        """A block of a shape where the program comes to it."""
+        if not self.within:
+            head = HEAD.match(line.text)
+            if head is None or head[2] is None:
+                raise self.scene.fault(
+                    "a shape without a name",
+                    "G81 and G82 begin a shape here, which is called by the name of its first"
+                    " block: write one (NLAP1 G81), or choose the right --dialect",
+                )
+            if not any(ENDS.search(_code(x)) for x in self.scene.lines()[line.source - 1 :]):
+                raise self.scene.fault("a shape without an end", "write G80 behind its last block")
+        self.within = not ENDS.search(code)
 
     def _note(self, block: Block) -> None:
         for code in block.codes:

@@ -7,7 +7,7 @@ cycles (P-139), nose radius (P-76). There is no G54 here and no code for inches:
 the control's. T is four digits, tool and offset, or six with the number of the nose radius before
 them: the offset is called by the last four (T010101: T0101). G71 and G72 are threads, G75 and G76
 corners. Refused: the other turret, whose slides are others; coordinates that the control converts
-(G137, G101 to G103, G107 to G133); holes of the C axis (G181 to G189); G73 and G74, whose way back
+(G137, G101 to G103, G107 to G133); holes of the C axis but G181; G73 and G74, whose way back
 is a parameter; variables, jumps and calls.
 """
 
@@ -84,10 +84,11 @@ DIALECT = Dialect(
         *rows("", {"75": "chamfer", "76": "corner radius"}, refuses=codes.CORNER),
         *rows(
             "shape",
-            {"80": "end of a shape", "81": "shape", "82": "shape across"},
+            {"81": "shape", "82": "shape across"},
             takes=True,
             refuses=_NAMED,
         ),
+        *rows("shape", {"80": "end of a shape"}, takes=True, refuses=_NAMED, like="G81"),
         *rows(
             "shape",
             {"84": "other depths", "85": "roughing", "86": "copying", "87": "finishing"},
@@ -117,11 +118,11 @@ DIALECT = Dialect(
             },
             refuses=codes.THREADING,
         ),
-        *rows("cycle", {"180": "no cycle"}),
+        *rows("motion", {"180": "no cycle"}, like="G80"),
+        *rows("motion", {"181": "drilling"}, refuses=codes.CYCLE),
         *rows(
             "motion",
             {
-                "181": "drilling",
                 "182": "boring",
                 "183": "peck drilling",
                 "189": "reaming",

@@ -303,6 +303,7 @@ DIALECT = Dialect(
             ("CHF", "R"),
             ("CHR", "R"),
             ("ANG", "R"),
+            ("T1", "T"),  # T1=5: the tool of spindle 1, the main one
             *((name, "") for name in _PARAMETERS.split()),
         ),
         ignores=(

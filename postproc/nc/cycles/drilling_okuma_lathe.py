@@ -1,0 +1,84 @@
+"""G181 of Okuma lathes: a hole by a live tool, in the face (with K) or in the side (with I), at
+each C, until G180.
+
+Okuma OSP-P200L / P20L programming manual 5238-E, P-139: in a face X is where the cycle starts and Z
+where it ends, K by how much it goes on in rapid before it feeds; in a side Z is where it starts and
+X where it ends, and I that way; E dwells at the end, in seconds. From where the tool stands the
+control turns to C, goes to the place, in, and back in rapid to where it stood. The way on in rapid
+lies along the hole, so no place depends on it: I counts as a diameter, the shorter of the two.
+Refused: Q holes at once, R, Y, neither or both of I and K, G91, G182 G183 G189, whose ways back are
+in no page that was found.
+"""
+
+from __future__ import annotations
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.moves import Moves, own_words
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form
+
+DRILL = 1810
+KIND = "a drilling cycle"
+PLACES = {"X": "place, or bottom", "Z": "bottom, or place", "C": "angle"}
+SHIFTS = {"K": "on in rapid along Z", "I": "on in rapid along X"}
+WORDS = PLACES | SHIFTS | {"E": "dwell at the bottom"}
+REFUSED = {"Y": "another place", "Q": "how many holes, evenly round", "R": "the first stroke"}
+
+
+class LiveDrilling:
+    """Its words hold until G180."""
+
+    modal = True
+
+    def __init__(self) -> None:
+        self.held: dict[str, float] = {}
+
+    def forms(self, code: int) -> tuple[Form, ...]:
+        """The words of the cycle."""
+        return (Form(KIND, WORDS, refused=REFUSED),)
+
+    def end(self) -> None:
+        """G180."""
+        self.held = {}
+
+    def wants(self, scene: Scene, block: Block) -> bool:
+        return any(block.get(x) is not None for x in PLACES)
+
+    def run(self, scene: Scene, block: Block, code: int) -> Outcome:
+        """The plain lines of a hole. Raises ProgramError."""
+        if scene.incremental:
+            raise scene.fault("G181 in G91", "write G90 before it")
+        for word in block.words:
+            if word.letter in WORDS:
+                axis = {"I": "X", "K": "Z"}.get(word.letter, word.letter)
+                held = scene.length(word, axis) if axis in "XZ" else word.value
+                self.held[word.letter] = held or 0.0
+        m = Moves(scene, own_words(block, "".join(WORDS), {code}))
+        if not self.wants(scene, block):
+            return Outcome(m.finish())
+        along = self._axis(scene)
+        start = scene.at(along)
+        bottom = self.held.get(along)
+        if bottom is None:
+            raise scene.fault(f"G181 without {along}", "write where the hole ends")
+        place = {x: v for x, v in self.held.items() if x in PLACES and x != along}
+        m.move("G0", {x: place.pop(x) for x in "C" if x in place})
+        m.move("G0", place)
+        shift = min(abs(self.held["K" if along == "Z" else "I"]), abs(start - bottom))
+        if shift:
+            m.move("G0", {along: start - shift * (1 if start > bottom else -1)})
+        m.move("G1", {along: bottom})
+        if self.held.get("E"):
+            m.line(b"G4 " + scene.text("F", self.held["E"]))
+        m.move("G0", {along: start})
+        return Outcome(m.finish())
+
+    def _axis(self, scene: Scene) -> str:
+        named = [x for x in SHIFTS if x in self.held]
+        if len(named) != 1:
+            raise scene.fault(
+                "G181 with neither or both of I and K",
+                "write K for a hole in the face, I for one in the side",
+            )
+        return "Z" if named == ["K"] else "X"
