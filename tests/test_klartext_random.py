@@ -21,7 +21,7 @@ from tests.small_machines import write_mill
 
 PERFECT = Path(__file__).resolve().parents[1] / "machines" / "perfect"
 DIALECT = dialects.load("heidenhain")
-OFFSETS = {"G54": {"X": 5.0}, "T1": {"Z": 1.0}, "T2": {"Z": 2.0}}
+OFFSETS = {"G54": {"X": 5.0}, "T1": {"Z": 1.0}, "T2": {"Z": 2.0, "R": 6.0}}
 ENDS = ("", " R0", " R0 FMAX", " FMAX", " F500", " F AUTO", " FMAX M8", " F MAX M9")
 BESIDE = (
     "; a remark|* - STEP|CYCL DEF 32.1 T0.01|M8|STOP|FN 0: Q5 = +3|L M140 MB MAX\nL Z+10 FMAX|"
@@ -36,6 +36,11 @@ WRITTEN_OUT = (
     "CALL LBL 9",
     "CYCL DEF 200 DRILL" + HOLE,
     "CYCL DEF 207 TAP" + HOLE,
+    "CC IX+4.5 IZ+0\nCP IPA-90 DR- F300",
+    "CC IY+2 IZ+1\nCP IPA+200 IX+1 DR+ F300",
+    "L X+60 Y+0 F300\nL IX+8\nRND R2.5\nL IY+9 M8\nCHF 1.5\nL IX-20 IY+3",
+    "CYCL DEF 205 PECK ~\n Q257=+0.7 ~\n Q256=+0.2 ~\n Q258=+0.5" + HOLE,
+    "TOOL CALL 2 Z\nL Z+20 FMAX M3\nCYCL DEF 208 BORE ~\n Q334=+2 ~\n Q335=+21 ~\n Q351=+1" + HOLE,
 )
 
 

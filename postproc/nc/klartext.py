@@ -2,11 +2,11 @@
 length.
 
 L is G1, and G0 with FMAX, which holds in its own block alone. RL, RR and R0 are G41, G42 and G40;
-M91 is G53; M140 MB MAX is G30, to a place that the machine knows; IX is an increment; TOOL CALL is
-T and S, its DL is Q; cycle 7 and TRANS DATUM are G52, and the preset of cycle 247 (Q339) is G247 P.
-What defines, names or remarks something without moving is blank; what moves otherwise is a MACRO
-with the number of its reason (REASONS). Lines are looked at one by one, whatever stands around
-them: any cut of the text reads alike.
+M91 is G53; M140 MB MAX and M92 are G30, to a place that the machine knows; IX is an increment; TOOL
+CALL is T and S, its DL is Q; cycle 7 and TRANS DATUM are G52, and the preset of cycle 247 (Q339) is
+G247 P. What defines, names or remarks something without moving is blank; what moves otherwise is a
+MACRO with the number of its reason (REASONS). Lines are looked at one by one, whatever stands
+around them: any cut of the text reads alike.
 
 HEIDENHAIN TNC 640 (81760x), TNC 620 (81760x), iTNC 530 user's manuals, Klartext programming:
 "Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7, 8,
@@ -28,6 +28,7 @@ PARAXIAL = "a block that begins with an axis moves it alone, its R is no side: w
 SUM = "an increment counts from the shift before it: --expand writes their sum"
 LONGER = "by how much DL makes the tool longer is not certain: write its number beside the tool's"
 ALONG = "the tool does not lie along Z: program with the tool axis Z"
+GOES_ON = "no statement begins so; where it goes on a comment (~), --expand joins them"
 SETS = "it sets data of the control: set them before the program, and take the block out"
 # why a statement can not be followed; a MACRO says the number, from 1
 REASONS = (
@@ -47,6 +48,7 @@ REASONS = (
     SUM,
     VALUES,
     PARAXIAL,
+    GOES_ON,
 )
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
@@ -60,15 +62,18 @@ MACHINE = re.compile(rb"(?<![A-Z])M[ \t]*0*91(?![0-9])")
 TO_LIMIT = re.compile(
     rb"(?<![A-Z])M[ \t]*0*140[ \t]+MB[ \t]*MAX\b(?:[ \t]*F[ \t]*(?:MAX|[0-9.]+))?"
 )
+BUILDER = re.compile(rb"(?<![A-Z])M[ \t]*0*92(?![0-9])")
+TO_BUILDER = re.compile(rb"(?<![A-Z])([XYZABCUVW])[ \t]*[-+]?[ \t]*[0-9]*\.?[0-9]+")
 USED = re.compile(rb"(?<![A-Z])(?:I?[XYZABCUVW]|R|T)[ \t]*[+-]?[ \t]*Q[LR]?[0-9]+")
 SPEED = re.compile(rb"(?<![A-Z])S[ \t]*[+-]?Q[LR]?[0-9]+")
 STEP = re.compile(rb"(?<![A-Z])I([XYZABCUVW])(?=[ \t]*[-+.0-9])")
+COMMENT_ON = re.compile(rb"[A-Z]{2,}(?:[ \t.,]+[A-Z]+)*[ \t\r.]*")  # words alone
 AXIS = re.compile(rb"(?<![A-Z])[XYZABCUVW](?=[ \t]*[-+.0-9Q])|[\x90-\x9f]")
 TOOL = re.compile(
     rb"TOOL[ \t]+CALL(?:[ \t]+(?:([0-9]+)(\.[0-9]+)?|(\"[^\"]*\")))?(?:[ \t]+([XYZ])\b)?"
 )
 DELTA = re.compile(rb"\bD(L|R2?)[ \t]*([+-]?(?:[0-9.]+|Q[LR]?[0-9]+))?")
-CYCLE = re.compile(rb"CYCL[ \t]+DEF[ \t]+([0-9]+)(?:\.([0-9]+))?")
+CYCLE = re.compile(rb"CYCL[ \t]+DEF[ \t]*([0-9]+)(?:[ \t]*\.([0-9]+))?")
 CALLED = re.compile(rb"CYCL[ \t]+CALL(?![ \t]*(?:PAT|POS))")
 VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
 MOVES_AT_ONCE = (220, 221, 224, 238, 239)
@@ -103,6 +108,8 @@ def _line(line: bytes) -> bytes:
     if word[0].endswith(b"="):
         return lead + _parameter(upper)
     of = STATEMENTS.get(word[0])
+    if of is None and COMMENT_ON.fullmatch(upper):
+        return lead + _macro(upper, GOES_ON)
     return lead + (rest if of is None else of(upper).ljust(len(rest)))
 
 
@@ -125,6 +132,8 @@ def _words(text: bytes) -> tuple[bytes, bool]:
         limit = b"G30" + Z_ALONE
         text = TO_LIMIT.sub(lambda m: _filled(limit, m), text)
         text = MACHINE.sub(lambda m: _filled(b"G53", m), text)
+        if BUILDER.search(text):
+            text = TO_BUILDER.sub(_bare, BUILDER.sub(lambda m: _filled(b"G30", m), text))
     if b"Q" in text:
         text = SPEED.sub(lambda m: _blank(m[0]), text)
     fast = FAST.search(text) is not None
@@ -148,6 +157,11 @@ def _straight(text: bytes) -> bytes:
         return b" " + body
     # the blank before RL and its kin is the first byte of a code
     return (b"G0" if fast else b"G1") + body[1:]
+
+
+def _bare(match: re.Match[bytes]) -> bytes:
+    """An axis that goes to a place that the machine knows alone."""
+    return _filled(bytes([BARE + AXES.index(match[1].decode())]), match)
 
 
 def _side(match: re.Match[bytes]) -> bytes:
@@ -285,9 +299,11 @@ def _stop(text: bytes) -> bytes:
 
 STATEMENTS: dict[bytes, Callable[[bytes], bytes]] = {
     **dict.fromkeys((b"END", b"BLK", b"*", b"LBL", b"CC", b"PATTERN", b"POS"), _blank),
-    **dict.fromkeys((b"C", b"CR", b"CT", b"CP", b"LP", b"CTP"), _named(EXPAND_PATH)),
     **dict.fromkeys(
-        (b"RND", b"CHF", b"APPR", b"DEP", b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
+        (b"C", b"CR", b"CT", b"CP", b"LP", b"CTP", b"RND", b"CHF"), _named(EXPAND_PATH)
+    ),
+    **dict.fromkeys(
+        (b"APPR", b"DEP", b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
         _named(codes.WRITE_OUT),
     ),
     **dict.fromkeys((i + axis for i in (b"", b"I") for axis in PARAXIALS), _named(PARAXIAL)),

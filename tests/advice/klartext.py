@@ -5,9 +5,10 @@ from __future__ import annotations
 from tests.advice.follow import WRITE, Case
 
 
-def klartext(before: str, after: str, then: str = "", **options) -> Case:
+def klartext(before: str, after: str, then: str = "", first=None, **options) -> Case:
     head = "BEGIN PGM A MM|L X+0 Y+0 Z+5 R0 FMAX|"
-    return Case("heidenhain", head + before, head + after, then, how={**WRITE, **options})
+    how = {**WRITE, **options}
+    return Case("heidenhain", head + before, head + after, then, first or {}, how=how)
 
 
 def cycle(data: str, number: int = 200, call: str = "L X+5 FMAX M99", feed: str = "F500") -> str:
@@ -18,6 +19,23 @@ def cycle(data: str, number: int = 200, call: str = "L X+5 FMAX M99", feed: str 
 DRILL = "Q200=+2 Q201=-5 Q206=+90 Q202=+3 Q203=+0"
 POLE = "CC X+5 Y+0|"
 RIGHT = POLE + "C X+10 Y+0 DR+ F99"
+LINE, ON = "L X+5 F99|", "|L Y+5"
+BORE = "Q200=+2 Q201=-5 Q206=+90 Q203=+0 "
+
+
+def bored(data: str, then: str, missing: bool = False, spindle: str = "M3") -> Case:
+    def text(data: str, tool: str, spindle: str) -> str:
+        more = "".join(q for q in (" Q334=+2", " Q335=+20") if q[1:6] not in data)
+        call = f"{tool}TOOL CALL 1 Z|L Z+9 R0 FMAX {spindle}|"
+        return call + cycle(BORE + data + more, 208)
+
+    tool = "TOOL DEF 1 L+0 R+4|"
+    first = {"offsets": {"G54": {}, "T1": {"Z": 0.0}}} if missing else {}
+    return klartext(
+        text(data, "" if missing else tool, spindle), text(then, tool, "M3"), first=first
+    )
+
+
 ISO = "%9 G71 *|N1 G90 G00 X0 Y0 Z5*|N2 G200 Q200=2 Q201=-5 Q206=90 Q202=3 Q203=0*|"
 
 
@@ -42,7 +60,22 @@ ALL = [
     klartext(POLE + "CP IPA-90 DR+ F99", POLE + "CP IPA-90 DR- F99"),
     klartext(POLE + "CP PR+5 IPA+90 DR+ F99", POLE + "CP IPA+90 DR+ F99"),
     klartext("L X+1 F99|CT X+10 Y+3", "L X+1 F99|CR X+10 Y+3 R+9 DR+"),
-    klartext("CC X+5 Z+0|" + RIGHT, RIGHT),
+    klartext("CC X+5 Y+0 Z+0|C X+10 Y+0 DR+ F99", RIGHT),
+    klartext("RND R1", LINE + "RND R1" + ON),
+    klartext(LINE + "RND R1 F20" + ON, LINE + "RND R1" + ON),
+    klartext(LINE + "CHF 0" + ON, LINE + "CHF 1" + ON),
+    klartext(LINE + "RND R1|M9" + ON, LINE + "RND R1" + ON),
+    klartext("L X+5 FMAX|RND R1" + ON, LINE + "RND R1" + ON),
+    klartext("L X+5 Z+1 F99|RND R1" + ON, LINE + "RND R1" + ON),
+    klartext(LINE + "RND R1|L X+5", LINE + "RND R1" + ON),
+    klartext(LINE + "RND R1|L X+2", LINE + "RND R1" + ON),
+    klartext(LINE + "CHF 9" + ON, LINE + "CHF 1" + ON),
+    bored("Q351=+1", "Q351=+1", missing=True),
+    bored("Q351=+0", "Q351=+1"),
+    bored("Q351=+1 Q335=+8", "Q351=+1"),
+    bored("Q351=+1 Q334=+0", "Q351=+1"),
+    bored("Q351=+1", "Q351=+1", spindle="M4"),
+    klartext(cycle(DRILL + " Q257=+0.00001", 205), cycle(DRILL, 205)),
     klartext(cycle(DRILL, 252), "L Z-5 F99|L Z+5 FMAX"),
     klartext(cycle(DRILL + " Q395=+1"), "L Z-5 F99|L Z+5 FMAX"),
     klartext(cycle(DRILL.replace("Q201=-5", "Q201=+5")), "L Z-5 F99|L Z+5 FMAX"),

@@ -131,6 +131,109 @@ def test_what_is_no_formula_is_said(formula):
         Formula(formula, {}).value()
 
 
+@pytest.mark.parametrize(("plane", "first", "second"), [("ZX", 2, 0), ("YZ", 1, 2), ("XY", 0, 1)])
+def test_the_two_axes_of_the_pole_are_the_plane(plane, first, second):
+    """From 10 along the first axis a quarter against the clock is 10 along the second one."""
+    a, b = plane
+    lines = plain(
+        f"L {a}+13 {b}+4 F9|CC {a}+3 {b}+4|CP IPA+90 DR+|LP PR+5 PA+180|C {b}+9 {a}+3 DR+"
+    )
+    found = [(p[first], p[second]) for p in places(lines)]
+    assert (3.0, 14.0) in found
+    assert (-2.0, 4.0) in found
+    assert found[-1] == (3.0, 9.0)
+    assert all(round(math.dist(p, (3, 4)), 3) in (5, 10) for p in found[1:])
+
+
+def test_an_arc_of_a_real_program_in_zx():
+    """Autodesk's post leads in from the side: the line behind goes on where the arc ends."""
+    lines = plain("L X+221 Y-25 Z+131 F9|CC X+213 Z+131|CP IPA+90 DR+ F1000|L X+209.01 Z+123")
+    assert lines[-2] == "L X+213 Z+123"
+    assert all("Y" not in line for line in lines[1:])
+
+
+@pytest.mark.parametrize("to", [(30, 20), (12, 25), (0, 30), (35, -4), (55, 33)])
+@pytest.mark.parametrize("corner", ["RND R2", "CHF 2"])
+def test_corners(to, corner):
+    """An arc that touches both lines, a chamfer that lies alike far from the corner on both."""
+    lines = plain(f"L X+5 Y+0 F9|L X+40 Y+0 RL F500|{corner}|L X+{to[0]} Y{to[1]:+} M9")
+    assert lines[-1] == f"L X+{to[0]} Y{to[1]:+} M9"
+    assert lines[1].endswith("Y+0 RL F500")
+    found = [complex(*p[:2]) for p in places(lines)][2:-1]
+    direction = complex(to[0] - 40, to[1])
+    direction /= abs(direction)
+    first, last = found[0], found[-1]
+    assert first.imag == 0
+    assert abs(40 - first - abs(40 - first)) < 1e-3
+    assert abs((last - 40) / direction - abs(last - 40)) < 1e-3
+    assert abs(first - 40) == pytest.approx(abs(last - 40), abs=3e-4)
+    if corner.startswith("CHF"):
+        assert abs(first - 40) == pytest.approx(2, abs=1e-4)
+        assert len(found) == 2
+        return
+    centre = first + math.copysign(2, to[1]) * 1j
+    assert all(abs(p - centre) == pytest.approx(2, abs=3e-4) for p in found)
+    assert abs(((last - centre) / direction).real) < 1e-3, "it touches"
+
+
+def test_a_corner_that_is_none_and_corners_in_a_row():
+    """Straight on; a square with three corners."""
+    assert plain("L X+5 F9|RND R2|L X+9") == ["L X+5 Y+0 F9", "L X+9 Y+0"]
+    square = "L X+20 F9|CHF 3 ; one|;|L IY+20|CHF 3|L IX-20|CHF 3|L IY-20"
+    assert [p[:2] for p in places(plain(square))] == [
+        (0, 0), (17, 0), (20, 3), (20, 17), (17, 20), (3, 20), (0, 17), (0, 0),
+    ]  # fmt: skip
+
+
+def test_a_comment_that_goes_on():
+    lines = plain("7 ;  the table and Z on the~| Head|L X+1")
+    assert lines == [";  the table and Z on the~", "; Head", "L X+1"]
+
+
+BORE = (
+    "TOOL DEF 5 L+0 R+3|TOOL CALL 5 Z S900 DR+1|L X+50 Y+20 Z+60 R0 FMAX M3|CYCL DEF 208 ~|"
+    "  Q200=+2 ~|  Q201=-10 ~|  Q206=+90 ~|  Q334=+2.5 ~|  Q203=+1 ~|  Q204=+30 ~|"
+    "  Q335=+20 ~|  Q342=+0 ~|  Q351={}|L X+50 FMAX M99|L X+20 F300"
+)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_bore_milling(way):
+    """Radius 10 less 4; from 2 above the surface at 1 down to -9 in five turns of 2.4, one more at
+    the bottom, back to the middle, out to the second clearance."""
+    lines = plain(BORE.format(f"{way:+}"))
+    found = places(lines)[1:]
+    wall = [p for p in found if math.dist(p[:2], (50, 20)) > 1e-3 and p[2] < 60]
+    wall = [p for p in wall if p[0] != 20]
+    assert all(math.dist(p[:2], (50, 20)) == pytest.approx(6, abs=2e-4) for p in wall)
+    angles = [math.atan2(p[1] - 20, p[0] - 50) for p in wall]
+    steps = [math.remainder(b - a, math.tau) for a, b in zip(angles, angles[1:], strict=False)]
+    assert sum(steps) == pytest.approx(way * 6 * math.tau, abs=1e-3)
+    assert all(6 * (1 - math.cos(s / 2)) <= TOLERANCE * 1.01 for s in steps)
+    heights = [p[2] for p in wall]
+    assert heights[0] == 3
+    assert min(heights) == -9
+    assert [h for h, s in zip(heights[1:], steps, strict=True)] == sorted(heights[1:], reverse=True)
+    assert heights.count(-9) == len(steps) / 6 + 1
+    assert lines[-4:] == ["L X+50 Y+20", "L Z+3 FMAX", "L Z+31 FMAX", "L X+20 F300"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("TOOL DEF 5 L+0 R+3", "STOP", "not stated"),
+        ("Q335=+20", "Q335=+8", "8 wide, and the tool 8"),
+        ("Q351=+1", "Q351=+0", "without Q351"),
+        ("FMAX M3", "FMAX M4", "M3"),
+        ("Q334=+2.5", "Q334=+0", "too many turns"),
+        ("Q335=+20 ~|", "", "without a number in Q335"),
+    ],
+)
+def test_bores_that_can_not_be_written_out(old, new, said):
+    with pytest.raises(ProgramError, match=re.escape(said)):
+        plain(BORE.format("+1").replace(old, new))
+
+
 CYCLE = (
     "L X+5 Y+6 Z+60 FMAX|L Z+50 F900|CYCL DEF {} ~|  Q200=+2 ;CLEARANCE ~|  Q201={} ;DEPTH ~|"
     "  Q206=+250 ;FEED ~|  Q202=+6 ~|  Q210=+0 ~|  Q203=-1 ;SURFACE ~|  Q204={} ;SECOND ~|"
@@ -155,6 +258,21 @@ def drilled(lines: list[str]) -> list[str]:
         (
             ("203 UNIVERSAL", "-7", "+0", "0"),
             "Z+1 FMAX|Z-7 F250|Z+1 FMAX|Z-5 FMAX|Z-8 F250|Z+1 F80",
+        ),
+        (
+            ("203 UNIVERSAL ~| Q213=+1 ~| Q256=+0.5", "-20", "+0", "0"),
+            "Z+1 FMAX|Z-7 F250|Z-6.5 FMAX|Z-13 F250|Z+1 FMAX|Z-11 FMAX|Z-19 F250|Z-18.5 FMAX|"
+            "Z-21 F250|Z+1 F80",
+        ),
+        (
+            ("203 UNIVERSAL ~| Q212=+1 ~| Q205=+4.5", "-20", "+0", "0"),
+            "Z+1 FMAX|Z-7 F250|Z+1 FMAX|Z-5 FMAX|Z-12 F250|Z+1 FMAX|Z-10 FMAX|Z-16.5 F250|"
+            "Z+1 FMAX|Z-14.5 FMAX|Z-21 F250|Z+1 F80",
+        ),
+        (
+            ("205 PECKING ~| Q258=+0.6 ~| Q259=+0.2 ~| Q257=+4 ~| Q256=+0.3", "-17", "+0", "0"),
+            "Z+1 FMAX|Z-5 F250|Z-4.7 FMAX|Z-7 F250|Z+1 FMAX|Z-6.4 FMAX|Z-11 F250|Z-10.7 FMAX|"
+            "Z-13 F250|Z+1 FMAX|Z-12.8 FMAX|Z-17 F250|Z-16.7 FMAX|Z-18 F250|Z+1 F80",
         ),
         (("240 CENTRING", "-7", "+0", "0"), "Z+1 FMAX|Z-8 F250|Z+1 FMAX"),
         (("200 DRILLING", "0", "+0", "0"), ""),
@@ -209,7 +327,21 @@ def test_increments_of_the_datum_add_up():
         ("L X+10|CT X+50", "CT"),
         ("L X+10 FMAX M99", "none is defined"),
         ("CYCL DEF 252 POCKET ~|  Q201=-5|L X+10 FMAX M99", "252 is called"),
-        ("CYCL DEF 203 ~| Q200=+2 ~|Q201=-5 ~|Q206=+9 ~|Q203=+0 ~|Q213=+2|L X+1 M99", "Q213"),
+        ("CYCL DEF 205 ~| Q200=+2 ~|Q201=-5 ~|Q206=+9 ~|Q203=+0 ~|Q379=+2|L X+1 M99", "Q379"),
+        ("CC X+0 Y+0 Z+0|L X+1", "in no plane"),
+        ("CC Z+0|L X+1", "in no plane"),
+        ("RND R5", "behind no straight line"),
+        ("L X+10 F9|RND R5|CR X+20 Y+0 R9 DR+", "beside something else"),
+        ("L X+10 F9|RND R5|M9", "beside something else"),
+        ("L X+10 F9|RND R5|PLANE RESET STAY", "beside something else"),
+        ("L X+10 F9|RND R5", "beside something else"),
+        ("L X+10 F9|RND R5 F20|L Y+10", "more than its size"),
+        ("L X+10 F9|CHF 0|L Y+10", "no size"),
+        ("L X+10 FMAX|CHF 2|L Y+10", "at FMAX"),
+        ("L X+10 Z-1 F9|CHF 2|L Y+10", "leaves the plane"),
+        ("L X+10 F9|CHF 2|L X+10 Y+0", "without length"),
+        ("L X+10 F9|CHF 2|L X+5", "runs back"),
+        ("L X+10 F9|CHF 11|L Y+20", "begins 11 before"),
         ("CYCL DEF 200 ~| Q201=-5|L X+10 FMAX M99", "without a number in Q200"),
         ("CYCL DEF 200 ~| Q200=+2 ~|Q201=+5 ~|Q206=+9 ~|Q203=+0|L X+1 M99", "Q201 above 0"),
     ],

@@ -1,8 +1,10 @@
 """Arcs and polar places of Heidenhain Klartext, written out as L.
 
 HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Path contours": C about
-the pole CC, CR by its radius, LP and CP in polar coordinates, CP with Z a helix (the geometry of
-arcs: pole_arc.py). Lines leave the circle by the tolerance at most.
+the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis across the plane a
+helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
+XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
+klartext_corners.py; holes and bores: klartext_holes.py, klartext_bore.py.
 """
 
 from __future__ import annotations
@@ -11,13 +13,17 @@ import math
 import re
 from collections.abc import Sequence
 
+from postproc.nc.cycles.klartext_bore import Tool, bore
+from postproc.nc.cycles.klartext_corners import Corners
 from postproc.nc.cycles.klartext_holes import Holes, signed
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
-from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
 from postproc.nc.klartext import CYCLE, HEAD
 
-STATEMENT = re.compile(rb"(CC|CR|CP|CT|C|LP|L|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*")
+STATEMENT = re.compile(
+    rb"(CC|CR|CP|CT|C|LP|L|RND|CHF|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*"
+)
 WORD = re.compile(
     rb"(?<![A-Z])(I?)(X|Y|Z|PR|PA|R|DR)(?:[ \t]*([-+]?[0-9]*\.?[0-9]+)|([-+])(?![0-9.]))"
 )
@@ -27,8 +33,10 @@ CALLED = re.compile(rb"[ \t]*(?<![A-Z])M[ \t]*0*99(?![0-9])")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+|AUTO|MAX)")
 LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
 SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
+BORE = 208
 DATA_ONLY = (9, 13, 14, 32, 247)  # defined beside a drilling cycle, which holds on
 CIRCLES = "write it as C with its pole, or as CR"
+XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
 Words = dict[str, tuple[bool, float]]
 
 
@@ -40,7 +48,10 @@ class KlartextPaths:
 
     def __init__(self, scene: Scene):
         self.scene, self.holes = scene, Holes(scene)
+        self.corners, self.tool = Corners(scene), Tool(scene)
         self.pole: dict[str, float] = {}
+        self.plane = XY  # of the pole
+        self.at_line: Line | None = None  # the last one
         self.shift: dict[str, float] = {}  # by cycle 7
         self.feed = b""  # as the program wrote it last
         self.due = False  # whether another feed is in force than the program's
@@ -51,8 +62,8 @@ class KlartextPaths:
         return True
 
     def finish(self) -> list[Line]:
-        """Nothing is ever held back."""
-        return []
+        """A line with a corner that has no other side."""
+        return [self.at_line._replace(text=text) for text in self.corners.finish() if self.at_line]
 
     def take(self, line: Line) -> list[Line]:
         """The line, or the lines that it becomes. Raises ProgramError."""
@@ -64,10 +75,14 @@ class KlartextPaths:
             return [line]
         found = STATEMENT.match(code)
         on = line.text.rstrip(b" \t\r").endswith(b"~")
+        if found is None and not self.corners.passes(code):
+            raise self.corners.beside()
         if self.goes_on or found is None:
             self.holes.datum(code)
             self.goes_on = self.goes_on and on
             return [line]
+        self.at_line = line
+        self.tool.note(code)
         kind, rest = found[1].split()[-1], code[found.end() :]
         self.goes_on = kind == b"DEF" and on
         new = self._of(kind, code, rest)
@@ -78,6 +93,11 @@ class KlartextPaths:
 
     def _of(self, kind: bytes, code: bytes, rest: bytes) -> list[bytes]:
         """The statements that stand for one."""
+        if kind in (b"RND", b"CHF"):
+            self.corners.define(code)
+            return []
+        if self.corners.at_work:
+            return self._cornered(kind, code)
         if kind == b"DEF":
             return self._define(code)
         if kind == b"CC":
@@ -97,9 +117,25 @@ class KlartextPaths:
             return lines
         if self.holes.taps:
             return lines + self.holes.tapped()
-        holes = self.holes.lines()
+        holes = self._bore() if self.holes.cycle == BORE else self.holes.lines()
         self.due = self.due or bool(holes)
         return lines + holes
+
+    def _cornered(self, kind: bytes, code: bytes) -> list[bytes]:
+        """A line with a corner at one of its ends."""
+        if kind != b"L" or CALLED.search(code):
+            raise self.corners.beside()
+        return [line for new in self.corners.line(code) for line in self._fed(b"L", new)]
+
+    def _bore(self) -> list[bytes]:
+        """Cycle 208, and the second clearance behind it."""
+        values = {n: self.holes.value(n) for n in (200, 201, 203, 334, 335)}
+        values[351] = self.holes.value(351, 0.0)
+        lines = bore(self.scene, self.tool, values, self.holes.feed(206))
+        second = self.holes.value(204, values[200])
+        if second > values[200]:
+            lines.append(b"L " + signed(self.scene, "Z", values[203] + second) + b" FMAX")
+        return lines
 
     # -- feeds and definitions ---------------------------------------------------------------------
 
@@ -163,44 +199,50 @@ class KlartextPaths:
         return value + (self.scene.at(axis) if step else 0.0)
 
     def _set(self, rest: bytes) -> None:
-        """CC: the pole; without words where the tool stands."""
+        """CC: the pole, and the plane that its axes are; without words where the tool stands."""
         words = self._words(rest)
-        if "Z" in words:
-            raise self.scene.fault("a pole outside the XY plane", "program with the tool axis Z")
-        for axis in "XY":
-            if axis in words or not words:
-                self.pole[axis] = self._place(words, axis)
+        named = [axis for axis in "XYZ" if axis in words]
+        if len(named) == 3 or (len(named) == 1 and named[0] not in self.plane[:2]):
+            raise self.scene.fault(
+                f"the pole {' '.join(named)} is in no plane", "name its two axes: CC X Y"
+            )
+        if len(named) == 2:
+            self.plane = next(p for p in PLANES.values() if set(p[:2]) == set(named))
+        for axis in named or self.plane[:2]:
+            self.pole[axis] = self._place(words, axis)
 
     def _path(self, kind: bytes, rest: bytes) -> list[bytes]:
         """C, CR, CP and LP."""
         scene, words = self.scene, self._words(rest)
-        at, polar = (scene.at("X"), scene.at("Y")), kind in (b"CP", b"LP")
-        if "Z" in words and not polar:
-            raise scene.fault(f"Z in {kind.decode()}", "write a helix as CP with IPA")
+        plane = XY if kind == b"CR" else self.plane
+        at, polar = (scene.at(plane[0]), scene.at(plane[1])), kind in (b"CP", b"LP")
+        across = plane[2]
+        if across in words and not polar:
+            raise scene.fault(f"{across} in {kind.decode()}", "write a helix as CP with IPA")
         turn = words.get("DR", (False, 0.0))[1]
         if kind != b"LP" and not turn:
             raise scene.fault(f"{kind.decode()} without DR", "DR+ or DR- says which way it turns")
-        if polar:
-            arc = self._polar(kind, at, words)
-        else:
-            to = self._place(words, "X"), self._place(words, "Y")
-            radius = words.get("R", (False, 0.0))[1]
-            arc = (
-                by_radius(scene, at, to, radius, turn)
-                if kind == b"CR"
-                else Arc(at, to, self._centre(), turn)
-            )
+        arc = self._polar(kind, at, words) if polar else self._round(kind, at, words, plane)
         places = [arc.to] if kind == b"LP" else ends(scene, arc)
-        if "Z" not in words:
-            return self._written([(place, None) for place in places], rest)
-        low, depth = scene.at("Z"), self._place(words, "Z")
+        if across not in words:
+            return self._written([(place, None) for place in places], rest, plane)
+        low, depth = scene.at(across), self._place(words, across)
         heights = [low + (depth - low) * k / len(places) for k in range(1, len(places) + 1)]
-        return self._written(list(zip(places, heights, strict=True)), rest)
+        return self._written(list(zip(places, heights, strict=True)), rest, plane)
+
+    def _round(self, kind: bytes, at: Point, words: Words, plane: tuple[str, str, str]) -> Arc:
+        """C and CR: to a place."""
+        to = self._place(words, plane[0]), self._place(words, plane[1])
+        turn = words["DR"][1]
+        if kind == b"CR":
+            return by_radius(self.scene, at, to, words.get("R", (False, 0.0))[1], turn)
+        return Arc(at, to, self._centre(), turn)
 
     def _centre(self) -> Point:
-        if len(self.pole) < 2:
+        a, b = self.plane[:2]
+        if a not in self.pole or b not in self.pole:
             raise self.scene.fault("an arc or a polar place, and no pole is set", "write CC before")
-        return self.pole["X"], self.pole["Y"]
+        return self.pole[a], self.pole[b]
 
     def _polar(self, kind: bytes, at: Point, words: Words) -> Arc:
         """LP and CP: to a radius and an angle about the pole."""
@@ -221,7 +263,12 @@ class KlartextPaths:
         sweep = abs(angle) if step else (end - begin) * turn % 360 or 360.0
         return Arc(at, to, centre, turn, math.radians(sweep))
 
-    def _written(self, ways: Sequence[tuple[Point, float | None]], rest: bytes) -> list[bytes]:
+    def _written(
+        self,
+        ways: Sequence[tuple[Point, float | None]],
+        rest: bytes,
+        plane: tuple[str, str, str],
+    ) -> list[bytes]:
         """L through places; the statement's own words at its first line, M at the last."""
         words = MARKED.sub(rb"R\1", WORD.sub(b"", SIDES.sub(lambda m: b"\0" + m[0][1:], rest)))
         words = b" ".join(words.split())
@@ -230,8 +277,8 @@ class KlartextPaths:
         fast = b"FMAX" if re.search(rb"F[ \t]*MAX", words) else b""
         lines = []
         for k, (place, z) in enumerate(ways):
-            to = [signed(self.scene, axis, value) for axis, value in zip("XY", place, strict=True)]
-            to += [] if z is None else [signed(self.scene, "Z", z)]
+            values = dict(zip(plane, (*place, z), strict=True))
+            to = [signed(self.scene, axis, v) for axis in "XYZ" if (v := values[axis]) is not None]
             own = [fast if k else words, late if k == len(ways) - 1 else b""]
             lines.append(b" ".join([b"L", *to, *(text for text in own if text)]))
         return [*self._fed(b"L", lines[0]), *lines[1:]]

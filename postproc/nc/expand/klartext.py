@@ -31,6 +31,8 @@ ASSIGN = re.compile(rb"(?:FN[ \t]*([0-9]+)[ \t]*:[ \t]*)?Q([LR]?[0-9]+)[ \t]*=[ 
 READ = re.compile(rb"FN[ \t]*(?:1[89]|2[0-9]|3[0-9])[ \t]*:[^Q\r\n]*Q([LR]?[0-9]+)")
 USED = re.compile(rb"(?<=[A-Z =])([+-]?)[ \t]*Q([LR]?[0-9]+)(?![0-9]*[ \t]*=)")
 PLAIN = re.compile(rb"(?:L|C|CC|CR|CP|LP|LN|TOOL|CYCL|TRANS|PLANE|M)(?![A-Z])")
+STRAIGHT = re.compile(rb"L(?![A-Z])")
+CORNER = re.compile(rb"(?:RND|CHF)(?![A-Z])")
 ENDS = re.compile(rb"(?<![A-Z])M[ \t]*0*(?:2|30)(?![0-9])")
 NUMBERS = re.compile(rb"[ \t]*[-+]?[0-9]*\.?[0-9]+[ \t\r]*")
 GIVE = "give it a value in the program before this line, the one that it has on the control"
@@ -54,6 +56,7 @@ class _File:
     at: int = 0
     here: int = 0
     cycle: bool = False
+    remark: bool = False  # a comment goes on in the next line
     labels: dict[str, int] = field(default_factory=dict)
     back: list[int] = field(default_factory=list)
     repeated: dict[int, int] = field(default_factory=dict)
@@ -99,10 +102,19 @@ class _Run:
     def _statement(self, part: _File) -> Iterator[Line]:
         """One line: what it stands for, and which line is next."""
         code, text = part.code, part.text
+        if part.remark or text.lstrip(b" \t0123456789*").startswith(b";"):
+            yield Line((b"; " if part.remark else b"") + _bare(text), part.here + 1, part.name)
+            part.remark = _goes_on(text)
+            return
+        if CORNER.match(code):
+            raise self._fault(
+                part, f"{code[:3].decode()} stands behind no straight line", "write it behind L"
+            )
         if part.cycle or PLAIN.match(code):
             filled = self._filled(part, text if part.cycle else _bare(text))
             part.cycle = _goes_on(text) and (part.cycle or code.startswith(b"CYCL"))
             self.ended = ENDS.search(code) is not None and not code.startswith((b"Q", b"CYCL"))
+            yield from self._corner(part)
             yield Line(filled, part.here + 1, part.name)
         elif label := LABEL.match(code):
             if label[1] is not None and not int(label[1]) and part.back:
@@ -117,6 +129,19 @@ class _Run:
         else:
             self._assign(part, code)
             yield Line(_bare(text), part.here + 1, part.name)
+
+    def _corner(self, part: _File) -> Iterator[Line]:
+        """RND or CHF behind a line, which comes in front of it: who writes it out knows then that
+        the line's end is a corner."""
+        if part.cycle or not STRAIGHT.match(part.code):
+            return
+        line, at = part.here, part.at
+        while at < len(part.texts) and not part.codes[at]:
+            at += 1
+        if at < len(part.texts) and CORNER.match(part.codes[at]):
+            part.here, part.at = at, at + 1
+            yield Line(self._filled(part, _bare(part.text)), at + 1, part.name)
+            part.here = line
 
     def _end(self, part: _File) -> Iterator[Line]:
         """END PGM, which stands behind the labels that M30 keeps from running."""

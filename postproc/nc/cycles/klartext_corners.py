@@ -1,0 +1,142 @@
+"""RND and CHF of Heidenhain Klartext: the corner between two straight lines, written out as L.
+
+HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Rounded corners RND"
+and "Inserting a chamfer between two straight lines": the corner lies at the end of the line before;
+RND R is the radius of an arc that touches both, CHF how far the chamfer begins and ends from the
+corner, which is not part of the contour. Both lie in the working plane.
+
+The statement comes here in front of the line whose end it makes (expand/klartext.py). Refused:
+arcs beside a corner, a feed of the corner's own, FMAX, lines that leave the plane, a corner that is
+longer than its lines.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+from postproc.nc.cycles.klartext_holes import signed
+from postproc.nc.cycles.pole_arc import Arc, Point, ends
+from postproc.nc.cycles.scene import Scene
+
+CORNER = re.compile(rb"(RND|CHF)[ \t]*(?:R[ \t]*)?([+]?[0-9]*\.?[0-9]+)[ \t]*")
+PLACE = re.compile(rb"(?<![A-Z])(I?)([XY])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
+ELSEWHERE = re.compile(rb"(?<![A-Z])I?[ZABCUVW][ \t]*[-+]?[.0-9]")
+BETWEEN = re.compile(rb"Q|FN|\*|\Z")
+FAST = re.compile(rb"F[ \t]*MAX")
+NEAR = 1e-9
+WRITE = "write the corner out as L and CR"
+
+
+@dataclass
+class Held:
+    """A line whose end waits for the next one: its other words, its ends, and its corner."""
+
+    words: bytes
+    start: Point
+    end: Point
+    name: str
+    size: float
+
+
+class Corners:
+    """Holds a line with a corner back until the next line is known."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        self.coming: tuple[str, float] | None = None  # the corner of the next line
+        self.held: Held | None = None
+
+    @property
+    def at_work(self) -> bool:
+        """Whether the next statement must be a straight line."""
+        return self.coming is not None or self.held is not None
+
+    def define(self, code: bytes) -> None:
+        """RND or CHF. Raises ProgramError."""
+        found = CORNER.fullmatch(code)
+        name = code[:3].decode()
+        if found is None:
+            raise self.scene.fault(f"{name} with more than its size", WRITE)
+        if float(found[2]) <= 0:
+            raise self.scene.fault(f"{name} with no size", "write a size above 0")
+        self.coming = name, float(found[2])
+
+    def passes(self, code: bytes) -> bool:
+        """Whether a statement that is no path may stand between the two lines of a corner."""
+        return not self.at_work or BETWEEN.match(code) is not None
+
+    def beside(self) -> Exception:
+        """What stands between a line and the next one is none."""
+        name = self.coming[0] if self.coming else self.held.name if self.held else ""
+        return self.scene.fault(f"{name} beside something else than a straight line", WRITE)
+
+    def finish(self) -> list[bytes]:
+        """A line whose corner has no other side."""
+        held, self.held = self.held, None
+        return [] if held is None else [self._line(held.end, held.words)]
+
+    def line(self, code: bytes) -> list[bytes]:
+        """The lines that are known now. Raises ProgramError."""
+        held, coming = self.held, self.coming
+        name = coming[0] if coming else held.name if held else ""
+        body = code[1:]
+        start = held.end if held else (self.scene.at("X"), self.scene.at("Y"))
+        end = self._end(name, body, start)
+        if coming and FAST.search(body):
+            raise self.scene.fault(f"{name} at FMAX", "write a feed")
+        words = b" ".join(PLACE.sub(b" ", body).split())
+        lines: list[bytes] = []
+        if held is not None:
+            start, lines = self._corner(held, end)
+        self.held = self.coming = None
+        if coming is None:
+            return [*lines, self._line(end, words)]
+        self.held = Held(words, start, end, *coming)
+        return lines
+
+    def _end(self, name: str, body: bytes, start: Point) -> Point:
+        if ELSEWHERE.search(body):
+            raise self.scene.fault(f"{name} at a line that leaves the plane", WRITE)
+        place = list(start)
+        for step, axis, value in PLACE.findall(body):
+            k = b"XY".index(axis)
+            place[k] = float(value) + (start[k] if step else 0.0)
+        if math.dist(place, start) < NEAR:
+            raise self.scene.fault(f"{name} at a line without length", WRITE)
+        return place[0], place[1]
+
+    def _line(self, to: Point, words: bytes) -> bytes:
+        x, y = (signed(self.scene, axis, v) for axis, v in zip("XY", to, strict=True))
+        return b" ".join(part for part in (b"L", x, y, words) if part)
+
+    def _corner(self, held: Held, end: Point) -> tuple[Point, list[bytes]]:
+        """Where the next line begins then, and the lines up to there."""
+        scene, corner = self.scene, held.end
+        before = held.start[0] - corner[0], held.start[1] - corner[1]
+        behind = end[0] - corner[0], end[1] - corner[1]
+        lengths = math.hypot(*before), math.hypot(*behind)
+        a = before[0] / lengths[0], before[1] / lengths[0]
+        b = behind[0] / lengths[1], behind[1] / lengths[1]
+        turn = a[0] * b[1] - a[1] * b[0]
+        angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])
+        if math.pi - angle < NEAR:  # straight on
+            return corner, [self._line(corner, held.words)]
+        if angle < NEAR:
+            raise scene.fault(f"{held.name} where the line runs back", WRITE)
+        away = held.size / math.tan(angle / 2) if held.name == "RND" else held.size
+        if away > min(lengths) + NEAR:
+            raise scene.fault(
+                f"{held.name} {held.size:g} begins {away:.4g} before the corner, and a line there"
+                f" has {min(lengths):.4g}",
+                "the control stops at it: make the corner smaller",
+            )
+        first = corner[0] + away * a[0], corner[1] + away * a[1]
+        second = corner[0] + away * b[0], corner[1] + away * b[1]
+        places = [second]
+        if held.name == "RND":
+            reach = held.size / math.sin(angle / 2) / math.hypot(a[0] + b[0], a[1] + b[1])
+            middle = corner[0] + reach * (a[0] + b[0]), corner[1] + reach * (a[1] + b[1])
+            places = ends(scene, Arc(first, second, middle, -1.0 if turn > 0 else 1.0))
+        return second, [self._line(first, held.words), *(self._line(p, b"") for p in places)]
