@@ -8,10 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from postproc.nc.batch import LINEAR, Batch
+from postproc.nc.batch import LINEAR, NO_WORDS, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.lexer import ABSOLUTE, AXES, BARE, RELATIVE
-from postproc.nc.zeros import homed, stated
+from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
 
@@ -250,12 +250,16 @@ def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget
             gone = drop.copy()
             _reference(b, number, letter, gone)
             away[b.single[number]] = gone[b.single[number]]
-            reference = homed(b) if number == 280 else stated(b, "G30")
+            reference = homed(b) if number == 280 else second_home(b)
             place = None
             if reference is None or letter not in reference:
                 drop = gone
             else:
                 block_of = b.single[number]
+                if number == 300:
+                    further = np.isin(block_of, _further(b))
+                    drop[block_of[further]] = gone[block_of[further]]
+                    block_of = block_of[~further]
                 drop[block_of] = False
                 there = block_of[gone[block_of]]
                 place = round(reference[letter] * TICKS_PER_MM)
@@ -263,6 +267,13 @@ def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget
             if number == 280 and letter in b.dialect.home_z_over:
                 drop = _taken_along(b, letter, place, position, drop)
     return position, named, drop, away
+
+
+def _further(b: Batch) -> np.ndarray:
+    """Blocks with a P that is not 2: G30 P3 goes to the third reference point."""
+    place = b.places.get("P", NO_WORDS)
+    w = b.words
+    return w.block[place[(w.mantissa[place] != 2) | (w.decimals[place] != 0)]]
 
 
 def _taken_along(

@@ -66,9 +66,8 @@ SET_OFF = [
     *rows("shift", {"92.2": "position shift off"}, does="set off"),
     *rows("shift", {"92.3": "position shift back"}, does="set back"),
 ]
-REFERENCE = rows(
-    "", {"28": "to the reference point", "30": "to the second reference point"}, takes=True
-)
+SECOND_REFERENCE = "to the second reference point"
+REFERENCE = rows("", {"28": "to the reference point", "30": SECOND_REFERENCE}, takes=True)
 STORE_REFERENCE = rows(
     "",
     {"28.1": "store the reference point", "30.1": "store the second reference point"},

@@ -15,6 +15,7 @@ from postproc.motions import Presets
 from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
 from postproc.nc.dialects import Dialect
+from postproc.nc.rows import SECOND_REFERENCE
 from postproc.nc.state import NONE, Frame, Setup
 from postproc.units import TICKS_PER_MM
 
@@ -94,6 +95,14 @@ def homed(b: Batch) -> dict[str, float] | None:
         return found
     first = b.setup.start if b.dialect.homes else {}
     return {**first, **b.setup.home, **b.setup.offsets.get("G28", {})} or b.setup.offsets.get("G28")
+
+
+def second_home(b: Batch) -> dict[str, float] | None:
+    """mm by axis: where G30 takes the axes, where it means the second reference point; None: nobody
+    says."""
+    if b.dialect.by_number[300].meaning != SECOND_REFERENCE:
+        return None
+    return stated(b, "G30")
 
 
 def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
