@@ -135,7 +135,8 @@ def test_the_datum_in_force_is_g54_until_a_preset_is_chosen():
         ("CYCL DEF 8.1 X", "mirrors"),
         ("CYCL DEF 19.1 A+20 C+0", "tilted"),
         ("PLANE SPATIAL SPA+10 SPB+0 SPC+0 TURN", "tilted"),
-        ("CYCL DEF 220 POLAR PATTERN ~", "the control's own"),
+        ("CYCL DEF 220 POLAR PATTERN ~", "--expand"),
+        ("CYCL DEF 224 CODES ~", "the control's own"),
         ("TCH PROBE 411 DATUM ~", "measuring"),
         ("RND R5", "--expand"),
         ("APPR LCT X+1 Y+2 R5 RL", "the control's own"),
@@ -227,7 +228,7 @@ def test_a_tap_loses_the_tool_axis_alone(tmp_path):
     assert any("depth is not" in notice.message for notice in filter_.notices)
 
 
-@pytest.mark.parametrize("cycle", ["", "CYCL DEF 200 DRILL ~|", "CYCL DEF 2.0 TAPPING|"])
+@pytest.mark.parametrize("cycle", ["", "CYCL DEF 200 DRILL ~|", "CYCL DEF 1.0 PECKING|"])
 def test_a_call_of_another_cycle_is_refused(cycle):
     _, reasons = follow(f"L X+1|{cycle}CYCL CALL|L X+9 Y+9 Z+9")
     assert "CYCL CALL can not be followed" in " ".join(reasons)

@@ -76,11 +76,12 @@ DELTA = re.compile(rb"\bD(L|R2?)[ \t]*([+-]?(?:[0-9.]+|Q[LR]?[0-9]+))?")
 CYCLE = re.compile(rb"CYCL[ \t]+DEF[ \t]*([0-9]+)(?:[ \t]*\.([0-9]+))?")
 CALLED = re.compile(rb"CYCL[ \t]+CALL(?![ \t]*(?:PAT|POS))")
 VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
-MOVES_AT_ONCE = (220, 221, 224, 238, 239)
+PATTERNS = (220, 221)
+MOVES_AT_ONCE = (224, 238, 239)
 TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
 CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
-TAPS = (206, 207, 209)
+TAPS = (2, 17, 206, 207, 209)
 ZERO = b"G52X0Y0Z0"
 PARAXIALS = (b"X", b"Y", b"Z", b"A", b"B", b"U", b"V", b"W")
 Z_ALONE = bytes([BARE + AXES.index("Z")])
@@ -223,6 +224,8 @@ def _cycle(text: bytes) -> bytes:
         return _shift(text, match.end())
     if number == 12:
         return _macro(text, codes.CALL)
+    if number in PATTERNS:
+        return _macro(text, EXPAND_PATH)
     if number in MOVES_AT_ONCE or 400 <= number < 500:
         return _macro(text, codes.WRITE_OUT)
     if number in CYLINDERS:

@@ -36,6 +36,22 @@ def bored(data: str, then: str, missing: bool = False, spindle: str = "M3") -> C
     )
 
 
+RING_OF = (
+    "CYCL DEF 220 R ~|Q216=+5 ~|Q217=+5 ~|Q244=+9 ~|Q245=+0 ~|Q200=+2 ~|Q203=+0 ~|"
+    "Q246=+90 ~|Q247=+30 ~|Q241=+3|L X+9"
+)
+PECK = "L Z+3 F99|CYCL DEF 1.0 P|CYCL DEF 1.1 2|CYCL DEF 1.2 -5|CYCL DEF 1.3 2|CYCL DEF 1."
+
+
+def ring(data: str, count: str = "+3") -> str:
+    own = RING_OF.replace("Q246=+90 ~|Q247=+30 ~|Q241=+3", data.replace(" ", " ~|"))
+    return (
+        cycle(DRILL, call="").removesuffix("||L X+9")
+        + "|"
+        + own.replace("Q200=", f"Q241={count} ~|Q200=")
+    )
+
+
 ISO = "%9 G71 *|N1 G90 G00 X0 Y0 Z5*|N2 G200 Q200=2 Q201=-5 Q206=90 Q202=3 Q203=0*|"
 
 
@@ -75,6 +91,13 @@ ALL = [
     bored("Q351=+1 Q335=+8", "Q351=+1"),
     bored("Q351=+1 Q334=+0", "Q351=+1"),
     bored("Q351=+1", "Q351=+1", spindle="M4"),
+    klartext(ring("Q247=+0 Q246=+90"), ring("Q247=+30 Q246=+90")),
+    klartext(ring("Q247=+30 Q246=+90 Q365=+1"), ring("Q247=+30 Q246=+90 Q365=+0")),
+    klartext(ring("Q247=+30 Q246=+90", "+0"), ring("Q247=+30 Q246=+90")),
+    klartext(cycle(DRILL, call="CYCL DEF 220 R"), ring("Q247=+30 Q246=+90")),
+    klartext(PECK + "5 F9|" + RING_OF, ring("Q247=+30 Q246=+90")),
+    klartext(PECK + "4 1|L X+5 M99", PECK + "5 F9|L X+5 M99"),
+    klartext((PECK + "5 F9|L X+5 M99").replace("1.3 2", "1.3 .0001"), PECK + "5 F9|L X+5 M99"),
     klartext(cycle(DRILL + " Q257=+0.00001", 205), cycle(DRILL, 205)),
     klartext(cycle(DRILL, 252), "L Z-5 F99|L Z+5 FMAX"),
     klartext(cycle(DRILL + " Q395=+1"), "L Z-5 F99|L Z+5 FMAX"),

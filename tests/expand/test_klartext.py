@@ -191,9 +191,9 @@ def test_a_comment_that_goes_on():
 
 
 BORE = (
-    "TOOL DEF 5 L+0 R+3|TOOL CALL 5 Z S900 DR+1|L X+50 Y+20 Z+60 R0 FMAX M3|CYCL DEF 208 ~|"
+    "TOOL DEF 5 L+0 R+3|TOOL CALL 5 Z S900 DR+1|L X+40 Y+25 Z+60 R0 FMAX M3|CYCL DEF 208 ~|"
     "  Q200=+2 ~|  Q201=-10 ~|  Q206=+90 ~|  Q334=+2.5 ~|  Q203=+1 ~|  Q204=+30 ~|"
-    "  Q335=+20 ~|  Q342=+0 ~|  Q351={}|L X+50 FMAX M99|L X+20 F300"
+    "  Q335=+20 ~|  Q342=+0 ~|  Q351={}|L X+50 IY-5 FMAX M99|L X+20 F300"
 )
 
 
@@ -204,7 +204,7 @@ def test_bore_milling(way):
     lines = plain(BORE.format(f"{way:+}"))
     found = places(lines)[1:]
     wall = [p for p in found if math.dist(p[:2], (50, 20)) > 1e-3 and p[2] < 60]
-    wall = [p for p in wall if p[0] != 20]
+    wall = [p for p in wall if p[0] not in (20, 40)]
     assert all(math.dist(p[:2], (50, 20)) == pytest.approx(6, abs=2e-4) for p in wall)
     angles = [math.atan2(p[1] - 20, p[0] - 50) for p in wall]
     steps = [math.remainder(b - a, math.tau) for a, b in zip(angles, angles[1:], strict=False)]
@@ -232,6 +232,81 @@ def test_bore_milling(way):
 def test_bores_that_can_not_be_written_out(old, new, said):
     with pytest.raises(ProgramError, match=re.escape(said)):
         plain(BORE.format("+1").replace(old, new))
+
+
+OLD = (
+    "L X+5 Y+6 Z+3 F900|CYCL DEF 1.0 PECKING|CYCL DEF 1.1 SET UP 2|CYCL DEF 1.2 DEPTH {}|"
+    "CYCL DEF 1.3 PECKG -6|CYCL DEF 1.4 DWELL {}|CYCL DEF 1.5 F100|L X+10 Z+2 FMAX M99|L X+20"
+)
+
+
+@pytest.mark.parametrize(
+    ("depth", "dwell", "lines"),
+    [
+        # the surface lies 2 below the place of the call, at 0; 0.6 mm above what is drilled
+        ("-10", "0", "Z-6 F100|Z+2 FMAX|Z-5.4 FMAX|Z-10 F100|Z+2 FMAX"),
+        ("-3", "1", "Z-3 F100|DWELL 1|Z+2 FMAX"),
+        # 40 mm deep: a fiftieth is 0.8
+        ("-40", "0", "".join(f"Z-{d} F100|Z+2 FMAX|Z-{d - 0.8:g} FMAX|" for d in range(6, 40, 6))
+         + "Z-40 F100|Z+2 FMAX"),
+    ],
+)  # fmt: skip
+def test_pecking_of_old_controls(depth, dwell, lines):
+    *found, last = drilled(plain(OLD.format(depth, dwell)))
+    found = [x.removeprefix("L ").replace("CYCL DEF 9.1 ", "") for x in found if "9.0" not in x]
+    assert found == lines.split("|")
+    assert last == "L X+20 F900"
+
+
+@pytest.mark.parametrize("cycle", ["2", "17"])
+def test_an_old_tap_comes_back_to_where_it_is_called(cycle):
+    program = f"L Z+3 F900|CYCL DEF {cycle}.0 TAP|CYCL DEF {cycle}.1 SET UP 2|L X+10 IZ-1 FMAX M99"
+    assert drilled(plain(program)) == ["CYCL CALL", "L Z+2 FMAX"]
+
+
+HOLE = "L X+5 Y+6 Z+60 F900|CYCL DEF 200 ~|Q200=+9 ~|Q201=-4 ~|Q206=+70 ~|Q203=+7 ~|Q204=+8|"
+RING = (
+    HOLE + "CYCL DEF 220 POLAR ~| Q216=+50 ~| Q217=-50 ~| Q244=+80 ~| Q245={} ~| Q246={} ~|"
+    " Q247={} ~| Q241={} ~| Q200=+2 ~| Q203=+1 ~| Q204=+20 ~| Q301={}|L X+1"
+)
+GRID = (
+    HOLE + "CYCL DEF 221 LINEAR ~| Q225=+15 ~| Q226=+10 ~| Q237=+10 ~| Q238=+8 ~| Q242=+3 ~|"
+    " Q243=+2 ~| Q224={} ~| Q200=+2 ~| Q203=+1 ~| Q204=+20 ~| Q301=+1|L X+1"
+)
+
+
+@pytest.mark.parametrize(
+    ("data", "angles"),
+    [
+        (("+0", "+360", "+0", "+8", "+1"), range(0, 360, 45)),
+        (("+90", "+360", "+30", "+5", "+0"), range(90, 240, 30)),
+        (("+10", "-350", "-0", "+3", "+0"), (10, -110, -230)),
+        (("+90", "+0", "-45", "+3", "+1"), (90, 45, 0)),
+    ],
+)
+def test_a_polar_pattern(data, angles):
+    """The manual's examples: radius 40 about (50, -50)."""
+    lines = plain(RING.format(*data))
+    found = places(lines[lines.index("L Z+21 FMAX") :], (5, 6, 60))
+    holes = [p for p in found if p[2] == -3]
+    assert len(holes) == len(angles)
+    for angle, hole in zip(angles, holes, strict=True):
+        at = 50 + 40 * math.cos(math.radians(angle)), -50 + 40 * math.sin(math.radians(angle))
+        assert hole[:2] == pytest.approx(at, abs=1e-4)
+    between = {p[2] for a, p in zip(found[2:], found[3:], strict=False) if a[:2] != p[:2]}
+    assert between == ({21} if data[-1] == "+1" else {21, 3})
+    assert lines[-2:] == ["L Z+21 FMAX", "L X+1 F900"]
+    assert "L Z-3 F70" in lines
+
+
+@pytest.mark.parametrize(("turn", "unit"), [("+0", 1), ("+90", 1j)])
+def test_a_linear_pattern(turn, unit):
+    """Every second line backwards."""
+    lines = plain(GRID.format(turn))
+    holes = [p for p in places(lines[lines.index("L Z+21 FMAX") :]) if p[2] == -3]
+    grid = [0, 10, 20, 20 + 8j, 10 + 8j, 8j]
+    found = [complex(*p[:2]) for p in holes]
+    assert found == pytest.approx([15 + 10j + unit * g for g in grid], abs=1e-4)
 
 
 CYCLE = (
@@ -329,6 +404,25 @@ def test_increments_of_the_datum_add_up():
         ("CYCL DEF 252 POCKET ~|  Q201=-5|L X+10 FMAX M99", "252 is called"),
         ("CYCL DEF 205 ~| Q200=+2 ~|Q201=-5 ~|Q206=+9 ~|Q203=+0 ~|Q379=+2|L X+1 M99", "Q379"),
         ("CC X+0 Y+0 Z+0|L X+1", "in no plane"),
+        (
+            "CYCL DEF 220 ~|Q216=+0 ~|Q217=+0 ~|Q244=+9 ~|Q245=+0 ~|Q246=+90 ~|Q247=+0 ~|Q241=+3 ~|"
+            "Q200=+1 ~|Q203=+0",
+            "on a part of a circle",
+        ),
+        (
+            "CYCL DEF 220 ~|Q216=+0 ~|Q217=+0 ~|Q244=+9 ~|Q245=+0 ~|Q246=+360 ~|Q247=+0 ~|"
+            "Q241=+3 ~|Q365=+1 ~|Q200=+1 ~|Q203=+0",
+            "Q365",
+        ),
+        ("CYCL DEF 220 ~|Q241=+0 ~|Q200=+1 ~|Q203=+0", "0 points"),
+        ("CYCL DEF 220|Q241=+0", "without its data"),
+        ("CYCL DEF 1.0 A|CYCL DEF 1.1 2|CYCL DEF 220 ~|Q200=+1 ~|Q203=+0", "a pattern of cycle 1"),
+        ("CYCL DEF 1.0 A|CYCL DEF 1.1 2|L X+1 M99", "cycle 1 without"),
+        (
+            "CYCL DEF 1.0 A|CYCL DEF 1.1 2|CYCL DEF 1.2 -5|CYCL DEF 1.3 .0001|CYCL DEF 1.5 F9|"
+            "L X+1 M99",
+            "too many pecks",
+        ),
         ("CC Z+0|L X+1", "in no plane"),
         ("RND R5", "behind no straight line"),
         ("L X+10 F9|RND R5|CR X+20 Y+0 R9 DR+", "beside something else"),

@@ -8,8 +8,9 @@ above what is drilled; at the bottom it waits Q211; then FMAX (201, 203: at Q208
 and to the second one, Q204, if it lies higher. Q212 makes each peck smaller than the one before,
 down to Q205. Chips break by Q256: in cycle 203 after Q213 pecks out of Q213 + 1, in cycle 205 every
 Q257 within a peck. With Q201 0 the control does nothing. Taps (206, 207, 209) stay, called at the
-set-up clearance by CYCL CALL. How fast the tool is drawn back within the hole the manuals leave
-open in places: here FMAX; its line is the hole's axis either way.
+set-up clearance by CYCL CALL; the old ones (2, 17) where they are called. How fast the tool is
+drawn back within the hole the manuals leave open in places: here FMAX; its line is the hole's axis
+either way.
 """
 
 from __future__ import annotations
@@ -18,16 +19,18 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from postproc.nc.cycles.klartext_patterns import NUMBER, PECKING, pecks
 from postproc.nc.cycles.scene import Scene
 
 NEAR = 1e-9
 MOST_PECKS = 10_000
 DATUM = re.compile(rb"^[ \t]*Q([0-9]+)[ \t]*=[ \t]*([-+]?[0-9]*\.?[0-9]+|AUTO|MAX)", re.MULTILINE)
 DRILLING = (200, 201, 203, 205, 240)
-PECKING = (200, 203, 205)
+IN_PECKS = (200, 203, 205)
 AT_OWN_FEED = (201, 203, 205)  # come out at Q208
 NOT_FOLLOWED = (343, 379, 395)  # a diameter, a deeper start, another reference
-TAPS = (206, 207, 209)
+OLD_TAPS = (2, 17)
+TAPS = (*OLD_TAPS, 206, 207, 209)
 HELP = "let the CAM program write this hole out as L"
 
 
@@ -48,8 +51,16 @@ class Holes:
         for found in DATUM.finditer(code):
             self.data[int(found[1])] = found[2]
 
+    def part(self, number: int, part: int, text: bytes) -> None:
+        """CYCL DEF 1.2 DEPTH -10 and its kin."""
+        found = NUMBER.search(text.rstrip())
+        if number == self.cycle and found:
+            self.data[part] = found[1]
+
     def lines(self) -> list[bytes]:
         """The cycle where the tool stands. Raises ProgramError."""
+        if self.cycle == PECKING:
+            return self._pecking()
         self._known()
         depth, clear, top = self.value(201), self.value(200), self.value(203)
         if depth == 0:
@@ -57,10 +68,18 @@ class Holes:
         if depth > 0 or clear < 0:
             raise self.scene.fault(f"Q201 above 0 or Q200 below in cycle {self.cycle}", HELP)
         feed = self.feed(206)
-        lines = [self._to(top + clear, b" FMAX"), *self._pecks(depth, clear, top, feed)]
+        lines = [self._to(top + clear, b" FMAX"), *self._pecked(depth, clear, top, feed)]
         lines += [*self._dwell(211), self._to(top + clear, self._out(feed))]
         second = self.value(204, clear)
         return [*lines, self._to(top + second, b" FMAX")] if second > clear else lines
+
+    def _pecking(self) -> list[bytes]:
+        """Cycle 1."""
+        data = {n: float(raw) for n, raw in self.data.items() if n < 10}
+        ways = pecks(self.scene, data)
+        feed = b" F" + self.data[5].lstrip(b"+")
+        lines = [self._to(z, feed if slow else b" FMAX") for z, slow in ways]
+        return [*lines, *self._dwell(4), self._to(self.scene.at("Z"), b" FMAX")]
 
     @property
     def taps(self) -> bool:
@@ -69,6 +88,8 @@ class Holes:
 
     def tapped(self) -> list[bytes]:
         """A call that stays, with places in front and behind at which the tool axis is known."""
+        if self.cycle in OLD_TAPS:  # they come back to where they are called
+            return [b"CYCL CALL", self._to(self.scene.at("Z"), b" FMAX")]
         top, clear = self.value(203), self.value(200)
         high = max(clear, self.value(204, clear))
         places = [self._to(top + z, b" FMAX") for z in (clear, high)]
@@ -88,7 +109,7 @@ class Holes:
 
     def _infeeds(self, depth: float) -> Iterator[float]:
         """How deep each peck goes, from the surface down to `depth` (both above 0)."""
-        step = abs(self.value(202, 0.0)) if self.cycle in PECKING else 0.0
+        step = abs(self.value(202, 0.0)) if self.cycle in IN_PECKS else 0.0
         less, least = abs(self.value(212, 0.0)), abs(self.value(205, 0.0))
         reached, count = 0.0, 0
         while reached < depth - NEAR:
@@ -101,7 +122,7 @@ class Holes:
                 )
             yield reached
 
-    def _pecks(self, depth: float, clear: float, top: float, feed: bytes) -> list[bytes]:
+    def _pecked(self, depth: float, clear: float, top: float, feed: bytes) -> list[bytes]:
         """Down to the bottom."""
         lines, last, breaks = [], 0.0, 0
         back = abs(self.value(256, 0.0))

@@ -4,7 +4,8 @@ HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Pat
 the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis across the plane a
 helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
 XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
-klartext_corners.py; holes and bores: klartext_holes.py, klartext_bore.py.
+klartext_corners.py; holes, bores, patterns: klartext_holes.py, klartext_bore.py,
+klartext_patterns.py.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from collections.abc import Sequence
 from postproc.nc.cycles.klartext_bore import Tool, bore
 from postproc.nc.cycles.klartext_corners import Corners
 from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.klartext_patterns import PATTERNS, points
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
@@ -34,6 +36,7 @@ FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+|AUTO|MAX)")
 LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
 SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 BORE = 208
+WITH_PARTS = (1, 2, 17)  # whose data stand behind a point
 DATA_ONLY = (9, 13, 14, 32, 247)  # defined beside a drilling cycle, which holds on
 CIRCLES = "write it as C with its pole, or as CR"
 XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
@@ -56,6 +59,7 @@ class KlartextPaths:
         self.feed = b""  # as the program wrote it last
         self.due = False  # whether another feed is in force than the program's
         self.goes_on = False  # a definition, in the next line
+        self.pattern: Holes | None = None  # while it is defined
 
     def wants(self, line: Line) -> bool:
         """Every line may move the pole or say the feed."""
@@ -77,6 +81,11 @@ class KlartextPaths:
         on = line.text.rstrip(b" \t\r").endswith(b"~")
         if found is None and not self.corners.passes(code):
             raise self.corners.beside()
+        lead = b"/ " if head[1] else b""
+        if self.pattern is not None:
+            self.pattern.datum(code)
+            self.goes_on = on
+            return [] if on else [line._replace(text=lead + text) for text in self._pattern()]
         if self.goes_on or found is None:
             self.holes.datum(code)
             self.goes_on = self.goes_on and on
@@ -86,9 +95,12 @@ class KlartextPaths:
         kind, rest = found[1].split()[-1], code[found.end() :]
         self.goes_on = kind == b"DEF" and on
         new = self._of(kind, code, rest)
+        if self.pattern is not None:
+            if not on:
+                raise self.scene.fault("a pattern without its data", "write ~ at the end of a line")
+            return []
         if new == [code]:
             return [line]
-        lead = b"/ " if head[1] else b""
         return [line._replace(text=lead + text) for text in new]
 
     def _of(self, kind: bytes, code: bytes, rest: bytes) -> list[bytes]:
@@ -115,11 +127,48 @@ class KlartextPaths:
             lines = self._path(kind, CALLED.sub(b"", rest))
         if not called:
             return lines
+        self._note(lines)
+        return lines + self._called()
+
+    def _note(self, lines: list[bytes]) -> None:
+        """Where the tool stands behind straight lines that nobody has taken yet."""
+        for line in lines:
+            if not line.startswith(b"L"):
+                continue
+            words = self._words(line[1:])
+            places = {axis: self._place(words, axis) for axis in "XYZ" if axis in words}
+            for axis, place in places.items():
+                self.scene.moved(axis, place)
+
+    def _called(self) -> list[bytes]:
+        """The cycle that is defined, where the tool stands."""
         if self.holes.taps:
-            return lines + self.holes.tapped()
-        holes = self._bore() if self.holes.cycle == BORE else self.holes.lines()
-        self.due = self.due or bool(holes)
-        return lines + holes
+            return self.holes.tapped()
+        lines = self._bore() if self.holes.cycle == BORE else self.holes.lines()
+        self.due = self.due or bool(lines)
+        return lines
+
+    def _pattern(self) -> list[bytes]:
+        """Cycle 220 or 221, at the end of its definition."""
+        pattern, self.pattern = self.pattern, None
+        assert pattern is not None
+        kept, scene = dict(self.holes.data), self.scene
+        clear, top, between = pattern.value(200), pattern.value(203), pattern.value(301, 1.0)
+        second = max(pattern.value(204, clear), clear)
+        if self.holes.cycle in WITH_PARTS:
+            raise scene.fault(f"a pattern of cycle {self.holes.cycle}", "define cycle 200 or 207")
+        own = {200: clear, 203: top, 204: second if between else 0.0}
+        self.holes.data |= {n: f"{v:+.6f}".encode() for n, v in own.items()}
+        high = b"L " + signed(scene, "Z", top + second) + b" FMAX"
+        lines = [high]
+        for place in points(scene, pattern.cycle, pattern.value):
+            words = [signed(scene, axis, v) for axis, v in zip("XY", place, strict=True)]
+            lines.append(b"L " + b" ".join(words) + b" FMAX")
+            for axis, v in zip("XY", place, strict=True):
+                scene.moved(axis, v)
+            lines += self._called()
+        self.holes.data = kept
+        return [*lines, high]
 
     def _cornered(self, kind: bytes, code: bytes) -> list[bytes]:
         """A line with a corner at one of its ends."""
@@ -165,7 +214,12 @@ class KlartextPaths:
             self.shift = {}
         if number == 7:
             return self._shifted(code[: found.end()], code[found.end() :]) or [code]
-        if number not in DATA_ONLY and found[2] in (None, b"0"):
+        if number in PATTERNS:
+            self.pattern = Holes(self.scene, number)
+            return []
+        if number in WITH_PARTS and found[2] not in (None, b"0"):
+            self.holes.part(number, int(found[2]), code[found.end() :])
+        elif number not in DATA_ONLY and found[2] in (None, b"0"):
             self.holes.define(number)
         self.holes.datum(code[found.end() :])
         return [code]
