@@ -33,6 +33,7 @@ from postproc.nc.expand.fanuc_calls import (
     word_of,
 )
 from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value, index
+from postproc.nc.expand.fanuc_names import numbered
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.fanuc_words import Word, rendered
@@ -58,7 +59,8 @@ class Runner:
         self.variables = Variables(tracker)
         tracker.rendered = self._rendered
         self.semicolon = tracker.dialect.grammar.semicolon
-        self.source = Source(program, self.semicolon, self.variables.haas)
+        named = program if self.variables.haas else numbered(program, self.semicolon)
+        self.source = Source(named, self.semicolon, self.variables.haas)
         self.library = Library(program, self.semicolon, self.variables.haas)
         self.variables.mentions = lambda what: any(
             s.mentions(what) for s in (self.source, *self.library.sources())
