@@ -58,6 +58,7 @@ OPTIONS = (  # what an advice names, and what its user would type
     (r"--start ([A-Z0-9,.]+)", ("--start", "")),  # as the advice writes it
     (r"--outside", ("--outside", "clamp")),
     (r"--integers units", ("--integers", "units")),
+    (r"say it in mm: --offset (\S+=\S*R5)", ("--offset", "")),
 )
 BROKEN = (  # an error that the control tells too, or that no control could run
     "is too short: the end lies",
@@ -65,6 +66,7 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     "a depth has no sign",
     "',' or ')' is missing",
     "misses its own end",
+    " from the pole",
     "is not text",
     "a comment is opened",
     "words in one block",
