@@ -45,7 +45,9 @@ SAID = """Programs of other people, read from public repositories and from the e
 dialect of its control; long ones with fewer of their motions, each as it was measured last. Where a search named no repository each program is a source
 of its own. `gcomp --verify` runs as its user would run it: a machine with 6 m of travel and a smooth two-way map, all offsets
 stated as zero, home stated, 1 um; a refusal is answered by the option that its advice names (`python -m tests.corpus.share`).
-*none*: controls of which there is no dialect here (Fadal, Okuma lathes, MillMaster), all refused.
+*none*: controls of which there is no dialect here (Fadal, MillMaster), all refused. The 61 turning programs measured last ran on a lathe with X Z, or with
+X Y Z C where they name Y or C, all offsets by their own names (T0203, T5D1, G30) zero too; three of their refusals and one of an older program were judged
+by hand (a called shape or subprogram that is not there: *not in the text*; a corner where the shape goes straight on: *broken*).
 *Broken*: the control would stop at it too. *Not in the text*: what is cut depends on what only the machine knows (probing,
 variables that it keeps, axes that a machine with X Y Z A B C has not), or it is a template."""  # noqa: E501
 NONE = "none"  # folder of programs whose control has no dialect here
