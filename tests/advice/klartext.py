@@ -19,6 +19,7 @@ def cycle(data: str, number: int = 200, call: str = "L X+5 FMAX M99", feed: str 
 DRILL = "Q200=+2 Q201=-5 Q206=+90 Q202=+3 Q203=+0"
 POLE = "CC X+5 Y+0|"
 RIGHT = POLE + "C X+10 Y+0 DR+ F99"
+ALONG = "L X+0 Y+0 F99|L X+1 Y+0|"
 LINE, ON = "L X+5 F99|", "|L Y+5"
 BORE = "Q200=+2 Q201=-5 Q206=+90 Q203=+0 "
 
@@ -75,7 +76,9 @@ ALL = [
     klartext(POLE + "C X+10 Y+0 Z+1 DR+ F99", POLE + "CP IPA+180 Z+1 DR+ F99"),
     klartext(POLE + "CP IPA-90 DR+ F99", POLE + "CP IPA-90 DR- F99"),
     klartext(POLE + "CP PR+5 IPA+90 DR+ F99", POLE + "CP IPA+90 DR+ F99"),
-    klartext("L X+1 F99|CT X+10 Y+3", "L X+1 F99|CR X+10 Y+3 R+9 DR+"),
+    klartext("STOP|L X+1 F99|L Z+0 FMAX M91|CT X+10 Y+3", "L X+0 Y+0 F99|L X+1 Y+0|CT X+10 Y+3"),
+    klartext(ALONG + "CT X+9", ALONG + "CT X+9 Y+3"),
+    klartext(ALONG + "CT IX+0", ALONG + "CT X+9 Y+3"),
     klartext("CC X+5 Y+0 Z+0|C X+10 Y+0 DR+ F99", RIGHT),
     klartext("RND R1", LINE + "RND R1" + ON),
     klartext(LINE + "RND R1 F20" + ON, LINE + "RND R1" + ON),

@@ -82,6 +82,35 @@ def test_arcs(arc, start, centre, degrees, depth):
         assert point[2] == pytest.approx(depth * k / (len(points) - 1), abs=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("before", "to", "centre", "degrees"),
+    [
+        # lines along X: a quarter to each side, half a circle, more than half
+        ("L X+0 Y+0|L X+10", "X+15 Y+5", (10, 5), 90),
+        ("L X+0 Y+0|L IX+10", "X+15 Y-5", (10, -5), -90),
+        ("L X+0 Y+0|L X+10 Y+0", "IX+0 IY+8", (10, 4), 180),
+        ("L X+0 Y+0|L X+10 Y+0", "X+6 Y+4", (10, 4), 270),
+        # the manual: L X+0 Y+25, L X+25 Y+30, CT X+45 Y+20
+        ("L X+0 Y+25|L X+25 Y+30", "X+45 Y+20", (28.571429, 12.142857), -75.749967),
+        # along an arc, and along one another
+        ("L X+10 Y+0|CC X+0 Y+0|C X+0 Y+10 DR+", "X-5 Y+5", (0, 5), 90),
+        ("L X+0 Y+0|L X+10 Y+0|CT X+15 Y+5", "X+20 Y+10", (20, 5), -90),
+        ("CC X+0 Y+0|L X+2 Y+0|LP PR+10 PA+0", "X+15 Y+5", (10, 5), 90),
+    ],
+)
+def test_arcs_that_go_on(before, to, centre, degrees):
+    lines = plain(f"{before}|M8|CT {to} F100 M9")
+    begin = next(k for k, line in enumerate(lines) if "M8" in line)
+    found = [p[:2] for p in places(lines[:begin])[-1:]]
+    found += [p[:2] for p in places(lines[begin:], (*found[0], 0.0))[1:]]
+    radius = math.dist(found[0], centre)
+    assert all(math.dist(p, centre) == pytest.approx(radius, abs=3e-4) for p in found)
+    angles = [math.atan2(p[1] - centre[1], p[0] - centre[0]) for p in found]
+    steps = [math.remainder(b - a, math.tau) for a, b in zip(angles, angles[1:], strict=False)]
+    assert math.degrees(sum(steps)) == pytest.approx(degrees, abs=5e-3)
+    assert all(radius * (1 - math.cos(s / 2)) <= TOLERANCE * 1.01 for s in steps)
+
+
 def test_words_of_an_arc_stay_with_it():
     lines = plain("CC X+0 Y+0|L X+10 Y+0 RL F300|C X-10 Y+0 DR+ F100 M9")
     assert lines[0] == "L X+10 Y+0 RL F300"
@@ -399,7 +428,13 @@ def test_increments_of_the_datum_add_up():
         ("CC X+0 Y+0|L X+10|CP IPA+90 DR-", "different signs"),
         ("CC X+0 Y+0|L X+10|CP PR+5 IPA+90 DR+", "PR in CP"),
         ("L X+10|CR X+50 R+2 DR+", "makes no arc"),
-        ("L X+10|CT X+50", "CT"),
+        ("L X+10|CT X+50", "not known"),
+        ("L X+0 Y+0|L X+10 Y+0|L Z+0 FMAX M91|CT X+50 Y+9", "not known"),
+        ("L X+0 Y+0|L X+10 Y+0|CYCL DEF 7.1 X+5|CT X+50 Y+9", "not known"),
+        ("L X+0 Y+0|L X+10 Y+0|TRANS DATUM AXIS X+5|CT X+50 Y+9", "not known"),
+        ("L X+0 Y+0|L X+10 Y+0|CT X+50", "straight on or back"),
+        ("L X+0 Y+0|L X+10 Y+0|CT X+10", "ends where it begins"),
+        ("L X+0 Y+0|L X+10 Y+0|CT X+12 Y+2 Z+1", "Z in CT"),
         ("L X+10 FMAX M99", "none is defined"),
         ("CYCL DEF 252 POCKET ~|  Q201=-5|L X+10 FMAX M99", "252 is called"),
         ("CYCL DEF 205 ~| Q200=+2 ~|Q201=-5 ~|Q206=+9 ~|Q203=+0 ~|Q379=+2|L X+1 M99", "Q379"),

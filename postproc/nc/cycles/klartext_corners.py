@@ -23,7 +23,7 @@ from postproc.nc.cycles.scene import Scene
 CORNER = re.compile(rb"(RND|CHF)[ \t]*(?:R[ \t]*)?([+]?[0-9]*\.?[0-9]+)[ \t]*")
 PLACE = re.compile(rb"(?<![A-Z])(I?)([XY])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 ELSEWHERE = re.compile(rb"(?<![A-Z])I?[ZABCUVW][ \t]*[-+]?[.0-9]")
-BETWEEN = re.compile(rb"Q|FN|\*|\Z")
+BETWEEN = re.compile(rb"Q|FN|\*|\Z")  # may stand between two paths
 FAST = re.compile(rb"F[ \t]*MAX")
 NEAR = 1e-9
 WRITE = "write the corner out as L and CR"
@@ -62,10 +62,6 @@ class Corners:
         if float(found[2]) <= 0:
             raise self.scene.fault(f"{name} with no size", "write a size above 0")
         self.coming = name, float(found[2])
-
-    def passes(self, code: bytes) -> bool:
-        """Whether a statement that is no path may stand between the two lines of a corner."""
-        return not self.at_work or BETWEEN.match(code) is not None
 
     def beside(self) -> Exception:
         """What stands between a line and the next one is none."""

@@ -4,8 +4,8 @@ HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Pat
 the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis across the plane a
 helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
 XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
-klartext_corners.py; holes, bores, patterns: klartext_holes.py, klartext_bore.py,
-klartext_patterns.py.
+klartext_corners.py, tangents: klartext_tangent.py; holes, bores, patterns: klartext_holes.py,
+klartext_bore.py, klartext_patterns.py.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ import re
 from collections.abc import Sequence
 
 from postproc.nc.cycles.klartext_bore import Tool, bore
-from postproc.nc.cycles.klartext_corners import Corners
+from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
 from postproc.nc.cycles.klartext_holes import Holes, signed
 from postproc.nc.cycles.klartext_patterns import PATTERNS, points
+from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
@@ -38,7 +39,6 @@ SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 BORE = 208
 WITH_PARTS = (1, 2, 17)  # whose data stand behind a point
 DATA_ONLY = (9, 13, 14, 32, 247)  # defined beside a drilling cycle, which holds on
-CIRCLES = "write it as C with its pole, or as CR"
 XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
 Words = dict[str, tuple[bool, float]]
 
@@ -51,7 +51,7 @@ class KlartextPaths:
 
     def __init__(self, scene: Scene):
         self.scene, self.holes = scene, Holes(scene)
-        self.corners, self.tool = Corners(scene), Tool(scene)
+        self.corners, self.tool, self.heading = Corners(scene), Tool(scene), Heading(scene)
         self.pole: dict[str, float] = {}
         self.plane = XY  # of the pole
         self.at_line: Line | None = None  # the last one
@@ -79,8 +79,10 @@ class KlartextPaths:
             return [line]
         found = STATEMENT.match(code)
         on = line.text.rstrip(b" \t\r").endswith(b"~")
-        if found is None and not self.corners.passes(code):
-            raise self.corners.beside()
+        if found is None and not BETWEEN.match(code):
+            self.heading.lose()
+            if self.corners.at_work:
+                raise self.corners.beside()
         lead = b"/ " if head[1] else b""
         if self.pattern is not None:
             self.pattern.datum(code)
@@ -109,15 +111,19 @@ class KlartextPaths:
             self.corners.define(code)
             return []
         if self.corners.at_work:
+            self.heading.lose()
             return self._cornered(kind, code)
         if kind == b"DEF":
+            self.heading.lose()
             return self._define(code)
         if kind == b"CC":
             self._set(rest)
             return []
-        if kind == b"CT":
-            raise self.scene.fault("CT: its centre follows from the line before", CIRCLES)
         called = kind == b"CALL" or CALLED.search(code) is not None
+        if kind == b"L":
+            self.heading.line(code)
+        elif kind in (b"CALL", b"TOOL"):
+            self.heading.lose()
         if kind == b"CALL":
             lines = [rest.strip()] if rest.strip() else []
         elif kind in (b"L", b"TOOL", b"M"):
@@ -268,15 +274,16 @@ class KlartextPaths:
     def _path(self, kind: bytes, rest: bytes) -> list[bytes]:
         """C, CR, CP and LP."""
         scene, words = self.scene, self._words(rest)
-        plane = XY if kind == b"CR" else self.plane
+        plane = XY if kind in (b"CR", b"CT") else self.plane
         at, polar = (scene.at(plane[0]), scene.at(plane[1])), kind in (b"CP", b"LP")
         across = plane[2]
         if across in words and not polar:
             raise scene.fault(f"{across} in {kind.decode()}", "write a helix as CP with IPA")
         turn = words.get("DR", (False, 0.0))[1]
-        if kind != b"LP" and not turn:
+        if kind not in (b"LP", b"CT") and not turn:
             raise scene.fault(f"{kind.decode()} without DR", "DR+ or DR- says which way it turns")
         arc = self._polar(kind, at, words) if polar else self._round(kind, at, words, plane)
+        self._go_on(kind, arc, plane)
         places = [arc.to] if kind == b"LP" else ends(scene, arc)
         if across not in words:
             return self._written([(place, None) for place in places], rest, plane)
@@ -284,9 +291,21 @@ class KlartextPaths:
         heights = [low + (depth - low) * k / len(places) for k in range(1, len(places) + 1)]
         return self._written(list(zip(places, heights, strict=True)), rest, plane)
 
+    def _go_on(self, kind: bytes, arc: Arc, plane: tuple[str, str, str]) -> None:
+        """The way at the end of a path."""
+        if plane != XY:
+            self.heading.lose()
+        elif kind == b"LP":
+            self.heading.way = arc.to[0] - arc.at[0], arc.to[1] - arc.at[1]
+            self.heading.here = dict(zip((b"X", b"Y"), arc.to, strict=True))
+        else:
+            self.heading.arc(arc)
+
     def _round(self, kind: bytes, at: Point, words: Words, plane: tuple[str, str, str]) -> Arc:
         """C and CR: to a place."""
         to = self._place(words, plane[0]), self._place(words, plane[1])
+        if kind == b"CT":
+            return self.heading.tangent(at, to)
         turn = words["DR"][1]
         if kind == b"CR":
             return by_radius(self.scene, at, to, words.get("R", (False, 0.0))[1], turn)
