@@ -82,6 +82,7 @@ ALL = [
     klartext("CC X+5 Y+0 Z+0|C X+10 Y+0 DR+ F99", RIGHT),
     klartext("RND R1", LINE + "RND R1" + ON),
     klartext(LINE + "RND R1 F20" + ON, LINE + "RND R1" + ON),
+    klartext(LINE + "/ RND R1" + ON, LINE + "RND R1" + ON),
     klartext(LINE + "CHF 0" + ON, LINE + "CHF 1" + ON),
     klartext(LINE + "RND R1|M9" + ON, LINE + "RND R1" + ON),
     klartext("L X+5 FMAX|RND R1" + ON, LINE + "RND R1" + ON),

@@ -328,6 +328,15 @@ def test_a_polar_pattern(data, angles):
     assert "L Z-3 F70" in lines
 
 
+def test_a_pattern_that_block_delete_takes_out():
+    lines = plain(
+        RING.format("+0", "+360", "+0", "+2", "+1").replace("CYCL DEF 220", "/ CYCL DEF 220")
+    )
+    made = lines[lines.index("/ L Z+21 FMAX") : -1]
+    assert len(made) > 8
+    assert all(line.startswith("/ L") for line in made)
+
+
 @pytest.mark.parametrize(("turn", "unit"), [("+0", 1), ("+90", 1j)])
 def test_a_linear_pattern(turn, unit):
     """Every second line backwards."""
@@ -460,6 +469,9 @@ def test_increments_of_the_datum_add_up():
         ),
         ("CC Z+0|L X+1", "in no plane"),
         ("RND R5", "behind no straight line"),
+        ("/ L X+10 F9|RND R5|L Y+10", "/ may take out"),
+        ("L X+10 F9|/ RND R5|L Y+10", "/ may take out"),
+        ("L X+10 F9|RND R5|/ L Y+10", "/ may take out"),
         ("L X+10 F9|RND R5|CR X+20 Y+0 R9 DR+", "beside something else"),
         ("L X+10 F9|RND R5|M9", "beside something else"),
         ("L X+10 F9|RND R5|PLANE RESET STAY", "beside something else"),

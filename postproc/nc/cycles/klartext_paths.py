@@ -60,6 +60,7 @@ class KlartextPaths:
         self.due = False  # whether another feed is in force than the program's
         self.goes_on = False  # a definition, in the next line
         self.pattern: Holes | None = None  # while it is defined
+        self.lead = b""  # "/ " where its definition begins so
 
     def wants(self, line: Line) -> bool:
         """Every line may move the pole or say the feed."""
@@ -87,17 +88,21 @@ class KlartextPaths:
         if self.pattern is not None:
             self.pattern.datum(code)
             self.goes_on = on
+            lead = self.lead
             return [] if on else [line._replace(text=lead + text) for text in self._pattern()]
         if self.goes_on or found is None:
             self.holes.datum(code)
             self.goes_on = self.goes_on and on
             return [line]
+        if head[1] and (self.corners.at_work or code.startswith((b"RND", b"CHF"))):
+            raise self.scene.fault("a corner in blocks that / may take out", "take the / out")
         self.at_line = line
         self.tool.note(code)
         kind, rest = found[1].split()[-1], code[found.end() :]
         self.goes_on = kind == b"DEF" and on
         new = self._of(kind, code, rest)
         if self.pattern is not None:
+            self.lead = lead
             if not on:
                 raise self.scene.fault("a pattern without its data", "write ~ at the end of a line")
             return []
