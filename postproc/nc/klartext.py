@@ -222,19 +222,24 @@ def _cycle(text: bytes) -> bytes:
         return ZERO.ljust(len(text))
     if number == 7 and part not in (None, b"0"):
         return _shift(text, match.end())
-    if number == 12:
-        return _macro(text, codes.CALL)
-    if number in PATTERNS:
-        return _macro(text, EXPAND_PATH)
-    if number in MOVES_AT_ONCE or 400 <= number < 500:
-        return _macro(text, codes.WRITE_OUT)
-    if number in CYLINDERS:
-        return _macro(text, codes.TRANSFORM)
+    if why := _moves_otherwise(number):
+        return _macro(text, why)
     if number in TURNS and part not in (None, b"0") and rest.strip():
         return _turned(text, number, rest)
     if number in ACT_AT_ONCE or part not in (None, b"0"):
         return _blank(text)
     return (b"G207" if number in TAPS else b"G200").ljust(len(text))
+
+
+def _moves_otherwise(number: int) -> str:
+    """Why the definition of a cycle can not be followed; "": it can."""
+    if number == 12:
+        return codes.CALL
+    if number in PATTERNS:
+        return EXPAND_PATH
+    if number in MOVES_AT_ONCE or 400 <= number < 500:
+        return codes.WRITE_OUT
+    return codes.TRANSFORM if number in CYLINDERS else ""
 
 
 def _turned(text: bytes, number: int, rest: bytes) -> bytes:
