@@ -50,8 +50,9 @@ def without_rests(pieces: Pieces) -> Pieces:
     first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
     group = np.cumsum(first) - 1
     moves = np.bincount(group, weights=~rest) > 0
-    keep = ~rest | (first & ~moves[group])
-    return Pieces(**{f: getattr(pieces, f)[..., keep] for f in Pieces.__dataclass_fields__})
+    keep = (~rest | (first & ~moves[group])).nonzero()[0]
+    fields = Pieces.__dataclass_fields__
+    return Pieces(**{f: getattr(pieces, f).take(keep, axis=-1) for f in fields})
 
 
 def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
@@ -66,7 +67,8 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
     order = np.lexsort((key[:, 1], key[:, 0]))
     fields = Pieces.__dataclass_fields__
     joined = {
-        f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1)[..., order] for f in fields
+        f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1).take(order, axis=-1)
+        for f in fields
     }
     return Pieces(**joined)
 

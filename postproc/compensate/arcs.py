@@ -14,7 +14,7 @@ def points(
 ) -> np.ndarray:
     """(A, K) mm: nominal points of arcs at t from 0 to 1. start, target (A, n) mm of all arcs;
     spirals and helices linear."""
-    p = start[:, arc] + (target - start)[:, arc] * t
+    p = start.take(arc, axis=1) + (target - start).take(arc, axis=1) * t
     angle = arcs.angle[arc] + arcs.sweep[arc] * t
     radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
     inner = (t > 0) & (t < 1)  # ends stay as programmed, to the bit

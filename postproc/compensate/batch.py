@@ -103,7 +103,7 @@ class Batch:
         whole = t1 - t0 == 1.0
         parts = (~whole).nonzero()[0]
         if len(parts):
-            way = self.end_nominal[:, parts] - self.begin_nominal[:, parts]
+            way = self.end_nominal.take(parts, axis=1) - self.begin_nominal.take(parts, axis=1)
             travel[:, parts] = np.rint(way * TICKS_PER_MM).astype(np.int64)
         code = m.code[motion]
         sure = (m.start_known & m.target_known).take(motion, axis=1)
@@ -173,7 +173,10 @@ class Batch:
         for end, column in ((1.0, m.target), (0.0, m.start)):
             if np.count_nonzero(t == end) == n:
                 return column.take(motion, axis=1) / TICKS_PER_MM
-        start, target = m.start[:, motion] / TICKS_PER_MM, m.target[:, motion] / TICKS_PER_MM
+        start, target = (
+            m.start.take(motion, axis=1) / TICKS_PER_MM,
+            m.target.take(motion, axis=1) / TICKS_PER_MM,
+        )
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
         if on_arc.any():
@@ -189,7 +192,7 @@ class Batch:
         if not np.count_nonzero(ramped):
             return begin
         reach = np.where(ramped, self.c.reach, 1)[:, None]
-        way = (nominal - self.begin_nominal[:, stroke]) * (TICKS_PER_MM / reach)
+        way = (nominal - self.begin_nominal.take(stroke, axis=1)) * (TICKS_PER_MM / reach)
         moved = np.minimum(np.maximum(begin + way, -1.0), 1.0)
         return np.where(ramped[:, None], moved, begin)
 
@@ -207,7 +210,7 @@ class Batch:
         exact = self.command(stroke, t, nominal, weight)
         if self.c.mode == "off":
             rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
-            exact += self.differs[:, stroke] * rest
+            exact += self.differs.take(stroke, axis=1) * rest
         return self.led(stroke, exact)
 
     def led(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
@@ -257,9 +260,9 @@ class Batch:
         # A programmed word keeps its own decimals: its correction is rounded, not its sum.
         self.end = nominal_ticks + whole
         if len(inner):
-            self.end[:, inner] = self.grid(inner, self.exact[:, inner])
+            self.end[:, inner] = self.grid(inner, self.exact.take(inner, axis=1))
             on = np.array(self.fixed, np.int64)[:, None]
-            self.end[on, inner] = self.grid(inner, self.end_nominal[:, inner])[self.fixed]
+            self.end[on, inner] = self.grid(inner, self.end_nominal.take(inner, axis=1))[self.fixed]
         for row in self.fixed:
             self.end[row, self.last] = nominal_ticks[row, self.last]
         untold = ~(self.told & free)
@@ -268,7 +271,7 @@ class Batch:
         self.before = np.empty_like(self.end)
         self.before[:, 0], self.before[:, 1:] = self.carry.issued, self.end[:, :-1]
         if np.count_nonzero(self.jumped):
-            self.before = np.where(self.jumps, m.start[:, motion], self.before)
+            self.before = np.where(self.jumps, m.start.take(motion, axis=1), self.before)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
@@ -290,8 +293,8 @@ class Batch:
         if len(which):
             exact = command(
                 self.machine,
-                self.begin_nominal[:, which],
-                self.weight_begin[:, which],
+                self.begin_nominal.take(which, axis=1),
+                self.weight_begin.take(which, axis=1),
                 motion[which],
             )
             self.wanted[:, which] = self.grid(which, exact)
@@ -411,7 +414,7 @@ class Batch:
         self.way = self.carry.way.copy()
         self.way[rows] = course[:, -1]
         if out.any():
-            step = self.m.grid[rows][:, self.motion]
+            step = self.m.grid[rows].take(self.motion, axis=1)
             far = np.maximum(2 * self.c.hysteresis, play) * TICKS_PER_MM / step
             over = (np.ceil(far).astype(np.int64) + 1) * step
             led = self.begin[rows] - (self.weight_begin[rows] * over).astype(np.int64)
@@ -432,9 +435,9 @@ class Batch:
             which = (self.known_before & self.free[self.motion]).nonzero()[0]
             exact = command(
                 self.machine,
-                self.begin_nominal[:, which],
-                self.weight_begin[:, which],
+                self.begin_nominal.take(which, axis=1),
+                self.weight_begin.take(which, axis=1),
                 self.motion[which],
             )
             self.differs = np.zeros_like(self.exact)
-            self.differs[:, which] = self.begin[:, which] / TICKS_PER_MM - exact
+            self.differs[:, which] = self.begin.take(which, axis=1) / TICKS_PER_MM - exact

@@ -27,15 +27,17 @@ def take_ups(b: Batch):
         return None
     two = over.nonzero()[0]
     stroke = np.concatenate([two, which])
-    start = np.concatenate([b.before[:, two], np.where(over, b.beyond, b.before)[:, which]], axis=1)
-    end = np.concatenate([b.beyond[:, two], b.begin[:, which]], axis=1)
+    start = np.concatenate(
+        [b.before.take(two, axis=1), np.where(over, b.beyond, b.before).take(which, axis=1)], axis=1
+    )
+    end = np.concatenate([b.beyond.take(two, axis=1), b.begin.take(which, axis=1)], axis=1)
     order = np.repeat([-2, -1], [len(two), len(which)])
     return pack(b, stroke, order, np.full(len(stroke), FEED), start, end, np.zeros(len(stroke)),
                      _begin_ticks(b, stroke), take_up=True)  # fmt: skip
 
 
 def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
-    return np.rint(b.begin_nominal[:, which] * TICKS_PER_MM).astype(np.int64)
+    return np.rint(b.begin_nominal.take(which, axis=1) * TICKS_PER_MM).astype(np.int64)
 
 
 def pack(
@@ -104,10 +106,10 @@ def straight_pieces(b: Batch):
             straight,
             np.zeros(len(straight), np.int64),
             code[straight],
-            b.begin[:, straight],
-            b.end[:, straight],
+            b.begin.take(straight, axis=1),
+            b.end.take(straight, axis=1),
             (b.t1 - b.t0)[straight],
-            b.nominal_end[:, straight],
+            b.nominal_end.take(straight, axis=1),
         )
     # Cuts come before the end of their own stroke; both are in order already.
     cut = chosen[owner]
@@ -117,7 +119,7 @@ def straight_pieces(b: Batch):
     n = len(straight) + len(cut)
     stroke, time = np.empty(n, np.int64), np.ones(n)
     stroke[place_end], stroke[place_cut], time[place_cut] = straight, cut, t
-    end, nominal = b.end[:, stroke], b.nominal_end[:, stroke]
+    end, nominal = b.end.take(stroke, axis=1), b.nominal_end.take(stroke, axis=1)
     end[:, place_cut] = b.grid(cut, exact)
     nominal[:, place_cut] = np.rint(
         b.nominal(motion[cut], _of_motion(b, cut, t)) * TICKS_PER_MM
@@ -129,7 +131,9 @@ def straight_pieces(b: Batch):
     start = _starts(b, stroke, first, end)
     none = (start == end).all(axis=0) & (time < 1.0)
     if none.any():
-        stroke, time, end, nominal = stroke[~none], time[~none], end[:, ~none], nominal[:, ~none]
+        kept = (~none).nonzero()[0]
+        stroke, time = stroke[kept], time[kept]
+        end, nominal = end.take(kept, axis=1), nominal.take(kept, axis=1)
         first = np.concatenate([[True], stroke[1:] != stroke[:-1]])
         start = _starts(b, stroke, first, end)
     share = time.copy()
@@ -151,7 +155,7 @@ def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) ->
     begun."""
     start = np.empty_like(end)
     start[:, 1:] = end[:, :-1]
-    start[:, first] = b.begin[:, stroke[first]]
+    start[:, first] = b.begin.take(stroke[first], axis=1)
     return start
 
 
@@ -160,7 +164,7 @@ def _cuts(b: Batch, chosen: np.ndarray):
     strokes."""
     if not len(chosen):
         return np.zeros(0, np.int64), np.zeros(0), np.zeros((len(b.machine.axes), 0))
-    start, target = b.begin_nominal[:, chosen], b.end_nominal[:, chosen]
+    start, target = b.begin_nominal.take(chosen, axis=1), b.end_nominal.take(chosen, axis=1)
     beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
     owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
     for more, at in _ramp_ends(b, chosen):
@@ -182,10 +186,13 @@ def _cuts(b: Batch, chosen: np.ndarray):
     t[node] = np.clip(t[node] - (exact[axis[node], node] - there) / way, 1e-9, 1 - 1e-9)
     exact[:, node] = _along(b, chosen, owner[node], t[node])
     written = (b.grid(chosen[owner], exact) / TICKS_PER_MM) - exact
-    correction = exact - (start[:, owner] + (target - start)[:, owner] * t)
+    correction = exact - (start.take(owner, axis=1) + (target - start).take(owner, axis=1) * t)
     # The ends are settled already, rounding and all.
     every = np.arange(len(chosen))
-    begin, end = b.begin[:, chosen] / TICKS_PER_MM - start, b.end[:, chosen] / TICKS_PER_MM - target
+    begin, end = (
+        b.begin.take(chosen, axis=1) / TICKS_PER_MM - start,
+        b.end.take(chosen, axis=1) / TICKS_PER_MM - target,
+    )
     owner, t = (
         np.concatenate([owner, every, every]),
         np.concatenate([t, np.zeros(len(every)), np.ones(len(every))]),
@@ -198,16 +205,27 @@ def _cuts(b: Batch, chosen: np.ndarray):
         [written, np.zeros((len(written), 2 * len(every)))], axis=1
     )
     order = nodes.tidy(owner, t)
-    owner, t, correction, exact = owner[order], t[order], correction[:, order], exact[:, order]
+    owner, t, correction, exact = (
+        owner[order],
+        t[order],
+        correction.take(order, axis=1),
+        exact.take(order, axis=1),
+    )
     onward = _onward(b, chosen[owner], t, exact)
-    correction, exact, written = correction + onward, exact + onward, written[:, order] + onward
-    tolerance = np.where(b.travel[:, chosen] == 0, b.c.chord / 2, b.c.chord)
-    tolerance += b.m.grid[:, b.motion[chosen]] / TICKS_PER_MM / 2  # what is written is rounded
+    correction, exact, written = (
+        correction + onward,
+        exact + onward,
+        written.take(order, axis=1) + onward,
+    )
+    tolerance = np.where(b.travel.take(chosen, axis=1) == 0, b.c.chord / 2, b.c.chord)
+    tolerance += (
+        b.m.grid.take(b.motion[chosen], axis=1) / TICKS_PER_MM / 2
+    )  # what is written is rounded
     rows = b.rows
-    cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows])
+    cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows]).nonzero()[0]
     if b.machine.chain.rotary:
-        return _on_increments(b, chosen, owner[cut], t[cut], exact[:, cut])
-    return owner[cut], t[cut], exact[:, cut]
+        return _on_increments(b, chosen, owner[cut], t[cut], exact.take(cut, axis=1))
+    return owner[cut], t[cut], exact.take(cut, axis=1)
 
 
 def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> np.ndarray:
@@ -238,7 +256,7 @@ def _on_increments(
     """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one
     is 2 um at 200 mm."""
     rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
-    way = (b.end_nominal - b.begin_nominal)[:, chosen[owner]]
+    way = (b.end_nominal - b.begin_nominal).take(chosen[owner], axis=1)
     row = (
         np.array(rows)[np.argmax(np.abs(way[rows]), axis=0)]
         if len(owner)
@@ -263,8 +281,8 @@ def _on_increments(
 def _along(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(A, K) mm exact commands at t along straight strokes."""
     stroke = chosen[owner]
-    start = b.begin_nominal[:, stroke]
-    nominal = start + (b.end_nominal[:, stroke] - start) * t
+    start = b.begin_nominal.take(stroke, axis=1)
+    nominal = start + (b.end_nominal.take(stroke, axis=1) - start) * t
     t = _of_motion(b, stroke, t)
     return b.needed(stroke, nominal, b.weight(stroke, nominal), t)
 
@@ -313,8 +331,8 @@ def arc_pieces(b: Batch):
         stroke=which,
         t0=b.t0[which],
         t1=b.t1[which],
-        begin=b.begin[:, which],
-        end=b.end[:, which],
+        begin=b.begin.take(which, axis=1),
+        end=b.end.take(which, axis=1),
         centre=np.zeros((2, len(which)), np.int64),
         radius=np.zeros(len(which), np.int64),
         chord=np.zeros(len(which), bool),
@@ -325,9 +343,9 @@ def arc_pieces(b: Batch):
     fitter = Fitter(
         machine=b.machine, arcs=arcs, start=b.arc_start, target=b.arc_target, tolerance=b.c.plane,
         tolerance_across=b.c.chord, total=b.c.inner, mismatch=b.options.arc_mismatch, base=written,
-        step=m.grid[:, arcs.motion], single=single, plain=_plain(b),
+        step=m.grid.take(arcs.motion, axis=1), single=single, plain=_plain(b),
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
-        weight=lambda r: b.weight_begin[:, r.stroke],
+        weight=lambda r: b.weight_begin.take(r.stroke, axis=1),
         led=lambda r, row, exact: b.led(r.stroke[row], exact), followed=b.c.followed,
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
         **cutter.arcs_inside(b),

@@ -112,7 +112,10 @@ class Fitter:
         sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
         radius = self.arcs.radius[rows.arc]
         sagitta = radius * (1 - np.cos(np.minimum(sweep, np.pi) / 2))
-        tiny = sweep * radius < SHORTEST * self.arcs.grid[:, rows.arc].max(axis=0) / TICKS_PER_MM
+        tiny = (
+            sweep * radius
+            < SHORTEST * self.arcs.grid.take(rows.arc, axis=1).max(axis=0) / TICKS_PER_MM
+        )
         return tiny, sagitta < self.tolerance / 8
 
 
@@ -177,7 +180,7 @@ class Cutting:
 
     def _ticks(self, rows: Rows, at: np.ndarray) -> np.ndarray:
         """(A, R) ticks commanded at samples (R,) of rows."""
-        return self.f.round_to(rows, np.arange(len(rows)), self.samples.command[:, at])
+        return self.f.round_to(rows, np.arange(len(rows)), self.samples.command.take(at, axis=1))
 
     def _halve_inside(self) -> None:
         """Inside cutter radius compensation pieces have a least length: both halves are looked at

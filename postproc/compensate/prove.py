@@ -61,11 +61,11 @@ class Proof:
     def __init__(self, f: Fitter, rows: Rows, samples: Samples, low: np.ndarray, high: np.ndarray):
         self.f, self.rows, self.low, self.high = f, rows, low, high
         arcs, arc = f.arcs, rows.arc
-        self.arc, self.centre = arc, arcs.centre[:, arc]
+        self.arc, self.centre = arc, arcs.centre.take(arc, axis=1)
         axes = [samples.first, samples.second]
         self.begin = rows.begin[axes] / TICKS_PER_MM - self.centre
         self.end = rows.end[axes] / TICKS_PER_MM - self.centre
-        self.unit0, self.unit1 = samples.unit[:, low], samples.unit[:, high]
+        self.unit0, self.unit1 = samples.unit.take(low, axis=1), samples.unit.take(high, axis=1)
         self.sweep = arcs.sweep[arc] * (rows.t1 - rows.t0)
         self.count = high - low + 1
         whole = low[0] == 0 and high[-1] == len(samples.t) - 1
@@ -74,7 +74,7 @@ class Proof:
         else:
             self.s, self.runs = self._taken(samples), 2
         self.share = (self.s.t - self._each(rows.t0)) * self._each(1.0 / (rows.t1 - rows.t0))
-        self.half = arcs.grid[:, arc].min(axis=0) / TICKS_PER_MM / 2
+        self.half = arcs.grid.take(arc, axis=1).min(axis=0) / TICKS_PER_MM / 2
         self.limit = f.total + self.half - samples.rest
         self.excess = np.zeros(len(rows))
 
@@ -169,7 +169,9 @@ class Proof:
             kept = self._kept()
             yield self._as_wide(exact), none, np.inf, kept
             yield self._rounded(exact), none, np.inf, kept
-        flat = self._sagitta() < FLAT * f.arcs.grid[:, self.arc].max(axis=0) / TICKS_PER_MM
+        flat = (
+            self._sagitta() < FLAT * f.arcs.grid.take(self.arc, axis=1).max(axis=0) / TICKS_PER_MM
+        )
         if not flat.any():
             return
         radius = f.arcs.radius[self.arc] * np.where(np.abs(self.sweep) > np.pi, -1, 1)
@@ -184,8 +186,8 @@ class Proof:
 
     def _rounded(self, centre: np.ndarray) -> np.ndarray:
         """(2, R) mm: centres as I J K will say them: whole increments from the programmed words."""
-        base = np.where(self.rows.t0 == 0, self.f.base[:, self.arc], 0)
-        grid = self.f.arcs.grid[:, self.arc]
+        base = np.where(self.rows.t0 == 0, self.f.base.take(self.arc, axis=1), 0)
+        grid = self.f.arcs.grid.take(self.arc, axis=1)
         way = base + np.rint(((centre - self.begin) * TICKS_PER_MM - base) / grid) * grid
         result: np.ndarray = self.begin + way / TICKS_PER_MM
         return result
@@ -231,7 +233,7 @@ class Proof:
         whole = (self.rows.t0 == 0) & (self.rows.t1 == 1)
         sign = np.where(whole, np.sign(own), np.where(np.abs(self.sweep) > np.pi, -1, 1))
         sign *= own != 0
-        step = self.f.arcs.grid[:, self.arc].max(axis=0)
+        step = self.f.arcs.grid.take(self.arc, axis=1).max(axis=0)
         exact = np.hypot(*(self.begin - centre)) * TICKS_PER_MM
         rounded = np.abs(own) + np.rint((exact - np.abs(own)) / step).astype(np.int64) * step
         return sign * np.abs(own), sign * rounded
@@ -262,7 +264,7 @@ class Proof:
         """(R,) ticks that the radius must have at least: inside cutter radius compensation the
         tool must fit on the inside of an arc; where its radius is not known, as it did."""
         arcs, arc = self.f.arcs, self.arc
-        step, tool = arcs.grid[:, arc].max(axis=0), self.f.tool[arc] * TICKS_PER_MM
+        step, tool = arcs.grid.take(arc, axis=1).max(axis=0), self.f.tool[arc] * TICKS_PER_MM
         radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
         least = np.minimum(radius, np.where(tool > 0, tool + step, 0.0))
         least = np.where(np.isfinite(tool), least, radius)
@@ -272,7 +274,7 @@ class Proof:
         """(2, R) mm: centres near the fitted ones that leave arcs inside cutter radius
         compensation wide enough; nan for other arcs and where there is none."""
         arcs, arc = self.f.arcs, self.arc
-        grid, chord = arcs.grid[:, arc], (self.end - self.begin) * TICKS_PER_MM
+        grid, chord = arcs.grid.take(arc, axis=1), (self.end - self.begin) * TICKS_PER_MM
         exact, least = (centre - self.begin) * TICKS_PER_MM, self._least()
         radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
         narrow = np.minimum(np.hypot(*exact), np.hypot(*(chord - exact))) < least - grid.max(axis=0)
@@ -380,6 +382,6 @@ class Proof:
 
     def _helix(self) -> np.ndarray:
         """(R,) whether a corrected axis beside the plane moves."""
-        moves = (self.f.start != self.f.target)[:, self.arc]
+        moves = (self.f.start != self.f.target).take(self.arc, axis=1)
         result: np.ndarray = moves[list(self.s.beside)].any(axis=0)
         return result

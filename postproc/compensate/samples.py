@@ -138,8 +138,8 @@ def _samples(
     angle = each(arcs.angle[arc]) + each(arcs.sweep[arc]) * t
     unit = np.stack([np.cos(angle), np.sin(angle)])
     radius = each(arcs.radius[arc]) + each((arcs.radius_end - arcs.radius)[arc]) * t
-    centre = each(arcs.centre[:, arc])
-    start, target = f.start[:, arc], f.target[:, arc]
+    centre = each(arcs.centre.take(arc, axis=1))
+    start, target = f.start.take(arc, axis=1), f.target.take(arc, axis=1)
     nominal = each(target - start)
     nominal *= t
     nominal += each(start)
@@ -150,7 +150,7 @@ def _samples(
         nominal[axis, last[over]] = target[axis, over]
     rest = way.rest[which]
     if plain:
-        exact, miss = _commands(f, rows, t, nominal, way.shift[..., which], row)
+        exact, miss = _commands(f, rows, t, nominal, way.shift.take(which, axis=-1), row)
         miss = np.maximum.reduceat(miss, begin)
         rest = rest + f.total * SHARE / 8 + 2 * way.steep[which] * miss
     else:

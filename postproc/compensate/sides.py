@@ -57,7 +57,7 @@ class Course:
         led = b.turns != b.travel
         sense = np.where(b.jumps | led, np.sign(b.turns), sense)
         given = given | led
-        unknown = ~b.m.target_known[:, b.motion]
+        unknown = ~b.m.target_known.take(b.motion, axis=1)
         self.sense, self.given = sense[self.rows], given[self.rows]
         # Where forward lies beyond reverse an axis turns by being led beyond its place and back,
         # which no rapid does.
@@ -107,9 +107,9 @@ class Course:
             which = which & (known[0] != side).any(axis=0)
         at = which.nonzero()[0]
         if len(at):
-            weight = self.spread(side)[:, at]
-            found = b.command(at, b.t1[at], b.reached[:, at], weight)
-            result[:, at] = np.where(b.told[:, at], found, b.end_nominal[:, at])
+            weight = self.spread(side).take(at, axis=1)
+            found = b.command(at, b.t1[at], b.reached.take(at, axis=1), weight)
+            result[:, at] = np.where(b.told.take(at, axis=1), found, b.end_nominal.take(at, axis=1))
         return result
 
     def wanted(
@@ -127,7 +127,7 @@ class Course:
             end = self._without_play(side, exact)
         else:
             end, at = known[1].copy(), (known[0] != side).any(axis=0).nonzero()[0]
-            end[:, at] = self._without_play(side[:, at], exact[:, at])
+            end[:, at] = self._without_play(side.take(at, axis=1), exact.take(at, axis=1))
         turned = ~self.b.sure
         if self.couples:
             turned = turned | (side != self.before(side, self.carry.side)).any(axis=0)
@@ -135,9 +135,9 @@ class Course:
         begin = self.nowhere
         if len(at):
             begin = begin.copy()
-            b, weight = self.b, self.spread(side)[:, at]
-            first = b.command(at, b.t0[at], b.begin_nominal[:, at], weight)
-            begin[:, at] = self._without_play(side[:, at], first)
+            b, weight = self.b, self.spread(side).take(at, axis=1)
+            first = b.command(at, b.t0[at], b.begin_nominal.take(at, axis=1), weight)
+            begin[:, at] = self._without_play(side.take(at, axis=1), first)
         return begin, end
 
     def _without_play(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
@@ -210,7 +210,7 @@ def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
     place = np.zeros(b.travel.shape, np.int64)
     which = ends.nonzero()[0]
     if len(which):
-        nominal = b.end_nominal[:, which]
+        nominal = b.end_nominal.take(which, axis=1)
         wanted = b.command(which, b.t1[which], nominal, np.zeros_like(nominal))
         place[:, which] = np.rint(b.machine.slides(wanted) * TICKS_PER_MM).astype(np.int64)
     carry = b.carry.sides
@@ -258,8 +258,8 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         begin, end, taken = _ramps(b, course, side)
         which = b.free[b.motion].nonzero()[0]
         exact = b.end_nominal.copy()
-        nominal = b.end_nominal[:, which]
-        exact[:, which] = b.command(which, b.t1[which], nominal, end[:, which])
+        nominal = b.end_nominal.take(which, axis=1)
+        exact[:, which] = b.command(which, b.t1[which], nominal, end.take(which, axis=1))
         course.exact = exact
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
     # Where nothing was corrected before, the way to the first corrected place turns an axis too

@@ -136,10 +136,10 @@ def _ends(f: Fitter, rows: Rows) -> np.ndarray:
     """(2, A, R) mm from the nominal places at both ends of rows to their exact commands."""
     plain = np.flatnonzero(f.plain[rows.arc])
     result = np.zeros((2, *rows.begin.shape))
-    weight = f.weight(rows)[:, plain]
+    weight = f.weight(rows).take(plain, axis=1)
     for k, (ticks, t) in enumerate(((rows.begin, rows.t0), (rows.end, rows.t1))):
         nominal = points(f.arcs, f.start, f.target, rows.arc[plain], t[plain])
-        exact = ticks[:, plain] / TICKS_PER_MM
+        exact = ticks.take(plain, axis=1) / TICKS_PER_MM
         if len(f.followed):  # lost motion may hold it elsewhere
             exact = command(f.machine, nominal, weight, f.arcs.motion[rows.arc[plain]])
         result[k][:, plain] = exact - nominal
@@ -160,18 +160,18 @@ def _crossings(f: Fitter, rows: Rows, shift: np.ndarray) -> list[tuple[np.ndarra
         for axes, role in ((arcs.first, 0), (arcs.second, 1)):
             on = plain[axes[rows.arc[plain]] == k]
             if len(on):
-                middle = arcs.centre[role, rows.arc[on]] + shift[:, k, on].mean(axis=0)
+                middle = arcs.centre[role, rows.arc[on]] + shift[:, k].take(on, axis=1).mean(axis=0)
                 radius = arcs.radius[rows.arc[on]]
                 row, node = _between(on, middle - radius, middle + radius, nodes)
                 if held:
                     row = np.concatenate([row, on, on])
                     ends = rows.begin[k, on] / TICKS_PER_MM, rows.end[k, on] / TICKS_PER_MM
                     node = np.concatenate([node, *ends])
-                found.append(_on_circle(f, rows, row, node, role, shift[:, k, row]))
+                found.append(_on_circle(f, rows, row, node, role, shift[:, k].take(row, axis=1)))
         beside = (arcs.first[rows.arc[plain]] != k) & (arcs.second[rows.arc[plain]] != k)
         moves = plain[(f.start[k] != f.target[k])[rows.arc[plain]] & beside]
         if len(moves):
-            found.append(_on_line(f, rows, moves, nodes, k, shift[:, k, moves]))
+            found.append(_on_line(f, rows, moves, nodes, k, shift[:, k].take(moves, axis=1)))
     return found
 
 
@@ -235,7 +235,9 @@ def density(f: Fitter, rows: Rows) -> np.ndarray:
     ends = [points(arcs, f.start, f.target, rows.arc, t) for t in (rows.t0, rows.t1)]
     kink, steep = f.machine.bounds.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
     slack = f.tolerance / 8
-    travel = np.linalg.norm((f.target - f.start)[:, rows.arc], axis=0) * (rows.t1 - rows.t0)
+    travel = np.linalg.norm((f.target - f.start).take(rows.arc, axis=1), axis=0) * (
+        rows.t1 - rows.t0
+    )
     by_kink = np.hypot(sweep * radius, travel) * kink / (4 * slack)
     by_ellipse = sweep * np.sqrt(radius * steep / (4 * slack))
     return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)

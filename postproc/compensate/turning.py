@@ -64,7 +64,10 @@ def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     if not len(chosen):
         return []
     t = np.linspace(0.0, 1.0, LOOKS)
-    start, target = m.start[:, chosen] / TICKS_PER_MM, m.target[:, chosen] / TICKS_PER_MM
+    start, target = (
+        m.start.take(chosen, axis=1) / TICKS_PER_MM,
+        m.target.take(chosen, axis=1) / TICKS_PER_MM,
+    )
     places = (start[:, :, None] + (target - start)[:, :, None] * t).reshape(len(start), -1)
     slides = b.machine.slides(places).reshape(len(start), len(chosen), LOOKS)
     found = []
@@ -138,7 +141,7 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     sense, found = np.sign(m.target - m.start), []
     for part, places in _looked_at(b, chosen):
         owner, t, place = places(b, part, most, least)
-        deviation = b.machine.deviation(place, sense[:, owner])
+        deviation = b.machine.deviation(place, sense.take(owner, axis=1))
         for row in rows:
             if plane[row, part].all():
                 continue
@@ -169,7 +172,7 @@ def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndar
     rows = np.array([b.machine.letters.index(x) for x in b.machine.chain.rotary], np.int64)
     if not len(rows) or not len(motion):
         return motion, t
-    way = (b.m.target - b.m.start)[rows][:, motion]
+    way = (b.m.target - b.m.start)[rows].take(motion, axis=1)
     most, k = np.argmax(np.abs(way), axis=0), np.arange(len(motion))
     turn, step = way[most, k], b.m.grid[rows[most], motion]
     turn = np.where(turn == 0, 1, turn)
@@ -184,13 +187,19 @@ def _on_straight(
     """(K,) motion, (K,) t and (A, K) mm of places along straight motions, in order, between which
     no deviation turns unseen."""
     m = b.m
-    start, target = m.start[:, chosen] / TICKS_PER_MM, m.target[:, chosen] / TICKS_PER_MM
+    start, target = (
+        m.start.take(chosen, axis=1) / TICKS_PER_MM,
+        m.target.take(chosen, axis=1) / TICKS_PER_MM,
+    )
     of, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
     zero = np.zeros(len(chosen))
     owner, t = np.concatenate([chosen[of], chosen, chosen]), np.concatenate([t, zero, zero + 1])
     order = np.lexsort((t, owner))
     owner, t = owner[order], t[order]
-    begin, end = m.start[:, owner] / TICKS_PER_MM, m.target[:, owner] / TICKS_PER_MM
+    begin, end = (
+        m.start.take(owner, axis=1) / TICKS_PER_MM,
+        m.target.take(owner, axis=1) / TICKS_PER_MM,
+    )
     return owner, t, begin + (end - begin) * t
 
 
