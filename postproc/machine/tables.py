@@ -13,6 +13,7 @@ import numpy as np
 
 from postproc.records import columns
 
+MANY = 64  # places for which a search takes longer than a few more steps
 PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
@@ -109,10 +110,27 @@ class AxisTable:
             return interval, np.subtract(place, interval, out=place)
         low, high, inner, width = self._uneven
         inside = np.minimum(np.maximum(position, low), high)
-        # Nodes but for the first and the last: what lies before all of them is in the first
-        # interval.
-        interval = inner.searchsorted(inside, side="right")
-        return interval, (inside - self.nodes[interval]) / width[interval]
+        if len(position) < MANY or not self._nearly:
+            # Nodes but for the first and the last: what lies before all of them is in the first
+            # interval.
+            interval = inner.searchsorted(inside, side="right")
+            return interval, (inside - self.nodes[interval]) / width[interval]
+        # The same by multiplication, which may take a place at a node for one beside it.
+        interval = ((inside - low) * self._nearly).astype(np.int64)
+        share = inside - self.nodes.take(interval)
+        wide = width.take(interval)
+        if share.min() < 0.0 or ((share >= wide) & (inside < high)).any():
+            interval = inner.searchsorted(inside, side="right")
+            return interval, (inside - self.nodes[interval]) / width[interval]
+        share /= wide
+        return interval, share
+
+    @cached_property
+    def _nearly(self) -> float:
+        """Intervals per mm where all are of one width but for a shorter last one, else 0."""
+        gaps = np.diff(self.nodes)
+        even = np.allclose(gaps[:-1], gaps[0], rtol=0, atol=1e-9) and gaps[-1] < gaps[0]
+        return float(1.0 / gaps[0]) if even else 0.0
 
     @cached_property
     def _even(self) -> tuple[np.ndarray, ...]:
