@@ -15,7 +15,7 @@ import numpy as np
 
 from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
-from postproc.machine.chain import LINEAR
+from postproc.machine.chain import LINEAR, XYZ
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE
 from postproc.units import TICKS_PER_MM
@@ -141,10 +141,12 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     sense, found = np.sign(m.target - m.start), []
     for part, places in _looked_at(b, chosen):
         owner, t, place = places(b, part, most, least)
-        deviation = b.machine.deviation(place, sense.take(owner, axis=1))
-        for row in rows:
-            if plane[row, part].all():
-                continue
+        wanted = [row for row in rows.tolist() if not plane[row, part].all()]
+        if not wanted:
+            continue
+        only = XYZ.index(b.machine.letters[wanted[0]]) if len(wanted) == 1 else None
+        deviation = b.machine.deviation(place, sense.take(owner, axis=1), only)
+        for row in wanted:
             course = np.where(plane[row, owner], 0.0, place[row] - deviation[row])
             found.append(_on_increments(b, *_turns(owner, t, course, least)))
     return found

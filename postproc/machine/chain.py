@@ -186,3 +186,10 @@ def _length(constant: float, slides: tuple[str, ...], position: dict[str, np.nda
     if constant:
         return sum((position[slide] for slide in slides), constant)
     return sum((position[slide] for slide in slides[1:]), position[slides[0]]) if slides else None
+
+
+def summed(part: Parts | None, more: Parts) -> Parts:
+    """Six deviations and six more; None: there are none."""
+    if part is None:
+        return more
+    return [b if a is None else a if b is None else a + b for a, b in zip(part, more, strict=True)]

@@ -23,6 +23,7 @@ from postproc.machine.chain import (
     Parts,
     along,
     leans,
+    summed,
     tip_deviation,
 )
 from postproc.machine.chain import arms as chain_arms
@@ -32,6 +33,8 @@ from postproc.records import record
 
 if TYPE_CHECKING:
     from postproc.machine.growth import Driver
+
+Columns = dict[str, np.ndarray]
 
 
 @record
@@ -311,9 +314,11 @@ class Machine:
                 axes[x] = replace(axis, expansion=warm)
         return replace(self, axes=axes)
 
-    def deviation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+    def deviation(
+        self, position: np.ndarray, approach: np.ndarray, direction: int | None = None
+    ) -> np.ndarray:
         """(A, N) mm: actual - commanded of each linear axis, at commanded slide positions (A, N)
-        mm.
+        mm; whole at least along `direction`, 0 to 2 for X Y Z.
 
         approach (A, N): -1 to +1, in which direction each axis last moved; 0 is the mean. Axes that
         the chain does not name have none. A deviation along a direction that the machine has no
@@ -322,7 +327,8 @@ class Machine:
         result = np.zeros(position.shape)
         for first in range(0, position.shape[1], PORTION):
             part = slice(first, first + PORTION)
-            q, each = self._at(position[:, part], approach[:, part])
+            along = None if self.chain.rotary else direction
+            q, each = self._at(position[:, part], approach[:, part], along)
             if self.chain.rotary:
                 parts = rotary.tip_deviation(self.geometry, each, q)
             else:
@@ -368,12 +374,13 @@ class Machine:
         return rotary.carried(self.geometry, each, q)
 
     def _at(
-        self, position: np.ndarray, approach: np.ndarray
-    ) -> tuple[dict[str, np.ndarray], dict[str, Parts]]:
-        """Axis to its position, and to its deviations there."""
+        self, position: np.ndarray, approach: np.ndarray, direction: int | None = None
+    ) -> tuple[Columns, dict[str, Parts]]:
+        """Axis to its position, and to its deviations there, or those that count along one."""
         q = {x: position[i] for i, x in enumerate(self.letters)}
         s = {x: approach[i] for i, x in enumerate(self.letters)}
-        return q, {x: part for x in self.chain.axes if (part := self._parts(x, q, s)) is not None}
+        each = ((x, self._parts(x, q, s, direction)) for x in self.chain.axes)
+        return q, {x: part for x, part in each if part is not None}
 
     @cached_property
     def _added(self) -> dict[str, list[AxisTable]]:
@@ -390,34 +397,26 @@ class Machine:
         own = [(x, table) for x, table in self.tables.items() if not table.is_zero]
         return own + [(x, table) for x, tables in self._added.items() for table in tables]
 
-    def _parts(
-        self, letter: str, q: dict[str, np.ndarray], s: dict[str, np.ndarray]
-    ) -> Parts | None:
+    def _parts(self, letter: str, q: Columns, s: Columns, direction: int | None) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
         with temperature."""
         axis = self.axes[letter]
         part: Parts | None = None
         if axis.table is not None and axis.table.rows:
-            part = axis.table.evaluate(q[letter], s[letter])
+            part = axis.table.evaluate(q[letter], s[letter], direction)
         for table in self._added.get(letter, ()):
-            part = _sum(part, table.evaluate(q[letter], s[letter]))
+            part = summed(part, table.evaluate(q[letter], s[letter], direction))
         for grid in self.grids_of[letter]:
-            part = _sum(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
+            part = summed(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
         if (growth := self.expansions.get(letter)) is not None:
             more: Parts = [None] * 6
             more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (
                 q[letter] - growth.fixed
             )
-            part = _sum(part, more)
+            part = summed(part, more)
         return part
 
     @cached_property
     def bounds(self) -> Bounds:
         """How far the deviation can bend and change."""
         return Bounds(self)
-
-
-def _sum(part: Parts | None, more: Parts) -> Parts:
-    if part is None:
-        return more
-    return [b if a is None else a if b is None else a + b for a, b in zip(part, more, strict=True)]

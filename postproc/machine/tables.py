@@ -17,6 +17,8 @@ MANY = 64  # places for which a search takes longer than a few more steps
 PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
+Bins = tuple[list[int], np.ndarray, np.ndarray, dict[int, tuple[np.ndarray, np.ndarray]]]
+
 
 @columns
 class AxisTable:
@@ -85,16 +87,27 @@ class AxisTable:
         return float(gaps[0]) if np.allclose(gaps, gaps[0], rtol=0, atol=1e-9) else 0.0
 
     @cached_property
-    def _bins(self) -> tuple[np.ndarray, np.ndarray, dict[int, tuple[np.ndarray, np.ndarray]]]:
-        """Value and rise (C, K - 1) of the mean of each live component at each interval's lower
+    def _bins(self) -> Bins:
+        """Of all live components."""
+        return self._of(self.rows)
+
+    @cached_property
+    def _bins_along(self) -> list[Bins]:
+        """Of those by which the machine is off along X, Y or Z: the shift, and both rotations about
+        the others."""
+        each = ((0, 4, 5), (1, 3, 5), (2, 3, 4))
+        return [self._of([i for i in self.rows if i in those]) for those in each]
+
+    def _of(self, rows: list[int]) -> Bins:
+        """The components; value and rise (C, K - 1) of the mean of each at each interval's lower
         node; and component to the same (K - 1,) of its half, where it was measured both ways."""
-        mean = self.mean[self.rows]
+        mean = self.mean[rows]
         half = {
             i: (self.half[i, :-1].copy(), np.diff(self.half[i]))
-            for i in self.rows
+            for i in rows
             if np.any(self.half[i])
         }
-        return mean[:, :-1].copy(), np.diff(mean), half
+        return rows, mean[:, :-1].copy(), np.diff(mean), half
 
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) index of the node below each position, mm, and (N,) the share of the interval above
@@ -146,20 +159,23 @@ class AxisTable:
         n = self.nodes
         return float(n[0]), float(n[-1]), n[1:-1].copy(), np.diff(n)
 
-    def evaluate(self, position: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
-        """Six (N,) columns, None for a component that is zero everywhere.
+    def evaluate(
+        self, position: np.ndarray, approach: np.ndarray, along: int | None = None
+    ) -> list[np.ndarray | None]:
+        """Six (N,) columns, None for a component that is zero everywhere, or that does not count
+        along the direction `along`, 0 to 2 for X Y Z.
 
         position (N,) mm; approach (N,) from -1 (reached in -) over 0 (mean) to +1.
         """
         result: list[np.ndarray | None] = [None] * 6
-        if not self.rows:
+        rows, base, rise, half = self._bins if along is None else self._bins_along[along]
+        if not rows:
             return result
         interval, share = self.place(position)
-        base, rise, half = self._bins
         value = rise.take(interval, axis=1)
         value *= share
         value += base.take(interval, axis=1)
-        for i, column in zip(self.rows, value, strict=True):
+        for i, column in zip(rows, value, strict=True):
             if i in half:
                 low, more = half[i]
                 column += approach * (low[interval] + more[interval] * share)
@@ -169,7 +185,7 @@ class AxisTable:
     def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:
         """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
         one way."""
-        half = self._bins[2].get(row)
+        half = self._bins[3].get(row)
         if half is None:
             return 0.0
         interval, share = self.place(position)

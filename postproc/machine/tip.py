@@ -82,9 +82,11 @@ class TipMachine(Machine):
         tip = poses.turned(self.space.matrix, position[rows]) + np.array(self.space.origin)[:, None]
         return poses.slides_at(self.base, tip + self.anchor[:, None], position)
 
-    def deviation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
+    def deviation(
+        self, position: np.ndarray, approach: np.ndarray, direction: int | None = None
+    ) -> np.ndarray:
         """(A, N) mm and degrees: actual - commanded, at commands (A, N) of the space; approach as
-        Machine.deviation."""
+        Machine.deviation, always whole."""
         slides = self.slides(position)
         off, lean = self.base.carried(slides, approach)
         result = np.zeros(position.shape)

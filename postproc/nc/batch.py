@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
+ANY = bytes(range(256))
 # not a group of the tables: the last of G0 to G3, which a canned cycle leaves as it is
 UNDER = "under cycles"
 NO_WORDS = np.zeros(0, np.int64)
@@ -70,7 +71,8 @@ class Batch:
         self.notices: list[Notice] = []
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
-        present = sorted(set(words.letter.tobytes()))
+        # deleted twice: in order, and faster than a set of all letters
+        present = ANY.translate(None, ANY.translate(None, words.letter.tobytes()))
         # letter to its words
         self.places = {chr(c): (words.letter == c).nonzero()[0] for c in present}
         self.ended = state.ended
