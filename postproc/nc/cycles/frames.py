@@ -11,12 +11,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from postproc.nc.cycles.affine import AXES, Affine, point
+from postproc.nc.cycles.affine import AXES, Affine, Point, point
 from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
-SWAPPED = {20: b"G3", 30: b"G2", 410: b"G42", 420: b"G41"}
-SIDES = (410, 420)
+# codes that a mirrored plane swaps: the sense of an arc, the side of radius compensation
+SENSES = {CLOCKWISE: b"G3", COUNTER: b"G2"}
+SIDES = {410: b"G42", 420: b"G41"}
 CORNERS = ("RND", "RNDM", "CHF", "CHR")
 # motion codes whose axis words are places
 FOLLOWED = (-1, 0, 10, 20, 30, 320, 330, 740, 800, 840, 842, 843)
@@ -79,50 +80,59 @@ class Frames:
 
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those of the output."""
-        scene, changed = self.scene, {}
-        factor = self.factor()
-        for i, w in enumerate(block.words):
-            number = number_of(w)
-            if number in SIDES and factor is not None and factor < 0:
-                changed[i] = SWAPPED[number]
-            if number is not None and scene.group_of(number) == "motion":
-                self.motion = number
-        words = {w.letter: (i, w) for i, w in enumerate(block.words) if w.letter in AXES}
-        arc = self.motion in (CLOCKWISE, COUNTER)
-        centres = [(i, w) for i, w in enumerate(block.words) if w.letter in "IJK"] if arc else []
+        motions, changed = self._motions(block), self._swapped(block, SIDES)
+        self.motion = motions[-1] if motions else self.motion
+        words = {w.letter: w for w in block.words if w.letter in AXES}
+        arc = self.motion in SENSES
+        centres = {w.letter: w for w in block.words if arc and w.letter in "IJK"}
         if not words and not centres:
             return [self._named(block, changed, [], False)]
-        if self.motion not in FOLLOWED and not self.map.identity:
-            raise scene.fault(
-                f"G{self.motion / 10:g} within {self.why}", "write it out, or end the frame before"
-            )
-        if scene.is_diameter("X") and not self.map.leaves("X"):
-            raise scene.fault(
-                f"X is a diameter within {self.why}", "write the program out with X as a radius"
-            )
-        new: list[bytes] = []
-        place = len(block.words)
-        for mixed in self._groups(words):
-            if self._stays(mixed, words):
-                continue
-            texts = self._axes(mixed, {x: words[x][1] for x in mixed if x in words})
-            for axis, text in texts.items():
-                if axis in words:
-                    changed[words[axis][0]] = text
-                else:
-                    new.append(text)
-                    beside = min(words[x][0] for x in mixed if x in words)
-                    place = beside + (axis > block.words[beside].letter)
+        self._check()
+        new, place = self._straight(block, words, changed)
         if arc and not self.map.identity:
-            new += self._arc(block, centres, factor, changed)
+            new += self._arc(block, centres, changed)
         return [self._named(block, changed, new, True, place)]
 
-    def _stays(self, mixed: list[str], words: dict[str, tuple[int, Word]]) -> bool:
+    def _straight(
+        self, block: Block, words: dict[str, Word], changed: dict[int, bytes]
+    ) -> tuple[list[bytes], int]:
+        """Axis words: changed ones, those that come in, and behind how many words these stand."""
+        new: list[bytes] = []
+        place, at = len(block.words), {w.letter: i for i, w in enumerate(block.words)}
+        for mixed in dict.fromkeys(tuple(self.map.partners(x)) for x in words):
+            if self._stays(mixed, words):
+                continue
+            own = {x: words[x] for x in mixed if x in words}
+            texts = self._axes(mixed, own)
+            changed |= {at[x]: texts.pop(x) for x in own}
+            new += texts.values()
+            if texts:
+                beside = min(at[x] for x in own)
+                place = beside + (max(texts) > block.words[beside].letter)
+        return new, place
+
+    def _motions(self, block: Block) -> list[int]:
+        """The motion codes of a block."""
+        numbers = (number_of(w) for w in block.words)
+        return [n for n in numbers if n is not None and self.scene.group_of(n) == "motion"]
+
+    def _check(self) -> None:
+        """Raises ProgramError for motions that are not followed under this map."""
+        if self.motion not in FOLLOWED and not self.map.identity:
+            raise self.scene.fault(
+                f"G{self.motion / 10:g} within {self.why}", "write it out, or end the frame before"
+            )
+        if self.scene.is_diameter("X") and not self.map.leaves("X"):
+            raise self.scene.fault(
+                f"X is a diameter within {self.why}", "write the program out with X as a radius"
+            )
+
+    def _stays(self, mixed: tuple[str, ...], words: dict[str, Word]) -> bool:
         """Whether the words of these axes stay as they are written."""
         if not all(self.map.leaves(x) for x in mixed):
             return False
         for x in mixed:
-            if x in self.loose and (self.scene.incremental or words[x][1].mode == "IC"):
+            if x in self.loose and (self.scene.incremental or words[x].mode == "IC"):
                 raise self.scene.fault(
                     f"the first {x} behind {self.why} is a distance",
                     f"controls differ on where {x} stands: name it in G90",
@@ -131,33 +141,40 @@ class Frames:
             self.at.pop(x, None)
         return True
 
-    def _groups(self, words: dict[str, tuple[int, Word]]) -> list[list[str]]:
-        groups: list[list[str]] = []
-        for axis in words:
-            mixed = self.map.partners(axis)
-            if mixed not in groups:
-                groups.append(mixed)
-        return groups
-
-    def _axes(self, mixed: list[str], words: dict[str, Word]) -> dict[str, bytes]:
+    def _axes(self, mixed: tuple[str, ...], words: dict[str, Word]) -> dict[str, bytes]:
         """The words of axes that belong together."""
         scene = self.scene
-        distance = {
-            x: w.mode == "IC" or (scene.incremental and w.mode != "AC") for x, w in words.items()
-        }
-        if (
-            scene.incremental
-            and all(distance.values())
-            and not (self.strict and self.loose & set(mixed))
-        ):
-            by = point({x: w.value for x, w in words.items()})
-            out = dict(zip(AXES, self.map.turned(by), strict=True))
-            for x in mixed:
-                if x in self.at:
-                    self.at[x] += by[AXES.index(x)]
-            return {x: self._by(x, out[x]) for x in mixed}
-        before = {x: self.known(x) for x in mixed}
-        unnamed = [x for x in mixed if x not in words or distance[x]]
+        counted = ("IC", "") if scene.incremental else ("IC",)
+        distances = {x for x, w in words.items() if w.mode in counted}
+        defined = not (self.strict and self.loose & set(mixed))
+        if scene.incremental and len(distances) == len(words) and defined:
+            return self._distances(mixed, words)
+        before = self._before(mixed, words, distances)
+        start = {x: before[x] or 0.0 for x in distances}
+        to = {x: scene.length(w, x) + start.get(x, 0.0) for x, w in words.items()}
+        p = point({**before, **to})
+        q = dict(zip(AXES, self.map(p), strict=True))
+        self.loose -= set(mixed)
+        self.at.update({x: p[AXES.index(x)] for x in mixed})
+        if not scene.incremental:
+            self.residue |= {x: q[x] - scene.rounded(x, q[x]) for x in mixed}
+            return {x: scene.text(x, q[x]) for x in mixed}
+        old = dict(zip(AXES, self.map(point(before)), strict=True))
+        return {x: self._by(x, q[x] - old[x]) for x in mixed}
+
+    def _distances(self, mixed: tuple[str, ...], words: dict[str, Word]) -> dict[str, bytes]:
+        by = point({x: w.value for x, w in words.items()})
+        out = dict(zip(AXES, self.map.turned(by), strict=True))
+        for x in mixed:
+            if x in self.at:
+                self.at[x] += by[AXES.index(x)]
+        return {x: self._by(x, out[x]) for x in mixed}
+
+    def _before(
+        self, mixed: tuple[str, ...], words: dict[str, Word], distances: set[str]
+    ) -> dict[str, float | None]:
+        """Where the axes set out. Raises ProgramError where that counts and is not known."""
+        scene, before = self.scene, {x: self.known(x) for x in mixed}
         sized = next((w for w in scene.block.words if w.letter in CORNERS), None)
         if sized and self.factor() not in (1.0, -1.0):
             raise scene.fault(
@@ -165,7 +182,7 @@ class Frames:
                 "a corner does not keep its size: write it out",
                 sized,
             )
-        for x in unnamed:
+        for x in (x for x in mixed if x not in words or x in distances):
             if x in self.loose:
                 given = "a distance" if scene.incremental else f"{' and '.join(words)} alone"
                 raise scene.fault(
@@ -175,20 +192,7 @@ class Frames:
                 )
             if before[x] is None:
                 scene.at(x)
-        to = {
-            x: scene.length(words[x], x) + ((before[x] or 0.0) if distance[x] else 0.0)
-            for x in words
-        }
-        p = point({**before, **to})
-        q = dict(zip(AXES, self.map(p), strict=True))
-        self.loose -= set(mixed)
-        self.at.update({x: p[AXES.index(x)] for x in mixed})
-        if not scene.incremental:
-            for x in mixed:
-                self.residue[x] = q[x] - scene.rounded(x, q[x])
-            return {x: scene.text(x, q[x]) for x in mixed}
-        old = dict(zip(AXES, self.map(point(before)), strict=True))
-        return {x: self._by(x, q[x] - old[x]) for x in mixed}
+        return before
 
     def _by(self, axis: str, distance: float) -> bytes:
         """A distance, with what rounding has kept back so far."""
@@ -204,15 +208,20 @@ class Frames:
         first, second, _ = self.scene.plane
         return self.map.similarity(first, second)
 
+    @property
+    def _mirrored(self) -> bool:
+        return (self.factor() or 0.0) < 0
+
+    def _swapped(self, block: Block, codes: dict[int, bytes]) -> dict[int, bytes]:
+        """These codes of a block, the other way round where the map mirrors its plane."""
+        numbers = enumerate(map(number_of, block.words)) if self._mirrored else ()
+        return {i: codes[n] for i, n in numbers if n in codes}
+
     def _arc(
-        self,
-        block: Block,
-        centres: list[tuple[int, Word]],
-        factor: float | None,
-        changed: dict[int, bytes],
+        self, block: Block, centres: dict[str, Word], changed: dict[int, bytes]
     ) -> list[bytes]:
         """Centre words or R of an arc: changed ones, and those that come in."""
-        scene = self.scene
+        scene, factor = self.scene, self.factor()
         first, second, _ = scene.plane
         if factor is None:
             raise scene.fault(
@@ -227,33 +236,30 @@ class Frames:
         if not centres:
             return []
         absolute = scene.code("arc centre") == 901
-        given = {w.letter: w for _, w in centres}
-        base: list[float] = []
-        for axis in AXES:
-            word = given.get(CENTRES[axis])
-            whole = absolute or (word is not None and word.mode == "AC")
-            if whole and word is None:
-                base.append(0.0)
-            elif whole and word is not None and not absolute:
-                raise scene.fault(
-                    f"an absolute centre word within {self.why}", "write I J K as distances", word
-                )
-            else:
-                base.append(scene.length(word, axis) if word else 0.0)
-        place = base[0], base[1], base[2]
-        moved = dict(
-            zip(AXES, self.map(place) if absolute else self.map.turned(place), strict=True)
-        )
-        text = {CENTRES[x]: scene.text(CENTRES[x], moved[x]) for x in (first, second)}
+        place = self._centre(centres, absolute)
+        moved = self.map(place) if absolute else self.map.turned(place)
         mixed = self.map.partners(first) == self.map.partners(second)
         new = []
-        for letter, written in text.items():
-            at = next((i for i, w in centres if w.letter == letter), None)
-            if at is not None:
-                changed[at] = written
+        for axis in (first, second):
+            letter = CENTRES[axis]
+            written = scene.text(letter, moved[AXES.index(axis)])
+            if letter in centres:
+                changed[block.words.index(centres[letter])] = written
             elif mixed:
                 new.append(written)
         return new
+
+    def _centre(self, given: dict[str, Word], absolute: bool) -> Point:
+        """I J K as programmed: distances, or a place where `absolute`. Raises ProgramError."""
+        lengths: dict[str, float | None] = {}
+        for axis, letter in CENTRES.items():
+            word = given.get(letter)
+            if word and word.mode == "AC" and not absolute:
+                raise self.scene.fault(
+                    f"an absolute centre word within {self.why}", "write I J K as distances", word
+                )
+            lengths[axis] = self.scene.length(word, axis) if word else 0.0
+        return point(lengths)
 
     def _named(
         self,
@@ -264,18 +270,11 @@ class Frames:
         place: int | None = None,
     ) -> bytes:
         """The text, with the motion code that the output needs."""
-        factor = self.factor()
-        turned = factor is not None and factor < 0
-        wanted = {20: 30, 30: 20}.get(self.motion, self.motion) if turned else self.motion
-        named = False
-        for i, w in enumerate(block.words):
-            if number_of(w) in (CLOCKWISE, COUNTER) and turned:
-                changed[i] = SWAPPED[number_of(w) or 20]
-            named = named or (
-                number_of(w) is not None and self.scene.group_of(number_of(w) or 0) == "motion"
-            )
+        changed |= self._swapped(block, SENSES)
+        wanted = {20: 30, 30: 20}.get(self.motion, self.motion) if self._mirrored else self.motion
+        named = bool(self._motions(block))
         sep = b" " if block.spaced else b""
-        if moves and not named and wanted != self.written and wanted in (CLOCKWISE, COUNTER):
+        if moves and not named and wanted != self.written and wanted in SENSES:
             at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), 0)
             changed[at] = (
                 f"G{wanted // 10}".encode()
