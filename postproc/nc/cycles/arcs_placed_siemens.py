@@ -76,14 +76,14 @@ class PlacedArcs:
         if not block.plain:
             self.before = None
             return [line]
-        own = [c for c in block.codes if scene.group_of(c) == "motion"]
+        own = scene.own_codes(block, "motion")
         if own:
             self.motion = own[-1] if own[-1] in NAMES else 0
         moves = any(w.letter in WITHIN or w.letter in WITHIN.values() for w in block.words)
         if not self.motion:
             self.before = self._touching(block, own) if moves else self._outlasting(block)
             return [line]
-        plane = PLANES.get(self._code(block, "plane"), PLANES[170])
+        plane = PLANES.get(self.scene.code_of(block, "plane"), PLANES[170])
         if not moves:  # the code alone, or nothing of ours
             self.before = self._outlasting(block)
             return [line._replace(text=self._without_code(block))]
@@ -99,7 +99,7 @@ class PlacedArcs:
     def _touching(self, block: Block, own: list[int]) -> Touching | None:
         """The end of a line or an arc; None where it is not known."""
         scene = self.scene
-        plane = PLANES.get(self._code(block, "plane"), PLANES[170])[:2]
+        plane = PLANES.get(self.scene.code_of(block, "plane"), PLANES[170])[:2]
         code = own[-1] if own else scene.code("motion")
         here = [scene.known(x) for x in plane]
         if code not in (0, 10, CLOCKWISE, COUNTER) or None in here or scene.diameter_in_g90:
@@ -234,14 +234,11 @@ class PlacedArcs:
 
     # -- words -------------------------------------------------------------------------------------
 
-    def _code(self, block: Block, group: str) -> int:
-        """The code of a group that holds in a block: its own, else the one in force."""
-        own = [c for c in block.codes if self.scene.group_of(c) == group]
-        return own[-1] if own else self.scene.code(group)
-
     def _by(self, block: Block, word: Word) -> bool:
         """Whether a word is a distance."""
-        return word.mode == "IC" or (self._code(block, "distance") == 910 and word.mode != "AC")
+        return word.mode == "IC" or (
+            self.scene.code_of(block, "distance") == 910 and word.mode != "AC"
+        )
 
     def _point(
         self,

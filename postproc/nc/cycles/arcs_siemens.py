@@ -49,9 +49,9 @@ class Openings:
         block = Block.of(line.text, scene.dialect.grammar)
         scene.block = block
         opening = block.word("AR")
-        code = self._code(block, "motion")
-        self.plane = PLANES.get(self._code(block, "plane"), PLANES[170])
-        self.incremental = self._code(block, "distance") == 910
+        code = self.scene.code_of(block, "motion")
+        self.plane = PLANES.get(self.scene.code_of(block, "plane"), PLANES[170])
+        self.incremental = self.scene.code_of(block, "distance") == 910
         if opening is None or any(w.letter in ("AP", "RP") for w in block.words):
             return line.text  # polar words: frames_siemens.py says what AR is beside them
         if code not in (CLOCKWISE, COUNTER):
@@ -90,11 +90,6 @@ class Openings:
         return self._with(
             block, dict(zip(names, (end.real, end.imag), strict=True)), middle - start
         )
-
-    def _code(self, block: Block, group: str) -> int:
-        """The code of a group that holds in a block: its own, else the one in force."""
-        own = [c for c in block.codes if self.scene.group_of(c) == group]
-        return own[-1] if own else self.scene.code(group)
 
     def _with(self, block: Block, end: dict[str, float], middle: complex) -> bytes:
         """The block with its end and with the centre, from the start, in place of AR."""

@@ -196,7 +196,7 @@ class Corners:
 
     def _motion(self, block: Block) -> int:
         scene = self.scene
-        own = [c for c in block.codes if scene.group_of(c) == "motion"]
+        own = scene.own_codes(block, "motion")
         return own[-1] if own else FEED if self.held else scene.code("motion")
 
     def _check(self, block: Block, word: str, moves: bool) -> None:

@@ -97,13 +97,11 @@ class ToolDirections:
     def _directed(self, block: Block, vector: np.ndarray) -> bytes:
         """The block with the words of the rotary axes in the place of I J K."""
         scene = self.scene
-        motion = [c for c in block.codes if scene.group_of(c) == "motion"]
-        distance = [c for c in block.codes if scene.group_of(c) == "distance"]
-        if (motion[-1] if motion else scene.code("motion")) in (CLOCKWISE, COUNTER):
+        if scene.code_of(block, "motion") in (CLOCKWISE, COUNTER):
             raise scene.fault(
                 "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
             )
-        if (distance[-1] == 910) if distance else scene.incremental:
+        if scene.code_of(block, "distance") == 910:
             raise scene.fault(
                 "a direction I J K in G91", "write G90: the rotary axes are written as places"
             )

@@ -215,7 +215,7 @@ class Drilling:
         """The plain lines of a block. Raises ProgramError."""
         if code in self.refused and code not in self.whole:
             raise self._refusal(scene, code)
-        if scene.code("cutter") in (410, 411, 420, 421):
+        if scene.compensated:
             raise scene.fault(
                 "a drilling cycle with cutter radius compensation on", "end it before: G40"
             )

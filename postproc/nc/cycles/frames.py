@@ -67,7 +67,7 @@ class Frames:
 
     def set_map(self, new: Affine) -> None:
         """Another map holds from here on; the machine stands where it stands."""
-        if self.scene.code("cutter") in (410, 411, 420, 421):
+        if self.scene.compensated:
             raise self.scene.fault(
                 "the coordinates change with cutter radius compensation on", "end it before: G40"
             )
@@ -80,7 +80,7 @@ class Frames:
 
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those of the output."""
-        motions, changed = self._motions(block), self._swapped(block, SIDES)
+        motions, changed = self.scene.own_codes(block, "motion"), self._swapped(block, SIDES)
         self.motion = motions[-1] if motions else self.motion
         words = {w.letter: w for w in block.words if w.letter in AXES}
         arc = self.motion in SENSES
@@ -110,11 +110,6 @@ class Frames:
                 beside = min(at[x] for x in own)
                 place = beside + (max(texts) > block.words[beside].letter)
         return new, place
-
-    def _motions(self, block: Block) -> list[int]:
-        """The motion codes of a block."""
-        numbers = (number_of(w) for w in block.words)
-        return [n for n in numbers if n is not None and self.scene.group_of(n) == "motion"]
 
     def _check(self) -> None:
         """Raises ProgramError for motions that are not followed under this map."""
@@ -272,7 +267,7 @@ class Frames:
         """The text, with the motion code that the output needs."""
         changed |= self._swapped(block, SENSES)
         wanted = {20: 30, 30: 20}.get(self.motion, self.motion) if self._mirrored else self.motion
-        named = bool(self._motions(block))
+        named = bool(self.scene.own_codes(block, "motion"))
         sep = b" " if block.spaced else b""
         if moves and not named and wanted != self.written and wanted in SENSES:
             at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), 0)

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -35,6 +36,7 @@ PO = re.compile(
 PL = re.compile(rb"(?<![A-Za-z0-9_$])PL[ \t]*=[ \t]*([-+]?[0-9.]+)", re.IGNORECASE)
 WORD = re.compile(rb"(?<![A-Za-z0-9_$])POLY(?![A-Za-z0-9_])", re.IGNORECASE)
 AXES, DEGREE = "XYZ", 5
+DIAM90 = code_number("DIAM90")
 DENOMINATOR = ""
 WRITE = "let the CAM program write lines and arcs"
 
@@ -62,7 +64,7 @@ class Polynomials:
 
     def take(self, line: Line) -> list[Line]:
         """Lines that can be followed. Raises ProgramError."""
-        code = line.text.split(b";", 1)[0]
+        code, semicolon, remark = line.text.partition(b";")
         self.rigid = False
         if not self.on and not WORD.search(code) and not PO.search(code):
             self.rigid = True
@@ -78,13 +80,10 @@ class Polynomials:
         for match in [*found.values(), *filter(None, [length, WORD.search(code)])]:
             code = code.replace(match[0], b" " * len(match[0]), 1)
         begins = bool(WORD.search(line.text))
-        remark = line.text[len(line.text.split(b";", 1)[0]) :]
         code = re.sub(rb"[ \t]+", b" ", code.strip())
-        rest = code + (b" " + remark if remark else b"")
-        block = Block.of(rest, scene.dialect.grammar)
+        block = Block.of(code + semicolon.replace(b";", b" ;") + remark, scene.dialect.grammar)
         scene.block = Block(line.text, block.words, True, block.skip)
-        motion = [c for c in block.codes if scene.group_of(c) == "motion"]
-        if motion:
+        if scene.own_codes(block, "motion"):
             if begins or found:
                 raise scene.fault(
                     "POLY or PO[ ] beside another motion code",
@@ -138,8 +137,7 @@ class Polynomials:
         plain = {w.letter: w.value or 0.0 for w in block.words if w.letter in AXES}
         axes = [x for x in AXES if x in values or x in plain]
         count = max(len(v) for v in values.values()) + 1
-        below = np.zeros(count)
-        below[0] = 1.0
+        below = np.eye(1, count)[0]
         if DENOMINATOR in values:
             below = _coefficients(1.0, values[DENOMINATOR], 1.0, length, count)
         end = float(below.sum())
@@ -154,22 +152,26 @@ class Polynomials:
         points[-1] = [values[x][0] if x in values else plain[x] for x in axes]
         own = own_words(block, AXES, set())
         texts: list[bytes] = []
-        here = {x: scene.at(x) for x in axes}
-        for point in points:
-            to = dict(zip(axes, map(float, point), strict=True))
+        for words in self._words(axes, points):
+            if texts:
+                texts.append((b"/" if block.skip else b"") + words)
+            else:
+                texts.append(block.written(own, words, _behind_number(block)))
+        return [line._replace(text=text) for text in texts or [block.written(own)]]
+
+    def _words(self, axes: list[str], points: np.ndarray) -> Iterator[bytes]:
+        """A line to each of the points, where it moves an axis."""
+        scene, here = self.scene, [self.scene.at(x) for x in axes]
+        for to in points.tolist():
+            moves = zip(axes, to, here, strict=True)
             words = [
                 scene.text(x, v)
-                for x, v in to.items()
-                if scene.rounded(x, v) != scene.rounded(x, here[x])
+                for x, v, old in moves
+                if scene.rounded(x, v) != scene.rounded(x, old)
             ]
             here = to
-            if not words:
-                continue
-            if texts:
-                texts.append((b"/" if block.skip else b"") + b" ".join([b"G1", *words]))
-            else:
-                texts.append(block.written(own, b" ".join([b"G1", *words]), _behind_number(block)))
-        return [line._replace(text=text) for text in texts or [block.written(own)]]
+            if words:
+                yield b" ".join([b"G1", *words])
 
     def _check(self, block: Block, values: dict[str, list[float]], length: float) -> None:
         scene = self.scene
@@ -177,33 +179,24 @@ class Polynomials:
             ("cutter", (410, 420), "cutter radius compensation on"),
             ("feed mode", (930,), "G93"),
         ):
-            own = [c for c in block.codes if scene.group_of(c) == mode]
-            if (own[-1] if own else scene.code(mode)) in codes:
+            if scene.code_of(block, mode) in codes:
                 raise scene.fault(f"{what} beside a polynomial", "end it before")
-        distance = [c for c in block.codes if scene.group_of(c) == "distance"]
-        incremental = distance[-1] == 910 if distance else scene.incremental
-        if incremental or any(w.mode for w in block.words):
+        if scene.code_of(block, "distance") == 910 or any(w.mode for w in block.words):
             raise scene.fault(
                 "a polynomial in G91, or beside IC( )", "its ends are places here: write G90"
             )
         if length <= 0:
             raise scene.fault(f"PL={length:g} is no length of an interval", "write one above 0")
-        axes = scene.tracker.setup.axes
-        other = next(
-            (
-                x
-                for x in [*values, *(w.letter for w in block.words if w.letter in axes)]
-                if x and x not in AXES
-            ),
-            "",
-        )
-        if other:
+        self._check_axes(block, values)
+
+    def _check_axes(self, block: Block, values: dict[str, list[float]]) -> None:
+        scene, axes = self.scene, self.scene.tracker.setup.axes
+        named = [*values, *(w.letter for w in block.words if w.letter in axes)]
+        if other := next((x for x in named if x and x not in AXES), ""):
             raise scene.fault(
                 f"the axis {other} in a polynomial", "only X Y Z are followed: " + WRITE
             )
-        if any(scene.is_diameter(x) for x in values if x) or scene.code("diameter") == code_number(
-            "DIAM90"
-        ):
+        if any(map(scene.is_diameter, filter(None, values))) or scene.code("diameter") == DIAM90:
             raise scene.fault("a polynomial of a diameter", "write it in radii: DIAMOF")
         if DENOMINATOR in values and any(w.letter in AXES for w in block.words):
             raise scene.fault(

@@ -14,6 +14,7 @@ from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
 
 DATA, REFERENCES = 100, (280, 300)
+RESTORES = {922, 923}  # G92.2 and G92.3: the shift of G92 goes and comes back
 WORK = (540, 550, 560, 570, 580, 590, 591, 592, 593)
 
 
@@ -54,32 +55,29 @@ class LinuxcncRotation:
         if not self.active:
             return [block.text]
         self._hold()
-        turned = not self.frames.map.identity
-        shifts = [
-            c
-            for c in block.codes
-            if c in scene.table and scene.table[c].takes and c not in REFERENCES
-        ]
-        plane = [w for w in block.words if w.letter in "XY"]
-        if (
-            turned
-            and (shifts or 922 in block.codes or 923 in block.codes)
-            and (plane or not block.words[1:])
-        ):
-            raise scene.fault(
-                f"G92 or G52 within {self.frames.why}",
-                "shift the coordinates with G10 L2 X Y instead",
-            )
         references = [c for c in block.codes if c in REFERENCES]
-        if turned and references and plane:
-            raise scene.fault(
-                f"G{references[0] // 10} over a place within {self.frames.why}",
-                "name no X and Y in it",
-            )
+        taken = [c for c in block.codes if c in scene.table and scene.table[c].takes]
+        shifts = [c for c in taken if c not in REFERENCES]
+        if not self.frames.map.identity:
+            self._check(block, references, bool(shifts) or not RESTORES.isdisjoint(block.codes))
         if references or shifts or 530 in block.codes:
             self.frames.forget()
             return [block.text]
         return self.frames.take(block)
+
+    def _check(self, block: Block, references: list[int], shifted: bool) -> None:
+        """Raises ProgramError for what moves the zero, or goes home, within a turn."""
+        place = any(w.letter in "XY" for w in block.words)
+        if shifted and (place or not block.words[1:]):
+            raise self.scene.fault(
+                f"G92 or G52 within {self.frames.why}",
+                "shift the coordinates with G10 L2 X Y instead",
+            )
+        if references and place:
+            raise self.scene.fault(
+                f"G{references[0] // 10} over a place within {self.frames.why}",
+                "name no X and Y in it",
+            )
 
     def system(self) -> int:
         """The work offset in force."""

@@ -63,6 +63,15 @@ class Scene:
         """The modal group of a code as it is written ("" for none and for unknown codes)."""
         return self.table[code].group if code in self.table else ""
 
+    def own_codes(self, block: Block, group: str) -> list[int]:
+        """The codes of a modal group that a block names."""
+        return [c for c in block.codes if self.group_of(c) == group]
+
+    def code_of(self, block: Block, group: str) -> int:
+        """The code of a group that holds in a block: its own, else the one in force."""
+        own = self.own_codes(block, group)
+        return own[-1] if own else self.code(group)
+
     def code(self, group: str) -> int:
         """Ten times the G number in force in a modal group, the block's own codes counted in; -1:
         none."""
@@ -86,6 +95,11 @@ class Scene:
     @property
     def incremental(self) -> bool:
         return self.code("distance") == 910
+
+    @property
+    def compensated(self) -> bool:
+        """Whether cutter radius compensation is on."""
+        return self.code("cutter") in (410, 411, 420, 421)
 
     @property
     def inch(self) -> bool:

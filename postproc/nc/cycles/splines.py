@@ -93,7 +93,7 @@ class Splines:
     def _check(scene: Scene, name: str) -> None:
         if scene.code("plane") != 170:
             raise scene.fault(f"{name} outside the XY plane", "write G17 before")
-        if scene.code("cutter") in (410, 411, 420, 421):
+        if scene.compensated:
             raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
         if scene.code("feed mode") == 930:
             raise scene.fault(f"{name} with inverse time feed (G93)", "write G94 before")

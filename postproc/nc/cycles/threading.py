@@ -123,7 +123,7 @@ class LinuxcncThread:
     def _read(self, scene: Scene, block: Block) -> Thread:
         """The words of the block. Raises ProgramError where LinuxCNC refuses them."""
         values = {x: block.get(x) for x in "PIJKQRHEL"}
-        if scene.code("cutter") in (410, 411, 420, 421):
+        if scene.compensated:
             raise scene.fault("G76 with cutter radius compensation on", "end it before: G40")
         if scene.spindle not in (3, 4):
             raise scene.fault(

@@ -89,7 +89,7 @@ class LinuxcncTurning:
             raise scene.fault(f"{name} in G91", "LinuxCNC wants G90")
         if scene.code("plane") != 180:
             raise scene.fault(f"{name} outside the ZX plane", "write G18 before")
-        if scene.code("cutter") in (410, 411, 420, 421):
+        if scene.compensated:
             raise scene.fault(f"{name} with cutter radius compensation on", "end it before: G40")
 
     @staticmethod
