@@ -9,15 +9,16 @@ BEGIN, END = "<!-- real: begin -->", "<!-- real: end -->"
 INTRODUCTION = """\
 ## Real machines
 
-`python -m proof.real` (half a minute) takes recordings that other people made of their machines, with what they say of them; takes that
-out of the model; lets `gcomp diagnose` find it; compares name and size with the authors'; writes it into the machine and diagnoses once more: nothing of it
-may be left. `proof/real/data/README.md` says where each file is from and under which licence; what may not be passed on is cited and read from where it
-lies, or left out of the run. A row is *yes* if the first name is right, the second run does not find it again, what took no part fits
-better than before, no more than a tenth of the readings is put aside, and the size agrees with an arithmetic that is not the tool's
-(`proof/real/checks.py`). *No* stays
-in the table. Of the ecmc reports only the reversal was asked for at first; the mean deviation, which their author prints too, was added to what
-is right when the tool had named it.
-"""  # noqa: E501
+`python -m proof.real` (half a minute) takes recordings that others made of their machines, removes
+what the authors found from the model, lets `gcomp diagnose` find it, compares name and size, writes
+it into the machine and diagnoses again. `proof/real/data/README.md` names sources and licences;
+what may not be passed on is read from where it lies, or left out.
+
+A row is *yes* if the first name is right, the second run does not find it again, the held-out rows
+fit better, at most a tenth of the readings is put aside, and the size agrees with independent
+arithmetic (`proof/real/checks.py`). In the ecmc reports the mean deviation was added to what is
+right after the tool had named it.
+"""
 
 
 def number(value: float | None) -> str:
@@ -114,8 +115,8 @@ def put_in(document: str, section: str) -> str:
 
 
 LIMITS = """
-**What this is worth.** Most authors measured one axis and say one thing of it; nobody measured an effect twice by different means, so *right*
-means: as the authors have it, or as their own numbers have it by simple arithmetic. The two grinder rows and their null compare a table with itself: they
-show that the term is named when it is taken out and nothing when it is not, no more. Squareness, cyclic errors, heat and tool wear are not in the
-table: no recording of them was found that may be passed on and is small enough to be checked by eye.
-"""  # noqa: E501
+**Limits.** Most authors measured one axis and one effect, none by two different means: *right*
+means as the authors, or simple arithmetic on their numbers, have it. The two grinder rows and their
+null compare a table with itself. Squareness, cyclic errors, heat and tool wear are missing: no
+recording was found that may be passed on and is small enough to check by eye.
+"""
