@@ -9,7 +9,7 @@ BEGIN, END = "<!-- real: begin -->", "<!-- real: end -->"
 INTRODUCTION = """\
 ## Real machines
 
-`python -m proof.real` (half a minute) takes recordings that others made of their machines, removes
+`python -m proof.real` (two minutes) takes recordings that others made of their machines, removes
 what the authors found from the model, lets `gcomp diagnose` find it, compares name and size, writes
 it into the machine and diagnoses again. `proof/real/data/README.md` names sources and licences;
 what may not be passed on is read from where it lies, or left out.

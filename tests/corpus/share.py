@@ -41,15 +41,19 @@ COLUMNS = (
     "ours",
 )
 TITLE = "## The share of real programs that are corrected"
-SAID = """Programs of other people, read from public repositories and from the examples that LinuxCNC's package brings along, each in the
-dialect of its control; long ones with fewer of their motions, each as it was measured last. Where a search named no repository each program is a source
-of its own. `gcomp --verify` runs as its user would run it: a machine with 6 m of travel and a smooth two-way map, all offsets
-stated as zero, home stated, 1 um; a refusal is answered by the option that its advice names (`python -m tests.corpus.share`).
-*none*: controls of which there is no dialect here (Fadal, MillMaster), all refused. The 61 turning programs measured last ran on a lathe with X Z, or with
-X Y Z C where they name Y or C, all offsets by their own names (T0203, T5D1, G30) zero too; three of their refusals and one of an older program were judged
-by hand (a called shape or subprogram that is not there: *not in the text*; a corner where the shape goes straight on: *broken*).
-*Broken*: the control would stop at it too. *Not in the text*: what is cut depends on what only the machine knows (probing,
-variables that it keeps, axes that a machine with X Y Z A B C has not), or it is a template."""  # noqa: E501
+SAID = """\
+Programs of other people from public repositories and LinuxCNC's examples, long ones with fewer
+motions, each as it was measured last; without a repository's name each program is a source. `python
+-m tests.corpus.share` runs `gcomp --verify`: 6 m of travel, a smooth two-way map, all offsets zero,
+home stated, 1 um; a refusal is answered by the option that its advice names.
+
+*none*: no dialect here (Fadal, MillMaster). *Broken*: the control would stop too. *Not in the
+text*: only the machine knows it (probing, stored variables, axes other than X Y Z A B C), or it is
+a template.
+
+The 61 turning programs measured last ran on a lathe with X Z (X Y Z C where they name Y or C),
+T0203, T5D1 and G30 zero too; four refusals were judged by hand (a missing shape or subprogram; a
+corner where the shape goes straight on)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 OPTIONS = (  # what an advice names, and what its user would type
