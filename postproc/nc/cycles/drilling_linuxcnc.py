@@ -62,23 +62,7 @@ class LinuxcncDrilling(Drilling):
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = scene.plane[2]
-        if code in STOPS and scene.spindle not in (3, 4):
-            raise scene.fault(
-                "G86 starts the spindle as it turned before, and it does not turn",
-                "start it before: S, M3",
-            )
-        if not self.wants(scene, block):
-            raise scene.fault(
-                "a drilling cycle without X, Y or Z",
-                "LinuxCNC wants one of them in every such block",
-            )
-        if code != self.code:
-            missing = [x for x in "R" + axis + NEEDS.get(code, "") if block.get(x) is None]
-            if missing:
-                raise scene.fault(
-                    f"G{code / 10:g} begins without {' and '.join(missing)}",
-                    "LinuxCNC keeps these words only within one cycle: write them where it begins",
-                )
+        self._check(scene, block, code, axis)
         half = 2 if scene.is_diameter(axis) else 1  # all that holds is a radius
         for word in block.words:
             self._hold(scene, word, axis, half)
@@ -98,10 +82,10 @@ class LinuxcncDrilling(Drilling):
         here = scene.at(axis) / half
         if not scene.differs(axis, r * half):
             here = r  # not by a rounding above or below it
-        high = r if not up or self.initial < r else self.initial
-        first, level = ((r * half,), r) if self.initial < r else ((), here if here > r else high)
+        top = max(r, self.initial) if up else r
+        first, level = ((r * half,), r) if self.initial < r else ((), here if here > r else top)
         hole = Hole(
-            axis, r * half, bottom * half, back=(max(r, self.initial) if up else r) * half,
+            axis, r * half, bottom * half, back=top * half,
             p=self.p if code in DWELLS else "", first=self.held.get("Q", 0.0) * half,
             retract=RETRACT[scene.inch] * half,
         )  # fmt: skip
@@ -113,6 +97,25 @@ class LinuxcncDrilling(Drilling):
             )
         place = [w for w in block.words if w.letter in "XYZ" and w.letter != axis]
         return Job(code, hole, self.times(scene, block, "L", 1), place, first, level * half)
+
+    def _check(self, scene: Scene, block: Block, code: int, axis: str) -> None:
+        """Raises ProgramError where LinuxCNC makes no hole, or not without more words."""
+        if code in STOPS and scene.spindle not in (3, 4):
+            raise scene.fault(
+                "G86 starts the spindle as it turned before, and it does not turn",
+                "start it before: S, M3",
+            )
+        if not self.wants(scene, block):
+            raise scene.fault(
+                "a drilling cycle without X, Y or Z",
+                "LinuxCNC wants one of them in every such block",
+            )
+        needed = "R" + axis + NEEDS.get(code, "") if code != self.code else ""
+        if missing := [x for x in needed if block.get(x) is None]:
+            raise scene.fault(
+                f"G{code / 10:g} begins without {' and '.join(missing)}",
+                "LinuxCNC keeps these words only within one cycle: write them where it begins",
+            )
 
     def _hold(self, scene: Scene, word: Word, axis: str, half: int) -> None:
         """Remember a word for the holes to come."""

@@ -25,18 +25,10 @@ from postproc.nc.cycles.polar import Polar
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
-MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = (
-    501,
-    511,
-    500,
-    510,
-    680,
-    690,
-    150,
-    160,
-)
-CODES = (MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON)
-LENGTHS = ("length", "length words", "length more", "length minus", "no length")
+CODES = (501, 511, 500, 510, 680, 690, 150, 160)
+MIRROR_OFF, MIRROR_ON, SCALE_OFF, SCALE_ON, TURN_ON, TURN_OFF, POLAR_OFF, POLAR_ON = CODES
+LENGTHS = {"length", "length words", "length more", "length minus", "no length"}
+SHIFTS = {*FRAME_KEYS} - LENGTHS - {"data"}
 TAKERS = (TURN_ON, SCALE_ON, MIRROR_ON, MIRROR_OFF)
 SMALLEST = 1e-6  # of factors that can be undone
 ONE = 0.001  # what 1 without a point means as a factor
@@ -147,20 +139,23 @@ class FanucFrames:
 
     def _check(self, block: Block) -> None:
         """Codes that the manual forbids while the coordinates are turned or scaled."""
-        scene, identity = self.scene, self.frames.map.identity
+        scene = self.scene
+        if self.frames.map.identity:
+            return
         named = [
             w for w in block.words if w.letter in AXES and not self.frames.map.leaves(w.letter)
         ]
         for code in block.codes:
             row = scene.table.get(code)
-            if row is None or identity or (row.does == "local" and self._idle(named)):
+            if row is None or (row.does == "local" and self._idle(named)):
                 continue
-            moves = row.does in FRAME_KEYS and row.does not in LENGTHS and row.does != "data"
-            if row.group in ("work offset", "units") or (moves and (named or not row.takes)):
+            moves = row.does in SHIFTS and (named or not row.takes)
+            if row.group in ("work offset", "units") or moves:
                 raise scene.fault(f"{row.word} ({row.meaning}) within {self.frames.why}", CANCEL)
-            if row.group == "plane" and row.number != self.plane and self.frames.map != Affine():
+            if row.group == "plane" and row.number != self.plane:
                 raise scene.fault(f"another plane within {self.frames.why}", CANCEL)
-            if (code == 530 or row.takes) and (named or (code in (280, 300) and not _axes(block))):
+            homes = code in (280, 300) and not _axes(block)
+            if (code == 530 or row.takes) and (named or homes):
                 raise scene.fault(
                     f"{row.word} names {named[0].letter if named else 'no axis'} within"
                     f" {self.frames.why}",
@@ -221,34 +216,20 @@ class FanucFrames:
         scene = self.scene
         self._alone(bool(self.mirror), "a rotation (G68)")
         first, second, _ = scene.plane
-        space = next((w for w in block.words if w.letter in "IJK"), None)
-        if space:
+        if space := next((w for w in block.words if w.letter in "IJK"), None):
             raise scene.fault(
                 "G68 with I J K turns in space",
                 "only turns within the plane are written out",
                 space,
             )
-        angle = block.word("R")
-        if angle is None or angle.value is None:
-            raise scene.fault(
-                "G68 without its angle R",
-                "the control takes it from a parameter or a setting: write R",
-            )
-        if scene.tracker.counts and angle.value and "." not in angle.raw:
-            raise scene.fault(
-                f"the angle R{angle.raw} has no decimal point",
-                f"lengths without one count least increments here: write R{angle.raw}.",
-                angle,
-            )
+        angle = self._angle(block)
         if self.turn and scene.incremental:
             raise scene.fault(
                 "G68 in G91 within a rotation",
                 "whether R adds up is a parameter: write G69 or G90 before",
             )
-        across = next(
-            (w for w in block.words if w.letter in AXES and w.letter not in (first, second)), None
-        )
-        if across:
+        out = (w for w in block.words if w.letter in AXES and w.letter not in (first, second))
+        if across := next(out, None):
             raise scene.fault(
                 f"{across.letter} in a rotation (G68): it lies across the plane",
                 "take it out of the block",
@@ -261,16 +242,30 @@ class FanucFrames:
                 "name both coordinates of the centre, or none",
                 given[0],
             )
-        centre = {w.letter: scene.length(w, w.letter) for w in given}
         if given:
-            pivot = point(centre)
-            if self.scale:
-                pivot = self.scale(pivot)
+            pivot = point({w.letter: scene.length(w, w.letter) for w in given})
+            pivot = self.scale(pivot) if self.scale else pivot
         else:
             pivot = point({x: self._stands(x) for x in (first, second)})
-        self.turn = rotation(first, second, angle.value, pivot)
+        self.turn = rotation(first, second, angle, pivot)
         self._hold()
-        self.frames.loose |= {first, second} if angle.value % 360 else set()
+        self.frames.loose |= {first, second} if angle % 360 else set()
+
+    def _angle(self, block: Block) -> float:
+        """Of G68, in degrees."""
+        scene, angle = self.scene, block.word("R")
+        if angle is None or angle.value is None:
+            raise scene.fault(
+                "G68 without its angle R",
+                "the control takes it from a parameter or a setting: write R",
+            )
+        if scene.tracker.counts and angle.value and "." not in angle.raw:
+            raise scene.fault(
+                f"the angle R{angle.raw} has no decimal point",
+                f"lengths without one count least increments here: write R{angle.raw}.",
+                angle,
+            )
+        return angle.value
 
     def _no_turn(self, block: Block) -> None:
         if self.turn is None:

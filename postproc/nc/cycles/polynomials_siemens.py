@@ -104,7 +104,7 @@ class Polynomials:
         if not found:
             return self._straight(line, block)
         values = {axis: self._values(match) for axis, match in found.items()}
-        return self._curve(line, block, values, float(length[1]) if length else 1.0)
+        return self._curve(line, block, values, length)
 
     def _straight(self, line: Line, block: Block) -> list[Line]:
         """A block without polynomials: G1 where it names axes."""
@@ -130,9 +130,13 @@ class Polynomials:
         return values
 
     def _curve(
-        self, line: Line, block: Block, values: dict[str, list[float]], length: float
+        self,
+        line: Line,
+        block: Block,
+        values: dict[str, list[float]],
+        stated: re.Match[bytes] | None,
     ) -> list[Line]:
-        scene = self.scene
+        scene, length = self.scene, float(stated[1]) if stated else 1.0
         self._check(block, values, length)
         plain = {w.letter: w.value or 0.0 for w in block.words if w.letter in AXES}
         axes = [x for x in AXES if x in values or x in plain]

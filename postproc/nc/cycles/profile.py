@@ -25,6 +25,7 @@ ANYWHERE, ARCS = "NGXZFST", "IKR"  # letters of a shape, and of its arcs; F S T 
 MOTIONS = (0, 10, CLOCKWISE, COUNTER)
 NEAR = 1e-9
 Point = tuple[float, float]  # z, x radius
+Row = tuple[int, Block, int]  # source line, block, its N
 
 
 @dataclass(frozen=True)
@@ -109,17 +110,43 @@ def find(
     which a notice says where the number stands in other lines too. `kept`: the line in which a
     roughing with the same numbers found the first one (0: none did). Raises ProgramError."""
     rows = _numbered(scene, lines)
+    first = _first(scene, rows, begin, after, kept)
+    stop = next((i for i in range(first, len(rows)) if rows[i][2] == end), None)
+    if stop is None:
+        raise scene.fault(
+            f"there is no block N{end} behind N{begin}", "Q names the last block of the shape"
+        )
+    chosen = rows[first : stop + 1]
+    corners = {}
+    for k, (line, block, number) in enumerate(chosen):
+        text, corner = drawing_fanuc.split(block.text)
+        if corner is not None and scene.dialect.language == "fanuc":
+            corners[k], block = corner, Block.of(text, scene.dialect.grammar)
+        if not block.plain and (worked := scene.tracker.rendered(block.text)) is not None:
+            block = Block.of(worked, scene.dialect.grammar)
+        chosen[k] = line, block, number
+        if not block.plain:
+            raise scene.fault(
+                f"the shape's line {line} is more than words and numbers:"
+                f" {block.text[:40].decode('latin-1')!r}",
+                "variables must be written out in it",
+            )
+    return Profile([block for _, block, _ in chosen], chosen[0][0], chosen[-1][0], corners)
+
+
+def _first(scene: Scene, rows: list[Row], begin: int, after: int, kept: int) -> int:
+    """The row of the shape's first block."""
     starts = [i for i, (line, _, n) in enumerate(rows) if n == begin and line > after]
     if after and starts:
-        others = [str(line) for line, _, n in rows if n == begin and line != rows[starts[0]][0]]
-        if others:
+        line = rows[starts[0]][0]
+        if others := [str(other) for other, _, n in rows if n == begin and other != line]:
             said = (
                 f"N{begin} stands in line {', '.join(others)} too: the shape is the one behind the"
-                f" cycle, in line {rows[starts[0]][0]}"
+                f" cycle, in line {line}"
             )
             scene.notices.append(Notice(f"shape {begin}", said, scene.source))
-        starts = starts[:1]
-    elif kept:
+        return starts[0]
+    if kept:
         starts = [i for i in starts if rows[i][0] == kept] or starts
     if not starts:
         where = f"behind line {after}" if after else "in the program"
@@ -132,31 +159,10 @@ def find(
         raise scene.fault(
             f"N{begin} stands in lines {places}", "number the blocks of the shape once"
         )
-    stop = next((i for i in range(starts[0], len(rows)) if rows[i][2] == end), None)
-    if stop is None:
-        raise scene.fault(
-            f"there is no block N{end} behind N{begin}", "Q names the last block of the shape"
-        )
-    chosen = rows[starts[0] : stop + 1]
-    corners = {}
-    for k, (line, block, number) in enumerate(chosen):
-        text, corner = drawing_fanuc.split(block.text)
-        if corner is not None and scene.dialect.language == "fanuc":
-            corners[k], block = corner, Block.of(text, scene.dialect.grammar)
-            chosen[k] = line, block, number
-        if not block.plain and (worked := scene.tracker.rendered(block.text)) is not None:
-            block = Block.of(worked, scene.dialect.grammar)
-            chosen[k] = line, block, number
-        if not block.plain:
-            raise scene.fault(
-                f"the shape's line {line} is more than words and numbers:"
-                f" {block.text[:40].decode('latin-1')!r}",
-                "variables must be written out in it",
-            )
-    return Profile([block for _, block, _ in chosen], chosen[0][0], chosen[-1][0], corners)
+    return starts[0]
 
 
-def _numbered(scene: Scene, lines: list[bytes]) -> list[tuple[int, Block, int]]:
+def _numbered(scene: Scene, lines: list[bytes]) -> list[Row]:
     """All blocks that run, with their source line and N number (-1: none)."""
     rows = []
     for line, text in enumerate(lines, 1):
@@ -177,11 +183,10 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
     open_line: tuple[float, int] | None = None  # angle and block of a line whose end is not said
     for row, block in enumerate(profile.texts):
         motion, incremental = _modes(scene, block, motion, incremental)
-        arc = motion in (CLOCKWISE, COUNTER)
+        arc, angle, corner = motion in (CLOCKWISE, COUNTER), None, None
         _known(scene, block, arc)
-        angle = None if arc or "A" not in drawing_fanuc.bare(scene, "A") else block.get("A")
-        corner = None
         if not arc:
+            angle = block.get("A") if drawing_fanuc.bare(scene, "A") else None
             corner = drawing_fanuc.corner_of(scene, block, profile.corners.get(row))
         place = _place(scene, block, here, incremental)
         if angle is not None and place == (None, None):
@@ -191,8 +196,7 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
             if corner:
                 corners[len(elements)] = corner
             continue
-        z = here[0] if place[0] is None else place[0]
-        x = here[1] if place[1] is None else place[1]
+        z, x = (old if new is None else new for old, new in zip(here, place, strict=True))
         if open_line is not None:
             if angle is None or None in place:
                 raise scene.fault("A alone, and the next line without A, X and Z", WRITE_END)
@@ -203,9 +207,7 @@ def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: in
             z, x = drawing_fanuc.on_line(scene, here, angle, *place)
         if (z, x) == here:
             continue
-        element = Element(motion, here, (z, x), row=row)
-        if element.is_arc:
-            element = _arc(scene, block, element)
+        element = _arc(scene, block, Element(motion, here, (z, x), row=row))
         if corner:
             corners[len(elements)] = corner
         elements.append(element)
@@ -274,7 +276,9 @@ def _coordinate(
 
 
 def _arc(scene: Scene, block: Block, element: Element) -> Element:
-    """With its centre."""
+    """With its centre, where it is an arc."""
+    if not element.is_arc:
+        return element
     radius, i, k = block.word("R"), block.word("I"), block.word("K")
     words = tuple(block.text[w.start : w.stop] for w in (radius, i, k) if w is not None)
     (z0, x0), (z1, x1) = element.start, element.end

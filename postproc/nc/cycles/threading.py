@@ -122,29 +122,14 @@ class LinuxcncThread:
 
     def _read(self, scene: Scene, block: Block) -> Thread:
         """The words of the block. Raises ProgramError where LinuxCNC refuses them."""
-        values = {x: block.get(x) for x in "PIJKQRHEL"}
-        if scene.compensated:
-            raise scene.fault("G76 with cutter radius compensation on", "end it before: G40")
-        if scene.spindle not in (3, 4):
-            raise scene.fault(
-                "G76 cuts a thread, and the spindle does not turn",
-                "start it before: S and M3 or M4",
-            )
-        if block.get("X") is None and block.get("Z") is None:
-            raise scene.fault("G76 without Z", "write where the thread ends")
-        missing = [x for x in "PIJK" if values[x] is None]
-        if missing:
-            raise scene.fault(
-                f"G76 without {' and '.join(missing)}", "LinuxCNC wants P, I, J and K"
-            )
-        pitch, i, j, k = (values[x] or 0.0 for x in "PIJK")
+        self._check(scene, block)
+        pitch, i, j, k, q, r, h, e, flags = (block.get(x) or 0.0 for x in "PIJKQRHEL")
         half = 2 if scene.is_diameter("X") else 1
         if i == 0 or j <= 0 or k <= j:
             raise scene.fault(
                 f"I{i:g} J{j:g} K{k:g} make no thread",
                 "I is not 0, J above 0, and K, the full depth, above J",
             )
-        h, e, flags = values["H"] or 0.0, max(values["E"] or 0.0, 0.0), values["L"] or 0.0
         if h != int(h) or not 0 <= h <= MOST_PASSES or flags != int(flags) or flags < 0:
             raise scene.fault(
                 f"H{h:g} L{flags:g}", "H is a whole number of spring passes, L is 0, 1, 2 or 3"
@@ -154,7 +139,7 @@ class LinuxcncThread:
             value = block.get(axis)
             here = scene.at(axis)
             end[axis] = here if value is None else here + value if scene.incremental else value
-        back = end["Z"] > scene.at("Z")
+        sign = -1 if end["Z"] > scene.at("Z") else 1
         return Thread(
             start=(scene.at("X") / half, scene.at("Z")),
             end=(end["X"] / half, end["Z"]),
@@ -163,9 +148,25 @@ class LinuxcncThread:
             cut=j / half,
             depth=k / half,
             pitch=pitch,
-            degression=max(values["R"] or 1.0, 1.0),
-            angle=math.radians(values["Q"] or 0.0) * (-1 if back else 1),
-            taper=-e if back else e,
+            degression=max(r or 1.0, 1.0),
+            angle=math.radians(q) * sign,
+            taper=max(e, 0.0) * sign,
             ends=int(flags),
             springs=int(h),
         )
+
+    def _check(self, scene: Scene, block: Block) -> None:
+        """Raises ProgramError where LinuxCNC cuts no thread, or not without more words."""
+        if scene.compensated:
+            raise scene.fault("G76 with cutter radius compensation on", "end it before: G40")
+        if scene.spindle not in (3, 4):
+            raise scene.fault(
+                "G76 cuts a thread, and the spindle does not turn",
+                "start it before: S and M3 or M4",
+            )
+        if block.get("X") is None and block.get("Z") is None:
+            raise scene.fault("G76 without Z", "write where the thread ends")
+        if missing := [x for x in "PIJK" if block.get(x) is None]:
+            raise scene.fault(
+                f"G76 without {' and '.join(missing)}", "LinuxCNC wants P, I, J and K"
+            )
