@@ -48,19 +48,25 @@ def read(source: Source) -> Offsets:
             )
         if name in offsets.work or name in offsets.tools:
             raise source.fault(number, f"{name} stands twice", "keep the one that is true")
-        values = {
-            c: source.number(number, x) for c, x in zip(header[1:], cells[1:], strict=True) if x
-        }
-        work = bool(WORK_NAME.fullmatch(name)) or " P" in name
-        if work and "R_mm" in values:
-            raise source.fault(number, f"{name} is a work offset, which has no radius", ADVICE)
-        if not work and TURN in values:
-            raise source.fault(number, f"{name} is a tool, which is not rotated", ADVICE)
-        if values.get(TURN):
-            offsets.rotation[name] = values[TURN]
-        into = offsets.work if work else offsets.tools
-        into[name] = {COLUMNS[column]: value for column, value in values.items() if column != TURN}
+        filled = {c: x for c, x in zip(header[1:], cells[1:], strict=True) if x}
+        values = {c: source.number(number, x) for c, x in filled.items()}
+        _take(source, number, name, values, offsets)
     return offsets
+
+
+def _take(
+    source: Source, number: int, name: str, values: dict[str, float], offsets: Offsets
+) -> None:
+    """One row."""
+    work = bool(WORK_NAME.fullmatch(name)) or " P" in name
+    if work and "R_mm" in values:
+        raise source.fault(number, f"{name} is a work offset, which has no radius", ADVICE)
+    if not work and TURN in values:
+        raise source.fault(number, f"{name} is a tool, which is not rotated", ADVICE)
+    if turn := values.pop(TURN, 0.0):
+        offsets.rotation[name] = turn
+    into = offsets.work if work else offsets.tools
+    into[name] = {COLUMNS[column]: value for column, value in values.items()}
 
 
 def _cells(source: Source, number: int, line: str) -> list[str]:

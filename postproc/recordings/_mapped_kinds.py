@@ -8,6 +8,8 @@ from the options.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from postproc.errors import Place, UsageError
@@ -26,6 +28,12 @@ def is_other(mapping: dict[str, str]) -> bool:
     )
 
 
+def _kind(names: Iterable[str]) -> str:
+    if "measured_mm" in names:
+        return "features"
+    return "ballbar" if any(n.startswith("radial") for n in names) else "trace"
+
+
 def read(
     source: Source,
     options: ReadingOptions,
@@ -36,13 +44,7 @@ def read(
 ) -> Recording:
     """Raises UsageError for what the mapping or the head lacks, RecordingError with the line for
     what is no number."""
-    kind = (
-        "features"
-        if "measured_mm" in at
-        else "ballbar"
-        if any(n.startswith("radial") for n in at)
-        else "trace"
-    )
+    kind = _kind(at)
     head = ({"machine": options.machine} if options.machine else {}) | options.head
 
     def fault(key: str, message: str, advice: str = "") -> UsageError:
@@ -53,8 +55,27 @@ def read(
 
     contract.check_head({**head, "kind": kind}, fault)
     words = TEXTS if kind == "features" else set()
+    arrays, lines = _columns(source, table, top, at, words)
+    if kind == "ballbar":
+        arrays = _circle(head, _radial(options, arrays), len(lines), notices)
+    if "run" not in arrays and kind != "features":
+        arrays["run"] = np.ones(len(lines))
+    try:
+        contract.needed(
+            {**head, "kind": kind}, list(arrays), Place(source.name, table.rows[max(top - 1, 0)][0])
+        )
+    except RecordingError as error:
+        raise UsageError(f"for a {kind} {error.message}", "name it with --column") from None
+    recording = Recording(kind, head, arrays, source.name, lines, (), tuple(notices))
+    contract.check(recording)
+    return recording
+
+
+def _columns(
+    source: Source, table: text.Table, top: int, at: dict[str, int], words: set[str]
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Columns by name, and their lines; those of `words` are no numbers."""
     columns: dict[str, list] = {name: [] for name in at}
-    lines: list[int] = []
     for line, cells in table.rows[top:]:
         place = Place(source.name, line, table.delimiter.join(cells))
         for name, j in at.items():
@@ -66,27 +87,11 @@ def read(
                     f"{name} {cell!r} is not a number" if cell else f"{name} is empty", "", place
                 )
             columns[name].append(cell if name in words else value)
-        lines.append(line)
-    if not lines:
+    lines = np.array([line for line, _ in table.rows[top:]], np.int64)
+    if not len(lines):
         raise source.fault(table.rows[-1][0], "there are no rows")
-    arrays = {
-        n: np.array(c, dtype=object if n in words else np.float64) for n, c in columns.items()
-    }
-    if kind == "ballbar":
-        arrays = _circle(head, _radial(options, arrays), len(lines), notices)
-    if "run" not in arrays and kind != "features":
-        arrays["run"] = np.ones(len(lines))
-    try:
-        contract.needed(
-            {**head, "kind": kind}, list(arrays), Place(source.name, table.rows[max(top - 1, 0)][0])
-        )
-    except RecordingError as error:
-        raise UsageError(f"for a {kind} {error.message}", "name it with --column") from None
-    recording = Recording(
-        kind, head, arrays, source.name, np.array(lines, np.int64), (), tuple(notices)
-    )
-    contract.check(recording)
-    return recording
+    kinds = {n: object if n in words else np.float64 for n in columns}
+    return {n: np.array(c, dtype=kinds[n]) for n, c in columns.items()}, lines
 
 
 def _radial(options: ReadingOptions, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ Each component becomes a recording. A column that is none of these is named in a
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import numpy as np
 
@@ -57,12 +58,12 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     """A recording for each component, only one where --component names it."""
     names, values, lines, head_line = _table(source, options)
     letter, idle = names[0][0], _idle(names, Place(source.name, head_line))
-    found = [(m[1], m[2], m[3], k) for k, n in enumerate(names) if (m := COMPONENT.fullmatch(n))]
-    for _, own, _, k in found:
-        if own != letter:
+    found = [(m, k) for k, n in enumerate(names) if (m := COMPONENT.fullmatch(n))]
+    for column, _ in found:
+        if column[2] != letter:
             raise source.fault(
                 head_line,
-                f"{names[k]} is no error of {letter}, which moves",
+                f"{column[0]} is no error of {letter}, which moves",
                 "one axis in each file",
             )
     shared = {n: values[:, k] for k, n in enumerate(names) if not COMPONENT.fullmatch(n)}
@@ -73,44 +74,44 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
         for x, v in options.others.items()
         if x in "XYZ" and f"{x}_mm" not in shared
     }
+    wanted = options.component.upper()
     out = []
-    for direction, _, unit, k in found:
-        name = f"E{direction}{letter}"
-        if options.component and options.component.upper() != name:
-            continue
-        angle = direction in "ABC"
-        if angle != (unit != "um"):
-            raise source.fault(
-                head_line,
-                f"{names[k]}: {name} is {'an angle' if angle else 'a length'}",
-                "urad, arcsec, or um",
-            )
-        reading = values[:, k] * (ARCSEC if unit == "arcsec" else 1.0)
-        along = "XYZ"["ABC".index(direction)] if angle else direction
-        quantity = "angle" if angle else "displacement" if direction == letter else "straightness"
-        head = {
-            "instrument": "six degrees of freedom",
-            "quantity": quantity,
-            "sensitive": {along: 1.0},
-        } | dict(options.head)
-        if options.machine:
-            head["machine"] = options.machine
-        out.append(
-            Recording(
-                "targets",
-                head,
-                shared | {"reading_urad" if angle else "reading_um": reading},
-                source.name,
-                lines,
-                notices=idle,
-            )
-        )
+    for m, k in found:
+        if wanted in ("", f"E{m[1]}{letter}"):
+            head, reading = _component(source, options, m, head_line, values[:, k])
+            columns = shared | reading
+            out.append(Recording("targets", head, columns, source.name, lines, notices=idle))
     if not out:
         raise UsageError(
             f"{source.name} holds no {options.component}",
-            f"it holds {', '.join(f'E{d}{letter}' for d, _, _, _ in found)}",
+            f"it holds {', '.join(f'E{m[1]}{letter}' for m, _ in found)}",
         )
     return out
+
+
+def _component(
+    source: Source, options: ReadingOptions, column: re.Match[str], line: int, values: np.ndarray
+) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Head and reading of one component: direction, axis and unit are those of its column."""
+    direction, letter, unit = column.groups()
+    name, angle = f"E{direction}{letter}", direction in "ABC"
+    if angle == (unit == "um"):
+        raise source.fault(
+            line,
+            f"{column[0]}: {name} is {'an angle' if angle else 'a length'}",
+            "urad, arcsec, or um",
+        )
+    quantity = "angle" if angle else "displacement" if direction == letter else "straightness"
+    head = {
+        "instrument": "six degrees of freedom",
+        "quantity": quantity,
+        "sensitive": {"XYZ"["ABC".index(direction)] if angle else direction: 1.0},
+        **options.head,
+    }
+    if options.machine:
+        head["machine"] = options.machine
+    scaled = values * (ARCSEC if unit == "arcsec" else 1.0)
+    return head, {"reading_urad" if angle else "reading_um": scaled}
 
 
 def _idle(names: list[str], place: Place) -> tuple[str, ...]:

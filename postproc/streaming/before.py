@@ -90,14 +90,17 @@ class Before:
         if "S" in word and max(commands, default=0) <= 5 and not codes & {4, 10, 50, 92}:
             self.speed = f"S{word['S']:g}"
         for value in commands:
-            if value in (3, 4, 5):
-                self.spindle = f"M{value:g}"
-            elif value == 6:
-                self.loaded = self.tool
-            elif value in (7, 8):
-                self.coolant = sorted({*self.coolant, f"M{value:g}"})
-            elif value == 9:
-                self.coolant = []
+            self._command(value)
+
+    def _command(self, value: float) -> None:
+        if value in (3, 4, 5):
+            self.spindle = f"M{value:g}"
+        elif value == 6:
+            self.loaded = self.tool
+        elif value in (7, 8):
+            self.coolant = sorted({*self.coolant, f"M{value:g}"})
+        elif value == 9:
+            self.coolant = []
 
     def printed(self, text: bytes) -> None:
         """Take the heaters, fan and spindle of a printer's lines."""
