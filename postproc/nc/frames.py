@@ -54,17 +54,8 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
     for number, does in b.dialect.frame_codes.items() if begun else ():
         if number in begun and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
-    letter = b.dialect.length_letter
-    if letter != "H" and number_of(b, letter) is not None:
-        length_by(b, letter, int(number_of(b, letter) or 0))
-    elif letter == "D" and number_of(b, "T") is not None:
-        length_by(b, letter, 1 if number_of(b, "T") else 0)  # a new tool comes with its first edge
-    if (
-        b.dialect.extended_by_p
-        and "work offset" in b.given
-        and b.given["work offset"][0] == 540
-        and b.live[0]
-    ):
+    _edge(b)
+    if b.dialect.extended_by_p and b.given.get("work offset", (NONE,))[0] == 540 and b.live[0]:
         if number_of(b, "P"):
             _extended(b, axis_words, "G54")
         else:  # a plain G54 takes the additional one back
@@ -77,6 +68,16 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         if b.live[0] and begins_with(b, number):
             planes.plane_align(b, b.dialect.by_number[number].word)
     _swivelled(b)
+
+
+def _edge(b: Batch) -> None:
+    """D with its length, where the control has no G43; a new tool comes with its first edge."""
+    letter = b.dialect.length_letter
+    number, tool = number_of(b, letter), number_of(b, "T")
+    if letter != "H" and number is not None:
+        length_by(b, letter, int(number))
+    elif letter == "D" and tool is not None:
+        length_by(b, letter, 1 if tool else 0)
 
 
 LOST = (
@@ -182,16 +183,24 @@ def _data(b: Batch, axis_words, word: str) -> None:
     if line in (1, 10, 11):
         set_tool(b, axis_words, p, int(line), values)
         return
+    _work_offset(b, axis_words, p, int(line), values)
+
+
+def _name(b: Batch, p: int, line: int) -> str:
+    """The work offset that L2 or L20 with this P writes; "": none."""
+    if line == 20 and b.dialect.extended_by_p:
+        return f"G54.1 P{p}"
+    if p:
+        return WORK_OF_P[p] if p < len(WORK_OF_P) else ""
+    if b.dialect.extended_by_p:
+        return EXTERNAL
+    held = int(np.broadcast_to(b.held("work offset"), b.n)[0])
+    return b.dialect.by_number[held].word if held != NONE else "G54"
+
+
+def _work_offset(b: Batch, axis_words, p: int, line: int, values) -> None:
     by_place = line == 20 and not b.dialect.extended_by_p
-    if line == 20 and not by_place:
-        name = f"G54.1 P{p}"
-    elif p == 0 and b.dialect.extended_by_p:
-        name = EXTERNAL
-    elif p == 0:
-        held = int(np.broadcast_to(b.held("work offset"), b.n)[0])
-        name = b.dialect.by_number[held].word if held != NONE else "G54"
-    else:
-        name = WORK_OF_P[p] if p < len(WORK_OF_P) else ""
+    name = _name(b, p, line)
     if not name:
         b.frame = with_known(
             b.frame, "data", (f"G10 P{p} names no work offset", "P1 is G54, P2 is G55 and so on")

@@ -41,6 +41,7 @@ REGISTERS = {
     "1": LENGTH_WEAR,
     **{code: code for code in (LENGTH, LENGTH_WEAR, RADIUS, RADIUS_WEAR)},
 }
+WORK = {"2": range(7), "20": range(1, 301)}  # P of work offsets by L
 STEPS = {"U": "X", "V": "Y", "W": "Z", "C": "R"}  # of lathe offsets
 GEOMETRY = 10_000
 # the tape's mark, the program's number or name
@@ -124,28 +125,13 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
         raise source.fault(number, "G10 needs P, the number of the offset", ADVICE)
     n = int(p)
     if lathe:
-        if nose := words.pop("Q", ""):
-            memory.nose[n % GEOMETRY] = source.number(number, nose)
-        for letter in set(words) & set(STEPS):
-            if STEPS[letter] in words:
-                raise source.fault(
-                    number, f"{STEPS[letter]} and its step {letter} stand together", ADVICE
-                )
-        kind, allowed, numbers = (
-            "",
-            "XYZR" + "".join(STEPS),
-            n % GEOMETRY in range(1, 1000) and n // GEOMETRY < 2,
-        )
-        if n == 0 and any(source.number(number, x) for x in words.values()):
-            raise source.fault(
-                number,
-                "P0 shifts the work coordinates of a lathe",
-                "add it to EXT, and drop the line",
-            )
+        _check_lathe(source, number, n, words, memory)
         if n == 0:
             return
-    elif code in ("2", "20"):
-        kind, allowed, numbers = code, AXES, n in (range(7) if code == "2" else range(1, 301))
+        kind, allowed = "", "XYZR" + "".join(STEPS)
+        numbers = n % GEOMETRY in range(1, 1000) and n // GEOMETRY < 2
+    elif code in WORK:
+        kind, allowed, numbers = code, AXES, n in WORK[code]
         if set(words) & set("UVW"):
             raise source.fault(
                 number, "U V W may be axes, or steps of X Y Z", "state this offset one by one"
@@ -161,6 +147,7 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
             number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE
         )
     memory.place.setdefault((kind, n), {})
+    steps = STEPS if lathe else {}
     for letter, text in words.items():
         if letter not in allowed:
             raise source.fault(
@@ -170,11 +157,28 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
         memory.bare |= "." not in text and value != 0
         if lathe or letter not in ROTARY:
             value *= MM_PER_INCH if memory.inch else 1.0
-        step = letter in STEPS if lathe else memory.incremental
-        if not memory.write((kind, n), STEPS.get(letter, letter) if lathe else letter, value, step):
+        step = letter in steps if lathe else memory.incremental
+        if not memory.write((kind, n), steps.get(letter, letter), value, step):
             raise source.fault(
                 number, f"{letter}{text} is a step from a value that the file does not have", ADVICE
             )
+
+
+def _check_lathe(
+    source: Source, number: int, n: int, words: dict[str, str], memory: Memory
+) -> None:
+    """Of a lathe's offset: its orientation Q is taken out, steps beside their own axis refused."""
+    if nose := words.pop("Q", ""):
+        memory.nose[n % GEOMETRY] = source.number(number, nose)
+    for letter in set(words) & set(STEPS):
+        if STEPS[letter] in words:
+            raise source.fault(
+                number, f"{STEPS[letter]} and its step {letter} stand together", ADVICE
+            )
+    if n == 0 and any(source.number(number, x) for x in words.values()):
+        raise source.fault(
+            number, "P0 shifts the work coordinates of a lathe", "add it to EXT, and drop the line"
+        )
 
 
 def _assembled(source: Source, memory: Memory) -> Offsets:

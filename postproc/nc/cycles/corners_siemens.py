@@ -101,13 +101,11 @@ class Corners:
                     "write it into the block of that line",
                 )
             self.modal = rndm or 0.0
-            self.held.between += (
-                [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
-            )
+            self.held.between += _unless_empty(line, plain)
             return []
         modal, self.modal = self.modal, self.modal if rndm is None else rndm
         if self.held is None and own is None and not (modal or self.modal):
-            return [line._replace(text=plain.text)] if plain.text.strip(b" \t\r/") else []
+            return _unless_empty(line, plain)
         return self._line(line, plain, own)
 
     def _read(self, line: Line) -> Block:
@@ -349,3 +347,7 @@ class Corners:
         length = math.hypot(*way)
         reach = radius / math.sin(angle / 2)
         return corner[0] + reach * way[0] / length, corner[1] + reach * way[1] / length
+
+
+def _unless_empty(line: Line, block: Block) -> list[Line]:
+    return [line._replace(text=block.text)] if block.text.strip(b" \t\r/") else []

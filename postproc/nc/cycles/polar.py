@@ -40,15 +40,12 @@ class Polar:
         """The block with right-angled words. Raises ProgramError."""
         scene = self.scene
         first, second, _ = scene.plane
-        numbers = {w.letter: i for i, w in enumerate(block.words)}
         radius, angle = block.word(first), block.word(second)
         if radius is None and angle is None:
             return block
         incremental = scene.incremental
-        if radius and incremental:
-            self.pole = self._stands(first, second)
-        elif radius:
-            self.pole = (0.0, 0.0)
+        if radius:
+            self.pole = self._stands(first, second) if incremental else (0.0, 0.0)
         elif not incremental and self.pole != (0.0, 0.0):
             raise scene.fault(
                 f"G16 in G90 without {first}, behind a pole set in G91",
@@ -74,11 +71,16 @@ class Polar:
             self.residue[axis] = exact - scene.rounded(axis, exact)
             texts[axis] = scene.text(axis, exact)
         self.here = to
-        changed = {numbers[x]: text for x, text in texts.items() if x in numbers}
-        new = b"".join(text for x, text in texts.items() if x not in numbers)
-        beside = min(numbers[x] for x in texts if x in numbers)
-        at = beside + any(x > block.words[beside].letter for x in texts if x not in numbers)
-        return Block.of(block.written(set(), new, at, changed), scene.dialect.grammar)
+        return self._written(block, texts)
+
+    def _written(self, block: Block, texts: dict[str, bytes]) -> Block:
+        """The block with these words, changed ones and those that come in."""
+        numbers = {w.letter: i for i, w in enumerate(block.words)}
+        changed = {numbers[x]: texts.pop(x) for x in list(texts) if x in numbers}
+        beside = min(changed)
+        at = beside + any(x > block.words[beside].letter for x in texts)
+        text = block.written(set(), b"".join(texts.values()), at, changed)
+        return Block.of(text, self.scene.dialect.grammar)
 
     def _stands(self, first: str, second: str) -> tuple[float, float]:
         if self.here is not None:

@@ -60,33 +60,32 @@ class PoleArcs:
                     "they are not followed: write the numbers",
                 )
             return [line]
+        return self._plain(line, block, star + rest)
+
+    def _plain(self, line: Line, block: Block, end: bytes) -> list[Line]:
+        """A block of words: its modes and its pole hold, then its motion is written out."""
+        scene = self.scene
         scene.note(block)
-        for code in block.codes:
-            if scene.group_of(code) == "motion":
-                self.motion = code
+        self.motion = [self.motion, *scene.own_codes(block, "motion")][-1]
         self.called = self.called or (block.word("L") is not None and LABEL not in block.codes)
-        taken = any(scene.table[c].takes for c in block.codes if c in scene.table)
+        rows = [scene.table[c] for c in block.codes if c in scene.table]
+        taken = any(row.takes for row in rows)
         if AT_LAST_PLACE in block.codes:
             self.pole = {CENTRES[x]: scene.at(x) for x in scene.plane[:2]}
         elif not taken:
             self._set(block)
         if taken:
             return [line]
+        placed = any(block.word(x) for x in "XYZ")
         if self.motion not in self.codes:
-            plain = self.motion in (0, 10) and not any(
-                scene.table[c].refuses for c in block.codes if c in scene.table
-            )
-            out = (
-                own_words(block, "IJK", set())
-                if plain and any(block.word(x) for x in "XYZ")
-                else set()
-            )
-            return [line._replace(text=block.written(out) + star + rest) if out else line]
+            plain = placed and self.motion in (0, 10) and not any(row.refuses for row in rows)
+            out = own_words(block, "IJK" * plain, set())
+            return [line._replace(text=block.written(out) + end) if out else line]
         if self.motion in POLAR:
-            return [line._replace(text=text) for text in self._polar(block, star + rest)]
-        if not any(block.word(x) for x in "XYZ"):
-            return self._bare(line, block, star + rest)
-        return [line._replace(text=text) for text in self._arc(block, star + rest)]
+            return [line._replace(text=text) for text in self._polar(block, end)]
+        if not placed:
+            return self._bare(line, block, end)
+        return [line._replace(text=text) for text in self._arc(block, end)]
 
     def _set(self, block: Block) -> None:
         """I J K in a block."""

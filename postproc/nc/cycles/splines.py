@@ -124,13 +124,14 @@ class Splines:
         weight, order = block.get("P"), block.get("L")
         named = [block.get(x) is not None for x in "XY"]
         first = not self.poles
-        if any(named) != all(named):
+        placed = any(named)
+        if placed != all(named):
             raise scene.fault("a control point with one of X and Y", "LinuxCNC wants both")
-        if not any(named) and not (first and weight):
+        if not placed and not (first and weight):
             raise scene.fault(
                 "a block of G5.2 without a control point", "only the first one may name P alone"
             )
-        if any(named) and (weight is None or weight <= 0):
+        if placed and (weight or 0.0) <= 0:
             raise scene.fault(
                 "a control point without a weight P above 0", "LinuxCNC takes a missing one for 0"
             )
@@ -143,13 +144,10 @@ class Splines:
             )
         if first:
             self.order = LEAST_ORDER
-            self.poles = [(*_start(scene), 1.0 if any(named) or weight is None else weight)]
-        self.order = (
-            max(LEAST_ORDER, int(order))
-            if order is not None and order > LEAST_ORDER
-            else self.order
-        )
-        if any(named) and weight is not None:
+            self.poles = [(*_start(scene), 1.0 if placed or weight is None else weight)]
+        if order is not None and order > LEAST_ORDER:
+            self.order = int(order)
+        if placed and weight is not None:
             self.poles.append((*_place(scene, block), weight))
 
     def _nurbs(self, scene: Scene) -> Curve:

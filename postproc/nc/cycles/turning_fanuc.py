@@ -286,23 +286,20 @@ class Repetitive:
             texts += self._drawn(scene, profile)
         else:
             texts += [b.text for b in profile.texts]
-        back = [
-            b"G0",
-            *([b"G40"] if before else []),
-            *(scene.text(x, value) for x, value in start.items()),
-        ]
-        if scene.incremental or any(910 in b.codes for b in profile.texts):
+        back = [b"G0", *[b"G40"] * bool(before), *(scene.text(x, v) for x, v in start.items())]
+        codes = [c for b in profile.texts for c in b.codes]
+        if scene.incremental or 910 in codes:
             raise scene.fault(
                 "G70 in G91", "write the shape in absolute words: the way back is not known here"
             )
-        nose = [c for b in profile.texts for c in b.codes if c in NOSE]
+        nose = [c for c in codes if c in NOSE]
         if nose and nose[-1] != 400:
             raise scene.fault(
                 f"G{nose[-1] // 10} is still on at the end of the shape of G70",
                 "write G40 in its last block: controls differ on the way back with it",
             )
-        motions = [c for b in profile.texts for c in b.codes if scene.group_of(c) == "motion"]
-        texts += [b" ".join(back), *([before.encode().strip()] if before else [])]
+        motions = [c for c in codes if scene.group_of(c) == "motion"]
+        texts += [b" ".join(back), *[before.encode().strip()] * bool(before)]
         return Outcome(texts, then=motions[-1] if motions else None)
 
     def _drawn(self, scene: Scene, profile: Profile) -> list[bytes]:
