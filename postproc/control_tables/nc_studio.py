@@ -90,13 +90,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         elif not axis:
             raise at.fault("a row outside of an axis", "like [X]")
         else:
-            cells = [cell for cell in (c.strip() for c in text.split(",")) if cell]
-            if len(cells) != 3:
-                raise at.fault(f"{len(cells)} numbers, where nominal, forward, backward must stand")
-            row = [at.finite(cell, "the entry") for cell in cells]
-            if rows[axis] and row[0] <= rows[axis][-1][0]:
-                raise at.fault(f"{row[0]:g} does not ascend after {rows[axis][-1][0]:g}")
-            rows[axis].append(row)
+            rows[axis].append(_row(at, text, rows[axis]))
     if not rows or any(len(r) < 2 for r in rows.values()):
         raise common.fault(source, last, "an axis needs two rows at least")
     found = []
@@ -104,3 +98,14 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         nominal, forward, reverse = np.array(values).T
         found.append(ErrorTable(x, x, nominal + options.reference.get(x, 0.0), forward, reverse))
     return found
+
+
+def _row(at: common.Line, text: str, above: list[list[float]]) -> list[float]:
+    """Nominal, forward and backward of a row."""
+    cells = [cell for cell in (c.strip() for c in text.split(",")) if cell]
+    if len(cells) != 3:
+        raise at.fault(f"{len(cells)} numbers, where nominal, forward, backward must stand")
+    row = [at.finite(cell, "the entry") for cell in cells]
+    if above and row[0] <= above[-1][0]:
+        raise at.fault(f"{row[0]:g} does not ascend after {above[-1][0]:g}")
+    return row

@@ -138,6 +138,11 @@ def _head(
     return head, notices
 
 
+def _is_place(value: Any) -> bool:
+    """Whether it is a table of axis letters and numbers, like { X = 0.0 }."""
+    return isinstance(value, dict) and all(k in AXES and _finite(v) for k, v in value.items())
+
+
 def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
     """Raises what fault(key, message, advice) makes of the first key that is not as the contract
     says."""
@@ -156,11 +161,7 @@ def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
                 f"quantities: {', '.join(QUANTITIES)}",
             )
         vector = head.get("sensitive")
-        if (
-            not isinstance(vector, dict)
-            or not vector
-            or not all(k in AXES and _finite(v) for k, v in vector.items())
-        ):
+        if not vector or not _is_place(vector):
             raise fault(
                 "sensitive",
                 f"{_said(head, 'sensitive')}: a vector is wanted",
@@ -178,10 +179,7 @@ def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
     if head["kind"] == "ballbar":
         if not _finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
             raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
-        centre = head.get("centre")
-        if not isinstance(centre, dict) or not all(
-            k in AXES and _finite(v) for k, v in centre.items()
-        ):
+        if not _is_place(head.get("centre")):
             raise fault(
                 "centre",
                 f"{_said(head, 'centre')}: a place is wanted",

@@ -111,9 +111,8 @@ def _mapped(source: Source, names: list[str], options: ReadingOptions) -> dict[s
             pins = command.format(k), actual.format(k)
             if x in "XYZ" and f"{x}_cmd_mm" not in found and all(p in names for p in pins):
                 found |= {f"{x}_cmd_mm": pins[0], f"{x}_act_mm": pins[1]}
-    letters_found = {m[1] for c in found for m in (COLUMN.fullmatch(c),) if m and m[1]}
-    whole = [x for x in letters_found if f"{x}_cmd_mm" in found and f"{x}_act_mm" in found]
-    if not whole or len(whole) < len(letters_found):
+    moving = {m[1] for m in map(COLUMN.fullmatch, found) if m and m[1]}
+    if not moving or not {f"{x}_{c}_mm" for x in moving for c in ("cmd", "act")} <= found.keys():
         raise UsageError(
             f"which pins of {source.name} are an axis' command and its scale is not said (pins:"
             f" {', '.join(names)})",

@@ -3,7 +3,7 @@ not tell is not written."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -115,6 +115,11 @@ def as_json(fit: Fit) -> dict[str, Any]:
     return found
 
 
+def _taken(stated: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
+    """What a machine states of these keys, in their order."""
+    return {k: stated[k] for k in keys if k in stated}
+
+
 def folder(
     fit: Fit, like: Mapping[str, Any], head: Mapping[str, Any], tool: np.ndarray, files: list[str]
 ) -> dict[str, str]:
@@ -126,17 +131,13 @@ def folder(
     data: dict[str, Any] = {
         "format": "gcomp-machine/1",
         **head,
-        "control": like["control"],
-        "chain": like["chain"],
+        **_taken(like, ("control", "chain", "diameter", "reversal", "limits")),
     }
-    data |= {k: like[k] for k in ("diameter", "reversal", "limits") if k in like}
     data |= {"source": f"gcomp volumetric from {', '.join(files)}", "signs": "unverified"}
     top = "Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece."
     comments = {"": "\n".join([top, *_not_told(fit)])}
     texts: dict[str, str] = {}
-    data["axes"] = {
-        x: {k: like["axes"][x][k] for k in KEPT if k in like["axes"][x]} for x in letters
-    }
+    data["axes"] = {x: _taken(like["axes"][x], KEPT) for x in letters}
     for x in (x for x in letters if x in XYZ):
         own = [g for g in known if g.letter == x and len(g.nodes)]
         turned = next((g for g in known if g.name == f"B:{x}"), None)

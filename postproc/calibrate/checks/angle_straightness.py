@@ -75,24 +75,7 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
         f" {correlation:+.2f}, {predicted / UM:.2f} um predicted, {measured / UM:.2f} um read"
     )
     u = 0.0 if not np.isfinite(straight.largest_u) else straight.largest_u
-    level, of = "note", straight.name
-    if measured < 4 * u:
-        says = "within the uncertainty, nothing can be said"
-    elif predicted > TOO_MUCH * measured and predicted > 1 * UM:
-        level, of = "doubt", angle.name
-        says = (
-            f"the angle is {predicted / measured:.0f} times too large for it. Its unit (or the"
-            " arm's) is probably wrong"
-        )
-    elif predicted < FEEBLE * measured:
-        says = "the angle explains too little of it to say anything"
-    elif correlation < TURNED:
-        level = "doubt"
-        says = f"the sign of {angle.name} or of {straight.name} is probably turned"
-    elif correlation > FOLLOWS:
-        says = "they agree"
-    else:
-        says = "they neither agree nor contradict each other"
+    level, of, says = _verdict(angle.name, straight.name, measured, predicted, correlation, u)
     return [Finding("angle-straightness", level, of, f"{both}: {says}", numbers)]
 
 
@@ -103,3 +86,24 @@ def _without_line(nodes: np.ndarray, values: np.ndarray) -> np.ndarray:
 def _correlation(a: np.ndarray, b: np.ndarray) -> float:
     size = float(np.sqrt((a @ a) * (b @ b)))
     return float(a @ b) / size if size else 0.0
+
+
+def _verdict(
+    angle: str, straight: str, measured: float, predicted: float, correlation: float, u: float
+) -> tuple[str, str, str]:
+    """Level, component and sentence; measured, predicted and u in mm."""
+    if measured < 4 * u:
+        return "note", straight, "within the uncertainty, nothing can be said"
+    if predicted > TOO_MUCH * measured and predicted > 1 * UM:
+        says = (
+            f"the angle is {predicted / measured:.0f} times too large for it. Its unit (or the"
+            " arm's) is probably wrong"
+        )
+        return "doubt", angle, says
+    if predicted < FEEBLE * measured:
+        return "note", straight, "the angle explains too little of it to say anything"
+    if correlation < TURNED:
+        return "doubt", straight, f"the sign of {angle} or of {straight} is probably turned"
+    if correlation > FOLLOWS:
+        return "note", straight, "they agree"
+    return "note", straight, "they neither agree nor contradict each other"
