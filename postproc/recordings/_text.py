@@ -212,7 +212,7 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     sign = delimiter or _delimiter([line for _, line in lines])
     if not sign:
         alike = "this is no table: no tab, semicolon, bar or comma splits its lines alike"
-        raise source.fault(lines[0][0] if lines else 1, alike, "save it as CSV")
+        raise source.fault(next((i for i, _ in lines), 1), alike, "save it as CSV")
     every = [(i, cells_of(line, sign, Place(source.name, i, line))) for i, line in lines]
     rows = [(i, cells) for i, cells in every if any(cells)]
     if not rows:
@@ -220,9 +220,8 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     try:
         found, notice = decimal_of((cell for _, cells in rows for cell in _numbers(cells)), decimal)
     except ValueError as error:
-        both = [i for i, cells in rows for c in cells if COMMA.fullmatch(c)]
         raise source.fault(
-            both[0] if both else 1,
+            next((i for i, cells in rows if any(map(COMMA.fullmatch, cells))), 1),
             f"decimal commas and points are mixed: {error}",
             "write all numbers alike; say --set decimal=. or --set decimal=,",
         ) from None

@@ -269,11 +269,7 @@ class Sender:
     def _watch(self, now: float) -> None:
         """The clock's part: orders that are overdue, silence, standstill, the end."""
         if now >= self._deadline and self._pending is not None:
-            silent = (
-                self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
-            )
-            late = endings.unconfirmed(self._pending, self.limits.grace)
-            self.outcome = self._told(late if silent else self._pending)
+            self._overdue(self._pending)
             return
         oldest = [self._sent[k] for k in self.protocol.outstanding()[:1] if k in self._sent]
         text = oldest[0].text if oldest else b""
@@ -286,6 +282,12 @@ class Sender:
                 self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
         elif self._all_answered and not (self.out or self._pending or self.asks):
             self._drain(now)
+
+    def _overdue(self, outcome: Outcome) -> None:
+        """The end that is due, or that nothing has confirmed it."""
+        silent = self.state == STOPPING and self.protocol.confirms == "idle" and not self._confirmed
+        late = endings.unconfirmed(outcome, self.limits.grace)
+        self.outcome = self._told(late if silent else outcome)
 
     def _drain(self, now: float) -> None:
         """All is answered: is it done?"""

@@ -200,6 +200,17 @@ class Reader:
             return lambda m: number
         return self._function()
 
+    def _second_side(self, name: str, start: int) -> Formula:
+        """Behind ATAN[ ]: /[ ]."""
+        if name == "ATAN" and self.haas:
+            raise self.fault(
+                "ATAN[ ]/[ ] may be a quotient on a Haas; on a Fanuc the two are sides",
+                "write ATAN2[ ]/[ ] for sides, [ATAN[ ]]/[ ] for a quotient",
+                start,
+            )
+        self.at += 1
+        return self.bracketed()
+
     def _function(self) -> Formula:
         start, found = self.at, NAME.match(self.code, self.at)
         name = SHORT.get(found[0], found[0]) if found else ""
@@ -214,13 +225,7 @@ class Reader:
             arguments.append(self._inside())
         self._expect("]", "a [ is not closed")
         if name in ("ATAN", "ATAN2") and self.code[self.at : self.at + 2] == "/[":
-            if name == "ATAN" and self.haas:
-                what = "ATAN[ ]/[ ] may be a quotient on a Haas; on a Fanuc the two are sides"
-                raise self.fault(
-                    what, "write ATAN2[ ]/[ ] for sides, [ATAN[ ]]/[ ] for a quotient", start
-                )
-            self.at += 1
-            arguments.append(self.bracketed())
+            arguments.append(self._second_side(name, start))
         wanted = 2 if name in ("POW", "ATAN2") or (len(arguments) == 2 and name == "ATAN") else 1
         if len(arguments) != wanted:
             raise self.fault(

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
-from postproc.nc.expand.linuxcnc_blocks import Control, read
+from postproc.nc.expand.linuxcnc_blocks import Control, Outcome, read
 from postproc.nc.expand.linuxcnc_expressions import Refusal, whole
 from postproc.nc.expand.linuxcnc_flow import File, Flow, Place
 from postproc.nc.expand.linuxcnc_parameters import Memory
@@ -126,6 +126,10 @@ class Run:
             return text if found.plain and not flow.calls and flow.skip is None else None
         outcome = found.run(memory)
         memory.notice(outcome.g, outcome.m, outcome.letters)
+        return self._plain(outcome)
+
+    def _plain(self, outcome: Outcome) -> bytes | None:
+        """The plain text of a line that was run, if any. Raises Refusal."""
         for value in outcome.m:
             code = whole(value, "M")
             if code in CALLS:
@@ -134,21 +138,21 @@ class Run:
                     f"write M{code} into a line of its own",
                 )
             if code in STATES:
-                if len(outcome.m) > 1 or outcome.g or outcome.letters.strip("mn"):
-                    raise Refusal(
-                        f"M{code} beside other words", f"write M{code} into a line of its own"
-                    )
-                lines = self.states.take(code)
-                return (
-                    outcome.text
-                    if code in (70, 71) and not flow.calls
-                    else b"\n".join(lines) or None
-                )
+                return self._state(code, outcome)
             self.ended |= code in ENDS
         if outcome.text is not None and ("@" in outcome.letters or "^" in outcome.letters):
             codes = {round(10 * value) for value in outcome.g}
-            return right_angled(outcome.text, codes, outcome.letters, memory)
+            return right_angled(outcome.text, codes, outcome.letters, self.memory)
         return outcome.text
+
+    def _state(self, code: int, outcome: Outcome) -> bytes | None:
+        """M70 to M73: the modes are kept, or come back as lines of their own."""
+        if len(outcome.m) > 1 or outcome.g or outcome.letters.strip("mn"):
+            raise Refusal(f"M{code} beside other words", f"write M{code} into a line of its own")
+        lines = self.states.take(code)
+        if code in (70, 71) and not self.flow.calls:
+            return outcome.text
+        return b"\n".join(lines) or None
 
     def _rendered(self, raw: bytes) -> bytes | None:
         """A block of a cycle's shape with the values of its parameters as they are now. None: it

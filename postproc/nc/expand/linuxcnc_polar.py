@@ -16,8 +16,8 @@ from postproc.nc.expand.linuxcnc_parameters import SAY, Memory
 from postproc.nc.expand.tracker import number
 
 WORD = re.compile(rb"\([^()]*\)|;.*|([@^])[ \t]*([-+]?[ \t]*[\d.][\d. \t]*)", re.DOTALL)
-# codes that take the axis words, or have none
-NO_MOTION = {40, 100, 280, 281, 300, 301, 520, 920, 921, 922, 923, 431}
+# codes that take the axis words, or have none; G53
+NO_MOTION = {40, 530, 100, 280, 281, 300, 301, 520, 920, 921, 922, 923, 431}
 UNITS, DISTANCE = {200: True, 210: False}, {900: False, 910: True}
 
 
@@ -25,26 +25,15 @@ def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> 
     """A plain line with X and Y in the place of @ and ^. codes: ten times its G numbers. Raises
     Refusal."""
     found = {m[1]: float(re.sub(rb"[ \t]", b"", m[2])) for m in WORD.finditer(text) if m[1]}
-    if letters.count("@") > 1 or letters.count("^") > 1:
-        raise Refusal("a radius or an angle stands twice in the line", "keep one")
-    if "x" in letters or "y" in letters:
-        raise Refusal("@ or ^ beside X or Y", "LinuxCNC refuses it: name the place in one way")
-    tracker = memory.tracker
-    plane = next((c for c in codes if c in (170, 180, 190)), tracker.code("plane"))
-    if plane not in (-1, 170):
-        raise Refusal("@ or ^ outside of G17", "LinuxCNC refuses it: write G17 before")
-    if codes & NO_MOTION or 530 in codes:
-        raise Refusal(
-            "@ or ^ in a line that is no motion, or with G53", "LinuxCNC refuses it: write X and Y"
-        )
-    by = next((DISTANCE[c] for c in codes if c in DISTANCE), tracker.code("distance") == 910)
+    _check(codes, letters, memory)
+    by = next((DISTANCE[c] for c in codes if c in DISTANCE), memory.tracker.code("distance") == 910)
     radius, angle = found.get(b"@"), found.get(b"^")
     here = _here(codes, memory) if by or radius is None or angle is None else (0.0, 0.0)
-    if angle is None and math.hypot(*here) < 1e-12:
+    at, to = math.hypot(*here), math.degrees(math.atan2(here[1], here[0]))
+    if angle is None and at < 1e-12:
         raise Refusal(
             "@ without ^, and the tool stands at the zero of the program", "name the angle"
         )
-    at, to = math.hypot(*here), math.degrees(math.atan2(here[1], here[0]))
     radius = at + (radius or 0.0) if by or radius is None else radius
     angle = to + (angle or 0.0) if by or angle is None else angle
     x, y = radius * math.cos(math.radians(angle)), radius * math.sin(math.radians(angle))
@@ -54,15 +43,24 @@ def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> 
     words = (
         f"X{number(x * half, memory.decimals('X'))} Y{number(y, memory.decimals('Y'))} ".encode()
     )
-    written: list[bytes] = []
-
-    def put(match: re.Match[bytes]) -> bytes:
-        if not match[1]:
-            return match[0]
-        written.append(words)
-        return words if len(written) == 1 else b""
-
+    places = iter([words])  # the first of the two words makes way for both
+    put = lambda m: next(places, b"") if m[1] else m[0]  # noqa: E731
     return WORD.sub(put, text).rstrip(b" \t")
+
+
+def _check(codes: set[int], letters: str, memory: Memory) -> None:
+    """Raises Refusal where LinuxCNC takes no polar words."""
+    if letters.count("@") > 1 or letters.count("^") > 1:
+        raise Refusal("a radius or an angle stands twice in the line", "keep one")
+    if "x" in letters or "y" in letters:
+        raise Refusal("@ or ^ beside X or Y", "LinuxCNC refuses it: name the place in one way")
+    plane = next((c for c in codes if c in (170, 180, 190)), memory.tracker.code("plane"))
+    if plane not in (-1, 170):
+        raise Refusal("@ or ^ outside of G17", "LinuxCNC refuses it: write G17 before")
+    if codes & NO_MOTION:
+        raise Refusal(
+            "@ or ^ in a line that is no motion, or with G53", "LinuxCNC refuses it: write X and Y"
+        )
 
 
 def _diameter(codes: set[int], memory: Memory) -> bool:

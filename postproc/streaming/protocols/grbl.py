@@ -281,17 +281,12 @@ class Grbl(Protocol):
         per = MM_PER_INCH if self.controller.inches else 1.0
         if "WCO" in fields:
             self._shift = tuple(v * per for v in fields["WCO"])
-        place: tuple[float, ...] | None = None
-        if "MPos" in fields:
-            place = tuple(v * per for v in fields["MPos"])
-        elif self._shift is not None and len(self._shift) == len(fields["WPos"]):
-            place = tuple(v * per + s for v, s in zip(fields["WPos"], self._shift, strict=True))
         speed, *spindle = fields.get("FS", fields.get("F", [None]))
         planner, *free = map(int, fields.get("Bf", ())) if len(fields.get("Bf", ())) == 2 else (0,)
         return Status(
             state,
             found[2] or "",
-            place,
+            self._machine_place(fields, per),
             None if speed is None else speed * per,
             spindle[0] if spindle else None,
             (planner, free[0]) if free else None,
@@ -299,6 +294,17 @@ class Grbl(Protocol):
             tuple(fields.get("Ov", ())),
             self._shift,
         )
+
+    def _machine_place(
+        self, fields: dict[str, list[float]], per: float
+    ) -> tuple[float, ...] | None:
+        """Machine coordinates of a report, mm; None where it has those of the work alone, and how
+        far these are shifted is not known."""
+        if "MPos" in fields:
+            return tuple(v * per for v in fields["MPos"])
+        if self._shift is None or len(self._shift) != len(fields["WPos"]):
+            return None
+        return tuple(v * per + s for v, s in zip(fields["WPos"], self._shift, strict=True))
 
     # -- what it says of itself --------------------------------------------------------------------
 
