@@ -10,6 +10,7 @@ followed as one (tips.py).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -82,6 +83,21 @@ def plane_off(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, plane=None), PLANE)
 
 
+def _say_other_way(b: Batch, word: str, rotary: Sequence[str], found: list[np.ndarray]) -> None:
+    """A notice where the rotary axes may turn in two ways; found: degrees, the way taken first."""
+    away = np.abs(np.mod(np.array(found) - found[0] + 180.0, 360.0) - 180.0) > 0.001
+    if away.any():
+        ways = [
+            " ".join(f"{x}{v:.3f}" for x, v in zip(rotary, f, strict=True))
+            for f in (found[0], found[int(away.any(axis=1).argmax())])
+        ]
+        said = (
+            f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to"
+            f" {ways[1]}, write the rotary axes before it"
+        )
+        b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
+
+
 def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`.
     sign: that of the axis nearest to the tool, where the program says it, else 0."""
@@ -108,22 +124,8 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     rotary = [b.rows[x] for x in kinematics.rotary]
     there = np.rint(np.array(found[0])[rotary] * TICKS_PER_MM).astype(np.int64)
     moved = (there != position[rotary]).any() or not known
-    others = [
-        f
-        for f in found
-        if (np.abs(np.mod(f - found[0] + 180.0, 360.0) - 180.0)[rotary] > 0.001).any()
-    ]
-    if others and moved:
-        ways = [
-            " ".join(f"{x}{f[b.rows[x]]:.3f}" for x in kinematics.rotary)
-            for f in (found[0], others[0])
-        ]
-        said = (
-            f"{word} is taken to turn to {ways[0]}, the shorter way; should the control go to"
-            f" {ways[1]}, write the rotary axes before it"
-        )
-        b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
     if moved:
+        _say_other_way(b, word, kinematics.rotary, [f[rotary] for f in found])
         slides = _slides(b, position)
         position[rotary] = there
         position, known_after = slides(position)

@@ -179,12 +179,13 @@ class Resolver:
         own = [code for code in codes if code in self.family.cycles]
         if own and not self._overridden(codes, own[-1]):
             return self._cycle(block, own[-1], codes)
-        if self.active is not None and self._ends(codes):
-            self._end(codes)
-        elif self.active is not None and not self._taken(codes) and self.active.wants(scene, block):
-            return self._cycle(block, self.code, codes)
-        elif self.active is not None and not codes:
-            self._idle(block)
+        if self.active is not None:
+            if self._ends(codes):
+                self._end(codes)
+            elif not self._taken(codes) and self.active.wants(scene, block):
+                return self._cycle(block, self.code, codes)
+            elif not codes:
+                self._idle(block)
         if self.loose:
             self._counted(block)
         if self.scene.unsure and not self._taken(codes):
@@ -193,13 +194,8 @@ class Resolver:
         if self.missing is not None:
             block = self._completed(block, codes)
         lead: list[bytes] = []
-        offset = any(scene.group_of(c) == "work offset" for c in codes)
-        if (
-            offset
-            and self._turned
-            and not self._taken(codes)
-            and any(w.letter in AXES for w in block.words)
-        ):
+        offset = scene.own_codes(block, "work offset") and not self._taken(codes)
+        if offset and self._turned and any(w.letter in AXES for w in block.words):
             # where the axes stand in the new coordinates, only the tracker knows
             lead, block = self._apart(block)
             scene.block = block
@@ -297,19 +293,7 @@ class Resolver:
 
     def _cycle(self, block: Block, code: int, codes: list[int]) -> list[bytes]:
         scene, cycle = self.scene, self.family.cycles[code]
-        others = [c for c in codes if c != code]
-        if self._taken(others):
-            other = next(c for c in others if self._taken([c]))
-            raise scene.fault(
-                f"G{other / 10:g} and G{code / 10:g} in one block",
-                "write each in a block of its own",
-            )
-        second = next((c for c in codes if c in self.family.cycles and c != code), None)
-        if second is not None:
-            raise scene.fault(
-                f"G{second / 10:g} and G{code / 10:g} in one block",
-                "write each in a block of its own",
-            )
+        self._check_alone(code, [c for c in codes if c != code])
         if self.active is None:
             self.before = scene.code("motion") if self.missing is None else self.missing
         elif self.active is not cycle:
@@ -342,23 +326,32 @@ class Resolver:
             return lead + self._tell(outcome.lines, False)
         if outcome.told is None:
             return lead + self._out(outcome.lines, False, places=True)
+        return lead + self._tapping(outcome.lines, outcome.told)
+
+    def _check_alone(self, code: int, others: list[int]) -> None:
+        also = [c for c in others if self._taken([c])]
+        also += [c for c in others if c in self.family.cycles]
+        if also:
+            raise self.scene.fault(
+                f"G{also[0] / 10:g} and G{code / 10:g} in one block",
+                "write each in a block of its own",
+            )
+
+    def _tapping(self, lines: list[bytes], told: list[bytes]) -> list[bytes]:
+        """A cycle that stays in the program, while the tracker reads what it does (`told`)."""
         if self.control is None or not self.control.active:
-            for text in outcome.told:
+            for text in told:
                 self._told(text)
-            return lead + outcome.lines
-        if not self.control.frames.map.leaves(scene.plane[2]):
-            raise scene.fault(
+            return lines
+        if not self.control.frames.map.leaves(self.scene.plane[2]):
+            raise self.scene.fault(
                 f"tapping within {self.control.frames.why}", "write the holes in plain coordinates"
             )
         kept = self.control.snapshot()
-        lines = [
-            line
-            for text in outcome.lines
-            for line in self.control.take(Block.of(text, self.grammar))
-        ]
+        texts = [self.control.take(Block.of(text, self.grammar)) for text in lines]
         self.control.restore(kept)
-        self._out(outcome.told, False, places=True)
-        return lead + lines
+        self._out(told, False, places=True)
+        return [text for part in texts for text in part]
 
     def _loud(self, block: Block, codes: list[int]) -> bool:
         """Whether a block changes more than modes that are known here."""
