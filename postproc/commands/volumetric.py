@@ -45,36 +45,21 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from postproc.volumetric import nodes as placed
     from postproc.volumetric import solve, written
     from postproc.volumetric.observations import rows_of
-    from postproc.volumetric.unknowns import Unknowns, components, locations
+    from postproc.volumetric.unknowns import Unknowns
 
     machine = places.load(options.like)
     of_single_slides(machine.chain, "gcomp volumetric")
     if options.nodes is not None and not 2 <= options.nodes <= 200:
         raise UsageError(f"--nodes {options.nodes}: a component has 2 to 200 nodes")
-    zero = {n.strip() for n in ",".join(options.zero).split(",")} - {""}
     read = read_files(options.recordings, options.format, reading_options(options))
     known = written.without_errors(machine)
     rows = [part for r in read for part in rows_of(r, known, dict(options.others))]
     rotary = [machine.letters.index(x) for x in machine.chain.rotary]
     turned = any(np.ptp(r.q[k]) > 1e-3 for r in rows for k in rotary)
-    if turned:
-        _of_slides_only([r.kind for r in rows])
-        every = locations(machine, frozenset())
-    else:
-        nodes = placed.of_axes(rows, machine, options.nodes)
-        if not nodes:
-            raise UsageError("no slide moves in these recordings")
-        if options.nodes is None:
-            nodes |= placed.of_components(rows, known, nodes)
-        every = components(machine, nodes, frozenset(), _two_way(rows, machine))
-    names = [g.name for g in every]
-    if wrong := sorted(zero - set(names)):
-        raise UsageError(
-            f"--zero {wrong[0]}: there is no such error here", f"errors: {', '.join(names)}"
-        )
+    every = _errors(options, machine, rows, known, turned)
+    zero = _zero(options, [g.name for g in every])
     groups = tuple(g for g in every if g.name not in zero)
     base = _slides(machine) if turned else known
     fit = solve.fit(rows, Unknowns(groups, known, base))
@@ -83,13 +68,7 @@ def run(options: argparse.Namespace) -> int:
     for text in dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices):
         print(f"notice: {text}", file=told)
     if options.output:
-        name = Path(options.output).resolve().name
-        head = {"name": name, "title": f"{name}, measured in its volume"}
-        files, like = [r.file for r in read], like_of(options.like)
-        if turned:
-            texts = written.turned(fit, like, head, _tables(options.like), files)
-        else:
-            texts = written.folder(fit, like, head, rows[0].tool, files)
+        texts = _folder(options, fit, turned, read)
         backup = write_folder(Path(options.output), texts, options.force)
         kept = f" (the old one is {backup})" if backup else ""
         print(f"\nwritten: {options.output}{kept}", file=told)
@@ -97,6 +76,44 @@ def run(options: argparse.Namespace) -> int:
         print("\nnothing is written: -o machines/NAME names the folder", file=told)
     as_json.put(options.json, written.as_json(fit))
     return 0
+
+
+def _errors(options: argparse.Namespace, machine: Machine, rows, known, turned: bool):
+    """What is looked for: how rotary axes that turn lie, else the errors of the slides."""
+    from postproc.volumetric import nodes as placed
+    from postproc.volumetric.unknowns import components, locations
+
+    if turned:
+        _of_slides_only([r.kind for r in rows])
+        return locations(machine, frozenset())
+    nodes = placed.of_axes(rows, machine, options.nodes)
+    if not nodes:
+        raise UsageError("no slide moves in these recordings")
+    if options.nodes is None:
+        nodes |= placed.of_components(rows, known, nodes)
+    return components(machine, nodes, frozenset(), _two_way(rows, machine))
+
+
+def _zero(options: argparse.Namespace, names: list[str]) -> set[str]:
+    """The errors that --zero names. Raises UsageError for a name that is none of them."""
+    zero = {n.strip() for n in ",".join(options.zero).split(",")} - {""}
+    if wrong := sorted(zero - set(names)):
+        raise UsageError(
+            f"--zero {wrong[0]}: there is no such error here", f"errors: {', '.join(names)}"
+        )
+    return zero
+
+
+def _folder(options: argparse.Namespace, fit, turned: bool, read) -> dict[str, str]:
+    """File name to text of the machine that was found."""
+    from postproc.volumetric import written
+
+    name = Path(options.output).resolve().name
+    head = {"name": name, "title": f"{name}, measured in its volume"}
+    files, like = [r.file for r in read], like_of(options.like)
+    if turned:
+        return written.turned(fit, like, head, _tables(options.like), files)
+    return written.folder(fit, like, head, fit.rows[0].tool, files)
 
 
 def _tables(name: str) -> dict[str, str]:

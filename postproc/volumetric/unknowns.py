@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from scipy.linalg import null_space
@@ -56,34 +56,24 @@ def components(
     found = []
     for x in slides:
         for row, name in enumerate(COMPONENTS):
+            across = row < 3 and XYZ[row] != x
+            if across and XYZ[row] not in machine.chain.axes:
+                continue
             at = nodes.get(f"{name}{x}", nodes[x])
             fixed = [np.eye(len(at))[int(np.argmin(np.abs(at)))]]
-            if row < 3 and row != XYZ.index(x):
-                if XYZ[row] not in machine.chain.axes:
-                    continue
+            if across:
                 fixed.append((at - at.mean()) / np.abs(at - at.mean()).max())
-            found.append(
-                Group(
-                    f"{name}{x}",
-                    x,
-                    row,
-                    at,
-                    null_space(np.array(fixed)),
-                    LENGTH if row < 3 else ANGLE,
-                )
-            )
+            free, unit = null_space(np.array(fixed)), LENGTH if row < 3 else ANGLE
+            found.append(Group(f"{name}{x}", x, row, at, free, unit))
     stated = {name for name in machine.square_stated if name[2] in slides}
-    for a, b in ((a, b) for i, a in enumerate(slides) for b in slides[i + 1 :]):
-        rotation = next(r for r, x in zip(ROTARY, XYZ, strict=True) if x not in (a, b))
+    for a, b in combinations(slides, 2):
+        rotation = ROTARY[3 - XYZ.index(a) - XYZ.index(b)]  # about the third axis
         name = next(
             (n for n in (f"{rotation}0{a}", f"{rotation}0{b}") if n in stated), LEANS[a + b]
         )
         found.append(Group(name, name[2], ROTARY.index(name[0]), np.zeros(0), np.eye(1), SQUARE))
-    found += [
-        Group(f"B:{x}", x, XYZ.index(x), np.zeros(0), np.eye(1), LENGTH)
-        for x in slides
-        if x in two_way
-    ]
+    for x in sorted(two_way & set(slides)):
+        found.append(Group(f"B:{x}", x, XYZ.index(x), np.zeros(0), np.eye(1), LENGTH))
     return [g for g in found if g.name not in zero and g.size]
 
 
