@@ -117,18 +117,13 @@ def _keys(lines: list[str], lower: bool = True) -> dict[str, str]:
     return {(k.strip().lower() if lower else k.strip()): v.strip() for k, _, v in reversed(pairs)}
 
 
-def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, text.Table]:
-    """The rows of targets, and the columns of the runs."""
+def _rows(source: Source, lines: list[str], top: int, end: int) -> list[tuple[int, list[str]]]:
+    """Headings and targets; what follows them begins with no number."""
     rows = []
     for i in range(top, end):
-        if i > top and (
-            not lines[i].strip() or not re.match(r"\s*[-+\u2212]?[.,]?[0-9]", lines[i])
-        ):
-            if (
-                lines[i].strip()
-                and any(re.match(r"\s*[-+]?[0-9]", x) for x in lines[i + 1 : end])
-                and "\t" in lines[i]
-            ):
+        if i > top and not re.match(r"\s*[-+\u2212]?[.,]?[0-9]", lines[i]):
+            goes_on = any(re.match(r"\s*[-+]?[0-9]", x) for x in lines[i + 1 : end])
+            if lines[i].strip() and goes_on and "\t" in lines[i]:
                 raise source.fault(
                     i + 1, f"the target {lines[i].split(chr(9))[0]!r} is not a number", "", lines[i]
                 )
@@ -137,6 +132,12 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
             continue
         place = Place(source.name, i + 1, lines[i])
         rows.append((i + 1, text.cells_of(lines[i], "\t", place)))
+    return rows
+
+
+def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, text.Table]:
+    """The rows of targets, and the columns of the runs."""
+    rows = _rows(source, lines, top, end)
     headings, body = rows[0][1], rows[1:]
     at = Place(source.name, top + 1, lines[top])
     if not body:
