@@ -123,15 +123,15 @@ def _cells_of_all(source, lines, first, stop, names, needed, known, texts, stric
         row: list[float] = []
         for name, cell in zip(names, cells, strict=True):
             found = None if name in texts else text.number(cell)
-            blank = not cell or cell.lower() == "nan"
-            if name in texts:
-                pass
-            elif found is None and not blank and name not in known:
+            row.append(math.nan if found is None else found)
+            if name in texts or found is not None:
+                continue
+            blank = cell.lower() in ("", "nan")
+            if not blank and name not in known:
                 words.add(name)
-            elif found is None and (name in needed or not blank):
+            elif name in needed or not blank:
                 told = f"{name} is empty" if not cell else f"{name} = {cell!r} is not a number"
                 wrong = wrong or Fault(number, name, told)
-            row.append(math.nan if found is None else found)
         if wrong is not None:
             if strict:
                 raise RecordingError(
