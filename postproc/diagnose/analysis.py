@@ -141,7 +141,7 @@ def diagnose(
             *_notices(machine, state.fit, evidence),
             *_leaning(rows, evidence, found),
         ],
-        doubts=map_agreement.remaining(doubted, rows, _formed(rows, found)),
+        doubts=map_agreement.remaining(doubted, rows, machine, _formed(rows, found)),
         scatter=scatter(evidence, last, said),
     )
     diagnosis.unknown = judge.judged(diagnosis, search.sets, state)

@@ -2,7 +2,8 @@
 
 A map has details that no simple effect has: what is left of it without zeros, lines and reversals.
 Readings in their right unit, sign and place hold once as much of them; the regression of the
-readings on the details says how much it is.
+readings on the details says how much it is; where the map states its uncertainty, no surer than
+that leaves its details.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.diagnose import nuisances
 from postproc.diagnose.assembly import of
 from postproc.diagnose.rows import Rows
 from postproc.errors import Place
@@ -41,7 +43,7 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[in
     for number, recording in enumerate(recordings):
         if recording.kind not in ("targets", "ballbar"):
             continue
-        share, error = _share(rows.pick(rows.file == number))
+        share, error = _share(rows.pick(rows.file == number), machine)
         if (
             error <= SURE * max(1.0, abs(share))
             and share + WIDE * error >= HALF
@@ -66,12 +68,12 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[in
                     "readings are in um (angles in urad), actual minus commanded",
                     Place(recording.file, int(recording.lines[0])),
                 )
-        if share > HALF:
+        if share > HALF or share < -TWICE:
             # an effect that looks like a detail of the map, and is larger: for others to name
             continue
         # a lag, a give, a scale of one axis make an ellipse; so may the map
         if recording.kind == "ballbar":
-            finer, its_error = _share(rows.pick(rows.file == number), ellipses=True)
+            finer, its_error = _share(rows.pick(rows.file == number), machine, ellipses=True)
             if its_error > SURE * max(1.0, abs(finer)) or finer + WIDE * its_error >= HALF:
                 continue
         result[number] = [
@@ -83,7 +85,9 @@ def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[in
     return result
 
 
-def remaining(doubted: dict[int, list[str]], rows: Rows, named: np.ndarray) -> list[str]:
+def remaining(
+    doubted: dict[int, list[str]], rows: Rows, machine: Machine, named: np.ndarray
+) -> list[str]:
     """Sentences of the recordings that do not follow the map beside the effects that were named
     either. named: (N,) mm, the effects in these rows, without curves of many terms: these could
     stand for the map of another machine."""
@@ -93,7 +97,7 @@ def remaining(doubted: dict[int, list[str]], rows: Rows, named: np.ndarray) -> l
         if not sentences or not named[which].any():  # or all of its readings were left out
             result += sentences
             continue
-        share, error = _share(replace(rows, y=rows.y - named).pick(which))
+        share, error = _share(replace(rows, y=rows.y - named).pick(which), machine)
         if not (share > 2.0 * error and abs(share - 1.0) <= max(HALF, 2.0 * error)):
             result += sentences
     return result
@@ -122,6 +126,7 @@ def _scattered(recording: Recording, rows: Rows, machine: Machine) -> list[str]:
         ]
     share = float(known @ y) / power
     error = float(np.std(y - share * known)) / np.sqrt(power)
+    error = float(np.hypot(error, _unsure(rows.pick(again), machine, known)))
     if share + SCATTERED * error >= HALF:
         return []
     return [
@@ -147,7 +152,7 @@ def _places(recording: Recording, machine: Machine, share: float, error: float) 
             inside &= bool(columns[name].min() >= low - 1 and columns[name].max() <= high + 1)
         if not inside or recording.kind != "targets":
             continue
-        again, its_error = _share(of([replace(recording, columns=columns)], machine))
+        again, its_error = _share(of([replace(recording, columns=columns)], machine), machine)
         if (
             its_error < SURE
             and abs(again - 1) < 0.25
@@ -157,7 +162,7 @@ def _places(recording: Recording, machine: Machine, share: float, error: float) 
     return ""
 
 
-def _share(rows: Rows, ellipses: bool = False) -> tuple[float, float]:
+def _share(rows: Rows, machine: Machine, ellipses: bool = False) -> tuple[float, float]:
     """How much of the map's details the readings hold, and its standard error; (1, inf) where the
     map has none. ellipses: what goes with the place, the speed or the side of an axis, as a circle
     shows it, is no detail either."""
@@ -198,4 +203,17 @@ def _share(rows: Rows, ellipses: bool = False) -> tuple[float, float]:
     places = min(places, CIRCLE) if rows.state.passage[0] >= 0 else places
     left = y - share * detail
     freedom = max(places - 3 * len(rows.state.position), 1)
-    return share, float(np.sqrt(left @ left / power / freedom))
+    error = float(np.sqrt(left @ left / power / freedom))
+    return share, float(np.hypot(error, _unsure(rows, machine, detail)))
+
+
+def _unsure(rows: Rows, machine: Machine, detail: np.ndarray) -> float:
+    """Standard error of the share by what the map states that it may be wrong; 0 where it states
+    nothing. detail: (N,) mm."""
+    if all(machine.axes[x].uncertainty is None for x in rows.state.position):
+        return 0.0
+    power = float(detail @ detail)
+    groups = nuisances.of_map(rows, machine)
+    return float(
+        np.sqrt(sum(np.sum((g.sd * detail @ g.columns) ** 2) for g in groups if g.kind == "map"))
+    ) / max(power, 1e-30)

@@ -96,6 +96,10 @@ class Search:
 
         found = [(worth(state), state) for state in {state.key: state for state in states}.values()]
         most, best = max(found, key=lambda one: one[0])
+        if any(w > most - ALIKE and self._plausible(s) for w, s in found):
+            # what says the same stands in for a size that can not be
+            found = [(w, s) for w, s in found if self._plausible(s)]
+            most, best = max(found, key=lambda one: one[0])
         # Names that the errors of form do not part are parted as they fit.
         size, on = len(best.members), best.fit.on
         alike = [
@@ -243,6 +247,9 @@ class Search:
 
     def _free(self, state: Found) -> bool:
         return not any(self.sets.blocks[k].key in self._barred for k in state.members)
+
+    def _plausible(self, state: Found) -> bool:
+        return all(self.sets.fits(state.fit, k) for k in state.members)
 
     def _look(self, state: Found) -> None:
         """Let in what is periodic in what a set leaves."""

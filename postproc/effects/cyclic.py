@@ -43,7 +43,8 @@ LEADS = (
 # A bent screw's end or a coupling swings by no more than its run-out, a few 0.1 mm (unverified);
 # what comes with it is smaller, see sensible.
 PLAUSIBLE = {"amplitude_um": (0.0, 500.0)}  # beyond, it is something else
-MOST = 0.6  # of the amplitude: beyond, it is another wave
+# of the amplitude: what vanishes at one end or from one side; beyond, it is another wave
+MOST = 1.0
 # fewer go through any wave: a mean, two waves of one period and what comes with them have seven
 # values
 PLACES = 8

@@ -69,8 +69,9 @@ def test_periods_shorter_than_a_row_are_found_in_its_samples(period):
 
 def test_what_comes_with_a_wave_is_small_beside_it():
     assert cyclic.sensible(amplitude_um=4.0, second_um=1.0, grows_um=0.5)
-    assert not cyclic.sensible(amplitude_um=4.0, second_um=3.0, grows_um=0.0)
-    assert not cyclic.sensible(amplitude_um=4.0, second_um=0.0, grows_um=3.0)
+    assert cyclic.sensible(amplitude_um=4.0, second_um=0.0, grows_um=4.0)  # none at one end
+    assert not cyclic.sensible(amplitude_um=4.0, second_um=5.0, grows_um=0.0)
+    assert not cyclic.sensible(amplitude_um=4.0, second_um=0.0, grows_um=5.0)
 
 
 def test_the_interval_of_one_shape_is_that_of_a_normal_distribution():

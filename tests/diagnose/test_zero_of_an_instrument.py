@@ -11,6 +11,7 @@ import numpy as np
 
 from postproc.cli import main
 from postproc.diagnose import map_agreement
+from postproc.machine.file import read_machine
 
 STUDER = Path(__file__).resolve().parents[2] / "machines" / "studer-s36"
 
@@ -58,6 +59,6 @@ def test_a_doubt_stays_where_all_readings_of_a_recording_were_left_out():
     class NoRows:
         file = np.zeros(0, int)
 
-    assert map_agreement.remaining({1: ["it does not fit"], 2: []}, NoRows(), np.zeros(0)) == [
-        "it does not fit"
-    ]
+    doubted = {1: ["it does not fit"], 2: []}
+    left = map_agreement.remaining(doubted, NoRows(), read_machine(STUDER), np.zeros(0))
+    assert left == ["it does not fit"]
