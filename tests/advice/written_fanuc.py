@@ -415,6 +415,7 @@ MACROS = [
     macro("X[1/0]", "X[1/1]"),
     macro("M98P9L0|M30|O9|M99", "M98P9L1|M30|O9|M99"),
     macro("X[SIN", "X[SIN[30]]"),
+    macro("X[FOO[1]]", "X[SIN[1]]"),
     macro("IF[#1EQ#0]THEN#3000=1(NO DEPTH)", "#1=5|IF[#1EQ#0]THEN#3000=1(NO DEPTH)"),
     macro("GOTO 9", "GOTO 9|N9 X1."),
     macro("M98P7|M30", "M98P7|M30|O7|X1.|M99"),
