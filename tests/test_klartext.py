@@ -103,6 +103,19 @@ def test_statements_are_words_of_the_same_length():
         ("CYCL DEF9 .0 DWELL|CYCL DEF9.1 DWELL5|L X+1", [[1, 0, 0]]),
         ("STOP M8|M126|L M3|L X+1 R FMAX", [[1, 0, 0]]),
         ("TOOL CALL 5 Z SQ3 FQ4|L X+1", [[1, 0, 0]]),
+        # the manual's examples: to the first point of the contour, from its last one
+        (
+            "L X+40 Y9|APPR LT X+20 Y+20 Z-10 LEN15 RR F1|L X+35 Y+35|DEP LCT X+10 Y+12 R+8 F1",
+            [[40, 9, 0], [20, 20, -10], [35, 35, -10], [10, 12, -10]],
+        ),
+        (
+            "APPR CT X+10 Y+20 CCA180 R+10 RR F100|L Y+35|DEP LN LEN+20 F100|L X+1 Y+2",
+            [[10, 20, 0], [10, 35, 0], [1, 2, 0]],
+        ),
+        (
+            "APPR LN IX+10 IY+20 LENQ3 RL FMAX|DEP CT CCA 180 R+8 Z+5|L X+1 Y+2 Z+3",
+            [[10, 20, 0], [1, 2, 3]],
+        ),
     ],
 )
 def test_places(text, ends):
@@ -139,7 +152,11 @@ def test_the_datum_in_force_is_g54_until_a_preset_is_chosen():
         ("CYCL DEF 224 CODES ~", "the control's own"),
         ("TCH PROBE 411 DATUM ~", "measuring"),
         ("RND R5", "--expand"),
-        ("APPR LCT X+1 Y+2 R5 RL", "the control's own"),
+        ("APPR PLCT PR+1 PA+2 R5 RL", "--expand"),
+        ("APPR LT X+1 Y+2 LEN5 R0", "write it out as L and CR"),
+        ("APPR LT X+1 Y+2 LEN5", "write it out as L and CR"),
+        ("APPR LN X+Q1 Y+2 LEN5 RL", "--expand"),
+        ("APPR KL X+1 Y+2 RL", "the control's own"),
         ("HEAD OF THE TABLE", "--expand"),
         ("X+20 F100", "write L"),
         ("IZ-5", "write L"),
@@ -195,6 +212,39 @@ def test_the_corrections_are_those_of_the_same_program_of_linuxcnc(tmp_path, two
         outputs.append(blocks)
     assert len(outputs[0]) > 15
     assert outputs[0] == outputs[1]
+
+
+JOINED = """TOOL CALL 5 Z S3000
+L X+4 Y+5 Z-20 R0 FMAX M3
+APPR LT X+10 Y-20 LEN15 RL F200 M8
+L X+10 Y+40
+L X+170 Y+20
+DEP LCT X+180 Y+5 R+16 F500
+APPR LCT X+10 Y-20 R+5 RR F200
+L X+10 Y+9
+L X+170
+DEP CT CCA90 R+8
+L Z-35 FMAX
+L X+4 Y+5 FMAX M30
+"""
+
+
+@pytest.mark.parametrize("two_way", [False, True])
+def test_the_ways_to_and_from_a_contour_stay_whole(tmp_path, two_way):
+    """No block of its own comes between a contour and APPR or DEP, however the map bends, and where
+    DEP ends beside the contour by a radius nothing is made of X and Y."""
+    folder, text = write_mill(tmp_path / "mill", two_way), JOINED.encode()
+    whole, verifier = corrected(folder, text, [])
+    assert verifier.passed, verifier.report()
+    assert corrected(folder, text, [m.end() for m in re.finditer(rb"\n", text)])[0] == whole
+    lines = [x for x in whole.decode().split("\n") if not x.startswith(";")]
+    begin = next(i for i, x in enumerate(lines) if x.startswith("APPR"))
+    own = [re.sub(r" ?[XYZ][-+][\d.]+", "", line) for line in lines[begin : begin + 8]]
+    assert own == [
+        *("APPR LT LEN15 RL F200 M8", "L", "L", "DEP LCT R+16 F500"),
+        *("APPR LCT R+5 RR F200", "L", "L", "DEP CT CCA90 R+8"),
+    ]
+    assert "APPR LT X+10 Y-20 LEN15" not in lines[begin]
 
 
 def test_new_blocks_are_statements(tmp_path):

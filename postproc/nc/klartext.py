@@ -2,11 +2,12 @@
 length.
 
 L is G1, and G0 with FMAX, which holds in its own block alone. RL, RR and R0 are G41, G42 and G40;
-M91 is G53; M140 MB MAX and M92 are G30, to a place that the machine knows; IX is an increment; TOOL
-CALL is T and S, its DL is Q; cycle 7 and TRANS DATUM are G52, and the preset of cycle 247 (Q339) is
-G247 P. What defines, names or remarks something without moving is blank; what moves otherwise is a
-MACRO with the number of its reason (REASONS). Lines are looked at one by one, whatever stands
-around them: any cut of the text reads alike.
+M91 is G53; APPR and DEP are G1 that begin and end the side; M140 MB MAX and M92 are G30, to a place
+that the machine knows; IX is an increment; TOOL CALL is T and S, its DL is Q; cycle 7 and TRANS
+DATUM are G52, and the preset of cycle 247 (Q339) is G247 P. What defines, names or remarks
+something without moving is blank; what moves otherwise is a MACRO with the number of its reason
+(REASONS). Lines are looked at one by one, whatever stands around them: any cut of the text reads
+alike.
 
 HEIDENHAIN TNC 640 (81760x), TNC 620 (81760x), iTNC 530 user's manuals, Klartext programming:
 "Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7, 8,
@@ -28,6 +29,10 @@ PARAXIAL = "a block that begins with an axis moves it alone, its R is no side: w
 SUM = "an increment counts from the shift before it: --expand writes their sum"
 LONGER = "by how much DL makes the tool longer is not certain: write its number beside the tool's"
 ALONG = "the tool does not lie along Z: program with the tool axis Z"
+SIDELESS = (
+    "it joins the contour without RL or RR, on ways that are the control's own: write it out as L"
+    " and CR"
+)
 GOES_ON = "no statement begins so; where it goes on a comment (~), --expand joins them"
 SETS = "it sets data of the control: set them before the program, and take the block out"
 # why a statement can not be followed; a MACRO says the number, from 1
@@ -49,6 +54,7 @@ REASONS = (
     VALUES,
     PARAXIAL,
     GOES_ON,
+    SIDELESS,
 )
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
@@ -83,6 +89,12 @@ CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
 TAPS = (2, 17, 206, 207, 209)
 ZERO = b"G52X0Y0Z0"
+JOIN = re.compile(rb"(APPR|DEP)[ \t]+(P?)(LT|LN|CT|LCT)(?![A-Z])")
+JOIN_DATA = re.compile(
+    rb"(?<![A-Z])(?:LEN|CCA|R)[ \t]*[-+]?(?:[0-9]*\.?[0-9]+|Q[LR]?[0-9]+)(?![0-9.])"
+)
+LEAVES = b"G40G30" + bytes(BARE + AXES.index(x) for x in "XY")  # beside PE by the tool's radius
+LEAVES_Z = LEAVES + bytes([BARE + AXES.index("Z")])
 PARAXIALS = (b"X", b"Y", b"Z", b"A", b"B", b"U", b"V", b"W")
 Z_ALONE = bytes([BARE + AXES.index("Z")])
 
@@ -158,6 +170,31 @@ def _straight(text: bytes) -> bytes:
         return b" " + body
     # the blank before RL and its kin is the first byte of a code
     return (b"G0" if fast else b"G1") + body[1:]
+
+
+def _join(text: bytes) -> bytes:
+    """APPR X Y RL and DEP LCT X Y: an end of its own; other DEP end beside the contour's last point
+    by the tool's radius. The ways between are the control's, and are not cut: they begin or end
+    the radius compensation."""
+    match = JOIN.match(text)
+    if match is None:
+        return _macro(text, codes.WRITE_OUT)
+    if match[2]:
+        return _macro(text, EXPAND_PATH)
+    body = JOIN_DATA.sub(lambda m: _blank(m[0]), text[match.end() :])
+    if USED.search(body):
+        return _macro(text, VALUES)
+    body, fast = _words(body)
+    code = b"G0" if fast else b"G1"
+    if match[1] == b"DEP" and match[3] != b"LCT":
+        leaves = LEAVES_Z if b"Z" in body else LEAVES
+        return leaves.ljust(len(text)) if len(leaves) <= len(text) else _macro(text, SIDELESS)
+    body = SIDE.sub(_side, body)
+    if match[1] == b"DEP":
+        return (code + b"G40").ljust(match.end()) + body
+    if b"G41" not in body and b"G42" not in body:
+        return _macro(text, SIDELESS)
+    return code.ljust(match.end()) + body
 
 
 def _bare(match: re.Match[bytes]) -> bytes:
@@ -311,10 +348,12 @@ STATEMENTS: dict[bytes, Callable[[bytes], bytes]] = {
         (b"C", b"CR", b"CT", b"CP", b"LP", b"CTP", b"RND", b"CHF"), _named(EXPAND_PATH)
     ),
     **dict.fromkeys(
-        (b"APPR", b"DEP", b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
+        (b"LN", b"LT", b"FL", b"FLT", b"FC", b"FCT", b"FPOL"),
         _named(codes.WRITE_OUT),
     ),
     **dict.fromkeys((i + axis for i in (b"", b"I") for axis in PARAXIALS), _named(PARAXIAL)),
+    b"APPR": _join,
+    b"DEP": _join,
     b"SPL": _named(codes.CURVE),
     b"CALL": _named(codes.CALL),
     b"TCH": _named(codes.PROBE),

@@ -80,6 +80,10 @@ ALL = [
     klartext(ALONG + "CT X+9", ALONG + "CT X+9 Y+3"),
     klartext(ALONG + "CT IX+0", ALONG + "CT X+9 Y+3"),
     klartext("CC X+5 Y+0 Z+0|C X+10 Y+0 DR+ F99", RIGHT),
+    klartext(
+        "CC X+0 Y+0|APPR PLT PR+9 LEN5 RL F99|L X+9 Y+9",
+        "CC X+0 Y+0|APPR PLT PR+9 PA+3 LEN5 RL F99|L X+9 Y+9",
+    ),
     klartext("RND R1", LINE + "RND R1" + ON),
     klartext(LINE + "RND R1 F20" + ON, LINE + "RND R1" + ON),
     klartext(LINE + "/ RND R1" + ON, LINE + "RND R1" + ON),

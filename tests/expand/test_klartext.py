@@ -490,3 +490,37 @@ def test_increments_of_the_datum_add_up():
 def test_what_can_not_be_written_out_is_said(program, said):
     with pytest.raises(ProgramError, match=re.escape(said)):
         plain(program)
+
+
+def test_a_contour_is_joined_along_the_tangent_of_its_arc():
+    """APPR and DEP in polar coordinates become X and Y; the lines next to them lie on the tangents
+    of the arc, and none leaves it by more than the tolerance."""
+    lines = plain(
+        "L X-40 Y+50|CC X+50 Y+50|APPR PLCT PR+50 PA+180 R5 RL F300|C X+0 Y+50 DR-|"
+        "DEP PLCT PR+90 PA+180 R+5 F500|CC X+0 Y+0|C X-40 Y+50 DR+"
+    )
+    assert lines[1] == "APPR LCT X+0 Y+50 R5 RL F300"
+    end = next(i for i, line in enumerate(lines) if line.startswith("DEP"))
+    assert lines[end] == "DEP LCT X-40 Y+50 R+5 F500"
+    found = places(lines[2:end], (0.0, 50.0, 0.0))
+    assert [found[1][0], found[-2][0]] == [0, 0]
+    assert found[1][1] - 50 == pytest.approx(math.sqrt(50 * TOLERANCE), abs=1e-4)
+    assert found[-1][:2] == (0, 50)
+    ways = [b for a, b in zip(found, found[1:], strict=False) if a != b]
+    middles = [
+        ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2) for a, b in zip(found, found[1:], strict=False)
+    ]
+    for place in (*ways, *middles):
+        assert abs(math.dist(place[:2], (50, 50)) - 50) <= TOLERANCE * 1.01 + 1e-4
+    behind = places(lines[end + 1 :], (-40.0, 50.0, 0.0))
+    assert behind[1][0] != -40, "no tangent where no contour is joined"
+
+
+def test_a_pole_is_needed_by_its_polar_approach():
+    for text, said in (
+        ("L X+1 Y+1|APPR PLT PR+5 PA+3 LEN5 RL", "no pole is set"),
+        ("CC X+0 Y+0|APPR PLT PR+5 LEN5 RL", "without PR and PA"),
+        ("CC X+0 Y+0|APPR PLT IPR+5 PA+1 LEN5 RL", "without PR and PA"),
+    ):
+        with pytest.raises(ProgramError, match=said):
+            plain(text)

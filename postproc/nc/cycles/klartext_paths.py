@@ -4,8 +4,8 @@ HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Pat
 the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis across the plane a
 helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
 XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
-klartext_corners.py, tangents: klartext_tangent.py; holes, bores, patterns: klartext_holes.py,
-klartext_bore.py, klartext_patterns.py.
+klartext_corners.py, tangents: klartext_tangent.py, APPR and DEP: klartext_join.py; holes, bores,
+patterns: klartext_holes.py, klartext_bore.py, klartext_patterns.py.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from postproc.nc.cycles.klartext_bore import Tool, bore
 from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
 from postproc.nc.cycles.klartext_holes import Holes, signed
+from postproc.nc.cycles.klartext_join import Joined
 from postproc.nc.cycles.klartext_patterns import PATTERNS, points
 from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
@@ -25,7 +26,7 @@ from postproc.nc.expand import Line
 from postproc.nc.klartext import CYCLE, HEAD
 
 STATEMENT = re.compile(
-    rb"(CC|CR|CP|CT|C|LP|L|RND|CHF|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*"
+    rb"(APPR|DEP|CC|CR|CP|CT|C|LP|L|RND|CHF|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*"
 )
 WORD = re.compile(
     rb"(?<![A-Z])(I?)(X|Y|Z|PR|PA|R|DR)(?:[ \t]*([-+]?[0-9]*\.?[0-9]+)|([-+])(?![0-9.]))"
@@ -52,6 +53,7 @@ class KlartextPaths:
     def __init__(self, scene: Scene):
         self.scene, self.holes = scene, Holes(scene)
         self.corners, self.tool, self.heading = Corners(scene), Tool(scene), Heading(scene)
+        self.joined = Joined(scene)
         self.pole: dict[str, float] = {}
         self.plane = XY  # of the pole
         self.at_line: Line | None = None  # the last one
@@ -124,6 +126,9 @@ class KlartextPaths:
         if kind == b"CC":
             self._set(rest)
             return []
+        if kind in (b"APPR", b"DEP"):
+            self.heading.lose()
+            return self._fed(b"L", self.joined.take(code, self._centre))
         called = kind == b"CALL" or CALLED.search(code) is not None
         if kind == b"L":
             self.heading.line(code)
@@ -291,6 +296,8 @@ class KlartextPaths:
         self._go_on(kind, arc, plane)
         places = [arc.to] if kind == b"LP" else ends(scene, arc)
         if across not in words:
+            if kind != b"LP":
+                places = self.joined.touching(arc, places)
             return self._written([(place, None) for place in places], rest, plane)
         low, depth = scene.at(across), self._place(words, across)
         heights = [low + (depth - low) * k / len(places) for k in range(1, len(places) + 1)]

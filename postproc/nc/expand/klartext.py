@@ -30,7 +30,7 @@ JUMP = re.compile(
 ASSIGN = re.compile(rb"(?:FN[ \t]*([0-9]+)[ \t]*:[ \t]*)?Q([LR]?[0-9]+)[ \t]*=[ \t]*(.+)")
 READ = re.compile(rb"FN[ \t]*(?:1[89]|2[0-9]|3[0-9])[ \t]*:[^Q\r\n]*Q([LR]?[0-9]+)")
 USED = re.compile(rb"(?<=[A-Z =])([+-]?)[ \t]*Q([LR]?[0-9]+)(?![0-9]*[ \t]*=)")
-PLAIN = re.compile(rb"(?:L|C|CC|CR|CP|LP|LN|TOOL|CYCL|TRANS|PLANE|M)(?![A-Z])")
+PLAIN = re.compile(rb"(?:L|APPR|DEP|C|CC|CR|CP|LP|LN|TOOL|CYCL|TRANS|PLANE|M)(?![A-Z])")
 STRAIGHT = re.compile(rb"L(?![A-Z])")
 CORNER = re.compile(rb"(?:RND|CHF)(?![A-Z])")
 ENDS = re.compile(rb"(?<![A-Z])M[ \t]*0*(?:2|30)(?![0-9])")
