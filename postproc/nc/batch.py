@@ -95,6 +95,8 @@ class Batch:
         # block and number of tools that no table states
         self.beside_missing: list[tuple[int, int]] = []
         self.cycle: InCycle | None = None
+        self.loose: tuple[str, ...] = ()
+        self.as_written = np.zeros(self.n, bool)  # (B,) moves from a place that is not certain
         self.presets = no_presets()
         self.zero_known = True
         self.condition = int(state.codes.get("condition", NONE))

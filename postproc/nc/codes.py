@@ -69,9 +69,9 @@ FRAME_KEYS = (
     "plane align",
     "swivel",
 )
-# Cycles that are corrected in place: holes, holes that are tapped; threads and single passes, of
-# which only ends are.
-CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "thread")
+# Cycles that are corrected in place: holes, holes that are tapped; an engraving, of which the place
+# and the depth are; threads and single passes, of which only ends are.
+CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "engrave", "thread")
 CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
 STAY_KEYS = (
     "thread cycle",

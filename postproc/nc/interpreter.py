@@ -26,7 +26,8 @@ from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import at, hold_last_float, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
-from postproc.nc.holes import holes_of, in_cycle
+from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
+from postproc.nc.holes import holes_of
 from postproc.nc.left import left_as_they_are
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
 from postproc.nc.planes import refuse_planes
@@ -167,7 +168,8 @@ class Interpreter:
         begins = words.block[
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
         ].tolist()
-        return sorted({0, words.blocks, *begins, *tools})
+        ends = (words.block[place[np.isin(number, self.dialect.engraves)]] + 1).tolist()
+        return sorted({0, words.blocks, *begins, *tools, *ends})
 
 
 def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
@@ -209,16 +211,18 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     if b.dialect.hole_axis:  # of a group of their own
         cycle = spread(b.held("cycle"), b.n)
         motion = np.where(b.dialect.is_hole[np.maximum(cycle, 0)], cycle, motion)
+    motion = as_motion(b, motion)
     moving = b.has_axis & ~b.taken
     if centre_words:
         arc_code = (motion == 20) | (motion == 30)
         for place in centre_words.values():
             block = b.words.block[place]
             moving[block] |= arc_code[block] & ~b.taken[block]
-    b.cycle = in_cycle(b, motion, axis_words)
+    b.cycle = cycle_of(b, motion, axis_words)
     if b.cycle is not None:
         moving[b.cycle.mask] = False
         moving[b.cycle.blocks] = True
+    b.loose = loose_axes(b, motion, moving, axis_words)
     refuse_motions(b, motion, moving)
     refuse_cycles(b, motion, moving)
     if 40 in b.single:
@@ -238,8 +242,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         unnamed_motions(b, moving)
     if centre_words:
         stray_words(b, centre_words, moving & ((motion == 0) | (motion == 10)))
-    block = (moving | b.foreign).nonzero()[0]
-    places = position(b, block, axis_words)
+    places = position(b, block := (moving | b.foreign).nonzero()[0], axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
 
 
@@ -350,7 +353,7 @@ def columns(
             "G93 and no F in the block",
             "inverse time needs an F word in every block that feeds",
         )
-    alone = b.machine[block]
+    alone = (b.machine | b.as_written)[block]
     circle = Circle(
         block=block, code=code, plane=spread(at(b.held("plane"), block), len(block)),
         absolute=spread(at(b.held("arc centre"), block), len(block)) == 901, alone=alone,
@@ -416,7 +419,7 @@ def next_state(b: Batch, places: Places) -> ModalState:
     return ModalState(
         codes=b.after(),
         position=places.end_position,
-        known=places.end_known,
+        known=known_behind(b, places.end_known),
         tool=b.tool_after,
         feed=b.feed,
         ended=b.ended,
@@ -430,6 +433,7 @@ def next_state(b: Batch, places: Places) -> ModalState:
         beside=b.beside,
         tool_number=tool_in_use(b),
         next_tool=b.next_tool,
+        loose=b.loose,
     )
 
 

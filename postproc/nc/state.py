@@ -119,7 +119,8 @@ class ModalState:
     program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,):
     axes that G28 has taken elsewhere since the last motion; cycle: the canned cycle in force;
     beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43
-    without H means, and next_tool the last T; -1: none named."""
+    without H means, and next_tool the last T; -1: none named. loose: axes that an engraving left
+    beside its text, nobody knows how far."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -136,4 +137,5 @@ class ModalState:
     beside: Beside = Beside()
     tool_number: int = -1
     next_tool: int = -1
+    loose: tuple[str, ...] = ()
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)

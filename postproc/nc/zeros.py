@@ -20,6 +20,7 @@ from postproc.nc.state import NONE, Frame, Setup
 from postproc.units import TICKS_PER_MM
 
 EXTERNAL = "EXT"
+MOST_NAMES = 8  # of offsets that are stated, in a sentence
 
 
 def offset_columns(b: Batch) -> None:
@@ -119,7 +120,9 @@ def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
 
 def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     """The reason that asks for an offset by its name."""
-    known = ", ".join(sorted({*b.setup.offsets, *b.offsets})) or "none"
+    names = sorted({*b.setup.offsets, *b.offsets}) or ["none"]
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    known = ", ".join(names[:MOST_NAMES]) + more
     axes = ",".join(x + "0" for x in b.setup.axes if x in "XYZ") or "X0"
     return (
         f"the {kind} offset {name} is not stated",

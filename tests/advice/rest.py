@@ -48,6 +48,10 @@ SHAPES = [
 HEAD = "G21 G90 G0 X0 Y0 Z5|F100|"
 TURNED = "G90 G0 X0 Y0 Z5|F100|"
 OTHERS = [
+    Case(
+        "haas", "G90 G54 G0 X5. Y0 Z5.|G101 X0|G47 P0 (A) X5. Y5. R1. Z-.1 F9. E9.|G100 X0",
+        "G90 G54 G0 X5. Y0 Z5.|G47 P0 (A) X5. Y5. R1. Z-.1 F9. E9.", how=WRITE,
+    ),
     Case("linuxcnc", HEAD + "G93 G1 X1 F#<_hal[a]>", HEAD + "G94 G1 X1 F#<_hal[a]>"),
     Case("grblhal", HEAD + "M70|G1 X5|M72|G1 X9", HEAD + "G1 X5|G1 X9", how=WRITE),
     Case(

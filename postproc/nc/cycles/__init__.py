@@ -35,6 +35,8 @@ from postproc.nc.cycles.drilling_haas_lathe import HAAS_LATHE, HaasLatheDrilling
 from postproc.nc.cycles.drilling_linuxcnc import ACTIONS, REFUSED, LinuxcncDrilling
 from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling, ReturnLevel
 from postproc.nc.cycles.drilling_okuma_lathe import DRILL, LiveDrilling
+from postproc.nc.cycles.engraving_haas import CODE as ENGRAVING
+from postproc.nc.cycles.engraving_haas import Engraving
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
@@ -176,6 +178,7 @@ def haas(dialect: Dialect, synchronised: bool) -> Family:
     holes = HaasDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
     cycles |= dict.fromkeys((CLOCKWISE, COUNTER), CircularPocket())
+    cycles[ENGRAVING] = Engraving()
 
     class BoltsAndCorners(Chain):
         codes = BoltHoles.codes

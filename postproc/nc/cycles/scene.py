@@ -36,6 +36,7 @@ class Scene:
         self.table: dict[int, Code] = {code_number(code.word): code for code in self.dialect.codes}
         self.spindle = 0  # M3 or M4, as last named; 5 or 0: it stands
         self.extra_decimals = 0
+        self.turned = False  # a frame that is written out turns, scales or mirrors the block
         self.tolerance = CHORD_MM
         self.frame: Callable[[str], float | None] | None = None
         self.block = Block(b"", (), True, False)

@@ -27,7 +27,7 @@ from postproc.records import record
 
 NO_GROUP, UNKNOWN = -1, -2
 # of CYCLE_KEYS; all but the first go with the spindle
-HOLES = ("drill", "tap", "there and back", "tap Z", "tap X")
+HOLES = ("drill", "tap", "there and back", "tap Z", "tap X", "engrave")
 NONE = -1
 LARGEST_G = KEYWORD + 400  # ten times the largest G number + 1, and keywords
 NOTHING = LARGEST_G - 1  # no code has this number
@@ -246,6 +246,11 @@ class Dialect:
         table = np.zeros(LARGEST_G, dtype=bool)
         table[[code.number for code in self.codes if code.does == "there and back"]] = True
         return table
+
+    @cached_property
+    def engraves(self) -> tuple[int, ...]:
+        """Codes that engrave a text, each in its own block."""
+        return tuple(code.number for code in self.codes if code.does == "engrave")
 
     @cached_property
     def hole_axis(self) -> dict[int, str]:

@@ -307,7 +307,7 @@ class Resolver:
         scene.block = block
         turned = self.control is not None and not self.control.frames.map.identity
         scene.extra_decimals = 4 if turned else 0
-        scene.keeps = None if self._turned else self.keeps
+        scene.keeps, scene.turned = None if self._turned else self.keeps, self._turned
         form_of(cycle.forms(code), block).check(scene, block, code)
         outcome = cycle.run(scene, block, code)
         scene.extra_decimals = 0
