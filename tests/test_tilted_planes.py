@@ -320,6 +320,87 @@ def test_cycle800_that_can_not_be_followed_is_said(call, message, tmp_path):
         corrected(machine, "siemens", text, {"D1": {"Z": LENGTH}})
 
 
+def klartext_path(text: str):
+    """`path` of Klartext: L and FMAX as G1 and G0, from the line G43 on."""
+    text = re.sub(r"^L (.*) FMAX", r"G0 \1", text, flags=re.M)
+    text = re.sub(r"^L ", "G1 ", text, flags=re.M)
+    return path(text.replace("+", ""))
+
+
+@pytest.mark.parametrize("kind", ["SPATIAL", "EULER"])
+@pytest.mark.parametrize("chain", CHAINS[1::2])
+def test_plane_of_klartext(chain, kind, tmp_path):
+    """By spatial angles, about X, Y and Z of the machine one after the other, and by Euler angles;
+    the angles are those whose plane lies across a pose that was drawn."""
+    plane = Plane(500 + CHAINS.index(chain), chain)
+    machine = load(plane.truth, tmp_path, "heidenhain")
+    n = plane.turn[:, 2]
+    if kind == "EULER":
+        i, j, k = plane.euler
+        angles = f"EULPR{i:+.9f} EULNU{j:+.9f} EULROT{k:+.9f}"
+    else:
+        c = 20.0
+        before = about(2, c).T @ n  # Ry Rx Z
+        a = round(float(np.degrees(np.arcsin(-before[1]))), 9)
+        b = round(float(np.degrees(np.arctan2(before[0], before[2]))), 9)
+        plane.turn = about(2, c) @ about(1, b) @ about(0, a)
+        assert np.allclose(plane.turn[:, 2], n, atol=1e-7)
+        angles = f"SPA{a:+.9f} SPB{b:+.9f} SPC{c:+.9f}"
+    rotary = " ".join(f"{x}+0" for x in plane.truth.rotary)
+    x, y, z = plane.zero
+    text = (
+        f"L X+0 Y+0 Z+80 {rotary} R0 FMAX\nTRANS DATUM AXIS X{x:+.3f} Y{y:+.3f} Z{z:+.3f}\n"
+        f"PLANE {kind} {angles} TURN FMAX SEQ+\nTOOL CALL 1 Z S900; G43 H1\n"
+        "L X+0 Y+0 Z+30 FMAX\nL X+20 Y-15 Z-3 F500\nL X-25 Y+10\nL X+30 Z+5\n; G49\n"
+        "PLANE RESET TURN FMAX\nM30\n"
+    )
+    output, verifier = corrected(machine, "heidenhain", text, {"T1": {"Z": LENGTH}})
+    assert verifier.passed, verifier.report()
+    nominal = [m for m in klartext_path(text) if m[0] != "0" and np.isfinite(m[1]).all()]
+    worst = 0.0
+    for motion in (m for m in klartext_path(output) if m[0] != "0" and np.isfinite(m[1]).all()):
+        for word in samples(motion):
+            worst = max(worst, min(distance(word + plane.off(word), m) for m in nominal))
+    assert worst < TOLERANCE + 0.0001 + machine.bounds.second_order
+    assert verifier.uncorrected.deviation > 0.004
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("PLANE VECTOR BX+1 BY+0 BZ+0 NX+0 NY+0 NZ+1 TURN", "otherwise than by three angles"),
+        ("PLANE SPATIAL SPA+5 SPB+0 TURN", "otherwise than by three angles"),
+        ("PLANE SPATIAL SPA+9 SPB+0 SPC+0 STAY", "does not stand across"),
+        ("PLANE SPATIAL SPA+0 SPB+0 SPC+9 TURN TABLE ROT", "turns the table"),
+        ("PLANE SPATIAL SPA+9 SPB+0 SPC+0 TURN MB MAX SEQ+", "where [XYZ ]+ stands? is not known"),
+        ("PLANE SPATIAL SPA+9 SPB+0 SPC+0 MOVE SEQ+", "where [XYZ ]+ stands? is not known"),
+        ("PLANE SPATIAL SPA+9 SPB+0 SPC+0 TURN SEQ+|CYCL DEF 7.1 X+5", "a datum shift while"),
+        ("PLANE SPATIAL SPA+9 SPB+0 SPC+0 TURN SEQ+|L X+5 FMAX M91", "G53 while|M91 while"),
+    ],
+)
+def test_plane_of_klartext_that_can_not_be_followed_is_said(lines, message, tmp_path):
+    plane = Plane(5, "w-C-A-b-X-Y-Z-t")
+    machine = load(plane.truth, tmp_path, "heidenhain")
+    text = f"TOOL CALL 1 Z S9|L X+0 Y+0 Z+80 C+0 A+5 R0 FMAX|{lines}|L IX+20 F500|"
+    with pytest.raises(ProgramError, match=message):
+        corrected(machine, "heidenhain", text.replace("|", "\n"), {"T1": {"Z": LENGTH}})
+
+
+def test_plane_reset_turns_the_rotary_axes_to_zero(tmp_path):
+    """Behind it the program goes on as if there had been no plane: the same corrections."""
+    plane = Plane(7, "w-C-A-b-X-Y-Z-t")
+    machine = load(plane.truth, tmp_path, "heidenhain")
+    head = "TOOL CALL 1 Z S9\nL X+0 Y+0 Z+80 C+0 A+0 R0 FMAX\n"
+    tilted = "PLANE SPATIAL SPA+20 SPB+0 SPC+0 TURN FMAX SEQ+\nL X+9 Y+9 Z+60 FMAX\n"
+    tail = "PLANE RESET TURN FMAX\nL X+0 Y+0 Z+30 FMAX\nL X+20 Y-15 Z-3 F500\nM30\n"
+    ends = []
+    for text in (head + tilted + tail, head + tail):
+        output, verifier = corrected(machine, "heidenhain", text, {"T1": {"Z": LENGTH}})
+        assert verifier.passed, verifier.report()
+        ends.append(output.split("RESET TURN FMAX\n")[1])
+    assert ends[0] == ends[1]
+
+
 def test_planes_stay_where_programs_are_written_out(tmp_path, capfdbinary):
     """--expand: G69 of a tilted plane stays, that of a rotation goes; CYCLE800 gets numbers for its
     variables."""

@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.nc import planes, swivel, tips
+from postproc.nc import planes, spatial, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.lengths import (
@@ -68,6 +68,9 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         if b.live[0] and begins_with(b, number):
             planes.plane_align(b, b.dialect.by_number[number].word)
     _swivelled(b)
+    for number in (n for n, does in b.dialect.frame_codes.items() if does == "spatial"):
+        if b.live[0] and begins_with(b, number):
+            spatial.turned_in(b)
 
 
 def _edge(b: Batch) -> None:
@@ -154,6 +157,7 @@ def _local(b: Batch, axis_words, word: str) -> None:
         )
     else:
         b.frame = replace(b.frame, local=changed(b.frame.local, values))
+    planes.shifted_within(b, word)
 
 
 def _data(b: Batch, axis_words, word: str) -> None:
@@ -354,6 +358,7 @@ ACTIONS = {
     "plane off": planes.plane_off,
     "plane align": lambda b, a, w: None,
     "swivel": swivel.swivel,
+    "spatial": spatial.spatial,
     "trans": _trans,
     "atrans": lambda b, a, w: _trans(b, a, w, add=True),
     "no frame": _set_zero,

@@ -89,6 +89,8 @@ CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
 TAPS = (2, 17, 206, 207, 209)
 ZERO = b"G52X0Y0Z0"
+PLANE = b"G268"
+ANGLES = re.compile(rb"(?:SP[ABC]|EUL(?:PR|NU|ROT))[ \t]*[-+]?Q")
 JOIN = re.compile(rb"(APPR|DEP)[ \t]+(P?)(LT|LN|CT|LCT)(?![A-Z])")
 JOIN_DATA = re.compile(
     rb"(?<![A-Z])(?:LEN|CCA|R)[ \t]*[-+]?(?:[0-9]*\.?[0-9]+|Q[LR]?[0-9]+)(?![0-9.])"
@@ -308,10 +310,10 @@ def _datum(text: bytes) -> bytes:
 
 
 def _plane(text: bytes) -> bytes:
-    if re.match(rb"PLANE[ \t]+RESET\b", text) and b"MOVE" not in text:
-        # TURN takes rotary axes to zero
-        return _blank(text) if b"TURN" not in text else bytes([MACRO]).ljust(len(text))
-    return _macro(text, codes.TILTED)
+    """PLANE; its words spatial.py reads."""
+    if ANGLES.search(text):
+        return _macro(text, VALUES)
+    return PLANE.ljust(len(text)) if len(PLANE) <= len(text) else _macro(text, codes.TILTED)
 
 
 def _function(text: bytes) -> bytes:

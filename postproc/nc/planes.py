@@ -120,18 +120,37 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
             )
         b.frame = with_known(frame, PLANE, reason)
         return
+    rotary = [b.rows[x] for x in kinematics.rotary]
+    there = np.rint(np.array(found[0]) * TICKS_PER_MM).astype(np.int64)
+    if (there != b.state.position)[rotary].any() or not known:
+        _say_other_way(b, word, kinematics.rotary, [f[rotary] for f in found])
+        turn_to(b, there)
+
+
+def turn_to(b: Batch, there: np.ndarray) -> None:
+    """The rotary axes go to `there` (A,) ticks by themselves; the slides stay."""
+    kinematics = b.setup.kinematics
+    if kinematics is None:  # whatever rotary axes there are, no slide is carried by them
+        known = b.state.known.copy()
+        known[[row for x, row in b.rows.items() if x in "ABC"]] = False
+        b.state = replace(b.state, known=known)
+        return
     position, sent = b.state.position.copy(), np.zeros(len(b.rows), bool)
     rotary = [b.rows[x] for x in kinematics.rotary]
-    there = np.rint(np.array(found[0])[rotary] * TICKS_PER_MM).astype(np.int64)
-    moved = (there != position[rotary]).any() or not known
-    if moved:
-        _say_other_way(b, word, kinematics.rotary, [f[rotary] for f in found])
-        slides = _slides(b, position)
-        position[rotary] = there
-        position, known_after = slides(position)
-        sent[rotary] = sent[[b.rows[x] for x in "XYZ"]] = True
-        before = b.state.sent if b.state.sent is not None else np.zeros(len(b.rows), bool)
-        b.state = replace(b.state, position=position, known=known_after, sent=before | sent)
+    slides = _slides(b, position)
+    position[rotary] = there[rotary]
+    position, known_after = slides(position)
+    sent[rotary] = sent[[b.rows[x] for x in "XYZ"]] = True
+    before = b.state.sent if b.state.sent is not None else np.zeros(len(b.rows), bool)
+    b.state = replace(b.state, position=position, known=known_after, sent=before | sent)
+
+
+def shifted_within(b: Batch, word: str) -> None:
+    """A datum shift of Klartext while a plane is in force: nobody can say in which of the two
+    coordinates it counts."""
+    if b.dialect.grammar.klartext and b.frame.plane is not None:
+        message = "a datum shift while a tilted plane is in force"
+        b.frame = with_known(b.frame, PLANE, (message, "shift the datum before PLANE"))
 
 
 def _slides(b: Batch, position: np.ndarray):

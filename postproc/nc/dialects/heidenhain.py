@@ -34,6 +34,7 @@ DIALECT = Dialect(
         *rows("work offset", {"247": "preset (cycle 247)"}, does="extended", like="G54.1"),
         *LOCAL,
         *rows("defined cycle", {"200": "a cycle, defined", "207": "a tapping cycle, defined"}),
+        *rows("", {"268": "tilted plane (PLANE)"}, takes=True, does="spatial"),
         *rows("", {"79": "cycle call"}, takes=True, does="words"),
     ),
     m_codes=ISO.m_codes,
@@ -42,6 +43,7 @@ DIALECT = Dialect(
     language="klartext",
     plane=170,
     extended_name="G247 P",
+    plane_frame="zero",
     tip_codes={128: True, 129: False},
     length_letter="T",
     letters="Q",  # DL of TOOL CALL
