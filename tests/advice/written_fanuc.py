@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tests.advice.follow import NOWHERE, WRITE, Case
+from tests.corpus.machines import offsets
 
 A, M, H = "fanuc-lathe-a", "fanuc-mill", "haas"
 
@@ -457,7 +458,46 @@ MORE = [
     macro("END2", "M30"),
     macro("M198", "M30"),
 ]
+SHAPE = "G1 Y60.|X-60.|Y-60.|X60.|Y60.|X0."
+POCKET_TOOL = {"offsets": {**offsets(), "D1": {"R": 5.0}}}
+
+
+def pocket(
+    old: str = "", new: str = "", then: str = "", before: str = "", turned: str = "", **options
+) -> Case:
+    """G150 with a fault: something else in its block, in its shape, or before it."""
+    block = "G150 P7 X0. Y0. Z-2. Q3. R1. J8. K.2 G41 D1 F99."
+    whole = "G90 G54 G0 X0. Y0. Z5.|{}{}|G40 G1 X0. Y0.|G0 Z5.|M30|O7|{}|M99|"
+    good = whole.format("", block, SHAPE)
+    assert old in good
+    wrong = whole.format(before, block, turned or SHAPE).replace(old, new)
+    return Case("haas", wrong, good, then, how={**WRITE, **POCKET_TOOL, **options})
+
+
+HAAS_POCKETS = [
+    pocket("|X-60.|", "|X#1|"),
+    pocket("|X-60.|", "|X-60.|" + "Y59.|Y60.|" * 20),
+    pocket("J8.", "J11."),
+    pocket("Q3.", "Q0."),
+    pocket(before="G91 "),
+    pocket(before="G18 "),
+    pocket("J8.", "I8. J8."),
+    pocket(before="G1 G41 D1 X1. F99.|"),
+    pocket("Q3.", ""),
+    pocket("G41 D1", "D1"),
+    pocket("P7", ""),
+    pocket("|X-60.|", "|G3 X-60. I-20.|G1|"),
+    pocket(turned="G1 X60. Y60.|X-60.|Y-60.|X60.|Y60."),
+    pocket("|X0.|M99", "|X5.|M99"),
+    pocket("|X0.|M99", "|X0.|G91|M99"),
+    pocket("D1", ""),
+    pocket("G41 D1", "G42 D1"),
+    pocket("K.2", "K70."),
+    pocket("D1", "D900"),
+    pocket("P7", "P8"),
+]
 ALL = [
+    *HAAS_POCKETS,
     *MORE,
     *TURNING,
     *DRAWN,

@@ -39,22 +39,23 @@ CODE = re.compile(r"`([a-z-]+)`")
 
 class Sample(NamedTuple):
     """A block of a cycle: its words with a value and another one, what stands before and behind
-    it, and source lines that are not run (the subroutine of a shape)."""
+    it, source lines that are not run (the subroutine of a shape), and a code in the block."""
 
     words: dict[str, tuple[str, str]]
     before: str = ""
     behind: str = ""
     aside: str = ""
+    also: str = ""
 
     def run(self, name: str, code: str, change: str = "", add: str = "") -> list[Line]:
         """The plain lines, with the other value of `change` and with further words."""
-        block = " ".join([code, *(x + self.words[x][x == change] for x in self.words), add]).strip()
+        words = [x + self.words[x][x == change] for x in self.words]
+        block = " ".join(w for w in [code, self.also, *words, add] if w)
         program = self.before.replace("|", "\n") + block + "\n" + self.behind.replace("|", "\n")
         aside = self.aside.replace("|", "\n")
-        resolver = Resolver(
-            Program("part", (aside + program).encode()),
-            Tracker(Interpreter(dialects.load(name), setup(name))),
-        )
+        tracker = Tracker(Interpreter(dialects.load(name), setup(name)))
+        tracker.program = SHAPES.get
+        resolver = Resolver(Program("part", (aside + program).encode()), tracker)
         lines = enumerate(program.split("\n"), 1 + aside.count("\n"))
         return [plain for n, one in lines for plain in resolver.take(Line(one.encode(), n))]
 
@@ -114,6 +115,10 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
     """The programs for a row of the table."""
     if name == "linuxcnc":
         return [LINUXCNC_SAMPLES.get(code, Sample(values(HOLE + " L2/3 P.5/.6 Q1.5/1"), BEGIN))]
+    if name == "haas" and code == "G150":
+        words = "P1/2 X5./6. Y9./8. Z-4./-3. R1./2. Q2./3. K.5/.6 D1/2 {}"
+        start = "F100|G90 G17 G0 X0 Y0 Z9|"
+        return [Sample(values(words.format(k)), start, also="G41") for k in ("I3./2.", "J3./2.")]
     if name == "haas" and code in ("G12", "G13"):
         pockets = ["I8./7. K15./14. Q4./3. D1/2 Z-2./-3.", "I8./7. D1/2 Z-2./-3. L2/3"]
         return [Sample(values(pockets[k]), "F100|G17 G0 X0 Y0 Z9|" + "G91 " * k) for k in (0, 1)]
@@ -178,6 +183,10 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
     return [Sample(values(f"{P} {Q} U1./2. W.5/.6 {alone}"), START, shape)]
 
 
+SHAPES = {  # that G150 calls
+    n: [f"G1 X0. Y{y}.".encode(), b"X-30.", b"Y-20.", b"X40.", f"Y{y}.".encode(), b"X0."]
+    for n, y in ((1, 30), (2, 31))
+}
 OTHERS = {
     "fagor": {
         "": "X5./6. Y4./3. Z2./3. I-5./-6. K.5/.6",
@@ -290,6 +299,7 @@ def strange(lines: list[Line], name: str) -> list[Line]:
             more,
         )
         also = "P" + dialects.load(name).dwell if 40 in block.codes else more
+        also += "D" * (410 in block.codes)
         found += [line] * any(w.letter not in GENERAL + "XYZABCUVWH" + also for w in block.words)
     return found
 

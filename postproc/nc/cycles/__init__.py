@@ -45,6 +45,8 @@ from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.holes_heidenhain import IsoHoles
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
+from postproc.nc.cycles.pocket_haas import CODE as POCKET
+from postproc.nc.cycles.pocket_haas import Pocket
 from postproc.nc.cycles.pole_heidenhain import PoleArcs
 from postproc.nc.cycles.polynomials_siemens import Polynomials
 from postproc.nc.cycles.rotation_linuxcnc import LinuxcncRotation
@@ -178,7 +180,7 @@ def haas(dialect: Dialect, synchronised: bool) -> Family:
     holes = HaasDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
     cycles |= dict.fromkeys((CLOCKWISE, COUNTER), CircularPocket())
-    cycles[ENGRAVING] = Engraving()
+    cycles |= {ENGRAVING: Engraving(), POCKET: Pocket()}
 
     class BoltsAndCorners(Chain):
         codes = BoltHoles.codes

@@ -97,7 +97,7 @@ DIALECT = Dialect(
             takes=True,
             refuses=codes.CYCLE,
         ),
-        *rows("", {"150": "pocket"}, takes=True, refuses=codes.WRITE_OUT),
+        *rows("", {"150": "pocket"}, takes=True, refuses=codes.CYCLE),
         *rows("", {"47": "engraving"}, does="engrave"),
         *rows(
             "",

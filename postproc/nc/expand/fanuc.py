@@ -28,7 +28,9 @@ from postproc.nc.expand.fanuc_calls import (
     Modal,
     arguments,
     called,
+    label_of,
     subprogram,
+    text_of,
     times,
     word_of,
 )
@@ -58,6 +60,7 @@ class Runner:
         self.program, self.tracker, self.limits = program, tracker, limits
         self.variables = Variables(tracker)
         tracker.rendered = self._rendered
+        tracker.program = lambda n: text_of(n, self.frames[-1], self.library, self.source)
         self.semicolon = tracker.dialect.grammar.semicolon
         named = program if self.variables.haas else numbered(program, self.semicolon)
         self.source = Source(named, self.semicolon, self.variables.haas)
@@ -150,7 +153,7 @@ class Runner:
         if kind is Kind.GOTO:
             assert block.target
             frame.at = frame.source.jump(
-                frame.section, at, _label(block.target(variables)), block.place
+                frame.section, at, label_of(block.target(variables)), block.place
             )
         elif kind in (Kind.DO, Kind.END):
             partner = frame.source.partner(frame.section, at, block.place)
@@ -439,12 +442,3 @@ class Runner:
             f"{self.steps} blocks have been executed (limit {self.most})",
             "does a loop not end? --max-steps sets the limit",
         )
-
-
-def _label(value: Value) -> int:
-    number = round(value or 0.0)
-    if value is None or abs(value - number) > 1e-6 or not 0 <= number < 10**9:
-        raise Misread(
-            f"GOTO {'a vacant variable' if value is None else f'{value:g}'}", "N numbers are whole"
-        )
-    return number

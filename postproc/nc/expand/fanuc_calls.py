@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from postproc.nc.expand import Program
+from postproc.nc.expand.fanuc_blocks import Kind
 from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_variables import Variables
@@ -175,3 +176,32 @@ def subprogram(
     if number > 9999 and not variables.haas and word_of(words, "L") is None and not exists(number):
         count, number = divmod(number, 10000)
     return number, count
+
+
+def label_of(value: Value) -> int:
+    """The N number that GOTO names. Raises Misread for what is none."""
+    number = round(value or 0.0)
+    if value is None or abs(value - number) > 1e-6 or not 0 <= number < 10**9:
+        raise Misread(
+            f"GOTO {'a vacant variable' if value is None else f'{value:g}'}", "N numbers are whole"
+        )
+    return number
+
+
+def text_of(number: int, frame: Frame, library: Library, main: Source) -> list[bytes] | None:
+    """What a cycle reads as its shape: the blocks from an N number of the program that runs, or of
+    another program, up to M99; None: nowhere."""
+    source, section = frame.source, frame.section
+    start = source.find(section, number, frame.at)
+    if start < 0:
+        found = library.find(number, source, main)
+        if found is None:
+            return None
+        source, section = found
+        start = section.start
+    texts: list[bytes] = []
+    for at in range(start, section.stop):
+        if source.special[at] and source.block(at).kind is Kind.RETURN:
+            break
+        texts.append(source.texts[at])
+    return texts

@@ -29,6 +29,8 @@ class Tracker:
         self._next = NOTHING_AHEAD
         # a block with numbers in place of its expressions, as they are now; None: it is more
         self.rendered: Callable[[bytes], bytes | None] = lambda raw: None
+        # the text of a subprogram, up to its M99; None: there is none
+        self.program: Callable[[int], list[bytes] | None] = lambda number: None
         # a first block, so that the zero in force is known from the start
         self._waiting: list[bytes] = [b""]
 
