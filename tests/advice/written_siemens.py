@@ -193,6 +193,32 @@ DRILLING = [
     run(f"DIAM90|{MODAL}HOLES1(0,0,0,5,9,2)", f"{MODAL}DIAMOF|HOLES1(0,0,0,5,9,2)"),
     run("F100|HOLES1(0,0,0,5,9,2)", f"{MODAL}HOLES1(0,0,0,5,9,2)"),
 ]
+STEP = "AA: G1 X20 Z0|Z-10|BB: X30"
+
+
+def removed(call: str, then: str, shape: str = STEP, mended: str = STEP) -> Case:
+    head, tail = "G18 F1|G0 X60 Z5|", "|M30|"
+    return run(f"{head}{call}{tail}{shape}", f"{head}{then}{tail}{mended}")
+
+
+ROUGH, FINISH = 'CYCLE95("AA:BB",2,,,,0.2,,,1)', 'CYCLE95("AA:BB",,,,,,,0.1,5)'
+REMOVALS = [
+    removed('CYCLE95("AA:BB",2,,,,0.2)', ROUGH),
+    removed('CYCLE95("AA:BB",,,,,0.2,,,1)', ROUGH),
+    removed('CYCLE95("AA:BB",2,,,,0.2,,,9)', 'CYCLE95("AA:BB",2,,,,0.2,,0.1,9)'),
+    removed("CYCLE95(,2,,,,0.2,,,1)", ROUGH),
+    removed("G91|" + ROUGH, "G90|" + ROUGH),
+    removed("G17|" + ROUGH, "G18|" + ROUGH),
+    removed("G42 D1 G0 X61|" + ROUGH, "G42 D1 G0 X61|G40 X60|" + ROUGH),
+    removed("G41 D1 G0 X61|" + FINISH, "G41 D1 G0 X61|G40 X60|" + FINISH),
+    removed('CYCLE95("AA:BB",0.0001,,,,0.2,,,1)', ROUGH),
+    removed(ROUGH, ROUGH, "AA: G1 X20|BB: X30"),
+    removed(ROUGH, ROUGH, "AA: G1 X20 Z0|BB: X20"),
+    removed(ROUGH, ROUGH, "AA: G1 X20 Z0|IF R1>0 GOTOF BB|BB: X30"),
+    removed(ROUGH, ROUGH, "AA: G1 X20 Z0|G33 Z-5 K1|BB: X30 Z-9"),
+    removed(ROUGH, "G1 X20 F0.2|Z-10|X18|Z-20", "AA: G1 X20 Z0|Z-9|X18|BB: Z-20"),
+    removed('CYCLE95("AA:BB",2,,,,0.2,,,1,,5)', "G1 X20 F0.2|Z-10|X30"),
+]
 POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
 POLYNOMIALS = [
     frame("G1 X50 RND=5|" + POLY, "G1 X50|" + POLY),
@@ -208,4 +234,4 @@ POLYNOMIALS = [
     frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
     run("G1 X2 FB=200|X3", "G1 F50|X2 FB=200|X3"),
 ]
-ALL = [*DRILLING, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]
+ALL = [*DRILLING, *REMOVALS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]

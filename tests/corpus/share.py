@@ -75,6 +75,7 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     " from the pole",
     "is not text",
     "a comment is opened",
+    "the control stops (alarm",
     "words in one block",
     "without its centre words",
     "is not defined in this program",

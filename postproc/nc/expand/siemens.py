@@ -16,10 +16,11 @@ from collections.abc import Callable, Iterator
 
 from postproc.errors import BlockFault, ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.nc.expand.siemens_contour import contour_of
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, read
 from postproc.nc.expand.siemens_frames import Frame, Repeat
-from postproc.nc.expand.siemens_holes import NAMES, Holes, hole_of, missing
-from postproc.nc.expand.siemens_source import Source
+from postproc.nc.expand.siemens_holes import NAMES, Holes, hole_of
+from postproc.nc.expand.siemens_source import Source, missing
 from postproc.nc.expand.siemens_statements import Call, Jump, Statement, Target, assign
 from postproc.nc.expand.siemens_values import (
     EMPTY,
@@ -223,7 +224,8 @@ class Run:
         found = FILE_NAME.fullmatch(name)
         name = found[1] if found else name
         if name.upper() in NAMES and self.library(name) is None:
-            self.holes.call(name.upper(), self.values(frame, call))
+            contour = contour_of(frame, self.library, call)
+            self.holes.call(name.upper(), self.values(frame, call), contour)
             frame.go(frame.at, frame.at + 1)
             return
         passes = 1 if call.count is None else rounded(call.count(frame.scope))
@@ -236,7 +238,7 @@ class Run:
             )
         source = self.library(name)
         if source is None:
-            raise missing(name, call)
+            raise missing(name, call.start, call.stop)
         self.nested(frame)
         if passes == 0:
             frame.go(frame.at, frame.at + 1)

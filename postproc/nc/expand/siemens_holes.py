@@ -4,16 +4,19 @@ what is called alone where it stands, and a pattern drills what MCALL named at e
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
-from postproc.nc.codes import WRITE_OUT
-from postproc.nc.expand import siemens_boring, siemens_drilling, siemens_patterns
+from postproc.nc.expand import (
+    siemens_boring,
+    siemens_drilling,
+    siemens_patterns,
+    siemens_removal,
+)
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_patterns import Pattern
-from postproc.nc.expand.siemens_statements import Call
+from postproc.nc.expand.siemens_removal import Removal
 from postproc.nc.expand.siemens_values import Refusal, Value
 from postproc.nc.expand.tracker import Tracker
 
@@ -21,12 +24,8 @@ NAMES = {
     *siemens_drilling.NAMES,
     *siemens_boring.NAMES,
     *siemens_patterns.NAMES,
+    siemens_removal.NAME,
 }  # the cycles that are written out
-OWN_CYCLES = re.compile(r"CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE")
-NOT_HERE = (
-    "put its text beside the program (NAME.SPF or NAME.MPF), or write its motions out: it could"
-    " move an axis"
-)
 
 
 class Holes:
@@ -36,10 +35,16 @@ class Holes:
         self.tracker = tracker
         self.feed = self.speed = b""  # the last F and S words that have left
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.called: Drilling | Pattern | None = None  # to be drilled behind this line
+        self.called: Drilling | Pattern | Removal | None = None  # to be drilled behind this line
 
-    def call(self, name: str, values: Sequence[Value | None]) -> None:
-        """A cycle that stands alone. Raises Refusal."""
+    def call(
+        self, name: str, values: Sequence[Value | None], contour: Callable[[str], list[bytes]]
+    ) -> None:
+        """A cycle that stands alone; contour: the plain lines of one by its name. Raises
+        Refusal."""
+        if name == siemens_removal.NAME:
+            self.called = Removal.of(values, contour)
+            return
         pattern = name in siemens_patterns.NAMES
         self.called = Pattern.of(name, values) if pattern else hole_of(name, values)
 
@@ -78,12 +83,3 @@ def hole_of(name: str, values: Sequence[Value | None]) -> Drilling:
     """The cycle of one hole. Raises Refusal."""
     kind = Boring if name in siemens_boring.NAMES else Drilling
     return kind.of(name, values)
-
-
-def missing(name: str, call: Call) -> Refusal:
-    """Of a call of what is not here: a cycle of the control, or a subprogram."""
-    if OWN_CYCLES.fullmatch(name.upper()):
-        message = f"{name} is a cycle of the control that is not written out"
-        return Refusal(message, WRITE_OUT, call.start, call.stop)
-    message = f"{name} is neither a command that gcomp knows nor a subprogram that it has"
-    return Refusal(message, NOT_HERE.replace("NAME", name), call.start, call.stop)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from functools import cached_property
 
+from postproc.nc.codes import WRITE_OUT
 from postproc.nc.expand.siemens_blocks import HEAD, NAME
 from postproc.nc.expand.siemens_statements import Jump
 from postproc.nc.expand.siemens_values import Refusal
@@ -40,6 +41,12 @@ CLOSES = {
     "FOR": "ENDFOR",
     "REPEAT": "UNTIL",
 }
+
+OWN_CYCLES = re.compile(r"CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE")
+NOT_HERE = (
+    "put its text beside the program (NAME.SPF or NAME.MPF), or write its motions out: it could"
+    " move an axis"
+)
 
 
 class Source:
@@ -148,3 +155,12 @@ class Source:
                 "write it at the end of what is repeated",
             )
         return start, at - 1
+
+
+def missing(name: str, start: int, stop: int) -> Refusal:
+    """Of a call of what is not here: a cycle of the control, or a subprogram."""
+    if OWN_CYCLES.fullmatch(name.upper()):
+        message = f"{name} is a cycle of the control that is not written out"
+        return Refusal(message, WRITE_OUT, start, stop)
+    message = f"{name} is neither a command that gcomp knows nor a subprogram that it has"
+    return Refusal(message, NOT_HERE.replace("NAME", name), start, stop)
