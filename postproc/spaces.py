@@ -23,11 +23,22 @@ class Space:
     """A frame of the tip's places: the programmed place u (word and work offset, mm) is the place
     turn @ u + origin of the part as it lies with all rotary axes at zero. turn: nine numbers of a
     rotation, row by row; origin: mm; held: whether the control holds the tip while rotary axes
-    turn."""
+    turn.
+
+    polar: the letter of the second coordinate where X and it are Cartesian coordinates of the face
+    that C turns (polar interpolation); it stands in the row of C then, in mm. There heading is
+    where C stood at the call, degrees, and `turn` a rotation by it; shift, across: mm, slides X
+    and Y that stand on C's line; beside: mm by which Y stands beside its nominal place, as it was
+    corrected before."""
 
     turn: tuple[float, ...] = LEVEL
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     held: bool = True
+    polar: str = ""
+    heading: float = 0.0
+    shift: float = 0.0
+    across: float = 0.0
+    beside: float = 0.0
 
     @property
     def matrix(self) -> np.ndarray:
@@ -61,6 +72,7 @@ class Kinematics(Protocol):
     planes: str  # the same of tilted planes; "": asked for where it matters
     codes: dict[int, bool]  # M codes that switch the tool point on and off on this machine
     at_start: bool  # whether it is on when a program begins
+    face: tuple[int, int] | None  # rows of X and C, where C turns the part under X
 
     def convert(
         self,

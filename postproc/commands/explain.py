@@ -19,7 +19,8 @@ from postproc.commands import as_json, compensate, expansion, option_text, readi
 from postproc.machine import growth
 from postproc.machine.contributions import contributions
 from postproc.machine.model import Machine
-from postproc.machine.tip import TipMachine, seen_by_tip
+from postproc.machine.seen import seen_in
+from postproc.machine.tip import TipMachine
 from postproc.machine.uncertainty import MapUncertainty, micrometres
 from postproc.motions import FOREIGN, Motions
 from postproc.nc.lexer import Words
@@ -174,7 +175,7 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     length, space = motions.length[:, i] / TICKS_PER_MM, motions.spaces[int(motions.space[i])]
     if machine.growth:
         machine = growth.grown(machine, machine.growth, motions.heat[:, i] * filter_.heat.step)
-    machine = seen_by_tip(machine, length, space, filter_.options.orientation)
+    machine = seen_in(machine, length, space, filter_.options.orientation)
     says, slides = [f"to {_told(machine, target)} (slide position, mm)"], target
     if isinstance(machine, TipMachine):
         slides = machine.slides(target)

@@ -18,7 +18,7 @@ from postproc.compensate import approach, cut, cutter, holes, limits, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.known import known
 from postproc.errors import MachineError, MotionFault, Notice
-from postproc.machine import growth, poses, tip
+from postproc.machine import growth, poses, seen, tip
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.motions import Motions
@@ -196,7 +196,8 @@ class Compensator:
             one = motions.part(first, stop)
             space, length = one.spaces[int(one.space[0])], one.length[:, 0]
             try:
-                carry = self._retold(carry, space, length)
+                space = self._beside(carry, space, one)
+                carry = self._retold(carry, space, length, one)
                 # where the machine stands is no longer what the nominal position needs
                 if carry.heat != heat:
                     carry = replace(carry, heat=heat, sure=carry.sure and span[0] > 0.0)
@@ -239,7 +240,22 @@ class Compensator:
         places = known(self.machine, one)
         return bool((places.end & places.start & ~places.idle)[0])
 
-    def _retold(self, carry: Carry, space: Space | None, length: np.ndarray) -> Carry:
+    def _beside(self, carry: Carry, space: Space | None, one: Motions) -> Space | None:
+        """A space of polar interpolation with how far Y was led beside its nominal place before;
+        there nothing moves it."""
+        if space is None or not space.polar or "Y" not in self.machine.letters:
+            return space
+        told, had = carry.told
+        if told is not None and replace(told, beside=0.0) == space:
+            return told
+        row = self.machine.letters.index("Y")
+        length = np.array(had or (0,) * len(carry.issued)) / TICKS_PER_MM
+        slides = poses.out_of(self.machine, told, length, carry.issued[:, None] / TICKS_PER_MM)
+        return replace(space, beside=float(slides[row, 0] - one.start[row, 0] / TICKS_PER_MM))
+
+    def _retold(
+        self, carry: Carry, space: Space | None, length: np.ndarray, motions: Motions
+    ) -> Carry:
         """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides are
         the slides' own."""
         one, had = carry.told
@@ -252,6 +268,9 @@ class Compensator:
         slides = poses.out_of(self.machine, one, before, carry.issued[:, None] / TICKS_PER_MM)
         place = poses.into(self.machine, space, length / TICKS_PER_MM, slides)[:, 0]
         issued = np.rint(place * TICKS_PER_MM).astype(np.int64)
+        if one is not None and one.polar:  # C is not led back to where it would stand uncorrected
+            c = self.machine.letters.index("C")
+            issued[c] = motions.start[c, 0]
         return replace(carry, issued=issued, told=told, way=np.zeros_like(carry.way), sure=False)
 
     def _of_tool(
@@ -267,9 +286,7 @@ class Compensator:
                     self.options.heat_step
                 )
                 machine = growth.grown(machine, machine.growth, values)
-            machine = tip.seen_by_tip(
-                machine, length / TICKS_PER_MM, space, self.options.orientation
-            )
+            machine = seen.seen_in(machine, length / TICKS_PER_MM, space, self.options.orientation)
             while len(self.by_tool) >= MOST_KEPT:  # heat does not come back: memory stays flat
                 del self.by_tool[next(iter(self.by_tool))]
             self.by_tool[key] = Compensator(machine, self.options)
@@ -346,6 +363,7 @@ class Compensator:
         cutter.tell(b)
         b.strokes()
         limits.check_inside(b)
+        limits.check_pole(b)
         limits.check_poses(b)
         b.approach()
         b.ends()

@@ -223,7 +223,7 @@ def _cuts(b: Batch, chosen: np.ndarray):
     )  # what is written is rounded
     rows = b.rows
     cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows]).nonzero()[0]
-    if b.machine.chain.rotary:
+    if b.machine.turning:
         return _on_increments(b, chosen, owner[cut], t[cut], exact.take(cut, axis=1))
     return owner[cut], t[cut], exact.take(cut, axis=1)
 
@@ -255,7 +255,7 @@ def _on_increments(
 ):
     """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one
     is 2 um at 200 mm."""
-    rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
+    rows = list(b.machine.turning)
     way = (b.end_nominal - b.begin_nominal).take(chosen[owner], axis=1)
     row = (
         np.array(rows)[np.argmax(np.abs(way[rows]), axis=0)]

@@ -87,7 +87,7 @@ def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.nda
     by the tangent."""
     arc = b.arc_of[b.motion[stroke]]
     on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion[stroke]] != FREE))
-    if len(on) and b.c.follows:
+    if len(on) and b.c.follows and not b.tip:
         arcs, arc = b.m.arcs, arc[on]
         angle, sense = arcs.angle[arc] + arcs.sweep[arc] * t[on], np.sign(arcs.sweep[arc])
         weight = weight.copy()

@@ -8,6 +8,7 @@ import numpy as np
 from postproc.compensate.batch import Batch
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
+from postproc.machine.polar import NEAREST, PolarMachine
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, RAPID
 from postproc.units import TICKS_PER_MM, UM
@@ -35,14 +36,14 @@ def refuse_turning_arcs(b: Batch) -> None:
     """An arc while a rotary axis turns is no arc of the tool's path on the part; its correction
     bends all along."""
     arcs = b.m.arcs.motion
-    rows = [b.machine.letters.index(x) for x in b.machine.chain.rotary] if len(arcs) else []
+    rows = list(b.machine.turning) if len(arcs) else []
     if not rows:
         return
     turns = ((b.m.target - b.m.start)[rows][:, arcs] != 0).any(axis=0) & b.free[arcs]
     for i in turns.nonzero()[0][:1]:
         raise MotionFault(
             int(arcs[i]),
-            f"an arc while {' '.join(b.machine.chain.rotary)} turns",
+            f"an arc while {' '.join(b.machine.letters[row] for row in rows)} turns",
             "let the CAM program write such motions as short lines",
         )
 
@@ -140,6 +141,42 @@ def check_poses(b: Batch) -> None:
                     "check the work offset, the tool's length, and the centres of the rotary axes"
                     " in machine.toml",
                 )
+
+
+def check_pole(b: Batch) -> None:
+    """On a face nothing is corrected next to C's line, where C turns half around at once; rapids
+    count by their ends."""
+    if not isinstance(b.machine, PolarMachine):
+        return
+    which = (b.free & (b.m.code <= COUNTER)).nonzero()[0]
+    for i in which[_nearest(b, b.machine, which) < NEAREST][:1]:
+        raise MotionFault(
+            int(i),
+            f"the tool comes nearer than {NEAREST:g} mm to the line of C, where C turns half around"
+            " within the width of a correction",
+            "keep away from the middle in polar interpolation: bore it with C at rest",
+        )
+
+
+def _nearest(b: Batch, machine: PolarMachine, motion: np.ndarray) -> np.ndarray:
+    """(K,) mm from C's line to the nearest place of motions."""
+    x, c = (machine.letters.index(letter) for letter in "XC")
+    start, end = (
+        (p[x].take(motion) + 1j * p[c].take(motion)) / TICKS_PER_MM for p in (b.m.start, b.m.target)
+    )
+    way = np.where((b.m.code[motion] != RAPID) & b.start_known[motion], end - start, 0.0)
+    along = np.where(way != 0, np.real(-start * np.conj(way)), 1.0)
+    t = np.clip(along / np.where(way != 0, np.abs(way) ** 2, 1.0), 0.0, 1.0)
+    near = np.abs(np.where(way != 0, start + way * t, end))
+    arc = b.arc_of[motion]
+    on = (arc >= 0).nonzero()[0]
+    arcs, arc = b.m.arcs, arc[on]
+    centre = arcs.centre[0, arc] + 1j * arcs.centre[1, arc]
+    towards = np.angle(-centre) - arcs.angle[arc]
+    passed = (np.sign(arcs.sweep[arc]) * towards) % (2 * np.pi) <= np.abs(arcs.sweep[arc])
+    ends = np.minimum(np.abs(start[on]), np.abs(end[on]))
+    near[on] = np.where(passed, np.abs(np.abs(centre) - arcs.radius[arc]), ends)
+    return near
 
 
 def tell_play(b: Batch) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
 from postproc.machine.chain import LINEAR, XYZ
+from postproc.machine.polar import PolarMachine
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE
 from postproc.units import TICKS_PER_MM
@@ -56,20 +57,19 @@ def within(
 
 def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     """Per two-way slide (K,) motion and t of the places where it turns back by more than the
-    hysteresis while the tip goes straight: looked for at LOOKS places, and put where a parabola
-    through three of them turns."""
+    hysteresis while the tip goes straight, on a face along an arc too: looked for at LOOKS places,
+    and put where a parabola through three of them turns."""
     assert isinstance(b.machine, TipMachine)
     m = b.m
-    chosen = ((m.code == FEED) & b.free & b.start_known & (m.cutter == FREE)).nonzero()[0]
+    kinds = (m.code >= FEED) & (m.code <= COUNTER)
+    if not isinstance(b.machine, PolarMachine):
+        kinds = m.code == FEED
+    chosen = (kinds & b.free & b.start_known & (m.cutter == FREE)).nonzero()[0]
     if not len(chosen):
         return []
     t = np.linspace(0.0, 1.0, LOOKS)
-    start, target = (
-        m.start.take(chosen, axis=1) / TICKS_PER_MM,
-        m.target.take(chosen, axis=1) / TICKS_PER_MM,
-    )
-    places = (start[:, :, None] + (target - start)[:, :, None] * t).reshape(len(start), -1)
-    slides = b.machine.slides(places).reshape(len(start), len(chosen), LOOKS)
+    places = b.nominal(np.repeat(chosen, LOOKS), np.tile(t, len(chosen)))
+    slides = b.machine.slides(places).reshape(len(places), len(chosen), LOOKS)
     found = []
     for row in np.flatnonzero(b.machine.two_way):
         for side in (slides[row], -slides[row]):
@@ -123,7 +123,7 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     slides = [row for row in b.machine.chained if b.machine.letters[row] in LINEAR]
     length = np.sqrt((way[slides] ** 2).sum(axis=0))
     length[m.arcs.motion] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
-    turns = [b.machine.letters.index(x) for x in b.machine.chain.rotary]
+    turns = list(b.machine.turning)
     # mm that any deviation changes along the motion; one that turns is looked at whatever its
     # length
     most = np.where((way[turns] > 0).any(axis=0), np.inf, b.machine.bounds.steepest * length)
@@ -171,7 +171,7 @@ def _looked_at(b: Batch, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, Looke
 def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same places, moved to where the rotary axis that turns most stands on a whole increment
     of its word."""
-    rows = np.array([b.machine.letters.index(x) for x in b.machine.chain.rotary], np.int64)
+    rows = np.array(b.machine.turning, np.int64)
     if not len(rows) or not len(motion):
         return motion, t
     way = (b.m.target - b.m.start)[rows].take(motion, axis=1)

@@ -134,6 +134,11 @@ class Machine:
         return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes)
 
     @cached_property
+    def turning(self) -> tuple[int, ...]:
+        """Rows of the axes whose positions are angles: the rotary ones of the chain."""
+        return tuple(self.letters.index(x) for x in self.chain.rotary)
+
+    @cached_property
     def depends(self) -> np.ndarray:
         """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j."""
         return dependence.closed(dependence.direct(self))
@@ -161,8 +166,7 @@ class Machine:
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
-        """Axis to the range, mm or degrees, that every table of it covers; none for an axis without
-        tables."""
+        """Axis to the range, mm or degrees, that all its tables cover; none without tables."""
         covered = {x: [table.nodes] for x, table in self.tables.items()}
         for grid in (grid for axis in self.axes.values() for grid in axis.grids):
             covered.setdefault(grid.letter, []).append(grid.nodes)
@@ -174,8 +178,7 @@ class Machine:
 
     @cached_property
     def reached(self) -> dict[str, tuple[float, float]]:
-        """Axis to where a nominal program can take it, mm or degrees: its travel, and, where places
-        outside the tables are an error, within them."""
+        """Axis to where a nominal program can take it: its travel, within tables that end it."""
         found = {}
         for x, axis in self.axes.items():
             low, high = axis.travel

@@ -18,6 +18,7 @@ import itertools
 import numpy as np
 
 from postproc.errors import MachineError
+from postproc.machine import face
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.machine.rotary import SINGULAR, rotation
@@ -103,6 +104,8 @@ class Poses:
         self.codes = machine.tool_point.codes
         self.at_start = machine.tool_point.at_start
         self.lacking = _lacking(machine)
+        turns = "X" in machine.chain.axes and self.carrying == ("C",)
+        self.face = (machine.letters.index("X"), machine.letters.index("C")) if turns else None
 
     def convert(
         self,
@@ -208,6 +211,8 @@ def out_of(
     (A,)."""
     if space is None:
         return place
+    if space.polar:
+        return face.slides_of(machine.letters, space, place)
     rows = [machine.letters.index(x) for x in XYZ]
     tip = (
         turned(space.matrix, place[rows]) + np.array(space.origin)[:, None] + machine.tool[:, None]
@@ -221,6 +226,8 @@ def into(
     """(A, N) places of a space of slide positions (A, N): the other way round."""
     if space is None:
         return slides
+    if space.polar:
+        return face.places_of(machine.letters, space, slides)
     rows = [machine.letters.index(x) for x in XYZ]
     tip = tips(with_length(machine, length), slides) - machine.tool[:, None]
     result = slides.copy()

@@ -14,7 +14,7 @@ microradians.
 
 from __future__ import annotations
 
-from dataclasses import field, fields, replace
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -114,24 +114,6 @@ def _across(tool: np.ndarray, vectors: np.ndarray) -> np.ndarray:
     return across
 
 
-def seen_by_tip(
-    machine: Machine, length: np.ndarray, space: Space | None, oriented: bool
-) -> Machine:
-    """The machine with a tool of length (A,) mm, as motions of a space need it; without a space it
-    is the machine itself. In a space no axis has a table, a travel or a side of its own: those are
-    the slides'."""
-    base = poses.with_length(machine, length)
-    if space is None:
-        return base
-    given = {f.name: getattr(base, f.name) for f in fields(Machine)}
-    travel = {x: (-np.inf, np.inf) if x in XYZ else a.travel for x, a in base.axes.items()}
-    axes = {x: replace(a.bare, travel=travel[x], uncertainty=None) for x, a in base.axes.items()}
-    given |= {"axes": axes, "square": {}, "effects": ()}
-    return TipMachine(
-        **given, base=base, anchor=machine.tool, space=space, oriented=oriented and space.held
-    )
-
-
 def tool_directions(machine: Machine, slides: np.ndarray, approach: np.ndarray) -> np.ndarray:
     """(3, N) the tool's actual direction in the part, away from it, at commanded slide positions
     (A, N)."""
@@ -182,9 +164,7 @@ class TipBounds(Bounds):
         """(M,) into how many equal parts straight motions (A, M) must be thought cut, so that
         nothing bends by more than `slack` mm within one: nodes that the slides pass by kink times
         their way, the rest by second differences."""
-        machine = self.machine
-        rotary = [machine.letters.index(x) for x in machine.chain.rotary]
-        angle = np.abs(target - start)[rotary].max(axis=0)
+        angle = self.angle(start, target)
         result = np.ones(start.shape[1], np.int64)
         least = -np.inf
         for most, count in SAMPLES:
@@ -194,6 +174,11 @@ class TipBounds(Bounds):
                 some = which[first : first + 4000]
                 result[some] = self._parts(start[:, some], target[:, some], count, slack)
         return result
+
+    def angle(self, start: np.ndarray, target: np.ndarray) -> np.ndarray:
+        """(M,) degrees that a rotary axis turns along straight motions (A, M), at most."""
+        turns: np.ndarray = np.abs(target - start)[list(self.machine.base.turning)].max(axis=0)
+        return turns
 
     def _parts(self, start: np.ndarray, target: np.ndarray, count: int, slack: float) -> np.ndarray:
         machine, n = self.machine, start.shape[1]

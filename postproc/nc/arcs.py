@@ -14,13 +14,13 @@ import numpy as np
 from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
+from postproc.nc.face import planes
 from postproc.nc.lexer import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
 from postproc.records import columns
 from postproc.units import TICKS_PER_MM
 
 MOST_TURNS = 1000
-PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", "J", "K")}
 
 
 @columns
@@ -53,7 +53,7 @@ def arcs_of(
         word[letter] = column[circle.block[arc]]
     first, second = np.full(n, -1), np.full(n, -1)
     centre_word, grid, unit = np.full((3, n), -1), np.ones((2, n), np.int64), np.ones(n, np.int64)
-    for plane, (a, b, i, j) in PLANES.items():
+    for plane, (a, b, i, j) in planes(batch).items():
         of = (circle.plane[arc] == plane).nonzero()[0]
         if not len(of):
             continue

@@ -100,6 +100,7 @@ class Batch:
         self.presets = no_presets()
         self.zero_known = True
         self.condition = int(state.codes.get("condition", NONE))
+        self.polar = ""  # letter of the second coordinate of polar interpolation (face.py)
         self.integers = self.setup.integers or self.dialect.integers
         self.frame, self.offsets = state.frame or no_frame(len(self.rows)), state.offsets
 
@@ -336,8 +337,13 @@ class Batch:
         """Whether arc centres are absolute at a block."""
         return bool(np.broadcast_to(self.held("arc centre"), self.n)[block] == 901)
 
+    def measured(self, letter: str) -> str:
+        """The axis by which words of one are measured: C by X as a coordinate of the face."""
+        return "X" if self.polar and letter == "C" else letter
+
     def unit_scale(self, letter: str):
         """Ticks of one unit of an axis word, and of one least increment: (B,) or a number each."""
+        letter = self.measured(letter)
         least = self.setup.least_increment.get(letter, 1e-4)
         inch = letter in LINEAR and self.held("units") == 200
         if not isinstance(inch, np.ndarray):
@@ -347,6 +353,8 @@ class Batch:
 
     def halves(self, letter: str):
         """(B,) or number: 2 where words of this axis are diameters, else 1."""
+        if self.polar and (letter != "X" or self.polar == "Y"):
+            return np.int64(1)
         if letter == "X" and "diameter" in self.dialect.groups:
             mode = self.held("diameter")
             if isinstance(mode, int) and mode in (70, 80):

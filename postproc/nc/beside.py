@@ -17,9 +17,9 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.motions import ENTRY, FREE, OFFSET
-from postproc.nc.arcs import PLANES
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
+from postproc.nc.face import planes
 from postproc.nc.state import NONE, Beside
 from postproc.nc.zeros import lathe_tool, stated, stated_tool
 from postproc.units import MM_PER_INCH
@@ -86,7 +86,7 @@ def _planes(b: Batch, block: np.ndarray) -> np.ndarray:
     """(2, N) rows of the plane's axes, -1 where the machine has them not."""
     code = spread(b.held("plane"), b.n)[block]
     plane = np.full((2, len(block)), -1)
-    for number, (first, second, *_) in PLANES.items():
+    for number, (first, second, *_) in planes(b).items():
         plane[:, code == number] = np.array([[b.rows.get(first, -1)], [b.rows.get(second, -1)]])
     return plane
 
@@ -126,7 +126,7 @@ def _from(b: Batch, state: Beside, block: int, code: int, d: float | None) -> Be
     side = state.side if code == NONE else 1 if code in LEFT else -1
     size, orientation = _size(b, state, block, code, d)
     nose = (LINUXCNC_NOSE if by_tool(b) else FANUC_NOSE).get(orientation, (0, 0))
-    if spread(b.held("plane"), b.n)[block] != 180:
+    if b.polar or spread(b.held("plane"), b.n)[block] != 180:
         nose = (0, 0)
     # LinuxCNC: a negative radius changes the side.
     along, across = (abs(size) * k if k else 0.0 for k in nose)

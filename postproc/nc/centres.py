@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER
-from postproc.nc.arcs import PLANES
+from postproc.nc.face import ON_FACE, PLANES
 from postproc.nc.lexer import RELATIVE
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
 from postproc.units import TICKS_PER_MM
@@ -166,7 +166,7 @@ def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None
     `at`."""
     letters = {
         (b.axes.index(first), b.axes.index(second)): words
-        for first, second, *words in PLANES.values()
+        for first, second, *words in (*PLANES.values(), ON_FACE)
         if first in b.axes and second in b.axes
     }
     of_plane = np.zeros((len(b.axes), len(b.axes)), np.uint8)

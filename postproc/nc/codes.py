@@ -41,7 +41,8 @@ class Code:
 KEYWORD = 10_000
 KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
 # What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44,
-# G49; G54.1 P; G59 P; TRANS, ATRANS; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE.
+# G49; G54.1 P; G59 P; TRANS, ATRANS; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE;
+# G12.1, G13.1.
 FRAME_KEYS = (
     "local",
     "set",
@@ -69,6 +70,8 @@ FRAME_KEYS = (
     "plane align",
     "swivel",
     "spatial",
+    "polar on",
+    "polar off",
 )
 # Cycles that are corrected in place: holes, holes that are tapped; an engraving, of which the place
 # and the depth are; threads and single passes, of which only ends are.

@@ -375,6 +375,10 @@ class Batch:
             return np.full(len(motion), ord(letter), np.uint8)
         own = self.byte[self.w.start[np.maximum(word, 0)]]
         absolute_letter = np.full(len(motion), ord(letter), np.uint8)
+        if letter == "C":  # the second coordinate of polar interpolation
+            polar = [s.polar if s is not None else "" for s in self.m.spaces]
+            told = np.array([ord(x or letter) for x in polar], np.uint8)
+            absolute_letter = told[self.m.space[motion]]
         # Blocks with U or W alone stay incremental for their own axis; other axes follow G90 G91.
         return np.where(word >= 0, own, absolute_letter)
 

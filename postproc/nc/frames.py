@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.nc import planes, spatial, swivel, tips
+from postproc.nc import face, planes, spatial, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.lengths import (
@@ -359,6 +359,8 @@ ACTIONS = {
     "plane align": lambda b, a, w: None,
     "swivel": swivel.swivel,
     "spatial": spatial.spatial,
+    "polar on": face.polar_on,
+    "polar off": face.polar_off,
     "trans": _trans,
     "atrans": lambda b, a, w: _trans(b, a, w, add=True),
     "no frame": _set_zero,

@@ -18,9 +18,9 @@ import numpy as np
 
 from postproc.errors import BlockFault, GcompError, Notice
 from postproc.motions import FOREIGN, Motions, join, no_spells
-from postproc.nc import frames
+from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import LINEAR, Batch, written_codes
+from postproc.nc.batch import Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import at, hold_last_float, spread
@@ -28,6 +28,7 @@ from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
 from postproc.nc.holes import holes_of
+from postproc.nc.increments import count_increments
 from postproc.nc.left import left_as_they_are
 from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
 from postproc.nc.planes import refuse_planes
@@ -35,6 +36,7 @@ from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
     check_letters,
     check_points,
+    check_second,
     cycle_calls,
     drop_arguments,
     idle_letters,
@@ -81,6 +83,7 @@ class Interpreter:
             | {"I", "J", "K", "R"}
             | centres
             | set(dialect.letters)
+            | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
         )
 
         letter = {row: u for u, row in self.increment_rows.items()}
@@ -178,13 +181,15 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     drop_arguments(b)
     check_letters(b)
     b.read_codes()
+    b.polar = face.letter_in(b)
+    check_second(b)
     if b.dialect.grammar.homing:
         b.read_homing()
     if b.integers == "least increments":
         count_increments(b)
     axis_words = {
         x: (b.one_of(*absolute), b.one_of(*relative))
-        for x, absolute, relative in b.interpreter.spellings
+        for x, absolute, relative in face.spellings(b, b.interpreter.spellings)
     }
     for pair in axis_words.values():
         for place in pair:
@@ -195,6 +200,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         frames.event(b, axis_words)
     refused_groups(b)
     offset_columns(b)
+    face.settle_zero(b)
     refuse_tips(b)
     refuse_planes(b, axis_words)
     m_codes(b)
@@ -225,6 +231,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     b.loose = loose_axes(b, motion, moving, axis_words)
     refuse_motions(b, motion, moving)
     refuse_cycles(b, motion, moving)
+    face.refuse_faces(b, motion, moving)
     if 40 in b.single:
         turning = np.zeros(b.n, bool)
         turning[[k for place in centre_words.values() for k in b.words.block[place]]] = True
@@ -244,21 +251,6 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         stray_words(b, centre_words, moving & ((motion == 0) | (motion == 10)))
     places = position(b, block := (moving | b.foreign).nonzero()[0], axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
-
-
-def count_increments(b: Batch) -> None:
-    """A number without a decimal point counts least increments: X1000 is X1.000 where they are
-    0.001."""
-    w = b.words
-    places = {x: -round(np.log10(b.setup.least_increment.get(x, 1e-4))) for x in b.rows}
-    linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
-    by_letter = {**places, **{u: places[x] for u, x in b.dialect.increments.items() if x in places}}
-    inch = np.broadcast_to(b.held("units"), b.n) == 200
-    for letter in {*by_letter, *"IJKR"}:
-        place = b.places.get(letter, np.zeros(0, np.int64))
-        place = place[~w.pointed[place]]
-        more = inch[w.block[place]] & (letter not in b.rows or letter in LINEAR)
-        w.decimals[place] = by_letter.get(letter, linear) + more
 
 
 def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:

@@ -109,8 +109,9 @@ class _Axis:
         scale, grid = b.unit_scale(letter)
         half = b.halves(letter)
         self.scale, self.grid = scale // half, grid // half
-        self.least = places_of(b.setup.least_increment.get(letter, 1e-4)) + (
-            shared.inch if letter in LINEAR else 0
+        measured = b.measured(letter)
+        self.least = places_of(b.setup.least_increment.get(measured, 1e-4)) + (
+            shared.inch if measured in LINEAR else 0
         )
         offset = b.offset[row] if b.offset.shape[1] > 1 else b.offset[row, 0]
         self.offset = np.where(b.machine, 0, offset) if shared.any_machine else offset

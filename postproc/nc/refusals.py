@@ -101,6 +101,15 @@ def check_letters(b: Batch) -> None:
         )
 
 
+def check_second(b: Batch) -> None:
+    """Refuse Y on a machine without it where it is not the second coordinate of a face."""
+    if b.dialect.polar != "Y" or b.polar or "Y" in b.rows:
+        return
+    for letter in (x for x in "YV" if x in b.places):
+        place = b.places[letter]
+        raise b.fault(place[0], f"the machine has no axis {letter}", _no_axis(b, letter, place))
+
+
 def _no_axis(b: Batch, letter: str, place: np.ndarray) -> str:
     """The way out of a word of an axis that is not there: beside X or Z a lathe's may be a corner
     (C) or the angle of the line (A), which --expand writes out."""

@@ -130,11 +130,19 @@ FANUC = [
     *rows("polygon", {"51.2": "polygon turning"}, refuses=codes.ITSELF),
     *rows("cylinder", {"7.1": "cylindrical interpolation"}, refuses=codes.TRANSFORM),
     *rows("cylinder", {"107": "cylindrical interpolation"}, refuses=codes.TRANSFORM, like="G7.1"),
+    *MACRO,
+]
+NO_POLAR = [
     *rows("polar", {"12.1": "polar interpolation"}, refuses=codes.TRANSFORM),
     *rows("polar", {"112": "polar interpolation"}, refuses=codes.TRANSFORM, like="G12.1"),
     *rows("polar", {"13.1": "no polar interpolation"}),
     *rows("polar", {"113": "no polar interpolation"}, like="G13.1"),
-    *MACRO,
+]
+POLAR = [
+    *rows("polar", {"12.1": "polar interpolation"}, does="polar on"),
+    *rows("polar", {"112": "polar interpolation"}, does="polar on", like="G12.1"),
+    *rows("polar", {"13.1": "no polar interpolation"}, does="polar off"),
+    *rows("polar", {"113": "no polar interpolation"}, does="polar off", like="G13.1"),
 ]
 # Blanks that MANUAL GUIDE i draws (B-63874EN, "Blank form"): they move nothing.
 BLANKS = r"G190[0-3](?:[ \t]*[A-Z][ \t]*[-+.\d]+)*"
@@ -152,6 +160,7 @@ FANUC_LATHE = [
     *DATA,
     *LOCAL,
     *FANUC,
+    *POLAR,
     *NO_LENGTH,
     *rows("tool length", {"43": "tool length"}, refuses=codes.LENGTH),
     *rows("cycle", {"80": "end of drilling cycles"}),

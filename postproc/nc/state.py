@@ -44,7 +44,8 @@ class Frame:
     Siemens; due: what of it the next increment of an axis travels too. extended: the
     name of the work offset that G54.1 P has chosen. length_units: ten times the code of the units
     in which the length was set. unknown: message and advice, by part, for a shift that is in force
-    and not known. tip: the tool point's frame, plane: a tilted plane's, where they are in force."""
+    and not known. tip: the tool point's frame, plane: a tilted plane's, face: that of polar
+    interpolation, where they are in force."""
 
     local: np.ndarray
     preset: np.ndarray
@@ -57,10 +58,13 @@ class Frame:
     unknown: dict[str, tuple[str, str]] = field(default_factory=dict)
     tip: Space | None = None
     plane: Space | None = None
+    face: Space | None = None
 
     @cached_property
     def space(self) -> Space | None:
         """The frame in which X Y Z are places of the tool tip; None: they are the slides'."""
+        if self.face is not None:
+            return self.face
         if self.tip is not None and self.plane is not None:
             return self.tip.of(self.plane)
         return self.tip if self.plane is None else self.plane

@@ -18,6 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.nc import face
 from postproc.nc.batch import Batch
 from postproc.nc.dialects import Dialect
 from postproc.nc.lengths import length_of
@@ -135,6 +136,8 @@ def retold(
     """(A,) ticks and (A,) bool: where the axes stand, told in the second frame's space instead of
     the first's; None: the slides'."""
     old, new = frames
+    if new.face is not None or (old is not None and old.face is not None):
+        return face.retold(kinematics, position, known, frames)
     if (old is None or old.space is None) and new.space is None:
         return position, known
     row = list(kinematics.linear) if kinematics is not None else []
@@ -160,7 +163,7 @@ def retold(
 def refuse_tips(b: Batch) -> None:
     """What can not be followed while X Y Z are places of the tip."""
     kinematics = b.setup.kinematics
-    if b.frame.space is None or kinematics is None:
+    if b.frame.space is None or b.frame.face is not None or kinematics is None:
         return
     work = work_columns(b)
     shifted = [x for x in kinematics.carrying if (work[b.rows[x]] + b.frame.shift[b.rows[x]]).any()]

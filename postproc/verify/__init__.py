@@ -29,7 +29,7 @@ from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM
 from postproc.verify import report
 from postproc.verify.cutter import CentreVerifier
-from postproc.verify.distance import PLACES, all_known, points_of, to_path
+from postproc.verify.distance import PLACES, all_known, points_of
 from postproc.verify.heat import Warm
 from postproc.verify.holes import holes_of
 from postproc.verify.largest import Largest
@@ -285,7 +285,7 @@ class Verifier:
                 actual = command + self.machines.deviation(
                     run, (row, place), command, weight * self.follows
                 )
-                distance = to_path(self.machine, nominal, owner[row], t, actual)
+                distance = self.machines.to_path(nominal, owner[row], t, actual)
                 turns = np.flatnonzero(~path[row])
                 # a take-up stands where the path turns: ahead or behind is off there too
                 if len(turns):

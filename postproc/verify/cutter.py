@@ -16,6 +16,8 @@ import numpy as np
 
 from postproc.errors import GcompError
 from postproc.machine.model import Machine
+from postproc.machine.seen import seen_in
+from postproc.machine.tip import TipMachine
 from postproc.motions import ENTRY, FREE, Motions
 from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.beside_refusals import begun, block_of
@@ -26,6 +28,7 @@ from postproc.verify.largest import Largest
 
 STEP_MM = 2.0
 PLAY_MM = 0.01  # an axis that moves less has not turned back
+NEAR = 1e-4  # of a way, to both sides: there a slide's direction is looked at
 FEWEST, MOST = 5, 65  # samples of one way
 
 
@@ -111,7 +114,11 @@ class CentreVerifier:
             Contour(run, weights[:, i].copy()),
         )
         self.at_work = self.machine
-        if self.machine.turns and motions.length.any():
+        if motions.space[i]:
+            space = motions.spaces[int(motions.space[i])]
+            tool = motions.length[:, i] / TICKS_PER_MM
+            self.at_work = seen_in(self.machine, tool, space, False)
+        elif self.machine.turns and motions.length.any():
             length = dict(
                 zip(
                     self.machine.letters,
@@ -162,7 +169,7 @@ class CentreVerifier:
         point = _points(way, t)
         weight = self._approach(contour, way, t)
         actual = point + self.at_work.deviation(point, weight)
-        rows = list(self.machine.corrected)
+        rows = list(self.at_work.corrected)
         distance = (
             np.min([_distance(w, actual, rows) for w in near], axis=0) if near else np.zeros(len(t))
         )
@@ -171,6 +178,11 @@ class CentreVerifier:
 
     def _approach(self, contour: Contour, way: Way, t: np.ndarray) -> np.ndarray:
         """(A, K) -1 to 1: in which direction each axis moves or has moved last."""
+        if isinstance(self.at_work, TipMachine):  # the slides' own ways
+            both = (self.at_work.slides(_points(way, np.clip(t + d, 0, 1))) for d in (-NEAR, NEAR))
+            ways = -np.subtract(*both)
+            weight = np.where(np.abs(ways) > PLAY_MM * NEAR, np.sign(ways), 0.0)
+            return weight if self.directed else np.zeros_like(weight)
         travel = way.end - way.start
         turned = np.where(np.abs(travel) > PLAY_MM, np.sign(travel), contour.approach)
         weight = np.repeat(turned[:, None], len(t), axis=1)

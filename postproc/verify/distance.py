@@ -31,7 +31,8 @@ def points_of(motions: Motions, curved, row, t) -> np.ndarray:
 
 
 def to_path(machine: Machine, nominal: Motions, owner, t, actual) -> np.ndarray:
-    """(K,) mm from actual points to their nominal path, in the corrected axes."""
+    """(K,) mm from actual points to their nominal path, in the corrected axes of a machine as its
+    motions see it."""
     rows = list(machine.corrected)
     start, target = (
         (nominal.start / TICKS_PER_MM)[:, owner],
@@ -46,7 +47,7 @@ def to_path(machine: Machine, nominal: Motions, owner, t, actual) -> np.ndarray:
         ((point - start[rows]) * way).sum(axis=0) / np.where(square > 0, square, 1.0),
         1.0,
     )
-    turning = [machine.letters.index(x) for x in machine.chain.rotary]
+    turning = list(machine.turning)
     # while the part or the tool turns, being ahead on the path is as wrong as being beside it
     if turning:
         along = np.where((target - start)[turning].any(axis=0), t, along)

@@ -7,10 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.machine.model import Machine
-from postproc.machine.tip import TipMachine, seen_by_tip
+from postproc.machine.polar import PolarMachine
+from postproc.machine.seen import seen_in
+from postproc.machine.tip import TipMachine
 from postproc.motions import Motions
 from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM
+from postproc.verify.distance import to_path
 from postproc.verify.heat import Warm
 
 
@@ -47,8 +50,21 @@ class Machines:
             told = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
             if told not in self._seen:
                 long = key[:-1] / TICKS_PER_MM
-                self._seen[told] = seen_by_tip(whole, long, told[1], self.oriented)
+                self._seen[told] = seen_in(whole, long, told[1], self.oriented)
             yield self._seen[told], which.ravel() == k
+
+    def to_path(self, nominal: Motions, owner, t, actual) -> np.ndarray:
+        """(K,) mm from actual points (A, K) to the nominal path of motions `owner` (K,) at t."""
+        faces = [k for k, space in enumerate(nominal.spaces) if space is not None and space.polar]
+        on = np.isin(nominal.space[owner], faces)
+        if not on.any():
+            return to_path(self.whole, nominal, owner, t, actual)
+        result = np.zeros(len(owner))
+        for machine, of in self.each(nominal, owner):
+            polar = isinstance(machine, PolarMachine)
+            seen = machine if polar else self.whole
+            result[of] = to_path(seen, nominal, owner[of], t[of], actual[:, of])
+        return result
 
     def slides(self, run: Motions, row: np.ndarray, command: np.ndarray) -> np.ndarray:
         """(A, K) slide positions at commands (A, K) of motions `row`."""

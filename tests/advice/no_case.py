@@ -53,4 +53,6 @@ NO_CASE: dict[str, str] = {
     "within a cycle or a frame, and this block is more than words and numbers": ELSEWHERE,
     "G43.5 turns the tool, and *": MACHINE,
     "* holds no numbers": ELSEWHERE,
+    "the tool comes nearer than * mm to the line of C, where C turns half around within the width"
+    " of a correction": "wants a lathe with C; tests/test_polar_interpolation.py has one",
 }

@@ -103,6 +103,7 @@ class Dialect:
     place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
     `nose_in_tool`: a T word of six digits begins with the number of the nose radius (Okuma).
+    `polar`: the letter of the second coordinate of polar interpolation, C or Y (face.py).
     `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees
     (feeds.py).
     """
@@ -176,6 +177,7 @@ class Dialect:
     conditions: bool = False
     feed_along_first: bool = False
     nose_in_tool: bool = False
+    polar: str = ""
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

@@ -77,6 +77,7 @@ DIALECT = Dialect(
     grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS, NAMED_PROGRAM)),
     language="fanuc",
     plane=180,
+    polar="C",
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
     dwell="PXU",
     tool_offsets=True,

@@ -1,0 +1,25 @@
+"""Numbers without a decimal point, where a control counts least increments of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.nc.batch import LINEAR, Batch
+
+
+def count_increments(b: Batch) -> None:
+    """A number without a decimal point counts least increments: X1000 is X1.000 where they are
+    0.001."""
+    w = b.words
+    least = b.setup.least_increment
+    places = {x: -round(np.log10(least.get(b.measured(x), 1e-4))) for x in b.rows}
+    linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
+    if b.polar:
+        places |= {"Y": places["C"], "C": places["C"]}
+    by_letter = {**places, **{u: places[x] for u, x in b.dialect.increments.items() if x in places}}
+    inch = np.broadcast_to(b.held("units"), b.n) == 200
+    for letter in {*by_letter, *"IJKR"}:
+        place = b.places.get(letter, np.zeros(0, np.int64))
+        place = place[~w.pointed[place]]
+        more = inch[w.block[place]] & (letter not in b.rows or b.measured(letter) in LINEAR)
+        w.decimals[place] = by_letter.get(letter, linear) + more
