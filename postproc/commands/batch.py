@@ -238,15 +238,25 @@ def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespac
     wrong = [one for one in told if one["status"] != "done"]
     rows = _rows(told if len(told) <= SHOWN else wrong)
     if not options.quiet:
-        print("".join(f"{line}\n" for line in rows), end="", file=out)
+        print("\n".join([*rows, ""]), end="", file=out)
     for one in wrong:
         colour.fault(one["text"])
     if not options.quiet:
         print(f"{_sum(told, counts)}; all in {folder / TABLE}", file=out)
-    hidden = ("number", "text", "pid")
-    programs = [{k: v for k, v in one.items() if k not in hidden} for one in told]
+    programs = [_public(one) for one in told]
     as_json.put(options.json, {"format": FORMAT, "counts": counts, "programs": programs})
-    return 1 if counts["failed"] else 2 if counts["refused"] else 0
+    return _status(counts)
+
+
+def _status(counts: dict[str, int]) -> int:
+    if counts["failed"]:
+        return 1
+    return 2 if counts["refused"] else 0
+
+
+def _public(one: dict[str, Any]) -> dict[str, Any]:
+    """What is said of a program to other programs."""
+    return {k: v for k, v in one.items() if k not in ("number", "text", "pid")}
 
 
 def _rows(shown: list[dict[str, Any]]) -> list[str]:

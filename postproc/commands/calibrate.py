@@ -117,51 +117,11 @@ def machine_of(
 ) -> tuple[dict[str, Any], dict[str, Any], Options]:
     """Keys of machine.toml, those of its axes, and how to reckon. Raises UsageError naming the
     option that is missing."""
-    head = {k: like[k] for k in TAKEN if k in like}
-    said = {
-        "control": options.control or head.get("control"),
-        "chain": options.chain or like.get("chain"),
-    }
-    for key, advice in (
-        ("chain", "w-b-Z-X-t, who carries whom"),
-        ("control", f"one of {', '.join(dialects.names())}"),
-    ):
-        if not said[key]:
-            raise UsageError(
-                f"the machine's {key} is not said", f"--{key} ({advice}), or --like MACHINE"
-            )
-    control = dialects.load(str(said["control"])).name
-    try:
-        chain = chains.parse(str(said["chain"]))
-    except ValueError as error:
-        raise UsageError(f"--chain: {error}") from None
-    of_single_slides(chain, "gcomp calibrate")
-    axes = {x: dict(section) for x, section in like.get("axes", {}).items()}
-    for x in chain.axes:
-        section = axes.setdefault(x, {})
-        if options.least_increment:
-            section["least_increment"] = options.least_increment
-        if "least_increment" not in section:
-            raise UsageError(
-                f"the least increment of {x} is not said",
-                "--least-increment 0.001mm, or --like MACHINE",
-            )
-    for x, (low, high) in options.travel:
-        if x not in chain.axes:
-            raise UsageError(f"--travel names {x}, and the chain {said['chain']} has none")
-        axes[x]["travel"] = [low, high]
-    given = {
-        "max_slope": (options.max_slope or 0.0) * 1e-3,
-        "accept_slope": options.accept_slope,
-        "outside": options.outside,
-    }
-    limits = dict(head.get("limits", {})) | {k: v for k, v in given.items() if v}
-    if limits:
-        head["limits"] = limits
-    if options.diameter is not None:
-        head["diameter"] = [x for x in options.diameter.upper() if x.isalpha()]
+    control, chain, written = _control_and_chain(options, like)
+    axes = _axes(options, like, chain, written)
     name = Path(options.output).resolve().name if options.output else "unnamed"
-    head |= {"name": name, "title": options.title or name, "control": control}
+    head = _head(options, like) | {"name": name, "title": options.title or name, "control": control}
+    limits = head.get("limits", {})
     datum, keep_zero = datum_of(options.datum)
     decided = Options(
         chain=chain,
@@ -190,6 +150,68 @@ def machine_of(
         diameter=tuple(head.get("diameter", ())),
     )
     return head, axes, decided
+
+
+def _control_and_chain(
+    options: argparse.Namespace, like: dict[str, Any]
+) -> tuple[str, chains.Chain, str]:
+    """The control, and the chain parsed and as it is written. Raises UsageError."""
+    said = {
+        "control": options.control or like.get("control"),
+        "chain": options.chain or like.get("chain"),
+    }
+    for key, advice in (
+        ("chain", "w-b-Z-X-t, who carries whom"),
+        ("control", f"one of {', '.join(dialects.names())}"),
+    ):
+        if not said[key]:
+            raise UsageError(
+                f"the machine's {key} is not said", f"--{key} ({advice}), or --like MACHINE"
+            )
+    control = dialects.load(str(said["control"])).name
+    try:
+        chain = chains.parse(str(said["chain"]))
+    except ValueError as error:
+        raise UsageError(f"--chain: {error}") from None
+    of_single_slides(chain, "gcomp calibrate")
+    return control, chain, str(said["chain"])
+
+
+def _axes(
+    options: argparse.Namespace, like: dict[str, Any], chain: chains.Chain, written: str
+) -> dict[str, Any]:
+    """The sections of the axes, with least increments and travels. Raises UsageError."""
+    axes = {x: dict(section) for x, section in like.get("axes", {}).items()}
+    for x in chain.axes:
+        section = axes.setdefault(x, {})
+        if options.least_increment:
+            section["least_increment"] = options.least_increment
+        if "least_increment" not in section:
+            raise UsageError(
+                f"the least increment of {x} is not said",
+                "--least-increment 0.001mm, or --like MACHINE",
+            )
+    for x, (low, high) in options.travel:
+        if x not in chain.axes:
+            raise UsageError(f"--travel names {x}, and the chain {written} has none")
+        axes[x]["travel"] = [low, high]
+    return axes
+
+
+def _head(options: argparse.Namespace, like: dict[str, Any]) -> dict[str, Any]:
+    """What stands above the axes in machine.toml, but for the names."""
+    head = {k: like[k] for k in TAKEN if k in like}
+    given = {
+        "max_slope": (options.max_slope or 0.0) * 1e-3,
+        "accept_slope": options.accept_slope,
+        "outside": options.outside,
+    }
+    limits = dict(head.get("limits", {})) | {k: v for k, v in given.items() if v}
+    if limits:
+        head["limits"] = limits
+    if options.diameter is not None:
+        head["diameter"] = [x for x in options.diameter.upper() if x.isalpha()]
+    return head
 
 
 def _recordings(

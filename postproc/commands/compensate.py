@@ -110,26 +110,28 @@ def _one_place_each(options: argparse.Namespace) -> None:
     if options.output == "":
         raise UsageError("--output names no file", "-o FILE, or leave it out for standard output")
     elsewhere = [options.in_place, options.dry_run]
-    if options.unbuffered and any([options.output, options.expand, *elsewhere]):
-        raise UsageError(
-            "--unbuffered writes to standard output as it goes: not with --output, --in-place,"
-            " --dry-run or --expand"
-        )
-    if options.json and options.unbuffered:
-        raise UsageError(
-            "--json is known at the end of a program, and --unbuffered has none",
-            "without --unbuffered",
-        )
+    if options.unbuffered:
+        _as_it_goes(options)
     if options.json == "-" and not any([options.output not in (None, "-"), *elsewhere]):
         raise UsageError(
             "the program and --json - are both for standard output", "-o FILE for the program"
         )
-    if options.report and options.unbuffered:
-        raise UsageError(
-            "--report is drawn at the end of a program, and --unbuffered has none",
-            "without --unbuffered",
-        )
     _written_once(options)
+
+
+def _as_it_goes(options: argparse.Namespace) -> None:
+    """Raises UsageError for what does not go with --unbuffered."""
+    if any([options.output, options.expand, options.in_place, options.dry_run]):
+        raise UsageError(
+            "--unbuffered writes to standard output as it goes: not with --output, --in-place,"
+            " --dry-run or --expand"
+        )
+    for value, what in ((options.json, "--json is known"), (options.report, "--report is drawn")):
+        if value:
+            raise UsageError(
+                f"{what} at the end of a program, and --unbuffered has none",
+                "without --unbuffered",
+            )
 
 
 def _written_once(options: argparse.Namespace) -> None:

@@ -93,22 +93,23 @@ def fish() -> str:
     lines = ["# fish completion of gcomp; written by gcomp completion fish"]
     for name, (help_, parser) in parsers().items():
         lines.append(f"complete -c gcomp -n __fish_use_subcommand -a {name} -d {_quoted(help_)}")
+        seen = _quoted(f"__fish_seen_subcommand_from {name}")
         for action in parser._actions:
-            long = [o[2:] for o in action.option_strings if o.startswith("--")]
-            if not long:
-                continue
-            words = "".join(f" -l {o}" for o in long)
-            if action.dest in ("machine", "like"):
-                words += f" -x -a {_quoted(f'({MACHINES})')}"
-            elif action.choices:
-                words += f" -x -a {_quoted(' '.join(map(str, action.choices)))}"
-            elif action.nargs != 0:
-                words += " -r"
-            seen = f"__fish_seen_subcommand_from {name}"
-            lines.append(
-                f"complete -c gcomp -n {_quoted(seen)}{words} -d {_quoted(action.help or '')}"
-            )
+            if words := _fish_words(action):
+                lines.append(f"complete -c gcomp -n {seen}{words} -d {_quoted(action.help or '')}")
     return "\n".join(lines) + "\n"
+
+
+def _fish_words(action: argparse.Action) -> str:
+    """An option's long names and what it takes, for fish; "": it has no long name."""
+    words = "".join(f" -l {o[2:]}" for o in action.option_strings if o.startswith("--"))
+    if not words or action.nargs == 0:
+        return words
+    if action.dest in ("machine", "like"):
+        return f"{words} -x -a {_quoted(f'({MACHINES})')}"
+    if action.choices:
+        return f"{words} -x -a {_quoted(' '.join(map(str, action.choices)))}"
+    return f"{words} -r"
 
 
 def _quoted(text: str) -> str:

@@ -69,16 +69,7 @@ def run(options: argparse.Namespace) -> int:
     finally:
         told("")  # a refusal has its line to itself
     answer = report.of_sources(found, sources)
-    if options.residuals:
-        _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
-    if options.write_machine:
-        _write_machine(options, found)
-    if options.report:
-        from postproc.pages import diagnosis
-
-        told("drawing")
-        _write(options.report, diagnosis.html(found, options.write_machine or ""))
-        told("")
+    _write_files(options, found, told)
     if options.json:
         as_json.put(options.json, answer)
     else:
@@ -102,6 +93,22 @@ def _source(path: str) -> Source:
     if not file.exists():
         raise UsageError(f"there is no recording {path}")
     return Source(path, ports.read_whole(file, intake.RECORDING))
+
+
+def _write_files(options: argparse.Namespace, found: Diagnosis, told: _Progress) -> None:
+    """Residuals, machine and page, where they are asked for."""
+    from postproc.diagnose import report
+
+    if options.residuals:
+        _write(options.residuals, "\n".join(report.residual_rows(found)) + "\n")
+    if options.write_machine:
+        _write_machine(options, found)
+    if options.report:
+        from postproc.pages import diagnosis
+
+        told("drawing")
+        _write(options.report, diagnosis.html(found, options.write_machine or ""))
+        told("")
 
 
 def _write_machine(options: argparse.Namespace, found: Diagnosis) -> None:

@@ -145,6 +145,17 @@ def _at(error: ProgramError, written: Written, line: int, file: str) -> None:
     error.place = Place(name, line, own[:1000])
 
 
+def _paths(folder: Path, name: str) -> Iterator[Path]:
+    """Where in a folder a subprogram of this name or number may be, the likeliest first."""
+    number = name.zfill(4)
+    written = (
+        (name, f"O{number}", f"o{number}", number)
+        if name.isdigit()
+        else (name, name.lower(), name.upper())
+    )
+    return (folder / (stem + ending) for stem in dict.fromkeys(written) for ending in ENDINGS)
+
+
 class Library:
     """Subprograms in files: beside the program, then in the folders of --library. `unasked`:
     folders in which is looked, but from which nothing is taken; `left`: whether something would
@@ -159,16 +170,8 @@ class Library:
         in it is none."""
         if not re.fullmatch(r"[A-Za-z0-9_.-]{1,200}", name) or name.startswith("."):
             return None
-        stems = (
-            [name, f"O{name.zfill(4)}", f"o{name.zfill(4)}", name.zfill(4)]
-            if name.isdigit()
-            else [name, name.lower(), name.upper()]
-        )
         for folder in (*self.folders, *self.unasked):
-            paths = (
-                folder / (stem + ending) for stem in dict.fromkeys(stems) for ending in ENDINGS
-            )
-            path = next((p for p in paths if p.is_file()), None)
+            path = next((p for p in _paths(folder, name) if p.is_file()), None)
             if path is not None and folder in self.unasked:
                 self.left = True
             elif path is not None:

@@ -61,26 +61,7 @@ def run(options: argparse.Namespace) -> int:
             lines = (line for portion in written for line in portion.splitlines(keepends=True))
         told = []
         for number, line in enumerate(lines, 1):
-            said = len(filter_.notices)
-            output = (
-                filter_.feed(line)
-                if line.endswith(b"\n")
-                else filter_.feed(line) + filter_.finish()
-            )
-            sentences = [
-                sentence
-                for words, motions, pieces in seen
-                for block in range(words.blocks)
-                for sentence in _block(filter_, known, words, motions, pieces, block)
-            ]
-            became = _lines(output) if seen and output != line else None
-            one = {
-                "line": number,
-                "text": line.decode("latin-1").rstrip(),
-                "says": sentences,
-                "becomes": became,
-                "notices": [notice.message for notice in filter_.notices[said:]],
-            }
+            one = {"line": number, **_explained(filter_, known, seen, line)}
             seen.clear()
             if options.json:
                 told.append(one)
@@ -98,6 +79,28 @@ def run(options: argparse.Namespace) -> int:
             },
         )
     return 0
+
+
+def _explained(
+    filter_, known: MapUncertainty, seen: list[tuple[Words, Motions, Pieces]], line: bytes
+) -> dict[str, Any]:
+    """One line, and what becomes of it. seen: what the filter makes of it, filled by its
+    watcher."""
+    said = len(filter_.notices)
+    output = filter_.feed(line)
+    if not line.endswith(b"\n"):
+        output += filter_.finish()
+    return {
+        "text": line.decode("latin-1").rstrip(),
+        "says": [
+            sentence
+            for words, motions, pieces in seen
+            for block in range(words.blocks)
+            for sentence in _block(filter_, known, words, motions, pieces, block)
+        ],
+        "becomes": _lines(output) if seen and output != line else None,
+        "notices": [notice.message for notice in filter_.notices[said:]],
+    }
 
 
 def _lines(output: bytes) -> list[str]:
@@ -166,6 +169,16 @@ def _told(machine: Machine, place: np.ndarray) -> str:
     return " ".join(f"{x} {place[k, 0]:.4f}" for k, x in enumerate(machine.letters))
 
 
+def _named(parts: list[tuple[str, np.ndarray]], row: int) -> str:
+    """The parts of a deviation along one axis, in brackets; "": none is large enough."""
+    named = ", ".join(
+        f"{name} {value[row, 0] / UM:+.1f}"
+        for name, value in parts
+        if abs(value[row, 0]) > SMALLEST_UM * UM
+    )
+    return f" ({named})" if named else ""
+
+
 def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i: int) -> list[str]:
     """Where a motion goes, what the machine would make of it, and what is written for it."""
     machine = filter_.machine
@@ -186,16 +199,11 @@ def _motion(filter_, known: MapUncertainty, motions: Motions, pieces: Pieces, i:
     total = machine.deviation(target, turn)[:, 0]
     # Told along the words of the tip, what an axis errs by has no direction of its own.
     parts = [] if isinstance(machine, TipMachine) else contributions(machine, target, turn)
-    for row in machine.corrected:
-        named = ", ".join(
-            f"{name} {value[row, 0] / UM:+.1f}"
-            for name, value in parts
-            if abs(value[row, 0]) > SMALLEST_UM * UM
-        )
-        says.append(
-            f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um"
-            + (f" ({named})" if named else "")
-        )
+    says += [
+        f"without correction {machine.letters[row]} would be off by {total[row] / UM:+.1f} um"
+        f"{_named(parts, row)}"
+        for row in machine.corrected
+    ]
     if known.parts:
         u = float(known.length(slides, turn)[0])
         says.append(f"the map itself is known to +- {micrometres(u)} um (95 %) there")

@@ -65,35 +65,43 @@ def run(options: argparse.Namespace) -> int:
     return _write(options, module, places.load(options.machine))
 
 
-def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
-    """A map as the control's table, with what it leaves and its U where they are asked for."""
-    tables, notices = _chosen(options, machine)
-    told = told_of(options, module, machine)
+def _takes_whole(options: argparse.Namespace, module: Any) -> bool:
+    """Whether the control takes the map as one. Raises UsageError where a rest of it is asked
+    for."""
     whole = hasattr(module, "write_machine") and not (options.axis or options.component)
     if options.residual and whole:
         raise UsageError(
             f"{options.control} takes the whole map, so nothing is left for --residual",
             "leave --residual out, or --axis",
         )
+    return whole
+
+
+def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
+    """A map as the control's table, with what it leaves and its U where they are asked for."""
+    tables, notices = _chosen(options, machine)
+    told = told_of(options, module, machine)
+    whole = _takes_whole(options, module)
     export = module.write_machine(machine, told) if whole else module.write(tables, told)
-    rest: tuple[list, list] = ([], [])
     if options.residual:
         rest = residual.held(options.control, machine, export, told, tables)
     beside = _uncertainty(options, machine, [t for t in tables if whole or held(t, export)])
     paths = places_of(
         export.files, Path(options.output), options.force, options.output.endswith(("/", "\\"))
     )
-    rest_told = ""
+    said_of_rest = []
     if options.residual:
-        rest_told = residual.write(
-            options.control,
-            machine,
-            options.machine,
-            Path(options.residual),
-            export,
-            rest,
-            options.force,
-        )
+        said_of_rest = [
+            residual.write(
+                options.control,
+                machine,
+                options.machine,
+                Path(options.residual),
+                export,
+                rest,
+                options.force,
+            )
+        ]
     write_files(paths)
     write_files(beside)
     if whole:  # it is not written component by component
@@ -102,9 +110,8 @@ def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
     loud, said = parted(module, [*doubts, *notices, *export.notices])
     rows = components(tables, export, {t.name: known_of(machine, t) for t in tables})
     out = as_json.beside(options.json)
-    print(report(options.control, module, machine, rows, said, loud, list(paths)), file=out)
-    if rest_told:
-        print(rest_told, file=out)
+    text = report(options.control, module, machine, rows, said, loud, list(paths))
+    print(text, *said_of_rest, sep="\n", file=out)
     found = {
         **of_control(options.control, module),
         "machine": machine.name,
@@ -112,7 +119,7 @@ def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
         "components": rows,
         "notices": said,
         "unverified": loud,
-        "written": [str(path) for path in (*paths, *beside)],
+        "written": list(map(str, (*paths, *beside))),
         "residual": options.residual,
     }
     as_json.put(options.json, {"format": FORMAT, **found})
@@ -198,11 +205,8 @@ def _notices(
     if stand := [f"{o} = {p:g}" for o, p in pose.items() if o != x and o in machine.chain.axes]:
         yield f"over {x}: the other axes stand at {' '.join(stand)} (--at)"
     if x in machine.square and machine.square[x].any():
-        yield from [
-            f"E{o}{x} holds the squareness of {x} as a line"
-            for o in XYZ
-            if o != x and f"E{o}{x}" in names
-        ]
+        across = [n for n in (f"E{o}{x}" for o in XYZ.replace(x, "")) if n in names]
+        yield from (f"{name} holds the squareness of {x} as a line" for name in across)
     if x in machine.diameter:
         yield (
             f"words of {x} are diameters; positions and values here are slide positions,"
@@ -210,11 +214,8 @@ def _notices(
         )
 
 
-def told_of(
-    options: argparse.Namespace, module: Any, machine: Machine | None = None
-) -> ExportOptions:
-    """What the command line says, for the control's module. Raises UsageError for a --set that the
-    control does not know."""
+def _extra(options: argparse.Namespace, module: Any, machine: Machine | None) -> dict[str, Any]:
+    """What one control alone asks for. Raises UsageError."""
     extra = _settings(options, module)
     if machine is not None:
         extra.setdefault("axes", "".join(x for x in machine.letters if x in XYZ))
@@ -224,6 +225,15 @@ def told_of(
         extra["settings"], extra["settings_name"] = _text(options.settings), options.settings
     if machine is None and options.axis:
         extra["axis"] = options.axis[0]
+    return extra
+
+
+def told_of(
+    options: argparse.Namespace, module: Any, machine: Machine | None = None
+) -> ExportOptions:
+    """What the command line says, for the control's module. Raises UsageError for a --set that the
+    control does not know."""
+    extra = _extra(options, module, machine)
     if any(v != int(v) for v in options.first.values()):
         raise UsageError("--first is the number of a point, without a fraction", "--first X=1")
     return ExportOptions(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,15 +27,19 @@ def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
     parts = []
     if axis.uncertainty is not None and row in axis.uncertainty.stated:
         parts.append(_along(axis.uncertainty.table, row, table.nodes))
+    parts += _of_squareness(machine, table)
+    spread = (t for term in machine.effects for one in term.spread for t in one.tables)
+    mine = (t for t in spread if t.letter == table.moving and row in t.rows)
+    parts += [_along(t, row, table.nodes) for t in mine]
+    return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
+
+
+def _of_squareness(machine: Machine, table: ErrorTable) -> Iterator[np.ndarray]:
+    """(K,) mm: U (95 %) of each squareness that stands in the table as a line."""
     for name, angle in machine.square_u.items():
         across = {x for x, r in zip(XYZ, "ABC", strict=True) if r != name[0]}
         if name[2] == table.moving and across == {table.moving, table.along}:
-            parts.append(angle * np.abs(table.nodes))
-    spread = [t for term in machine.effects for one in term.spread for t in one.tables]
-    parts += [
-        _along(t, row, table.nodes) for t in spread if t.letter == table.moving and row in t.rows
-    ]
-    return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
+            yield angle * np.abs(table.nodes)
 
 
 def _along(table: AxisTable, row: int, nodes: np.ndarray) -> np.ndarray:
@@ -65,10 +70,13 @@ def places_of(
     for path in paths:
         standing.kept(path, force, "--force writes over it, or another -o")
         there = path.parent.absolute()
-        if into:  # it may be made
-            there = next(p for p in (there, *there.parents) if p.exists())
-        ports.writable(there / path.name)
+        ports.writable((_existing(there) if into else there) / path.name)
     return paths
+
+
+def _existing(folder: Path) -> Path:
+    """The nearest folder above that is there: those below it are made."""
+    return next(p for p in (folder, *folder.parents) if p.exists())
 
 
 def write_files(files: dict[Path, bytes]) -> None:

@@ -36,11 +36,7 @@ def of(machine: Machine) -> dict[str, Any]:
         "chain": chain(machine),
         "diameter": list(machine.diameter),
         "axes": {x: _axis(axis) for x, axis in machine.axes.items()},
-        "squareness_urad": {
-            f"{ROTARY[i]}0{x}": float(lean[i] / URAD)
-            for x, lean in machine.square.items()
-            for i in lean.nonzero()[0]
-        },
+        "squareness_urad": _squareness(machine),
         "squareness_U_urad": {name: float(u / URAD) for name, u in machine.square_u.items()},
         "effects": [
             {"effect": t.name, "axis": t.axis or None, "parameters": dict(t.parameters)}
@@ -51,6 +47,15 @@ def of(machine: Machine) -> dict[str, Any]:
         "U_um": largest_u(machine) / UM if found.parts else None,
         "in_doubt": list(doubts(machine)),
         "not_in_map": list(lacks(machine)),
+    }
+
+
+def _squareness(machine: Machine) -> dict[str, float]:
+    """urad, by name."""
+    return {
+        f"{ROTARY[i]}0{x}": float(lean[i] / URAD)
+        for x, lean in machine.square.items()
+        for i in lean.nonzero()[0]
     }
 
 

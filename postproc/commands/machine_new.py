@@ -75,15 +75,16 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     said, chain = _chain(options, kind)
     control = _control(options, kind)
     reach = dict(options.travel)
-    for x in chain.axes:
-        if x not in reach:
-            raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    if unsaid := [x for x in chain.axes if x not in reach]:
+        x = unsaid[0]
+        raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    title = f"{options.kind}: {kind.title}" if kind else options.name
     by_circles = _ballbar(options)
     stated = _squareness(options)
     play, scales = dict(options.backlash), dict(options.scale)
     one = first.First(
         name=Path(options.name).name,
-        title=options.title or (f"{options.kind}: {kind.title}" if kind else options.name),
+        title=options.title or title,
         control=control,
         chain=said,
         travel=reach,

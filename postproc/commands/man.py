@@ -88,14 +88,17 @@ def page() -> str:
     return "\n".join(lines) + "\n"
 
 
+def _value(action: argparse.Action) -> str:
+    """What an option takes: its name, or what can be chosen."""
+    if isinstance(action.metavar, str):
+        return action.metavar
+    return "|".join(map(str, action.choices or ())) or action.dest.upper()
+
+
 def _option(action: argparse.Action) -> list[str]:
     if action.help == argparse.SUPPRESS or "--help" in action.option_strings:
         return []
-    value = (
-        action.metavar
-        if isinstance(action.metavar, str)
-        else "|".join(map(str, action.choices or ())) or action.dest.upper()
-    )
+    value = _value(action)
     takes = "" if action.nargs == 0 else f" \\fI{_text(value)}\\fR"
     if not action.option_strings:
         head = f"\\fI{_text(value)}\\fR"

@@ -73,22 +73,25 @@ def with_control_tables(machine: Machine) -> Machine:
     """The machine as it moves with the control's own tables as they are at work: what a table does
     that was off while the map was measured is taken out of it, and what one did that is off now is
     put back."""
-    if all(table.active == table.measured for table in machine.control_tables):
+    changed = [
+        (table, table.file)
+        for table in machine.control_tables
+        if table.active != table.measured and table.file is not None
+    ]
+    if not changed:
         return machine
     from postproc.machine.model import EffectTerm
 
     terms = []
-    for table in machine.control_tables:
-        if table.active == table.measured or table.file is None:
-            continue
+    for table, file in changed:
         sign, state = (-1.0, "on") if table.active else (1.0, "off")
         added = tuple(
             _added(found, sign)
-            for found in _of_control(table, table.file)
+            for found in _of_control(table, file)
             if found.moving in machine.axes and found.along in machine.axes
         )
         terms.append(EffectTerm(f"{table.control} table {state}", "", {}, None, added))
-    return replace(machine, effects=machine.effects + tuple(terms)) if terms else machine
+    return replace(machine, effects=machine.effects + tuple(terms))
 
 
 def _of_control(table: ControlTable, file: Path) -> list[ErrorTable]:
@@ -215,10 +218,17 @@ def _dialect(
                 f"say --dialect; dialects: {', '.join(dialects.names())}",
             )
         return dialects.load(name)
-    if options.unbuffered if hasattr(options, "unbuffered") else False:
+    if getattr(options, "unbuffered", False):
         raise UsageError(
             "--dialect auto looks at the program before it is read: not with --unbuffered"
         )
+    return dialects.load(_recognised(machine, head, notices))
+
+
+def _recognised(machine: Machine, head: bytes, notices: list[Notice]) -> str:
+    """The dialect that a program's beginning shows, with a notice that says why. Raises
+    UsageError."""
+    from postproc.nc import dialects
     from postproc.nc.recognise import recognise
 
     found = recognise(head)
@@ -234,7 +244,7 @@ def _dialect(
     why = "; ".join(evidence[:3]) or "nothing speaks against it"
     also = f" (it could be {', '.join(others[:3])} too)" if others else ""
     notices.append(Notice("dialect", f"read as {name}: {why}{also}"))
-    return dialects.load(name)
+    return name
 
 
 def _from_files(
@@ -277,7 +287,10 @@ def with_hint(
     from postproc.nc import dialects
     from postproc.nc.recognise import better, only_passed
 
-    found = better(head, dialect.name) if head and error.place is not None else None
+    here = error.place
+    if not head or here is None:
+        return error
+    found = better(head, dialect.name)
     if found is None or only_passed(head, dialect, dialects.load(found[0])):
         return error
     name, reason = found
@@ -285,13 +298,8 @@ def with_hint(
         other = tried(name)
     except GcompError:
         return error  # offsets or axes that it has not: nothing is shown by that
-    here = error.place.line if error.place else 0
     if other is None:
         error.advice = f"--dialect {name} corrects the whole program ({reason})"
-    elif (
-        other.place is not None
-        and other.place.file == getattr(error.place, "file", "")
-        and other.place.line > here
-    ):
-        error.advice = f"--dialect {name} follows it to line {other.place.line} ({reason})"
+    elif (there := other.place) and there.file == here.file and there.line > here.line:
+        error.advice = f"--dialect {name} follows it to line {there.line} ({reason})"
     return error

@@ -16,6 +16,7 @@ from postproc.commands import as_json, option_text, port_options
 from postproc.errors import UsageError
 
 if TYPE_CHECKING:
+    from postproc.commands.stream.outlets import Outlet
     from postproc.streaming.reception import Reception
 
 HELP = (
@@ -61,17 +62,13 @@ def run(options: argparse.Namespace) -> int:
         )
     standing.kept(options.output, options.force)
     ports.writable(Path(options.output))
-    bits, parity, stop = stream_options.frame(options)
+    bits, parity, stop = frame = stream_options.frame(options)
     url = ports_found.chosen(options.port)
-    raw = bits == 7 and parity != "N" and "://" not in url  # each byte's parity can be looked at
-    port = Port(
-        url,
-        options.baud,
-        frame=(8, "N", stop) if raw else (bits, parity, stop),
-        rtscts=options.rtscts,
-    )
-    reception = Reception(bits == 7, parity if raw else "N")
-    why, status = "", 0
+    looked_at = "N"  # the parity of each byte
+    if bits == 7 and "://" not in url and parity != "N":
+        frame, looked_at = (8, "N", stop), parity
+    port = Port(url, options.baud, frame=frame, rtscts=options.rtscts)
+    reception = Reception(bits == 7, looked_at)
     try:
         _take(port, reception, options)
         why, status = reception.fault, DAMAGED if reception.fault else 0
@@ -112,9 +109,7 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
     """Until it is whole, or will not be."""
     from postproc.commands.stream.outlets import Outlet
 
-    out = Outlet(sys.stdout)
-    terminal = sys.stderr is not None and sys.stderr.isatty()
-    err = Outlet(sys.stderr)
+    out, err = Outlet(sys.stdout), Outlet(sys.stderr)
     heard, told = time.monotonic(), 0.0
     if not options.quiet:
         err.say(
@@ -130,19 +125,24 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
             reception.silent(options.until_silence)
         if now - told > TELL and not options.quiet and not (out.stalls() or err.stalls()):
             told = now
-            state = "receiving" if reception.begun else "waiting"
-            if terminal:
-                err.say(f"gcomp: {state}, {reception.size} bytes, {reception.lines} lines")
-            elif options.json != "-":
-                fields = {
-                    "event": "progress",
-                    "state": state,
-                    "bytes": reception.size,
-                    "lines": reception.lines,
-                }
-                out.say(json.dumps(fields))
+            _say_progress(reception, out, err, options.json == "-")
     out.close()
     err.close()
+
+
+def _say_progress(reception: Reception, out: Outlet, err: Outlet, taken: bool) -> None:
+    """To a terminal for a person, else as JSON; taken: standard output is for another document."""
+    state = "receiving" if reception.begun else "waiting"
+    if sys.stderr is not None and sys.stderr.isatty():
+        err.say(f"gcomp: {state}, {reception.size} bytes, {reception.lines} lines")
+    elif not taken:
+        fields = {
+            "event": "progress",
+            "state": state,
+            "bytes": reception.size,
+            "lines": reception.lines,
+        }
+        out.say(json.dumps(fields))
 
 
 def _ended(reception: Reception, why: str, status: int) -> None:

@@ -96,9 +96,6 @@ def facts(recording: Recording, format: str | None) -> dict[str, Any]:
         else None
     )
     reading = recording.reading / recording.unit if units else np.zeros(0)
-    moved = (
-        {x: recording.position(x) for x in recording.axes} if recording.kind != "features" else {}
-    )
     return {
         "file": recording.file,
         "read_as": format,
@@ -112,11 +109,7 @@ def facts(recording: Recording, format: str | None) -> dict[str, Any]:
             if len(reading)
             else None
         ),
-        "axes": {
-            x: {"from": float(p.min()), "to": float(p.max()), "places": len(np.unique(p))}
-            for x, p in moved.items()
-            if len(p)
-        },
+        "axes": _moved(recording),
         "runs": len(np.unique(recording.columns["run"])) if "run" in recording.columns else None,
         "left_out": [
             {"line": f.line, "column": f.column or None, "message": f.message}
@@ -163,30 +156,43 @@ def formats() -> str:
     return "\n".join(lines)
 
 
+def _moved(recording: Recording) -> dict[str, dict[str, Any]]:
+    """Where the axes were, mm or degrees, by letter."""
+    if recording.kind == "features":
+        return {}
+    moved = {x: recording.position(x) for x in recording.axes}
+    return {
+        x: {"from": float(p.min()), "to": float(p.max()), "places": len(np.unique(p))}
+        for x, p in moved.items()
+        if len(p)
+    }
+
+
 def show(recording: Recording, format: str) -> str:
     """What a recording holds, for a person."""
+    head = {key: recording.head.get(key) for key in ("machine", "instrument", "date")}
     rows = [("kind", _kind(recording))]
-    rows += [
-        (key, str(recording.head[key]))
-        for key in ("machine", "instrument", "date")
-        if recording.head.get(key)
-    ]
+    rows += [(key, str(value)) for key, value in head.items() if value]
     rows += _contents(recording)
     if recording.kind == "ballbar":
         rows.append(("radial", _reading(recording)))
     for name, column in recording.columns.items():
         if name.startswith("T_") and name.endswith("_C") and np.any(np.isfinite(column)):
             rows.append((name[2:-2], f"{_range(column[np.isfinite(column)])} C"))
-    if recording.faults:
-        rows.append(("left out", f"{len(recording.faults)}"))
+    rows += [("left out", f"{len(recording.faults)}")] * bool(recording.faults)
     lines = [f"{recording.file}: {format}", *(f"  {name:<12}{text}" for name, text in rows)]
-    lines += [
+    notices = [f"  notice: {text}" for text in recording.notices]
+    return "\n".join([*lines, *_faults(recording), *notices])
+
+
+def _faults(recording: Recording) -> list[str]:
+    """The first of the rows that are left out, and how many there are more."""
+    lines = [
         f"    line {fault.line}: {fault.column + ': ' if fault.column else ''}{fault.message}"
         for fault in recording.faults[:SHOWN]
     ]
-    if len(recording.faults) > SHOWN:
-        lines.append(f"    and {len(recording.faults) - SHOWN} more")
-    return "\n".join([*lines, *(f"  notice: {text}" for text in recording.notices)])
+    more = len(recording.faults) - SHOWN
+    return lines + [f"    and {more} more"] * (more > 0)
 
 
 def _contents(recording: Recording) -> list[tuple[str, str]]:
@@ -233,27 +239,20 @@ def _targets(recording: Recording) -> list[tuple[str, str]]:
     )
     for letter in recording.axes:
         at, unit = recording.position(letter), "mm" if letter in "XYZ" else "deg"
-        rows.append(
-            (
-                letter,
-                (
-                    f"{len(np.unique(at))} targets, {_range(at)} {unit}"
-                    if letter in moving
-                    else f"stood at {at[0]:g} {unit}"
-                ),
-            )
-        )
+        targets = f"{len(np.unique(at))} targets, {_range(at)} {unit}"
+        rows.append((letter, targets if letter in moving else f"stood at {at[0]:g} {unit}"))
     if "run" in recording.columns:
-        run = recording.columns["run"]
-        ways = {
-            sign: _runs(run[recording.approach(named or moving[0]) == sign]) for sign in (1, -1, 0)
-        }
-        text = "; ".join(
-            f"{'+' if s > 0 else '-' if s < 0 else '?'} {r}" for s, r in ways.items() if r
-        )
-        rows.append(("runs", f"{len(np.unique(run))} ({text})"))
+        rows.append(("runs", _ways(recording, named or moving[0])))
     rows.append(("readings", _reading(recording)))
     return rows
+
+
+def _ways(recording: Recording, axis: str) -> str:
+    """How many runs there are, and which of them in each direction."""
+    run, way = recording.columns["run"], recording.approach(axis)
+    runs = {sign: _runs(run[way == s]) for sign, s in (("+", 1), ("-", -1), ("?", 0))}
+    text = "; ".join(f"{sign} {which}" for sign, which in runs.items() if which)
+    return f"{len(np.unique(run))} ({text})"
 
 
 def _count(n: int, what: str) -> str:

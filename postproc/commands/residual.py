@@ -92,23 +92,16 @@ def _sections(
     more = {
         k: v for k, v in told.extra.items() if k not in ("template", "settings", "settings_name")
     }
+    kept = {k: v for k, v in more.items() if k != "axes" or control == "fanuc"}
     found = []
     for name, data in export.files.items():
-        for axis in ("", *machine.letters):
-            extra = more | ({"axis": axis} if axis else {})
+        for of_axis in ({}, *({"axis": x} for x in machine.letters)):
             try:
-                read = module.read(Source(name, data), ExportOptions(extra=extra))
+                read = module.read(Source(name, data), ExportOptions(extra=more | of_axis))
             except GcompError:
                 continue
-            kept = {k: v for k, v in more.items() if k != "axes" or control == "fanuc"}
-            section: dict[str, Any] = {
-                "control": control,
-                "file": name,
-                "measured": "off",
-                "active": True,
-            }
-            section |= ({"axis": axis} if axis else {}) | ({"set": kept} if kept else {})
-            found.append((section, read))
+            section = {"control": control, "file": name, "measured": "off", "active": True}
+            found.append((section | of_axis | ({"set": kept} if kept else {}), read))
             break
     if not found:
         raise UsageError(
@@ -118,6 +111,17 @@ def _sections(
             " siemens-enc-comp, heidenhain ...)",
         )
     return found
+
+
+def _beside(table: ErrorTable, held: list[ErrorTable]) -> np.ndarray:
+    """(2, K) mm: what is held less what was to be, at the table's nodes, towards minus and plus."""
+    return np.stack(
+        [
+            sum((t.at(table.nodes, way) for t in held), np.zeros(len(table.nodes)))
+            - table.at(table.nodes, way)
+            for way in (-1.0, 1.0)
+        ]
+    )
 
 
 def _compare(control: str, sections: list, export: Export, tables: list[ErrorTable]) -> list[str]:
@@ -136,13 +140,7 @@ def _compare(control: str, sections: list, export: Export, tables: list[ErrorTab
             continue
         limit = export.remainder[table.name] + ALIKE
         mine = held.get(table.name, [])
-        off = np.stack(
-            [
-                sum((t.at(table.nodes, way) for t in mine), np.zeros(len(table.nodes)))
-                - table.at(table.nodes, way)
-                for way in (-1.0, 1.0)
-            ]
-        )
+        off = _beside(table, mine)
         if np.ptp(off) / 2 <= limit:
             continue
         apart = float(np.ptp(off.mean(axis=0)) / 2)

@@ -68,15 +68,19 @@ class Entry:
         for place, at in self.temperature.items():
             columns.setdefault(f"T_{place}_C", np.full(n, at))
         if self.sign < 0:
-            name = next((c for c in columns if c.startswith(("reading_", "radial_"))), "")
-            if not name:
-                raise UsageError(
-                    f"{self.session}: sign = -1 of {recording.file}, which has no readings",
-                    "take it out",
-                )
+            name = self._readings_of(recording)
             columns[name] = -columns[name]
             notices.append("the readings' sign is turned, as the session says")
         return replace(recording, columns=columns, notices=tuple(notices))
+
+    def _readings_of(self, recording: Recording) -> str:
+        """The column whose sign is turned. Raises UsageError."""
+        for name in recording.columns:
+            if name.startswith(("reading_", "radial_")):
+                return name
+        raise UsageError(
+            f"{self.session}: sign = -1 of {recording.file}, which has no readings", "take it out"
+        )
 
     def _check(self, recording: Recording, x: str, at: float) -> None:
         """Raises UsageError where the file says that axis x, which this file's section names, stood
@@ -132,6 +136,21 @@ def _opened(path: str) -> TomlFile:
     return toml
 
 
+def _check_kind(toml: TomlFile, where: str, key: str, value: Any, index: int) -> None:
+    """Raises MachineError where a word of a session is of another type than it must be."""
+    kind = {"bidirectional": bool, "lenient": bool, "sign": int}.get(
+        key, dict if key in TABLES else str
+    )
+    if not isinstance(value, kind) or isinstance(value, bool) != (kind is bool):
+        words = {
+            bool: "true or false",
+            dict: "a table like { X = 1.0 }",
+            str: "a text",
+            int: "1 or -1",
+        }
+        raise toml.fault(where, key, f"{key} = {value!r} is not {words[kind]}", index=index)
+
+
 def _entry(
     toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOptions, format: str
 ) -> Entry:
@@ -145,21 +164,9 @@ def _entry(
 
     def said(key: str, default: Any) -> Any:
         where, data, index = ("file", one, i) if key in one else ("all", everywhere, 0)
-        value = data.get(key, default)
-        kind = {"bidirectional": bool, "lenient": bool, "sign": int}.get(
-            key, dict if key in TABLES else str
-        )
-        if key in data and (
-            not isinstance(value, kind) or isinstance(value, bool) != (kind is bool)
-        ):
-            words = {
-                bool: "true or false",
-                dict: "a table like { X = 1.0 }",
-                str: "a text",
-                int: "1 or -1",
-            }
-            raise toml.fault(where, key, f"{key} = {value!r} is not {words[kind]}", index=index)
-        return value
+        if key in data:
+            _check_kind(toml, where, key, data[key], index)
+        return data.get(key, default)
 
     def numbers(key: str) -> dict[str, float]:
         both = {**everywhere.get(key, {}), **one.get(key, {})} if said(key, {}) is not None else {}
@@ -169,20 +176,19 @@ def _entry(
         numbers("others"),
         said("component", base.component)[-1:] or said("axis", base.axis),
     )
-    for x in others:
-        if x not in AXES:
-            raise toml.fault(
-                "file" if x in one.get("others", {}) else "all",
-                "others",
-                f"others names {x!r}, which is no axis",
-                index=i,
-            )
-    sign, first = said("sign", 1), said("first", "")
-    if sign not in (1, -1) or first not in ("", "+", "-"):
-        key = "sign" if sign not in (1, -1) else "first"
+    if strange := [x for x in others if x not in AXES]:
         raise toml.fault(
-            "file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i
+            "file" if strange[0] in one.get("others", {}) else "all",
+            "others",
+            f"others names {strange[0]!r}, which is no axis",
+            index=i,
         )
+    sign, first = said("sign", 1), said("first", "")
+    for key, value, allowed in (("sign", sign, (1, -1)), ("first", first, ("", "+", "-"))):
+        if value not in allowed:
+            raise toml.fault(
+                "file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i
+            )
     options = replace(
         base,
         axis=said("axis", base.axis),
@@ -321,23 +327,27 @@ def _of(recording: Recording) -> list[str]:
         return [f"# {recording.kind}"]
     component = str(recording.head.get("component", ""))
     lines = [f'component = "{component}"'] if component else []
-    ways = {x: np.ptp(recording.position(x)) for x in recording.axes}
-    moved = " ".join(x for x, way in ways.items() if way > 0)
-    vector = " ".join(x for x, v in recording.sensitive.items() if v)
-    values = recording.reading / recording.unit
-    along, unit = ("about", "urad") if recording.quantity == "angle" else ("along", "um")
-    lines.append(
-        f"# {moved or 'no axis'} moves, {recording.quantity} {along} {vector}: {len(values)}"
-        f" readings, {values.min():.6g} to {values.max():.6g} {unit}"
-    )
+    moved = [x for x in recording.axes if np.ptp(recording.position(x)) > 0]
+    lines.append(_readings(recording, moved))
     if recording.head.get("unit_in_file"):
         lines.append(f'unit = "{recording.head["unit_in_file"]}"')
-    if not any(way == 0 for way in ways.values()):
+    if len(moved) == len(recording.axes):
         lines.append(
             "# others = { ... }                 # mm, where the other axes stood, if not as in"
             " [all]"
         )
     return lines + [f"# {text}" for text in recording.notices if "other axes" not in text]
+
+
+def _readings(recording: Recording, moved: list[str]) -> str:
+    """What moves, and how large the readings are along what, as a comment."""
+    vector = " ".join(x for x, v in recording.sensitive.items() if v)
+    values = recording.reading / recording.unit
+    along, unit = ("about", "urad") if recording.quantity == "angle" else ("along", "um")
+    return (
+        f"# {' '.join(moved) or 'no axis'} moves, {recording.quantity} {along} {vector}:"
+        f" {len(values)} readings, {values.min():.6g} to {values.max():.6g} {unit}"
+    )
 
 
 def _beside(name: str, folder: Path) -> str:

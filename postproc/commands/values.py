@@ -25,11 +25,8 @@ def length(text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or found is None:
-        hint = (
-            f"; write {plain.replace(',', '.')}"
-            if LENGTH.fullmatch(plain.replace(",", ".")) and "," in plain
-            else ""
-        )
+        pointed = plain.replace(",", ".")
+        hint = f"; write {pointed}" if pointed != plain and LENGTH.fullmatch(pointed) else ""
         raise argparse.ArgumentTypeError(f"{text!r} is not a length like 0.5um or 0.001mm{hint}")
     if value <= 0:
         raise argparse.ArgumentTypeError(

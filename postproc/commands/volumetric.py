@@ -56,8 +56,7 @@ def run(options: argparse.Namespace) -> int:
     read = read_files(options.recordings, options.format, reading_options(options))
     known = written.without_errors(machine)
     rows = [part for r in read for part in rows_of(r, known, dict(options.others))]
-    rotary = [machine.letters.index(x) for x in machine.chain.rotary]
-    turned = any(np.ptp(r.q[k]) > 1e-3 for r in rows for k in rotary)
+    turned = _turned(machine, rows)
     every = _errors(options, machine, rows, known, turned)
     zero = _zero(options, [g.name for g in every])
     groups = tuple(g for g in every if g.name not in zero)
@@ -67,15 +66,19 @@ def run(options: argparse.Namespace) -> int:
     print(written.report(fit, rows[0].tool, frozenset(zero)), file=told)
     for text in dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices):
         print(f"notice: {text}", file=told)
-    if options.output:
-        texts = _folder(options, fit, turned, read)
-        backup = write_folder(Path(options.output), texts, options.force)
-        kept = f" (the old one is {backup})" if backup else ""
-        print(f"\nwritten: {options.output}{kept}", file=told)
-    else:
-        print("\nnothing is written: -o machines/NAME names the folder", file=told)
+    print(_write(options, fit, turned, read), file=told)
     as_json.put(options.json, written.as_json(fit))
     return 0
+
+
+def _write(options: argparse.Namespace, fit, turned: bool, read) -> str:
+    """The folder, where one is named; returns where it is, for a person."""
+    if not options.output:
+        return "\nnothing is written: -o machines/NAME names the folder"
+    texts = _folder(options, fit, turned, read)
+    backup = write_folder(Path(options.output), texts, options.force)
+    kept = f" (the old one is {backup})" if backup else ""
+    return f"\nwritten: {options.output}{kept}"
 
 
 def _errors(options: argparse.Namespace, machine: Machine, rows, known, turned: bool):
@@ -92,6 +95,12 @@ def _errors(options: argparse.Namespace, machine: Machine, rows, known, turned: 
     if options.nodes is None:
         nodes |= placed.of_components(rows, known, nodes)
     return components(machine, nodes, frozenset(), _two_way(rows, machine))
+
+
+def _turned(machine: Machine, rows) -> bool:
+    """Whether a rotary axis turns in these observations."""
+    rotary = [machine.letters.index(x) for x in machine.chain.rotary]
+    return any(np.ptp(r.q[k]) > 1e-3 for r in rows for k in rotary)
 
 
 def _zero(options: argparse.Namespace, names: list[str]) -> set[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -41,19 +41,19 @@ def of(
     read = log.read(name, ports.read_whole(Path(name), intake.LOG))
     live = getattr(options, "live_temperatures", False)
     found, lacking, out = growth.drivers(machine, read.columns, spindles=True)
+    used = list(dict.fromkeys(d.column for d in found if d.column))
     if lacking:
         raise UsageError(
             f"{machine.name} asks for {', '.join(sorted(set(lacking)))}, and {name} has no such"
             " column",
             f"its columns: {', '.join(read.columns)}",
         )
-    if not any(d.column for d in found):
+    if not used:
         raise UsageError(
             f"--temperatures {name}: nothing in {machine.name} grows by one of its columns"
             f" ({', '.join(read.columns)})",
             SAYS_HOW,
         )
-    used = list(dict.fromkeys(d.column for d in found if d.column))
     log.check(read, used)
     begin = _begin(read, options.log_begin, live)
     _told_by_then(read, used, begin)
@@ -179,13 +179,16 @@ def _notices(machine: Machine, heat: Heat, out: list[str]) -> list[Notice]:
                 " mm/min (max_velocity is not stated)",
             )
         )
+    return [*found, *_gaps(heat)]
+
+
+def _gaps(heat: Heat) -> Iterator[Notice]:
+    """A notice for each column whose readings lie far apart."""
     for column in dict.fromkeys(d.column for d in heat.drivers if d.column):
-        if heat.log.widest(column) > GAP:
-            found.append(
-                Notice(
-                    f"heat gap {column}",
-                    f"{heat.log.name}: up to {heat.log.widest(column):.0f} s lie between two"
-                    f" readings of {column}; straight lines are taken between them",
-                )
+        widest = heat.log.widest(column)
+        if widest > GAP:
+            yield Notice(
+                f"heat gap {column}",
+                f"{heat.log.name}: up to {widest:.0f} s lie between two"
+                f" readings of {column}; straight lines are taken between them",
             )
-    return found

@@ -32,8 +32,8 @@ EXAMPLE = "gcomp stream job.nc --machine my-router --port /dev/ttyUSB0"
 
 
 def run(options: argparse.Namespace) -> int:
-    from postproc.commands.stream import first_pass, ports_found, told
     from postproc.commands.stream import job as jobs
+    from postproc.commands.stream import ports_found, told
     from postproc.commands.stream.port import Port
     from postproc.commands.stream.signals import Interrupted, Signals
 
@@ -68,15 +68,7 @@ def run(options: argparse.Namespace) -> int:
                 jobs.restarted(job, line)
             load = _precheck(options, job)
             signals.at_once = None  # from here on the job obeys
-            link = Link(port, greeting, signals)
-            if load is not None and first_pass.wanted(options, job, load):
-                if status := _dry_run(options, machine, link, job, load):
-                    return status
-                if not options.quiet:
-                    print(f"gcomp: {first_pass.PASSED}", file=sys.stderr)
-                again = first_pass.greeted_again(port, options, greeting, machine, job, signals)
-                link = link._replace(greeting=again)
-            return _stream(options, machine, link, job, load)
+            return _passed_and_streamed(options, machine, Link(port, greeting, signals), job, load)
     except Interrupted as why:
         with contextlib.suppress(OSError, ValueError):
             print(f"gcomp: {why}", file=sys.stderr)
@@ -85,6 +77,23 @@ def run(options: argparse.Namespace) -> int:
         raise (jobs.with_hint(error, job) if job is not None else error) from None
     finally:
         port.close()
+
+
+def _passed_and_streamed(
+    options: argparse.Namespace, machine: Machine, link: Link, job: Job, load: Load | None
+) -> int:
+    """First through the controller's check mode where that is wanted, then in earnest."""
+    from postproc.commands.stream import first_pass
+
+    if load is not None and first_pass.wanted(options, job, load):
+        if status := _dry_run(options, machine, link, job, load):
+            return status
+        if not options.quiet:
+            print(f"gcomp: {first_pass.PASSED}", file=sys.stderr)
+        port, greeting, signals = link
+        again = first_pass.greeted_again(port, options, greeting, machine, job, signals)
+        link = link._replace(greeting=again)
+    return _stream(options, machine, link, job, load)
 
 
 def _greeted(port, options: argparse.Namespace, signals: Signals) -> Greeting:
@@ -171,7 +180,7 @@ def _stream(
 
     port, greeting, signals = link
     order = tuple(CONTROLLER_AXES.index(x) for x in machine.letters)
-    reported = len(greeting.status.place) if greeting.status and greeting.status.place else 0
+    reported = len((greeting.status and greeting.status.place) or ())
     sender = _sender(options, job, order)
     with contextlib.ExitStack() as stack:
         trace, record = kept.recording(options, machine, job, order, reported, stack)
@@ -194,9 +203,7 @@ def _stream(
             if answers is not None:
                 answers.close()
         _tell(options, machine, job, show, outcome, prefetch.fault)
-    if prefetch.fault is not None:
-        return outcome.exit_status or REFUSED
-    return outcome.exit_status
+    return outcome.exit_status or (REFUSED if prefetch.fault is not None else 0)
 
 
 def _is_dry(options: argparse.Namespace) -> bool:
@@ -255,15 +262,19 @@ def _tell(
         )
     show.end(outcome)
     if (options.report or options.json) and ends:
-        controller = job.protocol.controller
-        about = {
-            "program": job.name,
-            "sha256": job.copy.digest if job.copy else None,
-            "machine": machine.name,
-            "map": machine.digest,
-            "controller": f"{controller.name} {controller.version}",
-            "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
-        }
-        fields = show.report(outcome, time.monotonic(), about)
+        fields = show.report(outcome, time.monotonic(), _about(machine, job))
         fields["message"] = before + fields["message"]
         told.write(options, fields, show.history, before + outcome.text())
+
+
+def _about(machine: Machine, job: Job) -> dict[str, str | None]:
+    """What was sent to what, for the report."""
+    controller = job.protocol.controller
+    return {
+        "program": job.name,
+        "sha256": job.copy.digest if job.copy else None,
+        "machine": machine.name,
+        "map": machine.digest,
+        "controller": f"{controller.name} {controller.version}",
+        "ended": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+    }

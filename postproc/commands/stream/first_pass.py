@@ -22,16 +22,20 @@ PASSED = "the controller has read the program in its check mode, and refuses non
 SECONDS, SHARE = 10.0, 0.05  # that it may take on the wire, s, or of the job
 
 
+def _changes_nothing(job: Job) -> bool:
+    """Whether all that is in force now is so again behind check mode's reset."""
+    assert job.known is not None
+    dropped = "G92" in job.live.work or any(job.live.length.values())
+    return job.known.checkable() and not dropped
+
+
 def wanted(options: argparse.Namespace, job: Job, load: Load) -> bool:
     """Whether the controller shall read the program first. Raises UsageError where that is asked
     for and would change something."""
-    assert job.known is not None
     how = options.check_first
     if how == "never" or options.check or not job.protocol.check_mode():
         return False
-    checkable = (
-        job.known.checkable() and not any(job.live.length.values()) and "G92" not in job.live.work
-    )
+    checkable = _changes_nothing(job)
     if how == "always" and not checkable:
         raise UsageError(
             "a pass in check mode ends in a reset, which would drop a G92, a tool length, modes, a"

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import copy as copies
+import itertools
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -166,27 +167,31 @@ class Job:
             self.protocol.controller, self.letters, self.order(), self.name, self.is_grbl, sent
         )
 
+    def _take_notices(self) -> None:
+        """Those of the filters that read the program, each once."""
+        told = {notice.message for notice in self.notices}
+        for notice in (notice for source in self.sources for notice in source.filter.notices):
+            if notice.message not in told:
+                self.notices.append(notice)
+            told.add(notice.message)
+
     def precheck(self, rate: float) -> Load:
         """The whole program before its first byte leaves. Raises what is wrong with it."""
         load = Load(rate)
         known = self.known = self._known()
         planner = Pace(self.protocol.controller, self.order(), load.link)
         pace = planner if planner.knows else None
-        for batch in self.lines():
-            for line in batch:
-                load.add(line)
-                if self.macros is None or not line.file:
-                    known.look(line)
-                if pace is not None:
-                    pace.add(line)
+        for line in itertools.chain.from_iterable(self.lines()):
+            load.add(line)
+            if self.macros is None or not line.file:
+                known.look(line)
+            if pace is not None:
+                pace.add(line)
         self.notices += known.notices()
         if pace is not None:
             pace.end()
             self.pace, load.expected = pace, pace.total
-        told = {notice.message for notice in self.notices}
-        for notice in (notice for source in self.sources for notice in source.filter.notices):
-            self.notices += [notice] * (notice.message not in told)
-            told.add(notice.message)
+        self._take_notices()
         if dropped := max(source.dropped for source in self.sources):
             self.notices.append(
                 Notice(
@@ -238,14 +243,20 @@ def prepare(
         options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros
     )
     if options.expand:
-        with copy.opened() if copy else _piped(options.file) as stream:
-            job.whole = stream.read(intake.PROGRAM + 1)
-        if len(job.whole) > intake.PROGRAM:
-            raise UsageError(
-                f"a program of more than {intake.PROGRAM:,} bytes is not read whole",
-                "without --expand any length passes",
-            )
+        job.whole = _whole(options, copy)
     return job
+
+
+def _whole(options: argparse.Namespace, copy: ports.Copy | None) -> bytes:
+    """The text of a program that is to be written out. Raises UsageError where it is too long."""
+    with copy.opened() if copy else _piped(options.file) as stream:
+        whole = stream.read(intake.PROGRAM + 1)
+    if len(whole) > intake.PROGRAM:
+        raise UsageError(
+            f"a program of more than {intake.PROGRAM:,} bytes is not read whole",
+            "without --expand any length passes",
+        )
+    return whole
 
 
 @contextlib.contextmanager

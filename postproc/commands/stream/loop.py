@@ -313,18 +313,25 @@ class Run:
                 f"{endings.fact_of_refusal(line, words)}\n   "
                 f" {endings.behind(rest)}{self.sender.protocol.does['hold']}"
             )
-        answers = [
-            key for key in pressed or "" if key in (keyboard.SKIP, keyboard.STOP, keyboard.RESET)
-        ]
-        if len(self.sender.asks) > self._asked or (pressed and not answers):
+        known = (keyboard.SKIP, keyboard.STOP, keyboard.RESET)
+        answer = next((key for key in pressed or "" if key in known), "")
+        if len(self.sender.asks) > self._asked or (pressed and not answer):
             self.show.tell(keyboard.IN_REFUSAL)
-        elif answers and answers[0] == keyboard.RESET:
+        elif answer == keyboard.RESET:
             self.sender.stop(now, "reset by the user")
-        elif answers or pressed is None:
-            self.sender.decide(bool(answers) and answers[0] == keyboard.SKIP, now)
+        elif answer or pressed is None:
+            self.sender.decide(answer == keyboard.SKIP, now)
         self._asked = len(self.sender.asks)
 
     # -- what is kept and told ---------------------------------------------------------------------
+
+    def _shown(self, kind: str, what, answer: bool) -> None:
+        """Holds, and what the controller says by itself. answer: it was asked for it."""
+        if kind in ("hold", "resumed"):
+            self.show.tell(str(what))
+            self.show.event(kind, str(what))
+        elif kind == "told" and isinstance(what, str) and not answer and self._is_news(what):
+            self.show.tell(f"the controller says: {what}")
 
     def _log(self) -> None:
         entries, self.sender.log = self.sender.log, []
@@ -337,11 +344,7 @@ class Run:
                 )
             if self.trace is not None:
                 self._traced(kind, what, t)
-            if kind in ("hold", "resumed"):
-                self.show.tell(str(what))
-                self.show.event(kind, str(what))
-            if kind == "told" and isinstance(what, str) and not answer and self._is_news(what):
-                self.show.tell(f"the controller says: {what}")
+            self._shown(kind, what, answer)
         live = self.answers.fresh() if self.answers is not None else None
         if self.journal is not None:
             if live is not None:

@@ -157,15 +157,20 @@ def _refuse_errors(options: argparse.Namespace, is_file: bool) -> None:
 def _refuse_changes(options: argparse.Namespace, is_file: bool) -> None:
     """Options of tool changes, and of safe places, that do not go together."""
     macros = bool(options.park or options.touch_off)
-    for name in ("safe_z", "safe_x"):
-        if getattr(options, name) is not None and not (options.resume_from or macros):
-            raise UsageError(
-                f"--{name.replace('_', '-')} is for --resume-from, and for tool changes with --park"
-                " or --touch-off",
-                "leave it out",
-            )
-    if not macros:
-        return
+    safe = [x for x in "zx" if getattr(options, f"safe_{x}") is not None]
+    if safe and not (options.resume_from or macros):
+        raise UsageError(
+            f"--safe-{safe[0]} is for --resume-from, and for tool changes with --park or"
+            " --touch-off",
+            "leave it out",
+        )
+    if macros:
+        _refuse_macros(options, is_file)
+        options.tool_change = "pause"
+
+
+def _refuse_macros(options: argparse.Namespace, is_file: bool) -> None:
+    """What does not go with --park and --touch-off."""
     if options.tool_change not in (None, "pause"):
         raise UsageError(
             f"--park and --touch-off are for --tool-change pause, not for {options.tool_change}",
@@ -183,7 +188,6 @@ def _refuse_changes(options: argparse.Namespace, is_file: bool) -> None:
             " to change a tool is not known",
             "--live-temperatures, with a log that goes on while the job runs",
         )
-    options.tool_change = "pause"
 
 
 def can_type(options: argparse.Namespace) -> bool:

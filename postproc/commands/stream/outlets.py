@@ -78,27 +78,32 @@ class Outlet:
 
     def _run(self) -> None:
         while True:
+            text, state = None, None
             with self._news:
                 self._busy = False
                 self._news.wait_for(lambda: self._texts or self._state is not None or self._ends)
                 if self._ends and not self._texts:
                     return
                 self._busy = True
-                text = self._texts.popleft() if self._texts else None
-                state, self._state = (
-                    (None, self._state) if text is not None else (self._state, None)
-                )
+                if self._texts:
+                    text = self._texts.popleft()
+                else:
+                    state, self._state = self._state, None
             if self.gone:
                 continue
             try:
-                if text is not None:
-                    if self._lines is None or not self._lines(text):
-                        self._write(text)
-                elif self._show is not None:
-                    self._show(state)
+                self._put(text, state)
             except (OSError, ValueError) as error:
                 self.gone = getattr(error, "strerror", None) or str(error)
                 self.closed = isinstance(error, BrokenPipeError)
+
+    def _put(self, text: str | None, state: Any) -> None:
+        """A line, or where there is none the state."""
+        if text is None:
+            if self._show is not None:
+                self._show(state)
+        elif self._lines is None or not self._lines(text):
+            self._write(text)
 
     def _write(self, text: str) -> None:
         data = (text + "\n").encode("utf-8", "backslashreplace")
