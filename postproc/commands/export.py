@@ -201,12 +201,12 @@ def _notices(
 ) -> Iterator[str]:
     """Of the tables over axis x: where the others stand, what squareness they hold, and what the
     words of x are. names: of the tables."""
-    pose = pose_of(machine, x, options.at)
-    if stand := [f"{o} = {p:g}" for o, p in pose.items() if o != x and o in machine.chain.axes]:
+    pose, others = pose_of(machine, x, options.at), {*machine.chain.axes} - {x}
+    if stand := [f"{o} = {p:g}" for o, p in pose.items() if o in others]:
         yield f"over {x}: the other axes stand at {' '.join(stand)} (--at)"
     if x in machine.square and machine.square[x].any():
-        across = [n for n in (f"E{o}{x}" for o in XYZ.replace(x, "")) if n in names]
-        yield from (f"{name} holds the squareness of {x} as a line" for name in across)
+        across = names.intersection(f"E{o}{x}" for o in XYZ if o != x)
+        yield from (f"{name} holds the squareness of {x} as a line" for name in sorted(across))
     if x in machine.diameter:
         yield (
             f"words of {x} are diameters; positions and values here are slide positions,"

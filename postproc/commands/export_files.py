@@ -27,11 +27,16 @@ def known_of(machine: Machine, table: ErrorTable) -> np.ndarray | None:
     parts = []
     if axis.uncertainty is not None and row in axis.uncertainty.stated:
         parts.append(_along(axis.uncertainty.table, row, table.nodes))
-    parts += _of_squareness(machine, table)
-    spread = (t for term in machine.effects for one in term.spread for t in one.tables)
-    mine = (t for t in spread if t.letter == table.moving and row in t.rows)
-    parts += [_along(t, row, table.nodes) for t in mine]
+    parts += [*_of_squareness(machine, table), *_of_effects(machine, table, row)]
     return np.sqrt(sum(np.square(p) for p in parts)) if parts else None
+
+
+def _of_effects(machine: Machine, table: ErrorTable, row: int) -> Iterator[np.ndarray]:
+    """(K,) mm: U (95 %) of each effect that stands in the table."""
+    spread = (t for term in machine.effects for one in term.spread for t in one.tables)
+    for t in spread:
+        if t.letter == table.moving and row in t.rows:
+            yield _along(t, row, table.nodes)
 
 
 def _of_squareness(machine: Machine, table: ErrorTable) -> Iterator[np.ndarray]:

@@ -65,6 +65,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _travel(options: argparse.Namespace, chain: chains.Chain) -> dict[str, tuple[float, float]]:
+    """mm, of every axis. Raises UsageError where one is missing."""
+    reach = dict(options.travel)
+    for x in chain.axes:
+        if x not in reach:
+            raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    return reach
+
+
 def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     """The folder and its files. Raises UsageError naming what is missing."""
     if sys.stdin is not None and sys.stdin.isatty():
@@ -74,10 +83,7 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     kind = first.KINDS.get(options.kind or "")
     said, chain = _chain(options, kind)
     control = _control(options, kind)
-    reach = dict(options.travel)
-    if unsaid := [x for x in chain.axes if x not in reach]:
-        x = unsaid[0]
-        raise UsageError(f"the travel of {x} is not said", f"--travel {x}=0,400")
+    reach = _travel(options, chain)
     title = f"{options.kind}: {kind.title}" if kind else options.name
     by_circles = _ballbar(options)
     stated = _squareness(options)

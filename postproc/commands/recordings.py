@@ -55,8 +55,11 @@ def run(options: argparse.Namespace) -> int:
     if not options.files:
         raise UsageError("which file?", "gcomp recordings FILE..., or --list for the formats")
     how = reading_options(options)
-    if options.session:
-        return _session(options, how)
+    return _session(options, how) if options.session else _show_all(options, how)
+
+
+def _show_all(options: argparse.Namespace, how: ReadingOptions) -> int:
+    """What the files hold, and with --as all of it as one file."""
     found: list[Recording] = []
     told: list[dict[str, Any]] = []
     status, out = 0, as_json.beside(options.json)
@@ -176,13 +179,21 @@ def show(recording: Recording, format: str) -> str:
     rows += _contents(recording)
     if recording.kind == "ballbar":
         rows.append(("radial", _reading(recording)))
-    for name, column in recording.columns.items():
-        if name.startswith("T_") and name.endswith("_C") and np.any(np.isfinite(column)):
-            rows.append((name[2:-2], f"{_range(column[np.isfinite(column)])} C"))
-    rows += [("left out", f"{len(recording.faults)}")] * bool(recording.faults)
+    rows += _temperatures(recording)
+    if recording.faults:
+        rows.append(("left out", f"{len(recording.faults)}"))
     lines = [f"{recording.file}: {format}", *(f"  {name:<12}{text}" for name, text in rows)]
     notices = [f"  notice: {text}" for text in recording.notices]
     return "\n".join([*lines, *_faults(recording), *notices])
+
+
+def _temperatures(recording: Recording) -> list[tuple[str, str]]:
+    """Sensors that say something, and their ranges."""
+    return [
+        (name[2:-2], f"{_range(column[np.isfinite(column)])} C")
+        for name, column in recording.columns.items()
+        if name.startswith("T_") and name.endswith("_C") and np.any(np.isfinite(column))
+    ]
 
 
 def _faults(recording: Recording) -> list[str]:

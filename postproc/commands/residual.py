@@ -84,15 +84,21 @@ def write(
     )
 
 
+def _settings(control: str, more: dict[str, str]) -> dict[str, dict[str, str]]:
+    """The key `set` of a section, where something is set."""
+    kept = {k: v for k, v in more.items() if k != "axes" or control == "fanuc"}
+    return {"set": kept} if kept else {}
+
+
 def _sections(
     control: str, export: Export, told: ExportOptions, machine: Machine
 ) -> list[tuple[dict[str, Any], list[ErrorTable]]]:
     """A section for each file that is a table, and what it holds."""
     module = control_tables.load(control)
-    more = {
-        k: v for k, v in told.extra.items() if k not in ("template", "settings", "settings_name")
-    }
-    kept = {k: v for k, v in more.items() if k != "axes" or control == "fanuc"}
+    more = dict(told.extra)
+    for of_export in ("template", "settings", "settings_name"):
+        more.pop(of_export, None)
+    settings = _settings(control, more)
     found = []
     for name, data in export.files.items():
         for of_axis in ({}, *({"axis": x} for x in machine.letters)):
@@ -101,7 +107,7 @@ def _sections(
             except GcompError:
                 continue
             section = {"control": control, "file": name, "measured": "off", "active": True}
-            found.append((section | of_axis | ({"set": kept} if kept else {}), read))
+            found.append((section | of_axis | settings, read))
             break
     if not found:
         raise UsageError(

@@ -151,6 +151,18 @@ def _check_kind(toml: TomlFile, where: str, key: str, value: Any, index: int) ->
         raise toml.fault(where, key, f"{key} = {value!r} is not {words[kind]}", index=index)
 
 
+def _check_letters(toml: TomlFile, others: dict[str, float], one: dict, index: int) -> None:
+    """Raises MachineError where `others` names what is no axis."""
+    for x in others:
+        if x not in AXES:
+            raise toml.fault(
+                "file" if x in one.get("others", {}) else "all",
+                "others",
+                f"others names {x!r}, which is no axis",
+                index=index,
+            )
+
+
 def _entry(
     toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOptions, format: str
 ) -> Entry:
@@ -169,20 +181,15 @@ def _entry(
         return data.get(key, default)
 
     def numbers(key: str) -> dict[str, float]:
-        both = {**everywhere.get(key, {}), **one.get(key, {})} if said(key, {}) is not None else {}
+        said(key, {})  # it is a table
+        both = {**everywhere.get(key, {}), **one.get(key, {})}
         return {x: toml.number("file", both, x, at=key, index=i) for x in both}
 
     others, moved = (
         numbers("others"),
         said("component", base.component)[-1:] or said("axis", base.axis),
     )
-    if strange := [x for x in others if x not in AXES]:
-        raise toml.fault(
-            "file" if strange[0] in one.get("others", {}) else "all",
-            "others",
-            f"others names {strange[0]!r}, which is no axis",
-            index=i,
-        )
+    _check_letters(toml, others, one, i)
     sign, first = said("sign", 1), said("first", "")
     for key, value, allowed in (("sign", sign, (1, -1)), ("first", first, ("", "+", "-"))):
         if value not in allowed:

@@ -53,15 +53,13 @@ def run(options: argparse.Namespace) -> int:
     _refuse(options)
     machine = reading.machine_of(options)
     text, name, own = _program(options, machine)
-    instrument = options.instrument or (own.instrument if own else "")
     _spares(options, text if own else b"()")
     if own and options.program_out:
         _write(options.program_out, text)
         if not options.output:
             as_json.put(options.json, _told(options, machine, name))
             return 0
-    if not instrument:
-        raise UsageError("which instrument?", f"--instrument {' or '.join(instruments.names())}")
+    instrument = _instrument(options, own)
     module = instruments.load(instrument)
     given = dict(options.settings)
     if given.pop("help", None):
@@ -73,10 +71,8 @@ def run(options: argparse.Namespace) -> int:
     limits = bounds.of(machine, _stated(options.machine))
     run_, notices, corrected = _timeline(options, machine, limits, text, name)
     notices += _assumed(options, machine, limits, corrected)
-    terms = (
-        *actual.terms_of(machine),
-        *(simulate_named.term(word, machine) for word in options.terms),
-    )
+    said = [simulate_named.term(word, machine) for word in options.terms]
+    terms = (*actual.terms_of(machine), *said)
     before = _nominal(options, machine, limits, corrected) if options.nominal else None
     signal = _signal(module, settings, run_, before, terms)
     notices += _held(machine, signal.state.position)
@@ -107,10 +103,24 @@ def run(options: argparse.Namespace) -> int:
         "rows": len(recording),
         "seconds": round(run_.duration, 3),
         "columns": _ranges(recording),
-        "notices": [{"message": n.message, "line": n.line or None} for n in notices],
+        "notices": _facts(notices),
     }
     as_json.put(options.json, _told(options, machine, name) | found)
     return 0
+
+
+def _instrument(options: argparse.Namespace, own: Any) -> str:
+    """The instrument that is named, or that belongs to the test. Raises UsageError."""
+    from postproc.simulate import instruments
+
+    if name := options.instrument or (own.instrument if own else ""):
+        return name
+    raise UsageError("which instrument?", f"--instrument {' or '.join(instruments.names())}")
+
+
+def _facts(notices: list[Notice]) -> list[dict[str, Any]]:
+    """Notices for other programs."""
+    return [{"message": n.message, "line": n.line or None} for n in notices]
 
 
 def _ranges(recording: Recording) -> dict[str, dict[str, float]]:

@@ -16,6 +16,12 @@ PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
 
 
+def _with_point(plain: str) -> str:
+    """How a length with a decimal comma is written, as a hint; "": it is none."""
+    pointed = plain.replace(",", ".")
+    return f"; write {pointed}" if pointed != plain and LENGTH.fullmatch(pointed) else ""
+
+
 def length(text: str) -> float:
     """mm from "0.5um", "0.001mm", "0.00004in"; a bare number is mm."""
     plain = text.strip().replace("\u00b5m", "um").replace("\u03bcm", "um")
@@ -25,8 +31,7 @@ def length(text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or found is None:
-        pointed = plain.replace(",", ".")
-        hint = f"; write {pointed}" if pointed != plain and LENGTH.fullmatch(pointed) else ""
+        hint = _with_point(plain)
         raise argparse.ArgumentTypeError(f"{text!r} is not a length like 0.5um or 0.001mm{hint}")
     if value <= 0:
         raise argparse.ArgumentTypeError(

@@ -64,8 +64,7 @@ def run(options: argparse.Namespace) -> int:
     fit = solve.fit(rows, Unknowns(groups, known, base))
     told = as_json.beside(options.json)
     print(written.report(fit, rows[0].tool, frozenset(zero)), file=told)
-    for text in dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices):
-        print(f"notice: {text}", file=told)
+    print(*_notices(read), sep="", end="", file=told)
     print(_write(options, fit, turned, read), file=told)
     as_json.put(options.json, written.as_json(fit))
     return 0
@@ -95,6 +94,12 @@ def _errors(options: argparse.Namespace, machine: Machine, rows, known, turned: 
     if options.nodes is None:
         nodes |= placed.of_components(rows, known, nodes)
     return components(machine, nodes, frozenset(), _two_way(rows, machine))
+
+
+def _notices(read) -> list[str]:
+    """A line for each notice of the recordings."""
+    told = dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices)
+    return [f"notice: {text}\n" for text in told]
 
 
 def _turned(machine: Machine, rows) -> bool:

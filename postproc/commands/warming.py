@@ -171,15 +171,17 @@ def _notices(machine: Machine, heat: Heat, out: list[str]) -> list[Notice]:
                 " the zero was touched then",
             )
         )
+    return [*found, *_rapids(machine), *_gaps(heat)]
+
+
+def _rapids(machine: Machine) -> Iterator[Notice]:
+    """A notice of the axes whose rapids have no stated velocity."""
     if slow := [x for x, axis in machine.axes.items() if x in XYZ and not axis.velocity]:
-        found.append(
-            Notice(
-                "heat rapids",
-                f"heat over time: rapids of {', '.join(slow)} are taken as {clock.VELOCITY * 60:g}"
-                " mm/min (max_velocity is not stated)",
-            )
+        yield Notice(
+            "heat rapids",
+            f"heat over time: rapids of {', '.join(slow)} are taken as {clock.VELOCITY * 60:g}"
+            " mm/min (max_velocity is not stated)",
         )
-    return [*found, *_gaps(heat)]
 
 
 def _gaps(heat: Heat) -> Iterator[Notice]:

@@ -41,6 +41,11 @@ def per_mm(controller: Controller) -> list[float]:
     return [float(s) if re.fullmatch(r"[0-9]*\.?[0-9]+", s) else 0.0 for s in said]
 
 
+def _stays(start: tuple[float, ...], end: tuple[float, ...]) -> bool:
+    """Whether both are the same place; unknown is like unknown."""
+    return all(a == b or (a != a and b != b) for a, b in zip(start, end, strict=True))
+
+
 class Part:
     """One line that may move: its places, () where anything may happen; whether it was answered,
     and surely makes a block.
@@ -107,14 +112,12 @@ class Account:
         if end and not AXES.search(line.text):
             return None  # where the program believes that it stands; it may have been jogged since
         start, self._last = self._last, end
-        if start and end:
-            start += (math.nan,) * (len(end) - len(start))
-            if not line.points and all(
-                a == b or (a != a and b != b) for a, b in zip(start, end, strict=True)
-            ):
-                return None
-        known = line.straight and bool(start and end)
-        places = (start, *line.points, end) if known else ()
+        if not (start and end):
+            return Part(line, (), self._is_block(()))
+        start += (math.nan,) * (len(end) - len(start))
+        if not line.points and _stays(start, end):
+            return None
+        places = (start, *line.points, end) if line.straight else ()
         return Part(line, places, self._is_block(places))
 
     def _is_block(self, places: tuple[tuple[float, ...], ...]) -> bool:

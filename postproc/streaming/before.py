@@ -76,9 +76,17 @@ class Before:
         self._ways(motions, axis, sorted(spelt))
 
     def _block(self, named: list[tuple[str, float]]) -> None:
-        word = dict(named)
-        codes = {value for name, value in named if name == "G"}
+        word, codes = dict(named), {value for name, value in named if name == "G"}
         commands = [value for name, value in named if name == "M"]
+        self._feed(codes, word)
+        self.surface = (self.surface or 96 in codes) and 97 not in codes
+        if "S" in word and max(commands, default=0) <= 5 and codes.isdisjoint((4, 10, 50, 92)):
+            self.speed = f"S{word['S']:g}"
+        for value in commands:
+            self._command(value)
+
+    def _feed(self, codes: set[float], word: dict[str, float]) -> None:
+        """Units, feed and path tolerance."""
         if codes & {20, 21}:
             self.inch = 20 in codes
         scale = MM_PER_INCH if self.inch else 1.0
@@ -86,11 +94,6 @@ class Before:
             self.feed = word["F"] * scale
         if 64 in codes:
             self.path = f"G64 P{word['P'] * scale:g}" if "P" in word else "G64"
-        self.surface = (self.surface or 96 in codes) and 97 not in codes
-        if "S" in word and max(commands, default=0) <= 5 and not codes & {4, 10, 50, 92}:
-            self.speed = f"S{word['S']:g}"
-        for value in commands:
-            self._command(value)
 
     def _command(self, value: float) -> None:
         if value in (3, 4, 5):
@@ -114,12 +117,16 @@ class Before:
             elif value is not None and number != 5:
                 self.speed = f"S{value:g}"
 
-    def _ways(self, motions: Motions, axis: int, called: list[int]) -> None:
-        self.moved = self.moved or len(motions.code) > 0
+    def _rise(self, motions: Motions, axis: int) -> None:
+        """Where rapids went highest."""
         rapid = (motions.code == RAPID) & motions.target_known[axis]
         if rapid.any():
             top = float(motions.target[axis][rapid].max()) / TICKS_PER_MM
             self.highest = top if self.highest is None else max(self.highest, top)
+
+    def _ways(self, motions: Motions, axis: int, called: list[int]) -> None:
+        self.moved = self.moved or len(motions.code) > 0
+        self._rise(motions, axis)
         way = np.where(
             motions.start_known[axis] & motions.target_known[axis],
             motions.target[axis] - motions.start[axis],

@@ -45,23 +45,35 @@ class Compact:
         named = [c for c in codes if c in MOTIONS]
         others = set(codes) - set(MOTIONS)
         plain = others <= HARMLESS and len(named) <= 1
-        self.per_minute = not others & {b"93", b"95"} and (self.per_minute or b"94" in others)
-        self.absolute = b"90" in others or (self.absolute and b"91" not in others)
+        self._modes(others)
         motion = [*named, self.motion][0] if plain and b"80" not in others else b""
         kept = self._kept(words, motion) if plain and not others else words
         self._remember(words, motion, plain)
         return b"".join(letter + value for letter, value in kept)
 
+    def _modes(self, others: set[bytes]) -> None:
+        """G90, G91 and G93 to G95."""
+        self.per_minute = not others & {b"93", b"95"} and (self.per_minute or b"94" in others)
+        self.absolute = b"90" in others or (self.absolute and b"91" not in others)
+
     def _kept(self, words, motion: bytes):
         """Words that must be written, of a line whose codes are motions alone."""
         moves = [(x, v) for x, v in words if x in AXES]
-        still = set()
-        if motion in STRAIGHT and self.absolute and len(moves) > 1:
-            still = {x for x, v in moves if self.at.get(x) == v}
-            if len(still) == len(moves):
-                still.discard(moves[0][0])
+        still = self._still(moves) if motion in STRAIGHT and self.absolute else set()
         said = {(b"F", self.feed), (b"S", self.speed), (b"G", self.motion if moves else b"")}
         return [word for word in words if word not in said and word[0] not in still] or words
+
+    def _still(self, moves) -> set[bytes]:
+        """Axes that are where the line sends them; one is always named."""
+        still = {x for x, v in moves if self.at.get(x) == v}
+        if len(still) == len(moves):
+            still.discard(moves[0][0] if moves else b"")
+        return still
+
+    def _command(self, value: bytes) -> None:
+        if value in (b"2", b"30"):
+            self._forget()
+        self.speed = b""
 
     def _remember(self, words, motion: bytes, plain: bool) -> None:
         if not plain:
@@ -74,9 +86,7 @@ class Compact:
             elif letter == b"S":
                 self.speed = value
             elif letter == b"M":
-                if value in (b"2", b"30"):
-                    self._forget()
-                self.speed = b""
+                self._command(value)
             elif letter in AXES and motion:
                 self.at[letter] = value
         if not self.absolute:

@@ -7,9 +7,11 @@ for.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from postproc.errors import GcompError
 from postproc.streaming import protocols
-from postproc.streaming.events import Accepted, Alarm, Rejected, Restarted, Status, Told
+from postproc.streaming.events import Accepted, Alarm, Event, Rejected, Restarted, Status, Told
 from postproc.streaming.orders import fact, way_out
 from postproc.streaming.protocols import Protocol
 
@@ -88,28 +90,34 @@ class Greeting:
             self.banner = self.banner[-4000:]
             return
         for event in self.protocol.receive(data):
-            if isinstance(event, Told):
-                self._answers.append(event.text)
-            elif isinstance(event, Status):
-                self.status = event
-                if self._asks_status:
-                    self.done = True
-                elif self._mute and (why := unfit(self.protocol, event, self.port)):
-                    self.fault = why
-            elif isinstance(event, Accepted):
-                self._answered(now)
-            elif isinstance(event, Rejected):
-                self._refused(event, now)
-            # it greets late: what was asked is lost, or its answer may still come
-            elif isinstance(event, Restarted):
-                self.protocol.forget()
-                self.restarted = True
-                self._asked, self._asks_status, self._settles = None, False, True
-            elif isinstance(event, Alarm) and not self.state_only:
-                self._fail(
-                    f"the controller is in alarm: {event.code} {event.meaning}",
-                    "clear its cause and start again",
-                )
+            self._take(event, self.protocol, now)
+
+    def _reported(self, status: Status, protocol: Protocol) -> None:
+        self.status = status
+        if self._asks_status:
+            self.done = True
+        elif self._mute and (why := unfit(protocol, status, self.port)):
+            self.fault = why
+
+    def _take(self, event: Event, protocol: Protocol, now: float) -> None:
+        if isinstance(event, Told):
+            self._answers.append(event.text)
+        elif isinstance(event, Status):
+            self._reported(event, protocol)
+        elif isinstance(event, Accepted):
+            self._answered(now)
+        elif isinstance(event, Rejected):
+            self._refused(event, now)
+        # it greets late: what was asked is lost, or its answer may still come
+        elif isinstance(event, Restarted):
+            protocol.forget()
+            self.restarted = True
+            self._asked, self._asks_status, self._settles = None, False, True
+        elif isinstance(event, Alarm) and not self.state_only:
+            self._fail(
+                f"the controller is in alarm: {event.code} {event.meaning}",
+                "clear its cause and start again",
+            )
 
     def tick(self, now: float) -> None:
         if self.done or self.fault:
@@ -146,12 +154,16 @@ class Greeting:
             "is another program using the port?",
         )
 
+    def _is_whole(self, known: Sequence[str]) -> bool:
+        """Whether the banner of the likeliest protocol has come to its end."""
+        pattern = getattr(protocols.load(known[0]), "WHOLE", None) if known else None
+        return bool(pattern and pattern.search(self.banner))
+
     def _listen(self, now: float) -> None:
         assert self._begun is not None
         known = protocols.recognised(self.banner) if self.auto else self.found
-        whole = [getattr(protocols.load(name), "WHOLE", None) for name in known[:1]]
-        settled = any(pattern and pattern.search(self.banner) for pattern in whole)
-        said = self.banner.strip() and now - self._heard >= (SETTLED if settled else QUIET)
+        quiet = SETTLED if self._is_whole(known) else QUIET
+        said = self.banner.strip() and now - self._heard >= quiet
         if known and (said or not self._pokes):
             self.found = known
             self._choose(known[0], now)

@@ -51,6 +51,10 @@ class Hold:
         if self.stands:
             self.foreign = self.foreign or not (was or self.ordered)
             return FOREIGN if self.foreign and not was else ""
+        return self._moves(was, state)
+
+    def _moves(self, was: bool, state: str) -> str:
+        """What it means that it does not hold. was: it did by the report before."""
         if was and (self.foreign or (self.ordered and state == "run")):
             self.release(self.since)
             return RESUMED

@@ -40,10 +40,10 @@ class LineEstimate:
         if status is None or not moving:
             return None, 0.0
         if status.free:
-            planned = blocks - 1 - status.free[0]
-            if not answered or planned <= 0:
+            planned = min(blocks - 1 - status.free[0], len(answered))
+            if planned <= 0:
                 return None, 0.0
-            part = answered[-planned] if planned <= len(answered) else answered[0]
+            part = answered[-planned]
             return part, self._along(part, status)[1]
         # One that is not answered may be in execution: an arc is when all of it is planned.
         return self._by_place(moving[: len(answered) + 1], status)

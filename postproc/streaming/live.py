@@ -45,16 +45,13 @@ def read(controller: Controller, status: Status | None, letters: tuple[str, ...]
         found = offsets.read(
             text, "the controller's offsets", format="grbl", inch=controller.inches
         ).of(letters)
-        work = {
-            name: place
-            for name, place in found.work.items()
-            if name != "G92" or any(place.values())
-        }
+        work = dict(found.work)
+        if not any(work.get("G92", {}).values()):
+            work.pop("G92", None)
         length = {axis: v for axis, v in found.tools.get(TOOL, {}).items() if axis in letters}
         notices = found.notices
-    place: dict[str, float] = {}
-    if status is not None and status.place is not None:
-        place = {x: v for x, v in zip(CONTROLLER_AXES, status.place, strict=False) if x in letters}
+    said = getattr(status, "place", None) or ()
+    place = {x: v for x, v in zip(CONTROLLER_AXES, said, strict=False) if x in letters}
     return Live(
         work, length, place, tuple(w for w in controller.modal if w.startswith("G")), tuple(notices)
     )

@@ -109,14 +109,20 @@ def line_of(order: str, words: list[str]) -> bytes:
 
 
 def _axes(order: str, words: list[str]) -> bytes:
-    if order == ZERO:
-        letters = [w.upper() for w in words]
-        if not letters or any(not re.fullmatch("[XYZABCUVW]", w) for w in letters):
-            raise UsageError(
-                "zero takes letters of axes",
-                "gcomp control --port P zero X Y: the work zero of X and Y is here",
-            )
-        return ("G10 L20 P0 " + " ".join(f"{w}0" for w in letters)).encode()
+    return (_zero if order == ZERO else _jog)(words)
+
+
+def _zero(words: list[str]) -> bytes:
+    letters = [w.upper() for w in words]
+    if not letters or any(not re.fullmatch("[XYZABCUVW]", w) for w in letters):
+        raise UsageError(
+            "zero takes letters of axes",
+            "gcomp control --port P zero X Y: the work zero of X and Y is here",
+        )
+    return ("G10 L20 P0 " + " ".join(f"{w}0" for w in letters)).encode()
+
+
+def _jog(words: list[str]) -> bytes:
     feed, moves = JOG_FEED, []
     for word in words:
         if word[:1] in "Ff" and re.fullmatch(r"[0-9]*\.?[0-9]+", word[1:]):

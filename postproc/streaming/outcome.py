@@ -27,6 +27,11 @@ STATUS = {
 }
 
 
+def _span(what: str, first: int, last: int) -> str:
+    """Lines from one number to another, in words."""
+    return f"{what} {first}" if first == last else f"{what}s {first} to {last}"
+
+
 @dataclass(frozen=True)
 class Outcome:
     """kind: one of the names above; message: a fact; advice: the way out.
@@ -60,16 +65,8 @@ class Outcome:
             lines.append(f"surely over is all before {self.unsure.where()}")
         if self.unanswered:
             first, last = self.unanswered[0], self.unanswered[-1]
-            which = (
-                f"wire line {first.number}"
-                if first is last
-                else f"wire lines {first.number} to {last.number}"
-            )
-            source = (
-                f"source line {first.source}"
-                if first.source == last.source
-                else f"source lines {first.source} to {last.source}"
-            )
+            which = _span("wire line", first.number, last.number)
+            source = _span("source line", first.source, last.source)
             lines.append(f"sent and not answered: {which} ({source}); they may have been executed")
         if self.last_certain and self.kind != DONE:
             lines.append(

@@ -13,10 +13,11 @@ tool changes, in states in which something else than the program moves, and behi
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from postproc.streaming.account import REST, Account, per_mm
+from postproc.streaming.account import REST, Account, Part, per_mm
 from postproc.streaming.events import Status
 from postproc.streaming.limits import Limits
 from postproc.streaming.lines import WireLine
@@ -115,6 +116,13 @@ class Path:
         rows = self.order or range(n)
         seen = [k for k, row in enumerate(rows) if k < n and row < len(status.place)]
         place = np.array([status.place[rows[k]] for k in seen])
+        return self._nearest(parts, seen, place)
+
+    def _nearest(
+        self, parts: Sequence[Part], seen: list[int], place: np.ndarray
+    ) -> tuple[float, WireLine] | None:
+        """The part beside which it is least, and by how much; None: within the limit. seen: rows
+        of the parts' places that the report has; place: mm, those of the report."""
         best, at = math.inf, parts[0].line
         for part in parts:
             points = np.array(part.places)[:, seen]

@@ -49,6 +49,12 @@ class Reception:
                 return
             self._take(value)
 
+    def _is_nothing(self, letter: int, wrong: bool) -> bool:
+        """What a plug makes, and a tape's leader. wrong: its parity is."""
+        if letter in SKIPPED or letter in (0x0D, DC4):
+            return True
+        return not self.begun and (wrong or not 0x20 < letter < 0x7F)
+
     def _take(self, value: int) -> None:
         here = f"line {self.lines + 1} of what came in"
         wrong = self.parity != "N" and ODD[value] != (self.parity == "O")
@@ -60,12 +66,8 @@ class Reception:
             )
         elif letter == DC4 and self.begun:
             self._closed("DC4")
-        elif (
-            letter in SKIPPED
-            or letter in (0x0D, DC4)
-            or (not self.begun and (wrong or not 0x20 < letter < 0x7F))
-        ):
-            return  # what a plug makes, and a tape's leader
+        elif self._is_nothing(letter, wrong):
+            return
         elif letter not in b"\n\t" and not 0x20 <= letter < 0x7F:
             self.fault = (
                 f"{here}: byte {value:#04x} is no letter of a program: it was damaged on the way,"

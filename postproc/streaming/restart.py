@@ -79,30 +79,49 @@ def read_before(filter_: Filter, lines: Iterable[bytes], line: int) -> tuple[Bef
     return before, b"".join(rest)
 
 
+def _is_shifted(filter_: Filter) -> bool:
+    """Whether the program has moved its zero by where the machine stood."""
+    frame = filter_.modal.frame
+    if frame is None:
+        return False
+    slides = [i for i, x in enumerate(filter_.setup.axes) if x not in filter_.dialect.carried]
+    preset = frame.preset_on and frame.preset[slides].any()
+    return bool(preset or frame.local.any() or frame.trans.any())
+
+
+def _is_beside(filter_: Filter) -> bool:
+    """Whether the path is not the programmed one, by the tool's radius."""
+    modal = filter_.modal
+    return modal.beside.on or modal.codes.get("cutter", NONE) in filter_.dialect.beside
+
+
+def _in_cycle(filter_: Filter) -> bool:
+    """Whether a canned cycle is in force."""
+    motion = filter_.modal.codes.get("motion", NONE)
+    return filter_.modal.cycle is not None or (motion >= FIRST_CYCLE and motion != 800)
+
+
 def refuse(
     filter_: Filter, rest: bytes, line: int, what: str = "the job can not begin again here"
 ) -> None:
     """Raises ProgramError where a job can not safely begin with this line. `filter_` has read all
     before it."""
     modal, codes, axes = filter_.modal, filter_.modal.codes, filter_.setup.axes
-    frame, motion = modal.frame, codes.get("motion", NONE)
+    motion = codes.get("motion", NONE)
     incremental = codes.get("distance") == 910
-    unknown = [x for i, x in enumerate(axes) if x in "XYZ" and not modal.known[i]]
-    slides = [i for i, x in enumerate(axes) if x not in filter_.dialect.carried]
-    shifted = frame is not None and (
-        (frame.preset_on and frame.preset[slides].any()) or frame.local.any() or frame.trans.any()
-    )
+    known = zip(axes, modal.known, strict=True)
+    unknown = [x for x, is_known in known if x in "XYZ" and not is_known]
     first = next((t for t in rest.split(b"\n") if MOVES.search(COMMENT.sub(b"", t))), b"")
     earlier = "name an earlier line, before that begins"
     for is_so, message, advice in (
         (modal.ended, "the program has ended before this line", "name an earlier line"),
         (
-            modal.beside.on or codes.get("cutter", NONE) in filter_.dialect.beside,
+            _is_beside(filter_),
             "cutter radius compensation (G41, G42) is on",
             earlier,
         ),
         (
-            modal.cycle is not None or (motion >= FIRST_CYCLE and motion != 800),
+            _in_cycle(filter_),
             "a canned cycle is in force",
             earlier,
         ),
@@ -123,7 +142,7 @@ def refuse(
             "state it: --offset, --start",
         ),
         (
-            shifted,
+            _is_shifted(filter_),
             "the program has shifted its zero (G92, G52) by where the machine stood",
             earlier,
         ),
@@ -188,11 +207,26 @@ class Preamble:
                 " nothing of it",
                 f"say --safe-{self.lift.lower()}",
             )
-        if (
-            self.kind == LATHE
-            and self.before.left != OUT
-            and (self.before.left == IN or self.lift not in safe)
-        ):
+        if self.kind == LATHE and self.before.left != OUT:
+            self._refuse_bore(stated=self.lift in safe)
+        if top is None:
+            raise UsageError(
+                f"no rapid before this line says which {self.lift} is safe",
+                f"say it: --safe-{self.lift.lower()}, mm, machine coordinates",
+            )
+        stands = self.modal.position[self.row] / TICKS_PER_MM
+        if stands > top + 1e-9:
+            raise UsageError(
+                f"safe {self.lift} {top:g} is below where the program stands, {self.lift}"
+                f" {stands:.3f} (mm, machine"
+                f" coordinates{', in radius' if self.kind == LATHE else ''})",
+                f"--safe-{self.lift.lower()} higher, or name a line where the tool is farther in",
+            )
+        return top
+
+    def _refuse_bore(self, stated: bool) -> None:
+        """A lathe's tool that has not left the part outwards. stated: a safe X is."""
+        if self.before.left == IN or not stated:
             how = {
                 IN: "towards the axis: it cuts a bore",
                 ALONG: "along Z alone",
@@ -209,20 +243,6 @@ class Preamble:
                 f" left its last cut {how[self.before.left]}",
                 f"{say}name a line behind a rapid to a larger X, or {by_hand}",
             )
-        if top is None:
-            raise UsageError(
-                f"no rapid before this line says which {self.lift} is safe",
-                f"say it: --safe-{self.lift.lower()}, mm, machine coordinates",
-            )
-        stands = self.modal.position[self.row] / TICKS_PER_MM
-        if stands > top + 1e-9:
-            raise UsageError(
-                f"safe {self.lift} {top:g} is below where the program stands, {self.lift}"
-                f" {stands:.3f} (mm, machine"
-                f" coordinates{', in radius' if self.kind == LATHE else ''})",
-                f"--safe-{self.lift.lower()} higher, or name a line where the tool is farther in",
-            )
-        return top
 
     def word(self, group: str, default: str = "") -> str:
         """The code in force of a group, as it is written; "" where the control has no such code."""
@@ -242,35 +262,58 @@ class Preamble:
 
     def lines(self) -> list[str]:
         """All blocks."""
-        before, codes, one_command = self.before, self.modal.codes, self.dialect.one_command
-        still = {self.lift, *self.dialect.carried}
-        known = zip(self.setup.axes, self.modal.known, strict=True)
-        across = [f"{x}{digits(self.place[x])}" for x, is_known in known if is_known]
-        across = [word for word in across if word[0] not in still]
-        printer = self.kind == PRINTER
-        plane = [] if printer else self.known("G18" if self.kind == LATHE else "G17")
-        offset = self.word("work offset")
-        # Behind G94 and G95: LinuxCNC sets F to zero there.
-        feed = before.feed and codes.get("feed mode") != 930 and not one_command
+        first_feed, feed = self._feeds()
         lines = [
-            *self.joined(self.known("G21", "G90") + plane + self.known("G94")),
+            *self._units(),
             *self._heat(),
-            self.word("diameter") if codes.get("diameter") in (70, 80) else "",
-            "" if printer and offset == "G54" else offset,
+            *self._zeros(),
             "" if self.stays else self._out(),
             *self._tool(),
-            "" if self.stays or not across else " ".join(["G0", *across]),
+            "" if self.stays else self._across(),
             *self._spindle(),
             "" if self.stays else self._down(),
-            f"G1 F{before.feed:g}" if one_command and before.feed else "",
-            before.path,
+            first_feed,
+            self.before.path,
             *self.joined(self._modes()),
             *self._carried(),  # behind G90, which counts for E too
-            f"F{before.feed / (MM_PER_INCH if before.inch else 1.0):.7g}" if feed else "",
+            feed,
         ]
-        if codes.get("motion", NONE) in (0, 10) and self.dialect.modal_motion:
+        if self.modal.codes.get("motion", NONE) in (0, 10) and self.dialect.modal_motion:
             lines.append(self.word("motion"))
         return [line for line in lines if line]
+
+    def _units(self) -> list[str]:
+        """The modal state of the preamble itself: mm, absolute, the plane, feed per minute."""
+        plane = "G18" if self.kind == LATHE else "G17"
+        planes = [] if self.kind == PRINTER else self.known(plane)
+        return self.joined(self.known("G21", "G90") + planes + self.known("G94"))
+
+    def _zeros(self) -> list[str]:
+        """Diameter or radius, and the work offset."""
+        diameter = self.modal.codes.get("diameter") in (70, 80)
+        offset = self.word("work offset")
+        needless = self.kind == PRINTER and offset == "G54"
+        return [self.word("diameter") if diameter else "", "" if needless else offset]
+
+    def _across(self) -> str:
+        """Over the place, in all axes but the one that lifts."""
+        still = {self.lift, *self.dialect.carried}
+        known = zip(self.setup.axes, self.modal.known, strict=True)
+        words = [f"{x}{digits(self.place[x])}" for x, is_known in known if is_known]
+        words = [word for word in words if word[0] not in still]
+        return " ".join(["G0", *words]) if words else ""
+
+    def _feeds(self) -> tuple[str, str]:
+        """The feed where a line is one command, and else in the program's own units: behind G94
+        and G95, for LinuxCNC sets F to zero there."""
+        feed = self.before.feed
+        if not feed:
+            return "", ""
+        if self.dialect.one_command:
+            return f"G1 F{feed:g}", ""
+        if self.modal.codes.get("feed mode") == 930:
+            return "", ""
+        return "", f"F{feed / (MM_PER_INCH if self.before.inch else 1.0):.7g}"
 
     def _down(self) -> str:
         """Down to where the cut begins; by a rapid where the program has come here by rapids."""

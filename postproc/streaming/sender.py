@@ -227,18 +227,22 @@ class Sender:
             if not self._sent:
                 self._moved = now  # waiting begins with the first line that waits
                 self._idle_since = None
-            data = self.protocol.send(line.number, line.text)
-            answered = self.protocol.confirms != "nothing"
-            if answered:
-                self._sent[line.number] = line
-            self.out.put(data, None if answered else line)
-            self.tally.peak = max(self.tally.peak, getattr(self.protocol, "used", 0))
-            if line.number > 0:
-                self.tally.sent += 1
-                self.tally.bytes += len(data)
-                self.log.append(("sent", line, now))
-                self.account.sent(line)
+            self._put(line, now)
             self._drained, self._rests = None, 0
+
+    def _put(self, line: WireLine, now: float) -> None:
+        """One line on its way."""
+        data = self.protocol.send(line.number, line.text)
+        answered = self.protocol.confirms != "nothing"
+        if answered:
+            self._sent[line.number] = line
+        self.out.put(data, None if answered else line)
+        self.tally.peak = max(self.tally.peak, getattr(self.protocol, "used", 0))
+        if line.number > 0:
+            self.tally.sent += 1
+            self.tally.bytes += len(data)
+            self.log.append(("sent", line, now))
+            self.account.sent(line)
 
     def _missed(self, now: float) -> None:
         """Time in which nobody looked is no silence of the controller: what it said then has yet to
@@ -271,17 +275,32 @@ class Sender:
         if now >= self._deadline and self._pending is not None:
             self._overdue(self._pending)
             return
-        oldest = [self._sent[k] for k in self.protocol.outstanding()[:1] if k in self._sent]
-        text = oldest[0].text if oldest else b""
-        polls = bool(self.protocol.urgent("status"))
-        patience = max(self.limits.silence, self.protocol.patience(text) if text else 0.0)
-        if polls and self._reports.waits and now - max(self._heard, self._moved) > patience:
-            self._finish(endings.silent(now - self._heard))
-        elif not polls and text and now - self._moved > patience:
-            if self.state == RUNNING and not self._hold.stands:
-                self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
+        text = self._oldest()
+        patience = self._patience(self.limits.silence, text)
+        if self.protocol.urgent("status"):
+            heard, silent = max(self._heard, self._moved), self._reports.waits
+        else:
+            heard, silent = self._moved, bool(text)
+        if silent and now - heard > patience:
+            self._silent(now)
         elif self._all_answered and not (self.out or self._pending or self.asks):
             self._drain(now)
+
+    def _patience(self, least: float, text: bytes) -> float:
+        """s for which nothing need come while this line is executed; b"": none is."""
+        return max(least, self.protocol.patience(text) if text else 0.0)
+
+    def _oldest(self) -> bytes:
+        """The line that has waited longest for its answer; b"": none."""
+        waits = [self._sent[k] for k in self.protocol.outstanding()[:1] if k in self._sent]
+        return waits[0].text if waits else b""
+
+    def _silent(self, now: float) -> None:
+        """Nothing has come for too long: no report, or where none is asked for no answer."""
+        if self.protocol.urgent("status"):
+            self._finish(endings.silent(now - self._heard))
+        elif self.state == RUNNING and not self._hold.stands:
+            self._stalled(now, f"there was no answer for {now - self._moved:.1f} s")
 
     def _overdue(self, outcome: Outcome) -> None:
         """The end that is due, or that nothing has confirmed it."""
@@ -313,7 +332,12 @@ class Sender:
             self._end_soon(endings.stray(event), now, hold=True)
         elif isinstance(event, events.Altered):
             self._end_soon(endings.altered(event, self._sent.get(event.number)), now, hold=True)
-        elif isinstance(event, events.Write):
+        else:
+            self._heard_of(event, now)
+
+    def _heard_of(self, event: events.Event, now: float) -> None:
+        """What ends nothing and answers nothing."""
+        if isinstance(event, events.Write):
             if self.state in (RUNNING, HELD):
                 self.out.put(event.data)
                 self._moved = now
@@ -395,21 +419,21 @@ class Sender:
         if status.state == "alarm" and self.state != STOPPING:
             self._finish(endings.alarm_state())
             return
-        if (
-            self.state == HALTING
-            and status.state in ("hold", "idle")
-            and status.detail != "1"
-            and not self.out.urgent
-        ):
-            if self.spindle_off and status.state == "hold":
-                self.out.urgent += self.protocol.urgent("spindle stop")
-            self._deadline = min(self._deadline, now)
+        self._halted(status, now)
         if self.state in (RUNNING, HELD):
             self._looked(self.path.judge(status), status, now)
         if news := self._hold.reported(status.state, asked):
             self._held(news, status, now)
         elif not self._hold.ordered:
             self._at_rest(status, asked_after_drain, now)
+
+    def _halted(self, status: events.Status, now: float) -> None:
+        """Where the job ends and the machine stands: the spindle's stop, and the end now."""
+        stands = status.state in ("hold", "idle") and status.detail != "1"
+        if self.state == HALTING and stands and not self.out.urgent:
+            if self.spindle_off and status.state == "hold":
+                self.out.urgent += self.protocol.urgent("spindle stop")
+            self._deadline = min(self._deadline, now)
 
     def _looked(self, seen: str, status: events.Status, now: float) -> None:
         """Beside the path: hold, look again, and end or go on."""
@@ -446,10 +470,8 @@ class Sender:
         if status.state in RESTS:
             if self._sent and self.state == RUNNING:
                 self._idle_since = now if self._idle_since is None else self._idle_since
-                waiting = self.waiting[:1]
-                patience = max(
-                    self.limits.stall, self.protocol.patience(waiting[0].text) if waiting else 0.0
-                )
+                text = next((line.text for line in self.waiting), b"")
+                patience = self._patience(self.limits.stall, text)
                 if now - max(self._idle_since, self._moved) >= patience:
                     self._stalled(
                         now,

@@ -98,20 +98,24 @@ class Source:
         seen, self._seen[:] = list(self._seen), []
         return [line for one in seen for line in self._of_pass(*one)]
 
+    def _line_by_line(self, text: bytes) -> list[WireLine]:
+        """A batch in which the program may end."""
+        single: list[WireLine] = []
+        try:
+            for row in text.splitlines(keepends=True):
+                single += self._batch(row)
+        except ProgramError:
+            self.delivered = single + self.delivered
+            raise
+        return single
+
     def _batch(self, text: bytes) -> list[WireLine]:
         if self.ended:
-            self.dropped += sum(1 for line in text.split(b"\n") if self._says(line))
+            self.dropped += sum(map(self._says, text.split(b"\n")))
             self.filter.summary.lines += text.count(b"\n")
             return []
         if text.count(b"\n") > 1 and (b"%" in text or (self._ends and self._ends.search(text))):
-            single: list[WireLine] = []
-            try:
-                for row in text.splitlines(keepends=True):
-                    single += self._batch(row)
-            except ProgramError:
-                self.delivered = single + self.delivered
-                raise
-            return single
+            return self._line_by_line(text)
         first = self.filter.summary.lines
         self._seen.clear()
         try:

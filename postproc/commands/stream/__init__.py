@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from postproc.commands.stream.show import Show
     from postproc.commands.stream.signals import Signals
     from postproc.machine.model import Machine
+    from postproc.streaming.events import Status
     from postproc.streaming.greeting import Greeting
     from postproc.streaming.outcome import Outcome
     from postproc.streaming.rates import Load
@@ -180,7 +181,7 @@ def _stream(
 
     port, greeting, signals = link
     order = tuple(CONTROLLER_AXES.index(x) for x in machine.letters)
-    reported = len((greeting.status and greeting.status.place) or ())
+    reported = _places(greeting.status)
     sender = _sender(options, job, order)
     with contextlib.ExitStack() as stack:
         trace, record = kept.recording(options, machine, job, order, reported, stack)
@@ -191,9 +192,7 @@ def _stream(
         quiet = options.quiet or _is_dry(options)
         show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
-        answers = None
-        if job.macros is not None and not options.check:
-            answers = tools.Answers(job.protocol.controller, machine.letters)
+        answers = tools.answers(options, job, machine.letters)
         prefetch = Prefetch(lambda: job.lines(answers, options.check)).start()
         run = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys, answers)
         try:
@@ -236,6 +235,11 @@ def _sender(options: argparse.Namespace, job: Job, order: tuple[int, ...]) -> Se
     )
 
 
+def _places(status: Status | None) -> int:
+    """Of how many axes the controller reports the place."""
+    return len(status.place) if status is not None and status.place is not None else 0
+
+
 def _tell(
     options: argparse.Namespace,
     machine: Machine,
@@ -249,7 +253,7 @@ def _tell(
 
     dry = _is_dry(options)
     ends = not dry or outcome.exit_status != 0  # behind a pass that finds nothing the job runs
-    before = "nothing has moved: in the controller's check mode, " if dry else ""
+    before = "nothing has moved: in the controller's check mode, " * dry
     if ends:
         show.tell(before + outcome.text())
     # of a pipe: what came before the fault was sent

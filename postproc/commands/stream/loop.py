@@ -305,6 +305,12 @@ class Run:
         else:
             self.show.tell(f"{keyboard.IN_HOLD}; {keyboard.OVER}")
 
+    @staticmethod
+    def _answer_of(pressed: str) -> str:
+        """The first key that answers; "": none."""
+        known = (keyboard.SKIP, keyboard.STOP, keyboard.RESET)
+        return next((key for key in pressed if key in known), "")
+
     def _ask(self, pressed: str | None, now: float) -> None:
         """Show a refused line, and obey the answer. A keyboard that is gone stops the job."""
         for line, words in self.sender.asks[self._asked :]:
@@ -313,8 +319,7 @@ class Run:
                 f"{endings.fact_of_refusal(line, words)}\n   "
                 f" {endings.behind(rest)}{self.sender.protocol.does['hold']}"
             )
-        known = (keyboard.SKIP, keyboard.STOP, keyboard.RESET)
-        answer = next((key for key in pressed or "" if key in known), "")
+        answer = self._answer_of(pressed or "")
         if len(self.sender.asks) > self._asked or (pressed and not answer):
             self.show.tell(keyboard.IN_REFUSAL)
         elif answer == keyboard.RESET:

@@ -115,12 +115,17 @@ def refuse(options: argparse.Namespace, is_file: bool) -> None:
         standing.kept(options.record, False, "another name")
     _refuse_resumed(options, is_file)
     _refuse_errors(options, is_file)
+    _refuse_source(options, is_file)
+    if options.baud <= 0:
+        raise UsageError(f"--baud {options.baud} is no speed")
+
+
+def _refuse_source(options: argparse.Namespace, is_file: bool) -> None:
+    """A program that is not there, or of a language that a pipe can not show."""
     if not is_file and options.dialect == reading.AUTO:
         raise UsageError("--dialect auto looks at the program before it is read: not with a pipe")
     if options.file not in (None, "-") and not Path(options.file).exists():
         raise UsageError(f"{options.file} can not be read: there is no such file")
-    if options.baud <= 0:
-        raise UsageError(f"--baud {options.baud} is no speed")
 
 
 def _refuse_resumed(options: argparse.Namespace, is_file: bool) -> None:

@@ -141,6 +141,13 @@ class Answers:
             self._news.notify_all()
 
 
+def answers(options: argparse.Namespace, job: Job, letters: tuple[str, ...]) -> Answers | None:
+    """Who takes what the controller says behind each change; None: it is not asked."""
+    if job.macros is None or options.check:
+        return None
+    return Answers(job.protocol.controller, letters)
+
+
 def lines(job: Job, answers: Answers | None, bare: bool) -> Iterator[list[WireLine]]:
     """All of a job. answers: of the controller, None: before the job, with the zeros of now. bare:
     without macros and pauses, as in the controller's check mode. Raises ProgramError,

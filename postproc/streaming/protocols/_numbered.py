@@ -60,6 +60,14 @@ def checksum(data: bytes) -> int:
     return value
 
 
+def _line_asked_for(text: str) -> int | None:
+    """The line that an error's text names as the next one."""
+    if last := LAST_LINE.search(text):
+        return int(last[1]) + 1
+    expected = EXPECTED.search(text)
+    return int(expected[1]) if expected else None
+
+
 @dataclass
 class Frame:
     """A line on its way. n: its number, None: it has none; oks: answers that it still gets; unread:
@@ -231,8 +239,7 @@ class Numbered(Protocol):
         if found:
             return self._request(text, int(found[1]))
         if LINE_ERROR.match(text):
-            last, expected = LAST_LINE.search(text), EXPECTED.search(text)
-            self._ask.said = int(last[1]) + 1 if last else int(expected[1]) if expected else None
+            self._ask.said = _line_asked_for(text)
             return [Told(text)]
         found = UNKNOWN.search(text)
         if found and self._waiting:
@@ -247,20 +254,29 @@ class Numbered(Protocol):
         """What only one of the controllers says."""
         return [] if TEMPERATURE.match(text) else [Told(text)]
 
+    @staticmethod
+    def _has_all_oks(frame: Frame) -> bool:
+        """One ok more has come: is it the last one, and the report that M114 needs there?"""
+        frame.oks -= 1
+        return frame.oks <= 0 and (frame.seen or frame.text != b"M114")
+
+    def _ok_of_bare(self, text: str) -> list[Event]:
+        """The ok of a line without a number."""
+        if not self._bare:
+            return self._fault(f"{text}: it has executed a line that had lost its number")
+        self._bare -= 1
+        return [Told(text)]
+
     def _ok(self, text: str, found: re.Match[str]) -> list[Event]:
         events = self._place(found[4]) if found[4] and PLACE.match(found[4]) else []
         self._slots = max(self._slots, int(found[3] or 0))
         if found[1] is not None and self._started:
             self._numbers = True
             return events + self._ok_of(int(found[1]), text)
+        if self._numbers and self._started and found[2] is not None:
+            return [*events, *self._ok_of_bare(text)]
         told = [*events, Told(text)]
         frame = self._waiting[0] if self._waiting else None
-        if self._numbers and self._started and found[2] is not None:  # of a line without a number
-            if not self._bare:
-                lost = f"{text}: it has executed a line that had lost its number"
-                return [*events, *self._fault(lost)]
-            self._bare -= 1
-            return told
         if self._numbers and frame is not None and frame.n is not None:
             return told  # it belongs to a request
         if self._spare:
@@ -268,11 +284,8 @@ class Numbered(Protocol):
             return told
         if frame is None:
             return [*events, Stray(text)]
-        frame.oks -= 1
         self._missed = 0
-        # that one needs its report too
-        done = frame.oks <= 0 and (frame.seen or frame.text != b"M114")
-        return events + self._taken(frame) if done else told
+        return events + self._taken(frame) if self._has_all_oks(frame) else told
 
     def _ok_of(self, n: int, text: str) -> list[Event]:
         """An ok that names its line: those before it were taken too."""
@@ -302,25 +315,28 @@ class Numbered(Protocol):
             return [Write(self._again[0].data)]
         return []
 
+    def _has_all(self, text: str) -> list[Event]:
+        """It asks for the line that has not been sent yet."""
+        self._again.clear()
+        self._missed += bool(self._waiting)
+        # twice the ok of a line was taken for a request's own: this build gives requests none
+        if self._missed >= 2:
+            self.own_ok, self._spare = False, 0
+        self._spare += self.own_ok and not self._numbers
+        return [event for frame in list(self._waiting) for event in self._taken(frame)] or [
+            Told(text)
+        ]
+
     def _request(self, text: str, n: int) -> list[Event]:
         said, self._ask.said = self._ask.said, None
-        if not self._started or (said is not None and said != n):
+        if not self._started or said not in (None, n):
             return self._strange(text)
-        numbers = [frame.n for frame in self._waiting]
-        if n == self._n + 1:  # it has all of them
-            self._again.clear()
-            self._missed += bool(self._waiting)
-            # twice the ok of a line was taken for a request's own: this build gives requests none
-            if self._missed >= 2:
-                self.own_ok, self._spare = False, 0
-            self._spare += self.own_ok and not self._numbers
-            return [event for frame in list(self._waiting) for event in self._taken(frame)] or [
-                Told(text)
-            ]
-        if n in numbers:
+        if n == self._n + 1:
+            return self._has_all(text)
+        if n in [frame.n for frame in self._waiting]:
             self._spare += self.own_ok and not self._numbers
             return self._send_again(text, n)
-        if any(frame.n == n for frame in self._known) and n <= self._n:
+        if n <= self._n and n in [frame.n for frame in self._known]:
             return self._fault(f"{text}: it asks for a line that it has already answered")
         return self._strange(text)
 

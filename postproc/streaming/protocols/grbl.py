@@ -136,30 +136,30 @@ class Grbl(Protocol):
         """Without comments, block delete and blanks at the ends; without any blanks where it would
         be too long."""
         text = text.strip()
-        if not text or text.startswith(b"%"):
+        if text[:1] in (b"", b"%"):
             return b""
         if not text.startswith(b"$") and (b"(" in text or b";" in text):
             text = COMMENT.sub(b"", text).strip()
         text = text.lstrip(b"/").strip()
         if found := REALTIME.search(text):
-            what = (
-                f"byte {found[0][0]}"
-                if found[0][0] >= 127 or found[0][0] < 32
-                else repr(found[0].decode())
-            )
+            byte = found[0][0]
+            what = f"byte {byte}" if byte >= 127 or byte < 32 else repr(chr(byte))
             raise Unsendable(
                 f"the line has {what} in it, which {self.controller.name} would obey at once"
                 " wherever it stands",
                 "take it out; in comments it does no harm",
             )
-        bare = BLANKS.sub(b"", text)
         limit = self.controller.line_limit
-        if len(bare) > limit or len(bare) >= self.controller.window:
+        most = min(limit, self.controller.window - 1)
+        if len(text) <= most:
+            return text
+        bare = BLANKS.sub(b"", text)
+        if len(bare) > most:
             raise Unsendable(
                 f"the line has {len(bare)} characters, and {self.controller.name} takes {limit}",
                 "shorten it: drop N words and digits beyond the machine's resolution, or split it",
             )
-        return bare if len(text) > limit or len(text) >= self.controller.window else text
+        return bare
 
     def alone(self, text: bytes) -> bool:
         return bool(ALONE.search(BLANKS.sub(b"", text)))
@@ -308,24 +308,33 @@ class Grbl(Protocol):
 
     # -- what it says of itself --------------------------------------------------------------------
 
+    def _learn_build(self, answers: list[str]) -> None:
+        """Version, options, and the sizes of planner and receive buffer."""
+        c = self.controller
+        for text in answers:
+            if version := VERSION.match(text):
+                c.version = version[1].rstrip(":")
+            if options := OPTIONS.match(text):
+                c.flags = options[1]
+                if options[3]:
+                    c.planner = int(options[2]) + 1
+                    c.window = max(16, int(options[3]) - self.keep)
+
+    def _learn_settings(self, answers: list[str]) -> None:
+        c = self.controller
+        found = filter(None, map(SETTING.match, answers))
+        c.settings |= {setting[1]: setting[2].strip() for setting in found}
+        c.inches = c.settings.get("13", "0").split(".")[0] == "1"
+        if "22" in c.settings:
+            c.homing = c.settings["22"].split(".")[0] not in ("0", "")
+        c.compensates = self.compensates(c.settings)
+
     def learn(self, question: bytes, answers: list[str]) -> None:
         c = self.controller
         if question == b"$I":
-            for text in answers:
-                if version := VERSION.match(text):
-                    c.version = version[1].rstrip(":")
-                if options := OPTIONS.match(text):
-                    c.flags = options[1]
-                    if options[3]:
-                        c.planner = int(options[2]) + 1
-                        c.window = max(16, int(options[3]) - self.keep)
+            self._learn_build(answers)
         elif question in (b"$$", b"$+"):
-            found = filter(None, map(SETTING.match, answers))
-            c.settings |= {setting[1]: setting[2].strip() for setting in found}
-            c.inches = c.settings.get("13", "0").split(".")[0] == "1"
-            if "22" in c.settings:
-                c.homing = c.settings["22"].split(".")[0] not in ("0", "")
-            c.compensates = self.compensates(c.settings)
+            self._learn_settings(answers)
         elif question == b"$#":
             c.offsets = [a for a in answers if a.startswith("[") and not a.startswith("[MSG")]
         elif question == b"$G":

@@ -51,6 +51,7 @@ DOES = {
     "hold": "it was told to pause: resume goes on, abort ends the program",
     "stop": "it was told to abort: the program has ended where the machine stands",
 }
+NUMBER = re.compile(r"-?[0-9.]+")
 HEARD = re.compile(r"([GT][0-9.LO]*)((?: -?[0-9.]+){3})")
 AXIS = re.compile(rb"[A-CI-KRU-Z] *[-+.0-9#\[]", re.IGNORECASE)
 AT = re.compile(r"\bon line ([0-9]+)")
@@ -172,15 +173,19 @@ class Linuxcnc(Protocol):
                 events += self._meaning(text)
         return events
 
+    def _answered(self, text: str) -> list[Event]:
+        """The answer to the question that has waited longest."""
+        number, question = self._asked.popleft()
+        if text.endswith(" NAK"):
+            why = "switched off, in emergency stop, or held by another client"
+            return [Rejected(number, text, why)]
+        self._run = self._run or question == b"set run"
+        heard = [] if question.startswith(b"set") else [Told(text)]
+        return [*heard, Accepted(number)]
+
     def _meaning(self, text: str) -> list[Event]:
         if self._asked and self._answers(text):
-            number, question = self._asked.popleft()
-            if text.endswith(" NAK"):
-                why = "switched off, in emergency stop, or held by another client"
-                return [Rejected(number, text, why)]
-            self._run = self._run or question == b"set run"
-            heard = [] if question.startswith(b"set") else [Told(text)]
-            return [*heard, Accepted(number)]
+            return self._answered(text)
         key, _, value = text.partition(" ")
         if key.lower().encode() in (command[4:] for command in STATUS):
             self._said[key] = value.strip()
@@ -202,11 +207,11 @@ class Linuxcnc(Protocol):
     def _reported(self) -> list[Event]:
         """A report is whole."""
         said = self._said
-        values = [v for v in said["ABS_ACT_POS"].split() if re.fullmatch(r"-?[0-9.]+", v)]
+        values = list(filter(NUMBER.fullmatch, said["ABS_ACT_POS"].split()))
         place = tuple(map(float, values[: self._axes]))
         state = STATES.get(said.get("PROGRAM_STATUS", ""), "unknown")
         stands, self._place = place == self._place, place
-        detail = ("0" if stands else "1") if state == "hold" else ""
+        detail = f"{int(not stands)}" if state == "hold" else ""
         if said.get("MACHINE") == "OFF":
             state = "off"
         elif state == "idle" and not self._homed:
@@ -260,6 +265,13 @@ class Linuxcnc(Protocol):
 
     # -- what it says of itself ------------------------------------------------------------------
 
+    def _learn_offsets(self, text: str) -> None:
+        preset = not text.endswith(" on 0.000000")
+        for name, values in HEARD.findall(text):
+            if name != "G92" or preset:
+                place = values.split()[2:] if name == "TLO" else values.split()
+                self.controller.offsets.append(f"[{name}:{','.join(place)}]")
+
     def learn(self, question: bytes, answers: list[str]) -> None:
         words = answers[-1].split() if answers else []
         if question.startswith(b"hello") and len(words) > 2:
@@ -271,11 +283,7 @@ class Linuxcnc(Protocol):
         elif question == b"get program_codes":
             self.controller.modal = words[1:]
         elif question == b"get operator_display" and answers:
-            preset = not answers[-1].endswith(" on 0.000000")
-            for name, values in HEARD.findall(answers[-1]):
-                if name != "G92" or preset:
-                    place = values.split()[2:] if name == "TLO" else values.split()
-                    self.controller.offsets.append(f"[{name}:{','.join(place)}]")
+            self._learn_offsets(answers[-1])
 
 
 PROTOCOL = Linuxcnc

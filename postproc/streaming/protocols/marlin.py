@@ -113,6 +113,16 @@ class Marlin(Numbered):
         self._zero = tuple(round(m - w, 3) for m, w in zip(place, logical, strict=True))
         return place
 
+    def _learn_settings(self, answers: list[str]) -> None:
+        c = self.controller
+        for found in filter(None, map(SETTING.match, answers)):
+            c.settings.setdefault("M" + found[1], found[2].strip())
+        values = {k: {a: float(v) for a, v in WORD.findall(text)} for k, text in c.settings.items()}
+        steps = tuple(values.get("M92", {}).get(x, 0.0) for x in "XYZ")
+        if min(steps) > 0:
+            self._steps = steps
+        c.compensates = compensates(values)
+
     def learn(self, question: bytes, answers: list[str]) -> None:
         c = self.controller
         if question == b"M115":
@@ -121,15 +131,7 @@ class Marlin(Numbered):
         elif question == b"M113":
             self._alive = any(re.match(r"(?:echo:)?M113 S[1-9]", text) for text in answers)
         elif question == b"M503 S0":
-            for found in filter(None, map(SETTING.match, answers)):
-                c.settings.setdefault("M" + found[1], found[2].strip())
-            values = {
-                k: {a: float(v) for a, v in WORD.findall(text)} for k, text in c.settings.items()
-            }
-            steps = tuple(values.get("M92", {}).get(x, 0.0) for x in "XYZ")
-            if min(steps) > 0:
-                self._steps = steps
-            c.compensates = compensates(values)
+            self._learn_settings(answers)
         elif question == b"M114" and self._zero:
             c.offsets = [f"[G54:{','.join(f'{v:.3f}' for v in self._zero)}]"]
 

@@ -98,6 +98,12 @@ class Smoothieware(Numbered):
             text = text[min(nexts) :] if nexts else b""
         return max(1, n)
 
+    def _probed_twice(self) -> bool:
+        """Whether an ok is the second one of PROBE: that of M115 comes behind its name."""
+        asked = self._waiting[0].text if self._waiting else b"M115"
+        probed = any(x.text == PROBE for x in self._known)
+        return asked == b"M115" and not self._named and probed
+
     def _meaning(self, text: str) -> list[Event]:
         events: list[Event] = []
         if found := REPORT.match(text):
@@ -105,14 +111,8 @@ class Smoothieware(Numbered):
             text = text[found.end() :].strip()
             if not text:
                 return events
-        asked = self._waiting[0].text if self._waiting else b"M115"
-        if (
-            text == "ok"
-            and asked == b"M115"
-            and not self._named
-            and any(x.text == PROBE for x in self._known)
-        ):
-            self._each = True  # the second ok of PROBE: that of M115 comes behind its name
+        if text == "ok" and self._probed_twice():
+            self._each = True
             return events
         # no line of ours, for ours begin with N: the rest of one that was cut, or `anew`
         if text == "ok - ignored":

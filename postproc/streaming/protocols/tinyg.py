@@ -291,9 +291,13 @@ class TinyG(Protocol):
         question asked before."""
         block = body.get("gc")
         if sent.startswith(b"{"):
-            known = next(iter(json.loads(sent))) in body
-            return "" if known else "repeated" if "gc" not in body else str(block)
-        counted = len(sent) + 1
+            if next(iter(json.loads(sent))) in body:
+                return ""
+            return str(block) if "gc" in body else "repeated"
+        return self._differs_from_block(sent, body, footer)
+
+    def _differs_from_block(self, sent: bytes, body: dict[str, Any], footer: list[int]) -> str:
+        block, counted = body.get("gc"), len(sent) + 1
         if block is None:
             if not body.keys().isdisjoint(("sr", "mpo", "jv", *WORK)):
                 return "repeated"
@@ -336,9 +340,12 @@ class TinyG(Protocol):
             if isinstance(system, dict):
                 self.controller.version = f"{system.get('fv', '')} build {system.get('fb', '')}"
                 self.controller.settings |= {k: str(v) for k, v in system.items()}
-            for name in WORK:
-                if place := ",".join(f"{v:.3f}" for v in numbers(body.get(name))):
-                    self.controller.offsets.append(f"[{name.upper()}:{place}]")
+            self._learn_offsets(body)
+
+    def _learn_offsets(self, body: dict[str, Any]) -> None:
+        for name in WORK:
+            if place := ",".join(f"{v:.3f}" for v in numbers(body.get(name))):
+                self.controller.offsets.append(f"[{name.upper()}:{place}]")
 
 
 def footer_is_good(footer: Any, text: str) -> bool:
