@@ -184,6 +184,20 @@ def sampled(table: ErrorTable, nodes: np.ndarray) -> ErrorTable:
     return replace(table, nodes=nodes, forward=table.at(nodes, 1.0), reverse=table.at(nodes, -1.0))
 
 
+def is_letter(cell: str) -> bool:
+    """Whether a cell can name an axis."""
+    return len(cell) == 1 and cell.isalpha()
+
+
+def _common_step(places: np.ndarray, multiple: float) -> float:
+    """mm: the largest step of which all places are multiples; 0 where one is no whole multiple of
+    `multiple` mm."""
+    ticks = np.append(places / multiple, 0.0)
+    if np.any(np.abs(ticks - np.round(ticks)) >= 1e-3):
+        return 0.0
+    return math.gcd(*(int(t) for t in np.round(ticks))) * multiple
+
+
 def even_nodes(
     table: ErrorTable, options: ExportOptions, anchor: float, most: int, multiple: float = GRAIN
 ) -> np.ndarray:
@@ -203,24 +217,18 @@ def even_nodes(
     step = options.spacing
     if step < 0 or (step and abs(step / multiple - round(step / multiple)) > 1e-6):
         raise UsageError(f"a spacing of {step:g} mm is not a multiple of {multiple:g} mm")
-    if step:
-        if count(step) > most:
-            least = (high - low) / max(1, most - 2)
-            raise TableError(
-                f"{table.name}: {high - low:g} mm in steps of {step:g} mm are {count(step)} points,"
-                f" and the control has {most}",
-                f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has"
-                " more",
-            )
-    else:
-        ticks = np.append((table.nodes - anchor) / multiple, 0.0)
-        if np.all(np.abs(ticks - np.round(ticks)) < 1e-3):
-            step = math.gcd(*(int(t) for t in np.round(ticks))) * multiple
-        if not step or count(step) > most:
-            least = (high - low) / max(1, most - 2)
-            if len(table.nodes) > 1:
-                least = max(least, float(np.diff(table.nodes).min()) / 4)
-            step = next(v for v in _nice(multiple) if v >= least - 1e-9 and count(v) <= most)
+    least = (high - low) / max(1, most - 2)
+    if step and count(step) > most:
+        raise TableError(
+            f"{table.name}: {high - low:g} mm in steps of {step:g} mm are {count(step)} points,"
+            f" and the control has {most}",
+            f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has more",
+        )
+    step = step or _common_step(table.nodes - anchor, multiple)
+    if not step or count(step) > most:
+        if len(table.nodes) > 1:
+            least = max(least, float(np.diff(table.nodes).min()) / 4)
+        step = next(v for v in _nice(multiple) if v >= least - 1e-9 and count(v) <= most)
     first = math.floor((low - anchor) / step + 1e-6)
     return np.round(anchor + step * np.arange(first, first + count(step)), 9)
 

@@ -162,10 +162,10 @@ def _words(
             entering = plain != "G11"
             continue
         words = WORD.findall(plain)
-        if WORD.sub("", plain).strip() or not words or words[0][0] != "N" or not entering:
+        numbered = [letter for letter, *_ in words[:1]] == ["N"]
+        if WORD.sub("", plain).strip() or not numbered or not entering:
             raise at.fault(
-                "this is no parameter or compensation number"
-                + (" between G10 and G11" if program else ""),
+                f"this is no parameter or compensation number{' between G10 and G11' * program}",
                 "like N10051 R1 in G10 L50, or N10051 P1",
             )
         _record(listing, at, words, ("P", "R") if program else ("A", "P"), axes)

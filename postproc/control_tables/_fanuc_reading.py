@@ -113,7 +113,7 @@ def straightness(source: Source, options: ExportOptions) -> list[ErrorTable]:
     rows: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for at in common.numbered(source)[1:]:
         cells = [c.strip() for c in at.text.split(",")]
-        if len(cells) != 4 or not all(len(c) == 1 and c.isalpha() for c in cells[:2]):
+        if len(cells) != 4 or not all(map(common.is_letter, cells[:2])):
             raise at.fault("not moving, compensated, position and increment", "Z,X,20,-1")
         place, count = (at.finite(c, "the value") for c in cells[2:])
         known = rows.setdefault((cells[0].upper(), cells[1].upper()), [])

@@ -25,11 +25,12 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     at, columns = layout(source.text, source.name)
     said = UNIT.search(lines[0].text.upper()) if at else None
     unit = FACTOR[said[1]] if said else common.mm_per_unit(options)
-    ends = [i for i, line in enumerate(lines) if i > at and is_end(line.text)]
     rows: list[dict[str, float]] = []
-    for line in lines[at + 1 : ends[0] if ends else None]:
+    for line in lines[at + 1 :]:
+        if is_end(line.text):
+            break
         rows.append(_entry(line, columns, rows))
-    if not ends:
+    else:
         raise common.fault(source, lines[-1].number, "[END] is missing: the file is not whole")
     if not rows or len(rows) > ENTRIES:
         raise common.fault(source, at + 1, f"{len(rows)} entries: a table has 1 to {ENTRIES}")
@@ -75,12 +76,18 @@ def _entry(
         raise at.fault(due)
     if "AXISPOS" not in row:
         raise at.fault("AXISPOS is empty")
-    if rows and row["AXISPOS"] <= rows[-1]["AXISPOS"]:
-        before = rows[-1]["AXISPOS"]
-        raise at.fault(f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}")
-    if rows and row.keys() != rows[0].keys():
-        raise at.fault("a value is missing that the first row has, or one too many")
+    if rows:
+        _check_after(at, row, rows)
     return row
+
+
+def _check_after(at: common.Line, row: dict[str, float], rows: list[dict[str, float]]) -> None:
+    """Raises TableError for a row that does not go on from those before."""
+    before = rows[-1]["AXISPOS"]
+    if row["AXISPOS"] <= before:
+        raise at.fault(f"AXISPOS {row['AXISPOS']:g} does not ascend after {before:g}")
+    if row.keys() != rows[0].keys():
+        raise at.fault("a value is missing that the first row has, or one too many")
 
 
 def is_end(line: str) -> bool:

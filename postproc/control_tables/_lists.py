@@ -20,6 +20,17 @@ def written(remarks: Sequence[str], columns: Sequence[str], rows: Sequence[Seque
     return ("\n".join(lines) + "\n").encode()
 
 
+def _row(
+    at: common.Line, cells: list[str], columns: Sequence[str], whole: Sequence[int]
+) -> list[float]:
+    """The numbers behind the axis. Raises TableError."""
+    row = [at.finite(c, n) for c, n in zip(cells[1:], columns[1:], strict=True)]
+    for i in whole:
+        if row[i] != int(row[i]):
+            raise at.fault(f"{columns[i + 1]} {cells[i + 1]} is not a whole number")
+    return row
+
+
 def by_axis(
     source: Source, columns: Sequence[str], whole: Sequence[int] = ()
 ) -> dict[str, list[list[float]]]:
@@ -28,25 +39,22 @@ def by_axis(
 
     The first of those columns ascends or descends steadily. Raises TableError with file and line.
     """
-    header: list[str] = []
+    headed = False
     result: dict[str, list[list[float]]] = {}
     for at in common.numbered(source):
         if not at.text.strip() or at.text.startswith("#"):
             continue
         cells = [cell.strip() for cell in next(csv.reader([at.text]))]
-        if not header:
-            header = cells
-            if header != list(columns):
-                raise at.fault(f"the columns are {', '.join(header)}", ",".join(columns))
+        if not headed:
+            headed = True
+            if cells != list(columns):
+                raise at.fault(f"the columns are {', '.join(cells)}", ",".join(columns))
             continue
         if len(cells) != len(columns):
             raise at.fault(f"{len(cells)} values under {len(columns)} columns")
-        if len(cells[0]) != 1 or not cells[0].isalpha():
+        if not common.is_letter(cells[0]):
             raise at.fault(f"{cells[0]!r} is not an axis letter")
-        row = [at.finite(c, n) for c, n in zip(cells[1:], columns[1:], strict=True)]
-        for i in whole:
-            if row[i] != int(row[i]):
-                raise at.fault(f"{columns[i + 1]} {cells[i + 1]} is not a whole number")
+        row = _row(at, cells, columns, whole)
         rows = result.setdefault(cells[0].upper(), [])
         if rows and row[0] <= rows[-1][0]:
             raise at.fault(f"{columns[1]} {cells[1]} does not ascend after {rows[-1][0]:g}")

@@ -66,13 +66,27 @@ def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
         )
     unit = common.mm_per_unit(ExportOptions(unit=head["unit"]))
     data = np.array(rows).T * unit
-    gaps = np.diff(data[0])
+    _check_places(source, data[0], head, unit, last)
+    return ErrorTable(head["axis"], head["axis"], data[0], sign * data[1], sign * data[-1])
+
+
+def _check_places(
+    source: Source, places: np.ndarray, head: dict[str, str], unit: float, last: int
+) -> None:
+    """Raises TableError where places, mm, are not even, or not those of the head. unit: mm."""
+    gaps = np.diff(places)
     if np.any(gaps <= 0) or np.ptp(gaps) > 0.001:
         raise common.fault(source, last, "the positions do not ascend in even steps")
     start, length = (common.finite(source, 1, head[key], key) * unit for key in ("start", "length"))
-    if abs(start - data[0][0]) > 0.001 or abs(length - (data[0][-1] - data[0][0])) > 0.001:
+    if abs(start - places[0]) > 0.001 or abs(length - (places[-1] - places[0])) > 0.001:
         raise common.fault(source, 1, "start and length do not agree with the rows")
-    return ErrorTable(head["axis"], head["axis"], data[0], sign * data[1], sign * data[-1])
+
+
+def _take_key(at: common.Line, plain: str, head: dict[str, str]) -> None:
+    key, _, value = (part.strip() for part in plain.partition("="))
+    if key not in HEAD or key in head:
+        raise at.fault(f"{key!r} is not known, or stands twice", f"one each of {', '.join(HEAD)}")
+    head[key] = value
 
 
 def _lines(
@@ -89,18 +103,13 @@ def _lines(
             continue
         last = at.number
         cells = [cell.strip() for cell in plain.split(",")]
-        if heading and len(cells) != len(heading):
-            many = f"{len(cells)} values under {len(heading)} columns"
-            raise at.fault(many)
         if heading:
+            if len(cells) != len(heading):
+                many = f"{len(cells)} values under {len(heading)} columns"
+                raise at.fault(many)
             rows.append([at.finite(cell, "the value") for cell in cells])
         elif "=" in plain:
-            key, _, value = (part.strip() for part in plain.partition("="))
-            if key not in HEAD or key in head:
-                raise at.fault(
-                    f"{key!r} is not known, or stands twice", f"one each of {', '.join(HEAD)}"
-                )
-            head[key] = value
+            _take_key(at, plain, head)
         else:
             heading = cells
             if heading not in (["position", columns[0]], ["position", *columns]):

@@ -34,6 +34,46 @@ class Settings:
     notices: list[str] = field(default_factory=list)
 
 
+def _take_lost(result: Settings, table: ErrorTable, backlash: bool) -> None:
+    """The lost motion of a positioning error, and what it leaves."""
+    lost = float(np.mean(table.reverse - table.forward)) if backlash else 0.0
+    if lost < 0:
+        result.notices.append(
+            f"{table.name}: the deviation in - is {-lost / UM:.2f} um below that in +, the"
+            " opposite of lost motion: not written"
+        )
+        lost = 0.0
+    elif lost:
+        result.lost[table.moving] = lost
+    result.left[table.name] = float(
+        max(np.abs(table.forward).max(), np.abs(table.reverse - lost).max())
+    )
+
+
+def _take_skew(result: Settings, table: ErrorTable, rest: bool) -> None:
+    """The slope of a straightness, and what it leaves. Raises TableError for one too steep."""
+    mean = common.mean(table).forward
+    slope = float(np.polyfit(table.nodes, mean, 1)[0]) if len(table.nodes) > 1 else 0.0
+    if abs(slope) > STEEPEST:
+        raise TableError(
+            f"{table.name} leans by {slope:.3f} mm per mm",
+            "a slip in the data or a wrong unit is likely",
+        )
+    other = table.along > table.moving
+    if other and rest:
+        slope = 0.0
+    plane = "".join(sorted(table.name[1:].lower()))
+    result.skew[plane] += slope
+    if other and slope:
+        result.notices.append(
+            f"{table.name} leans by {slope / URAD:.1f} urad: corrected as skew {plane}; the"
+            " part lies turned by as much"
+        )
+    line = slope * table.nodes
+    off = max(np.abs(table.forward - line).max(), np.abs(table.reverse - line).max())
+    result.left[table.name] = float(off)
+
+
 def settings(
     tables: list[ErrorTable], control: str, backlash: bool, rest: bool = False
 ) -> Settings:
@@ -43,40 +83,10 @@ def settings(
     turned. Raises TableError for no tables, or one twice."""
     result = Settings()
     for table in common.checked(tables):
-        mean = common.mean(table).forward
         if table.moving == table.along:
-            lost = float(np.mean(table.reverse - table.forward)) if backlash else 0.0
-            if lost < 0:
-                result.notices.append(
-                    f"{table.name}: the deviation in - is {-lost / UM:.2f} um below that in +, the"
-                    " opposite of lost motion: not written"
-                )
-                lost = 0.0
-            elif lost:
-                result.lost[table.moving] = lost
-            result.left[table.name] = float(
-                max(np.abs(table.forward).max(), np.abs(table.reverse - lost).max())
-            )
-            continue
-        slope = float(np.polyfit(table.nodes, mean, 1)[0]) if len(table.nodes) > 1 else 0.0
-        if abs(slope) > STEEPEST:
-            raise TableError(
-                f"{table.name} leans by {slope:.3f} mm per mm",
-                "a slip in the data or a wrong unit is likely",
-            )
-        other = table.along > table.moving
-        if other and rest:
-            slope = 0.0
-        plane = "".join(sorted(table.name[1:].lower()))
-        result.skew[plane] += slope
-        if other and slope:
-            result.notices.append(
-                f"{table.name} leans by {slope / URAD:.1f} urad: corrected as skew {plane}; the"
-                " part lies turned by as much"
-            )
-        line = slope * table.nodes
-        off = max(np.abs(table.forward - line).max(), np.abs(table.reverse - line).max())
-        result.left[table.name] = float(off)
+            _take_lost(result, table, backlash)
+        else:
+            _take_skew(result, table, rest)
     if large := {name: size for name, size in result.left.items() if size > 0.01 * UM}:
         sizes = ", ".join(f"{name} {size / UM:.2f} um" for name, size in sorted(large.items()))
         result.notices.append(

@@ -175,13 +175,11 @@ def _columns(told: List, count: int, gap: float) -> dict[str, np.ndarray]:
     needed = ["pos"] if gap else ["setpoint", "pos"]
     if told.number("ssfk.bilateral", 0):
         needed.append("neg")
-    for column in needed:
-        if absent := [i for i in range(count) if i not in told.cells[column]]:
-            raise common.fault(
-                told.source,
-                told.last,
-                f"table[{absent[0]}].{column} is missing, kw_nr_max is {count}",
-            )
+    if absent := [(i, c) for c in needed for i in range(count) if i not in told.cells[c]]:
+        i, column = absent[0]
+        raise common.fault(
+            told.source, told.last, f"table[{i}].{column} is missing, kw_nr_max is {count}"
+        )
     extra = [f"table[{i}].{c}" for c, points in told.cells.items() for i in points if i >= count]
     if extra:
         raise common.fault(told.source, told.last, f"{extra[0]} is beyond kw_nr_max {count}")

@@ -145,14 +145,7 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
                     source, number, f"[{name}] has neither VALUE nor Gridpoints", "", text
                 )
             name, header = section[1], number
-            if not (COMPONENT.fullmatch(name) or LOCATION.fullmatch(name)):
-                raise common.fault(
-                    source,
-                    number,
-                    f"{name[:40]!r} is not a parameter",
-                    "EXX .. ECC, A0Z B0Z C0Y ..",
-                    text,
-                )
+            _check_name(source, number, name, text)
             found.once(number, name)
         elif not name:
             raise common.fault(
@@ -163,11 +156,7 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
                 text,
             )
         elif value:
-            if COMPONENT.fullmatch(name):
-                raise common.fault(
-                    source, number, f"{name} is one VALUE: a component needs Gridpoints", "", text
-                )
-            found.location(name, volumetric.value_of(source, number, value[1], text))
+            _take_value(found, number, name, value[1], text)
             name = ""
         elif re.fullmatch(r"Gridpoints\s*=\s*\{", text, re.IGNORECASE):
             points = []
@@ -182,6 +171,27 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
     if not found.seen:
         raise common.fault(source, last, "no parameter stands in this file")
     return found.map(options)
+
+
+def _take_value(found: Collected, number: int, name: str, value: str, text: str) -> None:
+    """A location. Raises TableError where it is one of a component."""
+    if COMPONENT.fullmatch(name):
+        raise common.fault(
+            found.source, number, f"{name} is one VALUE: a component needs Gridpoints", "", text
+        )
+    found.location(name, volumetric.value_of(found.source, number, value, text))
+
+
+def _check_name(source: Source, number: int, name: str, text: str) -> None:
+    """Raises TableError for the name of a section that is no parameter."""
+    if not (COMPONENT.fullmatch(name) or LOCATION.fullmatch(name)):
+        raise common.fault(
+            source,
+            number,
+            f"{name[:40]!r} is not a parameter",
+            "EXX .. ECC, A0Z B0Z C0Y ..",
+            text,
+        )
 
 
 def _point(

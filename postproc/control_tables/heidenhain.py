@@ -65,12 +65,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     moving = sorted({t.moving for t in tables})
     for letter in moving:
         group = [t for t in tables if t.moving == letter]
-        chosen = [_ways(t, options, notices) for t in group]
-        nodes = _nodes(chosen, options, form, notices)
-        written = [common.sampled(t, nodes) for t in chosen]
-        if form == "legacy":
-            for t in written:
-                _gentle(t)
+        written = _sampled(group, options, form, notices)
+        nodes = written[0].nodes
         name = f"AXIS_{letter}.COM"
         files[name] = _filled(template, name, letter, written, options)
         remainder |= common.remainder(group, read(Source(name, files[name]), options))
@@ -80,10 +76,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 f" 2^{round(math.log2((nodes[1] - nodes[0]) / TICK))} x 0.1 um"
             )
     if not template:
-        width = max(len(f"AXIS_{letter}.COM") for letter in moving) + 2
-        head = "NR  " + "".join(letter.ljust(width) for letter in moving) + "ACTIVE"
-        row = "0   " + "".join(f"AXIS_{letter}.COM".ljust(width) for letter in moving) + "*"
-        files["config.CMA"] = f"BEGIN CONFIG.CMA\n{head}\n{row}\n[END]\n".encode()
+        files["config.CMA"] = _config(moving)
     notices.append(
         "assign in the .CMA table: "
         + ", ".join(f"column {x}: AXIS_{x}.COM" for x in moving)
@@ -164,6 +157,33 @@ def _gentle(table: ErrorTable) -> None:
             )
 
 
+def _sampled(
+    group: list[ErrorTable], options: ExportOptions, form: str, notices: list[str]
+) -> list[ErrorTable]:
+    """The tables of one axis at the same nodes. Raises TableError beyond the legacy limits."""
+    chosen = [_ways(t, options, notices) for t in group]
+    nodes = _nodes(chosen, options, form, notices)
+    written = [common.sampled(t, nodes) for t in chosen]
+    if form == "legacy":
+        for t in written:
+            _gentle(t)
+    return written
+
+
+def _frame(name: str, heads: list[str], options: ExportOptions) -> str:
+    """The lines around the rows of a table, where there is no template."""
+    columns = "".join(h.ljust(WIDTH) for h in heads).rstrip()
+    return FRAME.format(unit=NAMES[options.unit], columns=columns).replace("AXIS.COM", name)
+
+
+def _config(moving: list[str]) -> bytes:
+    """The .CMA table that assigns a .COM file to each axis."""
+    width = max(len(f"AXIS_{letter}.COM") for letter in moving) + 2
+    head = "NR  " + "".join(letter.ljust(width) for letter in moving) + "ACTIVE"
+    row = "0   " + "".join(f"AXIS_{letter}.COM".ljust(width) for letter in moving) + "*"
+    return f"BEGIN CONFIG.CMA\n{head}\n{row}\n[END]\n".encode()
+
+
 def _filled(
     template: str, name: str, letter: str, tables: list[ErrorTable], options: ExportOptions
 ) -> bytes:
@@ -171,10 +191,7 @@ def _filled(
     heads = [t.along for t in tables]
     if any(t.two_way for t in tables):
         heads.append("BACKLASH")
-    if not template:
-        template = FRAME.format(
-            unit=NAMES[options.unit], columns="".join(h.ljust(WIDTH) for h in heads).rstrip()
-        ).replace("AXIS.COM", name)
+    template = template or _frame(name, heads, options)
     at, columns = layout(template, "the template")
     lines = template.splitlines()
     said = UNIT.search(lines[0].upper())
@@ -184,12 +201,11 @@ def _filled(
             f"--unit {'mm' if said[1] == 'MM' else 'inch'}",
         )
     known = [c for c, _ in columns]
-    for wanted in heads:
-        if wanted not in known:
-            raise TableError(
-                f"the template has no column {wanted}: its columns are {', '.join(known)}",
-                "add the column at the control, and export again",
-            )
+    if absent := [wanted for wanted in heads if wanted not in known]:
+        raise TableError(
+            f"the template has no column {absent[0]}: its columns are {', '.join(known)}",
+            "add the column at the control, and export again",
+        )
     rows = _rows(columns, _entries(letter, tables, options))
     ends = [i for i, line in enumerate(lines) if i > at and is_end(line)]
     if not ends:

@@ -106,10 +106,27 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     return [_parsed(source, axis.upper(), kind, common.mm_per_unit(options))]
 
 
-def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
+def _lines(source: Source) -> list[common.Line]:
+    """The lines up to the last that holds anything."""
     lines = common.numbered(source)
     while lines and not lines[-1].text.strip():
         lines.pop()
+    return lines
+
+
+def _check_screw(at: common.Line, row: list[float], kind: str) -> None:
+    """Raises TableError for a deviation that no screw has. row: mm."""
+    off = max(abs(v - (row[0] if kind == "0" else 0.0)) for v in row[1:])
+    if off > FARTHEST:
+        raise at.fault(
+            f"a deviation of {off:g} mm is no screw's: this is not a file of type {kind}, or"
+            " not in this unit",
+            f"--set type={1 - int(kind)}, or another --unit",
+        )
+
+
+def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
+    lines = _lines(source)
     rows: list[list[float]] = []
     for at in lines:
         words = at.text.split()
@@ -127,13 +144,7 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
             )
         if len(rows) == ENTRIES:
             raise at.fault(f"more than {ENTRIES} entries: LinuxCNC refuses the rest")
-        off = max(abs(v - (row[0] if kind == "0" else 0.0)) for v in row[1:])
-        if off > FARTHEST:
-            raise at.fault(
-                f"a deviation of {off:g} mm is no screw's: this is not a file of type {kind}, or"
-                " not in this unit",
-                f"--set type={1 - int(kind)}, or another --unit",
-            )
+        _check_screw(at, row, kind)
         rows.append(row)
     if not rows:
         told = "three numbers a line: nominal, forward, reverse"

@@ -61,7 +61,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     skew, lost, fraction = dict.fromkeys(skews.PLANES, 0.0), dict.fromkeys("XYZ", 0.0), 1.0
     seen = False
     for at, (code, *parts) in skews.lines_of(source):
-        seen = seen or code in ("M852", "M425")
+        seen |= code in ("M852", "M425")
         if code == "M852":
             given = skews.words(at, parts, "SIJK")
             usual = skew | {"xy": given.get("S", skew["xy"])}
@@ -69,7 +69,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         elif code == "M425":
             given = skews.words(at, parts, "FSXYZ")
             fraction = min(1.0, max(0.0, given.get("F", fraction)))
-            lost.update({x: size for x, size in given.items() if x in lost})
+            lost |= {x: given.get(x, size) for x, size in lost.items()}
         elif code == "G20":
             raise at.fault("G20: Marlin would take the factors as inches", "write G21")
         elif code not in ("G21", "M500"):

@@ -77,9 +77,9 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         last = at.number
         section = re.fullmatch(r"\[\s*([XYZ])\s*\]", text, re.IGNORECASE)
         if told:
-            unit = told[1].lower()
-            if unit != "mm":
+            if told[1].lower() != "mm":
                 raise at.fault(f"unit {told[1]}: only mm is supported")
+            unit = "mm"
         elif section:
             axis = section[1].upper()
             if not unit or axis in rows:
@@ -91,13 +91,15 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
             raise at.fault("a row outside of an axis", "like [X]")
         else:
             rows[axis].append(_row(at, text, rows[axis]))
-    if not rows or any(len(r) < 2 for r in rows.values()):
+    if min(map(len, rows.values()), default=0) < 2:
         raise common.fault(source, last, "an axis needs two rows at least")
-    found = []
-    for x, values in rows.items():
-        nominal, forward, reverse = np.array(values).T
-        found.append(ErrorTable(x, x, nominal + options.reference.get(x, 0.0), forward, reverse))
-    return found
+    return [_parsed(x, values, options) for x, values in rows.items()]
+
+
+def _parsed(axis: str, rows: list[list[float]], options: ExportOptions) -> ErrorTable:
+    nominal, forward, reverse = np.array(rows).T
+    home = options.reference.get(axis, 0.0)
+    return ErrorTable(axis, axis, nominal + home, forward, reverse)
 
 
 def _row(at: common.Line, text: str, above: list[list[float]]) -> list[float]:

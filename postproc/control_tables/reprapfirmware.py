@@ -51,6 +51,17 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     )
 
 
+def _tangents(at: common.Line, given: dict[str, float]) -> dict[str, float]:
+    """What M556 says of each axis. Raises TableError for what the firmware ignores."""
+    height = given.get("S", 0.0)
+    if height < LEAST_HEIGHT:
+        low = f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block"
+        raise at.fault(low)
+    if given.get("P", 0.0) > 0:
+        raise at.fault("P1 takes the XY angle out of Y: only P0 is read")
+    return {x: skews.factor(at, v / height) for x, v in given.items() if x in "XYZ"}
+
+
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """Commands as tables. Raises TableError with file and line for any other command, or what the
     firmware ignores."""
@@ -58,14 +69,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     rows = skews.lines_of(source)
     for at, (code, *parts) in rows:
         if code == "M556":
-            given = skews.words(at, parts, "SXYZP")
-            height = given.get("S", 0.0)
-            if height < LEAST_HEIGHT:
-                low = f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block"
-                raise at.fault(low)
-            if given.get("P", 0.0) > 0:
-                raise at.fault("P1 takes the XY angle out of Y: only P0 is read")
-            tangent |= {x: skews.factor(at, v / height) for x, v in given.items() if x in tangent}
+            tangent |= _tangents(at, skews.words(at, parts, "SXYZP"))
         elif code == "M425":
             given = skews.words(at, parts, "SXYZ")
             for x, size in given.items():

@@ -215,10 +215,10 @@ def _word(at: common.Line, plain: str) -> tuple[str, list[str], str]:
     what it gives."""
     found = WORD.fullmatch(plain)
     key = (found[1] or "").upper() if found else "?"
-    if found is None or (key and key not in KEYS):
+    if found is None or key not in ("", *KEYS):
         raise at.fault("this is no line of a cross error compensation", "$AN_CEC[0,0]=0.003")
     indices = [p.strip() for p in re.split("[,.]", found[2])]
-    if len(indices) != (1 if key else 2) or not all(i.isdigit() for i in indices):
+    if len(indices) != (1 if key else 2) or not all(map(str.isdigit, indices)):
         raise at.fault(f"[{found[2]}] is not the index of a {'table' if key else 'point'}")
     return key, indices, found[3]
 
@@ -233,15 +233,7 @@ def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTab
             raise common.fault(
                 source, places[t], f"table {t} has a gap: the control keeps what stood there before"
             )
-        if head.get("_MULT_BY_TABLE", (0.0, 0))[0]:
-            raise common.fault(
-                source, head["_MULT_BY_TABLE"][1], f"table {t} is multiplied by another: not read"
-            )
-        way = f"{head.get('_DIRECTION', (0.0, 0))[0]:g}"
-        if way not in ("0", "1", "-1"):
-            raise common.fault(
-                source, head["_DIRECTION"][1], f"DIRECTION of table {t} is {way}, not 0, 1 or -1"
-            )
+        way = _way(source, t, head)
         pair = []
         for key in ("_INPUT_AXIS", "_OUTPUT_AXIS"):
             if (t, key) not in axes:
@@ -257,17 +249,31 @@ def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTab
                 "give their sum",
             )
         known[way] = nodes, np.array([points[i] for i in range(len(points))])
-    result = []
-    for (moving, along), ways in columns.items():
-        none = (np.zeros(1), np.zeros(1))
-        up, down = (ways.get("0", ways.get(way, none)) for way in ("1", "-1"))
-        nodes = (up if len(up[0]) > 1 else down)[0]
-        if {"1", "-1"} <= ways.keys():
-            nodes = np.union1d(up[0], down[0])
-        result.append(
-            ErrorTable(moving, along, nodes, np.interp(nodes, *up), np.interp(nodes, *down))
+    return [_of_ways(moving, along, ways) for (moving, along), ways in columns.items()]
+
+
+def _way(source, t: int, head: dict[str, tuple[float, int]]) -> str:
+    """DIRECTION of a table. Raises TableError for another than 0, 1, -1, and for a product."""
+    if head.get("_MULT_BY_TABLE", (0.0, 0))[0]:
+        raise common.fault(
+            source, head["_MULT_BY_TABLE"][1], f"table {t} is multiplied by another: not read"
         )
-    return result
+    way = f"{head.get('_DIRECTION', (0.0, 0))[0]:g}"
+    if way not in ("0", "1", "-1"):
+        raise common.fault(
+            source, head["_DIRECTION"][1], f"DIRECTION of table {t} is {way}, not 0, 1 or -1"
+        )
+    return way
+
+
+def _of_ways(moving: str, along: str, ways: dict[str, tuple[np.ndarray, np.ndarray]]) -> ErrorTable:
+    """One table of nodes and values by direction."""
+    none = (np.zeros(1), np.zeros(1))
+    up, down = (ways.get("0", ways.get(way, none)) for way in ("1", "-1"))
+    nodes = (up if len(up[0]) > 1 else down)[0]
+    if {"1", "-1"} <= ways.keys():
+        nodes = np.union1d(up[0], down[0])
+    return ErrorTable(moving, along, nodes, np.interp(nodes, *up), np.interp(nodes, *down))
 
 
 def _letter(source: Source, name: str, line: int, options: ExportOptions) -> str:

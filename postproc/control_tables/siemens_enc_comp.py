@@ -123,15 +123,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if plain.upper() in ("M17", "M02", "M30"):
             ended = True
             continue
-        found = WORD.fullmatch(plain)
-        if found is None:
-            raise at.fault(
-                "this is no line of an encoder compensation", "$AA_ENC_COMP[0,0,X1]=0.003"
-            )
-        key, inside = (found[1] or "").upper(), [p.strip() for p in found[2].split(",")]
-        value = at.finite(found[3], "the value")
-        if len(inside) != (2 if key else 3):
-            raise at.fault(f"[{found[2]}] has {len(inside)} indices")
+        key, inside, value = _word(at, plain)
         name = inside[-1].upper()
         if key:
             heads.setdefault(name, {})[key] = (value, at.number)
@@ -152,6 +144,18 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         _axis(source, name, points, heads.get(name, {}), unit, options)
         for name, points in values.items()
     ]
+
+
+def _word(at: common.Line, plain: str) -> tuple[str, list[str], float]:
+    """What a line gives, "" for a point; the indices; and the value. Raises TableError."""
+    found = WORD.fullmatch(plain)
+    if found is None:
+        raise at.fault("this is no line of an encoder compensation", "$AA_ENC_COMP[0,0,X1]=0.003")
+    key, inside = (found[1] or "").upper(), [p.strip() for p in found[2].split(",")]
+    value = at.finite(found[3], "the value")
+    if len(inside) != (2 if key else 3):
+        raise at.fault(f"[{found[2]}] has {len(inside)} indices")
+    return key, inside, value
 
 
 def _axis(

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import ModuleType
@@ -224,23 +225,24 @@ def format_of(source: Source, options: ReadingOptions | None = None) -> str:
     return _format_of(opened(source, options or ReadingOptions()), options)
 
 
+def _recognised(source: Source, among: Iterable[str]) -> str:
+    """The first of these formats that the file looks like; "": none."""
+    return next((name for name in among if load(name).recognises(source)), "")
+
+
 def _format_of(source: Source, options: ReadingOptions | None) -> str:
     if not source.data.strip():
         raise source.fault(1, "the file is empty")
     if load("contract").recognises(source):
         return "contract"
-    if options is not None and options.columns:
-        own = [
-            n
-            for n in names()
-            if "columns" in getattr(load(n), "TAKES", ()) and load(n).recognises(source)
-        ]
-        return own[0] if own else "mapped-csv"
-    if options is not None and options.layout:
+    options = options or ReadingOptions()
+    if options.columns:
+        takers = [n for n in names() if "columns" in getattr(load(n), "TAKES", ())]
+        return _recognised(source, takers) or "mapped-csv"
+    if options.layout:
         return "iso-spreadsheet"
-    for name in names():
-        if load(name).recognises(source):
-            return name
+    if name := _recognised(source, names()):
+        return name
     raise source.fault(
         1,
         "this looks like no recording that gcomp knows",

@@ -7,6 +7,7 @@ where strict is off, are left out and listed.
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 import re
 from typing import Any
@@ -73,22 +74,22 @@ def read_columns(
     return _columns(names, texts, parts, lines, source)
 
 
+def _with_nan(text: str) -> str:
+    """Empty cells as nan."""
+    framed = f"\n{text}\n"
+    if any(empty in framed for empty in (",,", ",\n", "\n,")):
+        return re.sub(r"(?<=[,\n])(?=,)|(?<=,)(?=\n)|(?<=,)\Z|\A(?=,)", "nan", text)
+    return text
+
+
 def _all_numbers(block: list[str], names: list[str], needed: set[str]) -> np.ndarray | None:
     """(N, C) of a block of lines, empty cells as NaN; None where a cell is no number, or a needed
     one is empty."""
     joined = "\n".join(block)
-    if '"' in joined or "#" in joined or "_" in joined:
+    if any(sign in joined for sign in '"#_'):
         return None
-    if (
-        ",," in joined
-        or ",\n" in joined
-        or joined.endswith(",")
-        or joined.startswith(",")
-        or "\n," in joined
-    ):
-        joined = re.sub(r"(?<=[,\n])(?=,)|(?<=,)(?=\n)|(?<=,)\Z|\A(?=,)", "nan", joined)
     try:
-        table = np.loadtxt(joined.split("\n"), delimiter=",", comments=None, ndmin=2)
+        table = np.loadtxt(_with_nan(joined).split("\n"), delimiter=",", comments=None, ndmin=2)
     except ValueError:
         return None
     if table.shape != (len(block), len(names)) or np.isinf(table).any():
@@ -130,8 +131,7 @@ def _cells_of_all(source, lines, first, stop, names, needed, known, texts, stric
             if not blank and name not in known:
                 words.add(name)
             elif name in needed or not blank:
-                told = f"{name} is empty" if not cell else f"{name} = {cell!r} is not a number"
-                wrong = wrong or Fault(number, name, told)
+                wrong = wrong or _no_number(number, name, cell)
         if wrong is not None:
             if strict:
                 raise RecordingError(
@@ -154,25 +154,29 @@ def _cells_of_all(source, lines, first, stop, names, needed, known, texts, stric
     )
 
 
+def _no_number(line: int, name: str, cell: str) -> Fault:
+    return Fault(line, name, f"{name} = {cell!r} is not a number" if cell else f"{name} is empty")
+
+
+def _no_row(source: Source, faults: list[Fault], lines: list[str]) -> RecordingError:
+    """What is said where no row is left."""
+    if not faults:
+        return source.fault(len(lines), "there are no rows")
+    line = faults[0].line
+    return source.fault(
+        line,
+        f"no row can be used: {faults[0].message}, and all {len(faults)} rows are of that kind",
+        "look at the columns and at how numbers are written",
+        lines[line - 1],
+    )
+
+
 def _columns(names, texts, parts, lines, source):
     """The parts as columns. Raises RecordingError where no row is left."""
-    faults = [fault for part in parts for fault in part[2]]
-    at = (
-        np.concatenate([part[1] for part in parts]).astype(np.int64)
-        if parts
-        else np.zeros(0, np.int64)
-    )
+    faults = list(itertools.chain.from_iterable(part[2] for part in parts))
+    at = np.concatenate([np.zeros(0, np.int64), *(part[1] for part in parts)]).astype(np.int64)
     if not len(at):
-        if faults:
-            line = faults[0].line
-            raise source.fault(
-                line,
-                f"no row can be used: {faults[0].message}, and all {len(faults)} rows are of that"
-                " kind",
-                "look at the columns and at how numbers are written",
-                lines[line - 1],
-            )
-        raise source.fault(len(lines), "there are no rows")
+        raise _no_row(source, faults, lines)
     words = set().union(*(part[3] for part in parts)) | texts
     columns = {
         name: (

@@ -17,6 +17,7 @@ from postproc.recordings._units import ANGLE, LENGTH, Unit
 LINEAR, ROTARY = "XYZ", "ABC"
 TURNS = dict(zip(ROTARY, LINEAR, strict=True))
 COMPONENT = re.compile(r"E([XYZABC])([XYZABC])")
+SOME_UNITS = {LENGTH: "um, mm", ANGLE: "urad, mm/m, arcsec"}
 QUANTITY_OF = {"displacement": LENGTH, "straightness": LENGTH, "angle": ANGLE}
 
 
@@ -36,6 +37,22 @@ class Component:
         return f"{self.axis}_{'mm' if self.axis in LINEAR else 'deg'}"
 
 
+def _named(name: str, axis: str, quantity: str, file: str) -> Component:
+    """The component of --component. Raises UsageError where --axis or the file contradict it."""
+    component = parsed(name)
+    if axis and axis != component.axis:
+        raise UsageError(
+            f"--axis {axis} and --component {component.name} contradict each other",
+            f"{component.name} belongs to the axis {component.axis}",
+        )
+    if quantity and component.quantity != quantity:
+        raise UsageError(
+            f"{component.name} is {article(component.quantity)}, and {file} holds"
+            f" {article(quantity)}"
+        )
+    return component
+
+
 def component_of(
     options: ReadingOptions, source: Source, axis: str = "", quantity: str = "", where: int = 1
 ) -> Component:
@@ -46,21 +63,10 @@ def component_of(
     the option that is missing where it stays open.
     """
     axis_told = options.axis.strip().upper()
-    if axis_told and (len(axis_told) != 1 or axis_told not in AXES):
+    if axis_told not in ("", *AXES):
         raise UsageError(f"--axis {options.axis} is no axis letter", f"one of {' '.join(AXES)}")
     if options.component:
-        component = parsed(options.component)
-        if axis_told and axis_told != component.axis:
-            raise UsageError(
-                f"--axis {axis_told} and --component {component.name} contradict each other",
-                f"{component.name} belongs to the axis {component.axis}",
-            )
-        if quantity and component.quantity != quantity:
-            raise UsageError(
-                f"{component.name} is {article(component.quantity)}, and {source.name} holds"
-                f" {article(quantity)}"
-            )
-        return component
+        return _named(options.component, axis_told, quantity, source.name)
     axis = axis_told or axis
     place = Place(source.name, where)
     if not axis:
@@ -71,12 +77,8 @@ def component_of(
         )
     if quantity == "displacement" or (quantity == "angle" and axis in ROTARY):
         return parsed(f"E{axis}{axis}")
-    if quantity == "straightness":
-        may = [f"E{d}{axis}" for d in LINEAR if d != axis]
-    elif quantity == "angle":
-        may = [f"E{d}{axis}" for d in ROTARY]
-    else:
-        may = [f"E{d}{axis}" for d in LINEAR + ROTARY]
+    directions = {"straightness": LINEAR.replace(axis, ""), "angle": ROTARY}
+    may = [f"E{d}{axis}" for d in directions.get(quantity, LINEAR + ROTARY)]
     what = {
         "straightness": "in which direction the straightness of",
         "angle": "about which axis the rotation of",
@@ -170,18 +172,15 @@ def unit_for(
         )
     unit = told or said
     if unit is None:
-        some = "um, mm" if kind == LENGTH else "urad, mm/m, arcsec"
         raise source.fault(
             where,
             "the file does not say in which unit its readings are",
-            f"say it: --unit with one of {some}",
+            f"say it: --unit with one of {SOME_UNITS[kind]}",
         )
     if unit.quantity != kind:
         what = article(component.quantity)
-        text = (
-            f"{component.name} is {what}, and {unit.name} is a unit of"
-            f" {'angles' if unit.quantity == ANGLE else 'lengths'}"
-        )
+        of = "angles" if unit.quantity == ANGLE else "lengths"
+        text = f"{component.name} is {what}, and {unit.name} is a unit of {of}"
         if told:
             raise UsageError(text, "another --unit, or another --component")
         raise source.fault(where, text, "say what was measured: --component")

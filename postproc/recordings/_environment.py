@@ -40,13 +40,6 @@ def taken(pairs: Iterable[tuple[str, str]]) -> tuple[dict[str, float], dict[str,
         value = VALUE.fullmatch(text)
         if not place or not value:
             continue
-        where = (
-            (place[1] or place[3] or "air")
-            .lower()
-            .replace("mat", "material")
-            .replace("materialerial", "material")
-        )
-        number = place[2] or place[4]
         celsius = float(value[1].replace(",", "."))
         if value[2] == "F":
             celsius = (celsius - 32.0) / 1.8
@@ -57,5 +50,17 @@ def taken(pairs: Iterable[tuple[str, str]]) -> tuple[dict[str, float], dict[str,
                 )
                 continue
             notices.append(f"{name} = {text} has no unit: taken as degrees Celsius")
-        columns[f"T_{where}{'_' + number if number else ''}_C"] = celsius
+        columns[_column(place)] = celsius
     return columns, head, notices
+
+
+def _column(place: re.Match[str]) -> str:
+    """T_air_C, T_material_1_C: of a match of TEMPERATURE."""
+    where = (
+        (place[1] or place[3] or "air")
+        .lower()
+        .replace("mat", "material")
+        .replace("materialerial", "material")
+    )
+    number = place[2] or place[4]
+    return f"T_{where}{'_' + number if number else ''}_C"

@@ -94,14 +94,15 @@ def columns(
             raise UsageError(
                 f"--column {name}={j + 1}: the table has {widest} columns", "they count from 1"
             )
-    if top < 0:
-        rows = (
-            k
-            for k, (_, cells) in enumerate(table.rows)
-            if any(table.numeric(cell_of(cells, j)) for j in at.values())
-        )
-        top = next(rows, 0) - 1
-    return top + 1, at
+    return (top + 1 if top >= 0 else _first_of_numbers(table, list(at.values()))), at
+
+
+def _first_of_numbers(table: text.Table, columns: list[int]) -> int:
+    """Index of the first row that has a number in one of the columns; 0: none has."""
+    for k, (_, cells) in enumerate(table.rows):
+        if any(table.numeric(cell_of(cells, j)) for j in columns):
+            return k
+    return 0
 
 
 def _heading_row(source: Source, table: text.Table, headings: list[str]) -> int:

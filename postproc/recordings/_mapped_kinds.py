@@ -71,6 +71,16 @@ def read(
     return recording
 
 
+def _number(name: str, cell: str, decimal: str, place: Place) -> float:
+    """What a cell of a column is worth. Raises RecordingError for no number."""
+    value = SENSE.get(cell.lower()) if name == "sense" else None
+    value = text.number(cell, decimal) if value is None else value
+    if value is None:
+        what = f"{name} {cell!r} is not a number" if cell else f"{name} is empty"
+        raise RecordingError(what, "", place)
+    return value
+
+
 def _columns(
     source: Source, table: text.Table, top: int, at: dict[str, int], words: set[str]
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
@@ -80,18 +90,14 @@ def _columns(
         place = Place(source.name, line, table.delimiter.join(cells))
         for name, j in at.items():
             cell = cells[j] if j < len(cells) else ""
-            value = SENSE.get(cell.lower()) if name == "sense" else None
-            value = text.number(cell, table.decimal) if value is None else value
-            if value is None and name not in words:
-                raise RecordingError(
-                    f"{name} {cell!r} is not a number" if cell else f"{name} is empty", "", place
-                )
-            columns[name].append(cell if name in words else value)
+            number = cell if name in words else _number(name, cell, table.decimal, place)
+            columns[name].append(number)
     lines = np.array([line for line, _ in table.rows[top:]], np.int64)
     if not len(lines):
         raise source.fault(table.rows[-1][0], "there are no rows")
-    kinds = {n: object if n in words else np.float64 for n in columns}
-    return {n: np.array(c, dtype=kinds[n]) for n, c in columns.items()}, lines
+    return {
+        n: np.array(c, dtype=object if n in words else np.float64) for n, c in columns.items()
+    }, lines
 
 
 def _radial(options: ReadingOptions, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -110,10 +116,8 @@ def _radial(options: ReadingOptions, arrays: dict[str, np.ndarray]) -> dict[str,
         raise UsageError(
             f"the mapping says {unit.name}, and --unit says {options.unit}", "leave --unit out"
         )
-    return {
-        ("radial_um" if n == name else n): c * unit.factor if n == name else c
-        for n, c in arrays.items()
-    }
+    scaled = arrays | {name: arrays[name] * unit.factor}
+    return {("radial_um" if n == name else n): column for n, column in scaled.items()}
 
 
 def _circle(

@@ -64,6 +64,17 @@ def header_at(table: text.Table) -> int | None:
     return None
 
 
+def _targets_and_readings(headings: list[str]) -> tuple[int, list[Column]]:
+    """The column of the targets, and those of readings."""
+    counts = [bool(TARGET_NUMBER.match(title)) for title in headings]
+    target = next((j for j, h in enumerate(headings) if TARGET.search(h) and not counts[j]), 0)
+    return target, [
+        Column(j, title or f"column {j + 1}", *_direction(title))
+        for j, title in enumerate(headings)
+        if j != target and not counts[j] and not SUMMARY.match(title)
+    ]
+
+
 def find(source: Source, table: text.Table) -> Sheet:
     """The table of targets in a sheet. Raises RecordingError where there is none."""
     top = header_at(table)
@@ -74,14 +85,7 @@ def find(source: Source, table: text.Table) -> Sheet:
     while bottom < len(table.rows) and _belongs(table, table.rows[bottom][1], width):
         bottom += 1
     headings, used = _headings(table, top, width)
-    target = next(
-        (j for j, h in enumerate(headings) if TARGET.search(h) and not TARGET_NUMBER.match(h)), 0
-    )
-    columns = []
-    for j, title in enumerate(headings):
-        if j == target or (title and (SUMMARY.match(title) or TARGET_NUMBER.match(title))):
-            continue
-        columns.append(Column(j, title or f"column {j + 1}", *_direction(title)))
+    target, columns = _targets_and_readings(headings)
     line = table.rows[top - 1][0] if used else table.rows[top][0]
     return Sheet(
         table.rows[top:bottom],
@@ -101,6 +105,13 @@ def _belongs(table: text.Table, cells: list[str], width: int) -> bool:
     return table.numeric(first) and len(cells) > 1 and sum(1 for c in cells if c) >= min(2, width)
 
 
+def _heads_runs(row: list[str]) -> bool:
+    """Whether a row names runs or directions, over pairs of columns."""
+    labels = [c for c in row[1:] if c]
+    named = all(RUN.search(c) or _direction(c)[0] for c in labels)
+    return len(row) > 2 and bool(labels) and named
+
+
 def _headings(table: text.Table, top: int, width: int) -> tuple[list[str], int]:
     """A heading for each column: of the row above the table and, where it heads pairs of columns,
     of the one above that."""
@@ -108,9 +119,7 @@ def _headings(table: text.Table, top: int, width: int) -> tuple[list[str], int]:
     if not rows or sum(map(bool, rows[-1])) < 2:
         return [""] * width, 0
     *upper, lower = ((cells + [""] * width)[:width] for cells in rows)
-    labels = [c for c in rows[0][1:] if c]
-    above = upper and len(rows[0]) > 2 and labels
-    if not above or not all(RUN.search(c) or _direction(c)[0] for c in labels):
+    if not upper or not _heads_runs(rows[0]):
         return lower, 1
     spread: Iterable[str] = itertools.accumulate(upper[0], lambda last, cell: cell or last)
     return [" ".join(filter(None, pair)) for pair in zip(spread, lower, strict=True)], 2
@@ -148,16 +157,21 @@ def value_of(pairs: list[tuple[str, str, int]], *names: str) -> str:
     return next((v for k, v, _ in pairs if k.lower() in names), "")
 
 
+def _unit_of_line(key: str, value: str, guess: bool) -> tuple[Unit | None, str]:
+    """The unit that a line above the table names, and its words. guess: by its key alone too."""
+    if re.fullmatch(r"units?|einheit(en)?|deviations?|readings?", key, re.I):
+        return units.unit_of(value) or units.in_heading(value), f"{key}: {value}"
+    if guess and re.search(r"deviation|reading|error|abweichung", key, re.I):
+        return units.in_heading(key), key
+    return None, key
+
+
 def reading_unit(source: Source, sheet: Sheet) -> Unit | None:
     """The unit that the headings of the readings agree on, or a line `Unit`. Raises RecordingError
     where they differ."""
     said = {u.name: c.title for c in reversed(sheet.columns) if (u := units.in_heading(c.title))}
     for key, value, _ in sheet.before:
-        unit, where = None, key
-        if re.fullmatch(r"units?|einheit(en)?|deviations?|readings?", key, re.I):
-            unit, where = units.unit_of(value) or units.in_heading(value), f"{key}: {value}"
-        elif not said and re.search(r"deviation|reading|error|abweichung", key, re.I):
-            unit = units.in_heading(key)
+        unit, where = _unit_of_line(key, value, not said)
         if unit:
             said.setdefault(unit.name, where)
     if len(said) > 1:
@@ -205,6 +219,17 @@ def missing(faults: list[Fault]) -> list[str]:
     return [f"{n} reading{'s are' if n > 1 else ' is'} missing and left out"] if n else []
 
 
+def _check_width(row: list[str], width: int, sheet: Sheet, place: Place) -> None:
+    """Raises RecordingError for a row with more than its headings. width: of what is read."""
+    if len(row) > max(width, len(sheet.headings)) and any(row[len(sheet.headings) :]):
+        raise RecordingError(
+            f"this row has {len(row)} cells under {len(sheet.headings)} columns",
+            "a decimal comma in a table split at commas? Say --set decimal=, and split it at"
+            " semicolons",
+            place,
+        )
+
+
 def cells(
     source: Source, table: text.Table, sheet: Sheet, options: ReadingOptions
 ) -> tuple[list, list[Fault]]:
@@ -222,13 +247,7 @@ def cells(
         target = text.number(row[sheet.target], table.decimal)
         if target is None:
             raise RecordingError(f"the target {row[sheet.target]!r} is not a number", "", place)
-        if len(cells) > max(width, len(sheet.headings)) and any(row[len(sheet.headings) :]):
-            raise RecordingError(
-                f"this row has {len(cells)} cells under {len(sheet.headings)} columns",
-                "a decimal comma in a table split at commas? Say --set decimal=, and split it at"
-                " semicolons",
-                place,
-            )
+        _check_width(row, width, sheet, place)
         for column in sheet.columns:
             cell = row[column.at]
             if (value := text.number(cell, table.decimal)) is not None:

@@ -36,11 +36,11 @@ def doubt(run: np.ndarray, target: np.ndarray, value: np.ndarray, sign: np.ndarr
     mine = _left(table, own)
     best = int(np.argmin(left))
     floor = 1e-9 * float(np.sum((table - table.mean(axis=0)) ** 2))
-    if mine <= floor or mine <= CLEARLY * left[best]:
+    if mine <= max(floor, CLEARLY * left[best]):
         return None
     scale = np.sqrt(np.array([mine, left[best], np.median(left)]) / table.size)
-    one = [int(r) for r, s in zip(numbers, others[best], strict=True) if s == others[best][0]]
-    two = [int(r) for r in numbers if int(r) not in one]
+    alike = np.asarray(others[best]) == others[best][0]
+    one, two = numbers[alike].astype(int).tolist(), numbers[~alike].astype(int).tolist()
     how = "one direction for all" if np.ptp(own) == 0 else "the directions taken"
     return (
         f"the directions of the runs look wrong: runs {_list(one)} are alike, and so are runs"

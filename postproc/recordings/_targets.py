@@ -62,6 +62,13 @@ def signs(
                 "the file says the directions itself: --first and --bidirectional are not used"
             )
         return sign
+    return _taken_signs(run, options, notices, first)
+
+
+def _taken_signs(
+    run: np.ndarray, options: ReadingOptions, notices: list[str], first: int
+) -> np.ndarray:
+    """(N,) -1 or +1, by the options and by usage."""
     start = options.first or first or 1
     there, back = ("+", "-") if start > 0 else ("-", "+")
     alone = len(np.unique(run)) == 1
@@ -206,20 +213,27 @@ def _once(source, run, target, sign, line) -> None:
         seen[key] = at
 
 
+def _follows(target: np.ndarray, raw: np.ndarray) -> Iterator[str]:
+    """Readings that follow the targets."""
+    if len(raw) <= 2 or np.ptp(target) <= 0:
+        return
+    slope = float(np.polyfit(target - target.mean(), raw, 1)[0])
+    if abs(abs(slope) - 1) < 0.02:
+        yield (
+            f"the readings follow the targets one to one (slope {slope:.4f}): these look like"
+            " positions, not deviations (by a column mapping they are read so: --column"
+            " actual_mm=NAME)"
+        )
+
+
 def _doubts(target, raw, value, run, sign, unit) -> Iterator[str]:
     """What looks like a slip: the unit, positions for deviations, runs of nothing but zeros, the
     direction of runs."""
     odd = units.outside(float(np.ptp(value)), unit.quantity, unit) if len(value) > 1 else None
     if odd:
         yield odd
-    if len(value) > 2 and np.ptp(target) > 0 and unit.quantity == LENGTH:
-        slope = float(np.polyfit(target - target.mean(), raw, 1)[0])
-        if abs(abs(slope) - 1) < 0.02:
-            yield (
-                f"the readings follow the targets one to one (slope {slope:.4f}): these look like"
-                " positions, not deviations (by a column mapping they are read so: --column"
-                " actual_mm=NAME)"
-            )
+    if unit.quantity == LENGTH:
+        yield from _follows(target, raw)
     zero = [int(r) for r in np.unique(run) if not np.any(raw[run == r])]
     if zero and np.any(raw):
         yield (

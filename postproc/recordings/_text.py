@@ -78,6 +78,13 @@ def number(cell: str, decimal: str = ".") -> float | None:
     return value if math.isfinite(value) else None
 
 
+def _sign_in(plain: str) -> str:
+    """What stands in a number: comma, thousands (1,234: either) or point; "" none of them."""
+    if COMMA.fullmatch(plain):
+        return "thousands" if THOUSANDS.fullmatch(plain) else "comma"
+    return "point" if "." in plain and NUMBER.fullmatch(plain) else ""
+
+
 def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
     """The decimal sign of a file's cells, "." or ",", and a notice where it had to be taken from
     little.
@@ -89,10 +96,8 @@ def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
     first: dict[str, str] = {}
     for cell in cells:
         plain = cell.strip().replace("\u2212", "-")
-        if COMMA.fullmatch(plain):
-            first.setdefault("thousands" if THOUSANDS.fullmatch(plain) else "comma", plain)
-        elif "." in plain and NUMBER.fullmatch(plain):
-            first.setdefault("point", plain)
+        if kind := _sign_in(plain):
+            first.setdefault(kind, plain)
     comma = first.get("comma", first.get("thousands"))
     if comma and "point" in first:
         raise ValueError(f"{comma} has a decimal comma and {first['point']} a decimal point")
@@ -130,30 +135,33 @@ def times(
         place = Place(source.name, line)
         value = number(cell, decimal)
         if value is None:
-            try:
-                moment = datetime.datetime.fromisoformat(cell)
-                begins = start is None
-                start = start or moment
-                value = (moment - start).total_seconds()
-            except (ValueError, TypeError):
-                what = (
-                    f"the time {cell!r} is neither seconds nor a date and time"
-                    if cell
-                    else "the time is empty"
-                )
-                raise RecordingError(
-                    what, "like 12.5, or 2024-05-17T10:31:00, in every row or in none", place
-                ) from None
-            if result and begins:
-                raise RecordingError(
-                    "times are seconds in some rows and dates in others", "one kind for all", place
-                )
-        elif start is not None:
+            mixed = bool(result) and start is None
+            start, value = _moment(cell, start, place)
+        else:
+            mixed = start is not None
+        if mixed:
             raise RecordingError(
                 "times are seconds in some rows and dates in others", "one kind for all", place
             )
         result.append(value)
     return result
+
+
+def _moment(
+    cell: str, start: datetime.datetime | None, place: Place
+) -> tuple[datetime.datetime, float]:
+    """A date and time: the first one, and s since then. Raises RecordingError."""
+    try:
+        moment = datetime.datetime.fromisoformat(cell)
+        start = start or moment
+        return start, (moment - start).total_seconds()
+    except (ValueError, TypeError):
+        what = f"the time {cell!r} is neither seconds nor a date and time"
+        raise RecordingError(
+            what if cell else "the time is empty",
+            "like 12.5, or 2024-05-17T10:31:00, in every row or in none",
+            place,
+        ) from None
 
 
 def wrong_run(run: float) -> str:
@@ -205,10 +213,7 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
 
     Raises RecordingError where no sign does, or where decimal commas and points are mixed.
     """
-    lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if line.strip()]
-    for i, line in lines:
-        if len(line) > LONGEST_LINE:
-            raise source.fault(i, f"a line of {len(line):,} characters is no row of a table")
+    lines = _filled_lines(source, text)
     sign = delimiter or _delimiter([line for _, line in lines])
     if not sign:
         alike = "this is no table: no tab, semicolon, bar or comma splits its lines alike"
@@ -217,15 +222,30 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     rows = [(i, cells) for i, cells in every if any(cells)]
     if not rows:
         raise source.fault(1, "the table has no filled cell")
+    found, notice = _decimal(source, rows, decimal)
+    return Table(rows, sign, found, (notice,) if notice else ())
+
+
+def _filled_lines(source: Source, text: str) -> list[tuple[int, str]]:
+    """Numbers and texts of the lines that hold something. Raises RecordingError for one that is
+    too long."""
+    lines = [(i, line) for i, line in enumerate(lines_of(text), 1) if line.strip()]
+    for i, line in lines:
+        if len(line) > LONGEST_LINE:
+            raise source.fault(i, f"a line of {len(line):,} characters is no row of a table")
+    return lines
+
+
+def _decimal(source: Source, rows: list[tuple[int, list[str]]], told: str) -> tuple[str, str]:
+    """The decimal sign, and a notice. Raises RecordingError where both are used."""
     try:
-        found, notice = decimal_of((cell for _, cells in rows for cell in _numbers(cells)), decimal)
+        return decimal_of((cell for _, cells in rows for cell in _numbers(cells)), told)
     except ValueError as error:
         raise source.fault(
             next((i for i, cells in rows if any(map(COMMA.fullmatch, cells))), 1),
             f"decimal commas and points are mixed: {error}",
             "write all numbers alike; say --set decimal=. or --set decimal=,",
         ) from None
-    return Table(rows, sign, found, (notice,) if notice else ())
 
 
 def _numbers(cells: list[str]) -> list[str]:

@@ -66,14 +66,19 @@ def as_text(source: Source, sheet: str = "") -> Source:
             "save it as .xlsx again, or as CSV",
             place,
         ) from None
+    text = texts[sheet] if sheet else _only_filled(texts, place)
+    return Source(source.name, text.encode())
+
+
+def _only_filled(texts: dict[str, str], place: Place) -> str:
+    """The one sheet that holds numbers. Raises RecordingError for none, or several."""
     filled = {name: t for name, t in texts.items() if re.search(r"(?m)(^|\t)-?[0-9.]+(\t|$)", t)}
-    if len(filled) != 1 and not sheet:
+    if len(filled) != 1:
         what = "no sheet holds numbers" if not filled else f"{len(filled)} sheets hold numbers"
         raise RecordingError(
             what, f"say which: --sheet {next(iter(filled or texts))!r}" if texts else "", place
         )
-    text = texts[sheet] if sheet else next(iter(filled.values()))
-    return Source(source.name, text.encode())
+    return next(iter(filled.values()))
 
 
 def _part(book: zipfile.ZipFile, name: str) -> ElementTree.Element:
@@ -176,16 +181,13 @@ def _value(
     if kind == "inlineStr":
         inline = cell.find(f"{MAIN}is")
         return _joined(inline) if inline is not None else ""
-    held = cell.find(f"{MAIN}v")
-    value = (held.text or "") if held is not None else ""
+    value = cell.findtext(f"{MAIN}v") or ""
     if kind == "s" and value:
         return strings[int(value)]
     style = int(cell.get("s", "0"))
     if kind == "n" and value and style < len(times) and times[style]:
         moment = first + datetime.timedelta(milliseconds=round(float(value) * 86_400_000))
-        return (
-            moment.isoformat(timespec="milliseconds") if moment.microsecond else moment.isoformat()
-        )
+        return moment.isoformat(timespec="milliseconds" if moment.microsecond else "auto")
     if kind == "n" and re.fullmatch(r"-?[0-9.]+[eE][-+]?[0-9]+|-?[0-9]+\.[0-9]{12,}", value):
         return f"{float(value):.12g}"  # binary fractions are saved with all their digits
     return value

@@ -171,6 +171,18 @@ def _unit(cell: str, component: components.Component) -> units.Unit | None:
     return unit
 
 
+def _of_directions(rows: list[Row], options: ReadingOptions) -> list[str]:
+    """A notice where directions are relative and nothing says to what, or the other way round."""
+    relative = any(row.relative for row in rows)
+    if relative == bool(options.first):
+        return []
+    if relative:
+        return [
+            "forward is taken as +, reverse as - (--first - if the first run went towards minus)"
+        ]
+    return ["the file says the directions itself (dir): --first is not used"]
+
+
 def _one(
     source: Source, options: ReadingOptions, name: str, every: list[Row], table_notices: list[str]
 ) -> Recording:
@@ -185,13 +197,7 @@ def _one(
         )
     said = _one_unit(source, name, rows)
     unit = components.unit_for(options, source, component, said, rows[0].line)
-    relative = any(row.relative for row in rows)
-    if relative and not options.first:
-        notices.append(
-            "forward is taken as +, reverse as - (--first - if the first run went towards minus)"
-        )
-    if options.first and not relative:
-        notices.append("the file says the directions itself (dir): --first is not used")
+    notices += _of_directions(rows, options)
     heed = ReadingOptions(
         component=name, others=options.others, machine=options.machine, head=options.head
     )
@@ -215,10 +221,10 @@ def _one_unit(source: Source, name: str, rows: list[Row]) -> units.Unit | None:
     return next((unit for unit, _ in said.values()), None)
 
 
-def _readings(
+def _places(
     source: Source, component: components.Component, rows: list[Row], notices: list[str]
-) -> targets.Readings:
-    """The readings of a component, with the places and temperatures that all its rows have."""
+) -> dict[str, list[float]]:
+    """The places and temperatures that all rows have, by column."""
     columns: dict[str, list[float]] = {}
     for key, column in (PLACES | TEMPERATURES).items():
         has = [row.numbers[key] for row in rows if key in row.numbers]
@@ -228,13 +234,20 @@ def _readings(
             _same(source, component, rows, key)
         elif has:
             columns[column] = has
+    return columns
+
+
+def _readings(
+    source: Source, component: components.Component, rows: list[Row], notices: list[str]
+) -> targets.Readings:
+    """The readings of a component, with the places and temperatures that all its rows have."""
     return targets.Readings.of(
         (
             (int(n["run"]), n["target"], n["value"], row.line, row.sign)
             for row in rows
             for n in [row.numbers]
         ),
-        columns=columns,
+        columns=_places(source, component, rows, notices),
         t=text.times(source, [(row.line, row.time) for row in rows]),
     )
 

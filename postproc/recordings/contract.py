@@ -143,6 +143,40 @@ def _is_place(value: Any) -> bool:
     return isinstance(value, dict) and all(k in AXES and _finite(v) for k, v in value.items())
 
 
+def _check_targets(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
+    """Quantity and sensitive direction."""
+    if head["quantity"] not in QUANTITIES:
+        raise fault(
+            "quantity",
+            f"{_said(head, 'quantity')}, and there is no such quantity",
+            f"quantities: {', '.join(QUANTITIES)}",
+        )
+    vector = head.get("sensitive")
+    if not vector or not _is_place(vector):
+        raise fault(
+            "sensitive",
+            f"{_said(head, 'sensitive')}: a vector is wanted",
+            "like sensitive = { X = 0.0, Z = 1.0 }",
+        )
+    length = math.sqrt(sum(v * v for v in vector.values()))
+    if abs(length - 1) > 1e-3:
+        raise fault(
+            "sensitive", f"sensitive has the length {length:.4f}", "a unit vector is wanted"
+        )
+
+
+def _check_ballbar(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
+    """Radius and centre."""
+    if not _finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
+        raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
+    if not _is_place(head.get("centre")):
+        raise fault(
+            "centre",
+            f"{_said(head, 'centre')}: a place is wanted",
+            "like centre = { X = 400.0, Y = 300.0 }",
+        )
+
+
 def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
     """Raises what fault(key, message, advice) makes of the first key that is not as the contract
     says."""
@@ -154,37 +188,13 @@ def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
         )
     if head["kind"] == "targets":
         head.setdefault("quantity", "displacement")
-        if head["quantity"] not in QUANTITIES:
-            raise fault(
-                "quantity",
-                f"{_said(head, 'quantity')}, and there is no such quantity",
-                f"quantities: {', '.join(QUANTITIES)}",
-            )
-        vector = head.get("sensitive")
-        if not vector or not _is_place(vector):
-            raise fault(
-                "sensitive",
-                f"{_said(head, 'sensitive')}: a vector is wanted",
-                "like sensitive = { X = 0.0, Z = 1.0 }",
-            )
-        length = math.sqrt(sum(v * v for v in vector.values()))
-        if abs(length - 1) > 1e-3:
-            raise fault(
-                "sensitive", f"sensitive has the length {length:.4f}", "a unit vector is wanted"
-            )
+        _check_targets(head, fault)
     if "u_um" in head and not (_finite(head["u_um"]) and head["u_um"] > 0):
         raise fault("u_um", f"u_um = {head['u_um']!r} is not above zero")
     if head["kind"] == "trace" and head.get("sees", "scale") not in ("scale", "tool"):
         raise fault("sees", f"sees = {head['sees']!r}", "scale or tool")
     if head["kind"] == "ballbar":
-        if not _finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
-            raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
-        if not _is_place(head.get("centre")):
-            raise fault(
-                "centre",
-                f"{_said(head, 'centre')}: a place is wanted",
-                "like centre = { X = 400.0, Y = 300.0 }",
-            )
+        _check_ballbar(head, fault)
 
 
 def _said(head: dict[str, Any], key: str) -> str:
@@ -235,6 +245,11 @@ def _needed_moving(head: dict[str, Any], names: list[str], place: Place) -> set[
     return {position[x] for x in axes} | _needed_measured(head, names, axes, place)
 
 
+def _check_centre(head: dict[str, Any], axes: list[str], place: Place) -> None:
+    if wrong := [x for x in head["centre"] if x not in axes]:
+        raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
+
+
 def _needed_measured(
     head: dict[str, Any], names: list[str], axes: list[str], place: Place
 ) -> set[str]:
@@ -242,9 +257,9 @@ def _needed_measured(
     kind = head["kind"]
     if kind == "targets":
         reading = "reading_urad" if head["quantity"] == "angle" else "reading_um"
-        return {reading} | ({f"approach_{x}" for x in axes} & set(names))
-    if kind == "ballbar" and (wrong := [x for x in head["centre"] if x not in axes]):
-        raise RecordingError(f"centre names {wrong[0]}, which is not recorded", "", place)
+        return {reading, *{f"approach_{x}" for x in axes}.intersection(names)}
+    if kind == "ballbar":
+        _check_centre(head, axes, place)
     # places in the frame of an instrument, or how far the tool is off along the machine's axes
     if kind == "points" and "dx_um" in names:
         return {"dx_um", "dy_um", "dz_um"}

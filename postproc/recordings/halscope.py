@@ -48,15 +48,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             1, "the first line is not the sampling period", "Sampling period is 1000000 ns"
         )
     names, values, at = _samples(source, lines[1:])
-    notices: list[str] = []
-    if not options.unit:
-        notices.append(
-            "positions are taken as mm, LinuxCNC's machine unit (--unit inch where LINEAR_UNITS is"
-            " inch)"
-        )
-    unit = units.named(options.unit or "mm")
-    if unit.quantity != units.LENGTH:
-        raise UsageError(f"--unit {unit.name} is no unit of lengths", "mm, or inch")
+    unit, notices = _unit(options)
     wanted = _mapped(source, names, options)
     columns = {"run": np.ones(len(values)), "t_s": np.arange(len(values)) * int(head[1]) * 1e-9}
     for column, pin in wanted.items():
@@ -65,6 +57,19 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     told = {"sees": "scale", "sampling_period_ns": int(head[1]), "instrument": "halscope"}
     told |= {"machine": options.machine} if options.machine else {}
     return Recording("trace", told | options.head, columns, source.name, at, (), tuple(notices))
+
+
+def _unit(options: ReadingOptions) -> tuple[units.Unit, list[str]]:
+    """The unit of the positions, and a notice where it is taken for granted. Raises UsageError."""
+    unit = units.named(options.unit or "mm")
+    if unit.quantity != units.LENGTH:
+        raise UsageError(f"--unit {unit.name} is no unit of lengths", "mm, or inch")
+    if options.unit:
+        return unit, []
+    return unit, [
+        "positions are taken as mm, LinuxCNC's machine unit (--unit inch where LINEAR_UNITS is"
+        " inch)"
+    ]
 
 
 def _samples(
@@ -82,9 +87,9 @@ def _samples(
             )
         mine = [name for name, _ in pairs]
         names = names or mine
+        if (number, mine) == (lines[-1][0], names[: len(mine)]) and len(mine) < len(names):
+            break  # the log's last sample may stop short
         if mine != names:
-            if number == lines[-1][0] and mine == names[: len(mine)]:
-                break  # the log's last sample may stop short
             raise RecordingError(
                 f"{len(mine)} pins here, and {len(names)} before: {', '.join(names)}", "", place
             )
@@ -93,6 +98,16 @@ def _samples(
     if len(values) < 2:
         raise source.fault(1, "there are fewer than two samples")
     return names, np.array(values), np.array(at, np.int64)
+
+
+def _take_joints(found: dict[str, str], names: list[str], letters: str) -> None:
+    """Into `found`, column to pin: the joints' own pins, the first of PINS that are recorded.
+    letters: the axis of each joint."""
+    for k, x in enumerate(letters):
+        for command, actual in PINS:
+            pins = command.format(k), actual.format(k)
+            if x in "XYZ" and f"{x}_cmd_mm" not in found and all(p in names for p in pins):
+                found.update({f"{x}_cmd_mm": pins[0], f"{x}_act_mm": pins[1]})
 
 
 def _mapped(source: Source, names: list[str], options: ReadingOptions) -> dict[str, str]:
@@ -106,11 +121,7 @@ def _mapped(source: Source, names: list[str], options: ReadingOptions) -> dict[s
     letters = options.extra.get("joints", "").upper()
     if letters and not re.fullmatch(r"[XYZABC]{1,6}", letters):
         raise UsageError(f"--set joints={letters} is not like XYZ", EXTRA["joints"])
-    for k, x in enumerate(letters):
-        for command, actual in PINS:
-            pins = command.format(k), actual.format(k)
-            if x in "XYZ" and f"{x}_cmd_mm" not in found and all(p in names for p in pins):
-                found |= {f"{x}_cmd_mm": pins[0], f"{x}_act_mm": pins[1]}
+    _take_joints(found, names, letters)
     moving = {m[1] for m in map(COLUMN.fullmatch, found) if m and m[1]}
     if not moving or not {f"{x}_{c}_mm" for x in moving for c in ("cmd", "act")} <= found.keys():
         raise UsageError(

@@ -53,7 +53,7 @@ WORDS = re.compile(r"up|down|↑|forward|reverse|fwd|rev|run|dir", re.I)
 def recognises(source: Source) -> bool:
     """A table whose headings name the direction of every column, or name target, run and
     deviation."""
-    marked = any(source.data.startswith(mark) for mark in text.BOMS)
+    marked = source.data.startswith(tuple(text.BOMS))
     if b"HEADER::" in source.data[:200] or (b"\x00" in source.data[:200] and not marked):
         return False
     try:
@@ -139,18 +139,21 @@ def _long(table: text.Table) -> tuple[int, dict[str, int]] | None:
     for k, (_, cells) in enumerate(table.rows[:40]):
         if any(table.numeric(c) for c in cells):
             continue
-        names = {
-            what: [j for j, c in enumerate(cells) if c and pattern.search(c)]
-            for what, pattern in LONG.items()
-        }
+        names = _long_names(cells)
         # a wide table has a run in many of its headings
-        if (
-            all(len(names[w]) == 1 for w in ("target", "run", "value"))
-            and len(names["direction"] + names["time"]) <= 2
-        ):
+        alone = all(len(names[w]) == 1 for w in ("target", "run", "value"))
+        if alone and len(names["direction"] + names["time"]) <= 2:
             columns = {what: at[0] for what, at in names.items() if at}
             return (k, columns) if len(set(columns.values())) == len(columns) else None
     return None
+
+
+def _long_names(cells: list[str]) -> dict[str, list[int]]:
+    """Which cells head what in a long table."""
+    return {
+        what: [j for j, c in enumerate(cells) if c and pattern.search(c)]
+        for what, pattern in LONG.items()
+    }
 
 
 @dataclass(frozen=True)

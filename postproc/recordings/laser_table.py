@@ -42,22 +42,39 @@ def recognises(source: Source) -> bool:
     )
 
 
+def _top(source: Source, lines: list[str]) -> int:
+    """Index of the row above the targets. Raises RecordingError where there is none."""
+    for i, line in enumerate(lines):
+        if TOP.match(line):
+            return i
+    for i, line in enumerate(lines):
+        if TIME.match(line):
+            raise source.fault(
+                i + 1,
+                "this is a record over time, not of targets",
+                "make a CSV of it and name its columns: --format mapped-csv",
+            )
+    raise source.fault(1, "there is no row that begins with Target Position")
+
+
+def _readings(found, scale: float, columns: dict[str, float]) -> targets.Readings:
+    """scale: mm of a target's unit; columns: temperatures, the same for all."""
+    return targets.Readings(
+        [_run(c.title) for c, *_ in found],
+        [t * scale for _, _, t, _ in found],
+        [v for *_, v in found],
+        [line for _, line, *_ in found],
+        columns={n: [v] * len(found) for n, v in columns.items()},
+    )
+
+
 def read(source: Source, options: ReadingOptions) -> Recording:
     """Raises RecordingError with the line for what is not a number, and where axis or unit are
     open."""
     content, encoding = text.decoded(source)
     notices = ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
     lines = text.lines_of(content)
-    top = next((i for i, line in enumerate(lines) if TOP.match(line)), None)
-    if top is None:
-        time = next((i for i, line in enumerate(lines) if TIME.match(line)), None)
-        if time is not None:
-            raise source.fault(
-                time + 1,
-                "this is a record over time, not of targets",
-                "make a CSV of it and name its columns: --format mapped-csv",
-            )
-        raise source.fault(1, "there is no row that begins with Target Position")
+    top = _top(source, lines)
     weather = next(
         (i for i in range(top + 1, len(lines)) if ENVIRONMENT.match(lines[i])), len(lines)
     )
@@ -76,13 +93,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     notices += _sheet.missing(faults)
     _averages(source, sheet, table, found, notices)
     columns, noted, more = environment.taken(_keys(lines[weather + 1 :], lower=False).items())
-    readings = targets.Readings(
-        [_run(c.title) for c, *_ in found],
-        [t * scale for _, _, t, _ in found],
-        [v for *_, v in found],
-        [line for _, line, *_ in found],
-        columns={n: [v] * len(found) for n, v in columns.items()},
-    )
+    readings = _readings(found, scale, columns)
     head = {
         "machine": before.get("machine", ""),
         "instrument": "laser interferometer",
@@ -91,8 +102,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         "date": before.get("date", ""),
         "environment": noted or None,
     }
-    ups = [t for _, _, t, _ in found]
-    first = 1 if not ups or ups[-1] >= ups[0] else -1
+    first = 1 if not found or found[-1][2] >= found[0][2] else -1
     return targets.recording(
         source,
         options,
@@ -135,6 +145,18 @@ def _rows(source: Source, lines: list[str], top: int, end: int) -> list[tuple[in
     return rows
 
 
+def _decimal(cells: list[str], options, at: Place) -> tuple[str, str]:
+    """The decimal sign, and a notice. Raises RecordingError where both are used."""
+    try:
+        return text.decimal_of(cells, text.told_decimal(options.extra))
+    except ValueError as error:
+        raise RecordingError(
+            f"decimal commas and points are mixed: {error}",
+            "say --set decimal=. or --set decimal=,",
+            at,
+        ) from None
+
+
 def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, text.Table]:
     """The rows of targets, and the columns of the runs."""
     rows = _rows(source, lines, top, end)
@@ -142,16 +164,7 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
     at = Place(source.name, top + 1, lines[top])
     if not body:
         raise RecordingError("there are no rows below Target Position", "", at)
-    try:
-        decimal, notice = text.decimal_of(
-            (c for _, r in body for c in r), text.told_decimal(options.extra)
-        )
-    except ValueError as error:
-        raise RecordingError(
-            f"decimal commas and points are mixed: {error}",
-            "say --set decimal=. or --set decimal=,",
-            at,
-        ) from None
+    decimal, notice = _decimal([c for _, r in body for c in r], options, at)
     if notice:
         notices.append(notice)
     columns: list[_sheet.Column] = []

@@ -9,6 +9,8 @@ LinuxCNC's usrmotintf.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from postproc.errors import Place, UsageError
 from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
 from postproc.recordings import _components as components
@@ -67,24 +69,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     unit = units.named(options.unit)
     if unit.name not in UNITS:
         raise UsageError(f"--unit {options.unit}: a machine's unit is mm or inch")
-    scale = UNITS[unit.name]
-    readings = targets.Readings([], [], [], [], [])
-    for sign, column in ((1, 2), (-1, 3)):
-        for row in rows:
-            line, nominal, entry = int(row[0]), row[1], row[column]
-            deviation = entry - nominal if kind == "0" else -entry
-            if abs(deviation) * scale > FARTHEST:
-                raise source.fault(
-                    line,
-                    f"a deviation of {deviation * scale:g} mm is no screw's: is this type"
-                    f" {1 - int(kind)}, or another unit?",
-                    f"--set type={1 - int(kind)}",
-                )
-            for values, value in zip(
-                (readings.run, readings.target, readings.value, readings.line, readings.sign),
-                (1 if sign > 0 else 2, nominal * scale, deviation, line, sign), strict=True,
-            ):  # fmt: skip
-                values.append(value)  # type: ignore[attr-defined]
+    readings = targets.Readings.of(_readings(source, rows, kind, UNITS[unit.name]))
     notices = [
         "these are a control's corrections, not readings: their scatter and their zero are not"
         " known"
@@ -99,12 +84,29 @@ def _axis(source: Source) -> str:
     return stem.upper() if len(stem) == 1 and stem.upper() in "XYZ" else ""
 
 
+def _readings(
+    source: Source, rows: list[tuple[int, float, float, float]], kind: str, scale: float
+) -> Iterator[tuple[int, float, float, int, int]]:
+    """Run, target in mm, deviation in the file's unit, line and direction. scale: mm of a unit.
+    Raises RecordingError for what is no deviation of a screw."""
+    for run, sign, column in ((1, 1, 2), (2, -1, 3)):
+        for row in rows:
+            line, nominal, entry = int(row[0]), row[1], row[column]
+            deviation = entry - nominal if kind == "0" else -entry
+            if abs(deviation) * scale > FARTHEST:
+                raise source.fault(
+                    line,
+                    f"a deviation of {deviation * scale:g} mm is no screw's: is this type"
+                    f" {1 - int(kind)}, or another unit?",
+                    f"--set type={1 - int(kind)}",
+                )
+            yield run, nominal * scale, deviation, line, sign
+
+
 def _rows(source: Source) -> list[tuple[int, float, float, float]]:
     """Line, nominal, forward, reverse."""
     content, _ = text.decoded(source)
-    lines = text.lines_of(content)
-    while lines and not lines[-1].strip():
-        lines.pop()
+    lines = text.lines_of(content.rstrip())
     rows: list[tuple[int, float, float, float]] = []
     for i, line in enumerate(lines, 1):
         values = [text.number(w) for w in line.split()[:3]]

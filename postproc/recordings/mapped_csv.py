@@ -101,8 +101,7 @@ def _targets(source, options, table, top, at, notices) -> Recording:
             "forward is taken as +, reverse as - (--first - if forward went towards minus)"
         )
     if "t_s" in at and not named.ways:
-        times = [(row.line, names.cell_of(row.cells, at["t_s"])) for row in rows if not row.empty]
-        readings = replace(readings, t=text.times(source, times, table.decimal))
+        readings = replace(readings, t=_times(source, table, rows, at["t_s"]))
     heed = replace(options, first=0, bidirectional=None) if relative else options
     return targets.recording(
         source, heed, component, unit, readings, head={}, notices=notices, faults=faults
@@ -150,6 +149,12 @@ def _actual_factor(unit: units.Unit, own: str) -> float:
     if unit.quantity != base.quantity:
         raise UsageError(f"actual_{unit.name} is no position of {own}", f"actual_{base.name}")
     return base.factor / unit.factor
+
+
+def _times(source, table: text.Table, rows: list[Row], column: int) -> list[float] | None:
+    """s, of the rows that have readings."""
+    times = [(row.line, names.cell_of(row.cells, column)) for row in rows if not row.empty]
+    return text.times(source, times, table.decimal)
 
 
 def _rows(

@@ -18,7 +18,7 @@ from postproc.recordings import _components as components
 from postproc.recordings import _environment as environment
 from postproc.recordings import _targets as targets
 from postproc.recordings import _text as text
-from postproc.recordings._units import UNITS
+from postproc.recordings._units import UNITS, Unit
 
 TITLE = "Renishaw laser text (.rtl linear, .rta angular, .rts straightness)"
 TAKES = ("axis", "component", "unit", "bidirectional", "first", "others", "machine", "head")
@@ -86,28 +86,12 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         quantity,
         found.line("USER-TEXT"),
     )
-    said = None
-    if not options.unit and component.quantity in UNIT_OF:
-        said = UNITS[UNIT_OF[component.quantity]]
-        notices.append(
-            f"the unit is not in the file: taken as {said.name}, as other readers of this format do"
-            " (--unit)"
-        )
+    said = _usual_unit(options, component, notices)
     unit = components.unit_for(options, source, component, said, found.line("DEVIATIONS"))
     columns, noted, more = environment.taken(found.environment)
-    flags = " ".join(found.key("TARGET DATA", "flags").split())
-    if options.bidirectional is None and FLAGS.get(flags) is False and runs != 1:
-        notices.append(
-            f"Flags: {flags} means one direction in one public writer of this format:"
-            " --bidirectional no?"
-        )
-    readings = targets.Readings(
-        [r for r, _ in rows],
-        [places[k - 1] for _, k in rows],
-        [v for v, _ in rows.values()],
-        [i for _, i in rows.values()],
-        columns={n: [v] * len(rows) for n, v in columns.items()},
-    )
+    if options.bidirectional is None and runs != 1:
+        _doubt_flags(found, notices)
+    readings = _readings(rows, places, columns)
     head = {
         "machine": found.key("USER-TEXT", "machine"),
         "instrument": "Renishaw laser interferometer",
@@ -129,6 +113,43 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         faults=faults,
         first=first,
     )
+
+
+def _usual_unit(
+    options: ReadingOptions, component: components.Component, notices: list[str]
+) -> Unit | None:
+    """The unit that other readers take, with a notice; None: --unit says it, or there is none."""
+    if options.unit or component.quantity not in UNIT_OF:
+        return None
+    said = UNITS[UNIT_OF[component.quantity]]
+    notices.append(
+        f"the unit is not in the file: taken as {said.name}, as other readers of this format do"
+        " (--unit)"
+    )
+    return said
+
+
+def _readings(
+    rows: dict[tuple[int, int], tuple[float, int]], places: list[float], columns: dict[str, float]
+) -> targets.Readings:
+    """places: mm, of the targets by number; columns: temperatures, the same for all."""
+    return targets.Readings(
+        [r for r, _ in rows],
+        [places[k - 1] for _, k in rows],
+        [v for v, _ in rows.values()],
+        [i for _, i in rows.values()],
+        columns={n: [v] * len(rows) for n, v in columns.items()},
+    )
+
+
+def _doubt_flags(found: _File, notices: list[str]) -> None:
+    """A notice where the flags mean one direction."""
+    flags = " ".join(found.key("TARGET DATA", "flags").split())
+    if FLAGS.get(flags) is False:
+        notices.append(
+            f"Flags: {flags} means one direction in one public writer of this format:"
+            " --bidirectional no?"
+        )
 
 
 def _sections(content: str) -> _File:
@@ -228,31 +249,35 @@ def _rows(
     for line, row in found.rows:
         words = row.split()
         value = text.number(words[2], decimal) if len(words) == 3 else None
-        wrong = ""
         if value is None or not all(re.fullmatch(r"[0-9]{1,6}", w) for w in words[:2]):
             wrong = f"{row[:60]!r} is not a run, a target's number and a deviation"
         else:
             run, target = int(words[0]), int(words[1])
-            if run < 1 or (runs and run > runs):
-                wrong = f"run {run}, and the runs are 1 to {runs or MOST}"
-            elif not 1 <= target <= n_targets:
-                wrong = f"target number {target}, and the targets are 1 to {n_targets}"
-            elif (run, target) in rows:
-                wrong = (
-                    f"run {run} has target {target} twice: here and in line"
-                    f" {rows[(run, target)][1]}"
-                )
-            else:
-                rows[(run, target)] = (value, line)
-        if wrong and options.strict:
+            wrong = _wrong_place(run, target, runs, n_targets)
+            if not wrong and (run, target) in rows:
+                first = rows[(run, target)][1]
+                wrong = f"run {run} has target {target} twice: here and in line {first}"
+        if value is not None and not wrong:
+            rows[(run, target)] = (value, line)
+            continue
+        if options.strict:
             raise source.fault(line, wrong, "mend the row; --lenient leaves such rows out", row)
-        if wrong:
-            faults.append(Fault(line, "Run Target Data", wrong))
+        faults.append(Fault(line, "Run Target Data", wrong))
     if not rows:
         raise source.fault(
             found.line("DEVIATIONS"), "there are no deviations", "they stand below Run Target Data:"
         )
     return rows, faults
+
+
+def _wrong_place(run: int, target: int, runs: int, n_targets: int) -> str:
+    """What is wrong with the numbers of a run and of a target; "": nothing. runs: 0 where the file
+    does not say."""
+    if run < 1 or (runs and run > runs):
+        return f"run {run}, and the runs are 1 to {runs or MOST}"
+    if not 1 <= target <= n_targets:
+        return f"target number {target}, and the targets are 1 to {n_targets}"
+    return ""
 
 
 def _missing(found, rows, n_targets, runs, faults, notices) -> None:
@@ -271,9 +296,7 @@ def _missing(found, rows, n_targets, runs, faults, notices) -> None:
     line = found.line("DEVIATIONS")
     faults += [Fault(line, f"run {r} target {k}", "the reading is missing") for r, k in gone]
     if gone:
-        some = ", ".join(f"run {r} target {k}" for r, k in gone[:4]) + (
-            ", ..." if len(gone) > 4 else ""
-        )
+        some = ", ".join(f"run {r} target {k}" for r, k in gone[:4]) + ", ..." * (len(gone) > 4)
         notices.append(f"{len(gone)} of {runs} x {n_targets} readings are missing: {some}")
 
 

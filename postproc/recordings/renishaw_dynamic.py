@@ -37,27 +37,22 @@ def recognises(source: Source) -> bool:
     )
 
 
-def read(source: Source, options: ReadingOptions) -> Recording:
-    """A trace, sees = "tool". Raises RecordingError for a broken file, and where axis, unit or
-    command are not said."""
-    begin = BEGIN.search(source.data[:HEADER_MOST])
-    if begin is None:
-        raise source.fault(1, "there is no line Data: in the header", "is this an .rtx file?")
-    lines = (
-        source.data[: begin.start()].decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
-    )
-    keys = {
+def _keys(lines: list[str]) -> dict[str, tuple[str, int]]:
+    """What the header says, and in which line."""
+    return {
         k.strip().lower(): (v.strip(), i)
         for i, (k, c, v) in enumerate((x.partition(":") for x in lines), 1)
         if c
     }
-    at = Place(source.name, len(lines) + 1)
+
+
+def _samples(source: Source, begin: int, at: Place, notices: list[str]) -> np.ndarray:
+    """(N,) the numbers of 8 bytes from byte `begin` to the end. Raises RecordingError."""
     end = source.data.rfind(END)
-    notices: list[str] = []
-    if end < begin.end():
+    if end < begin:
         notices.append("there is no EOF:: at the end: the file may be cut off")
         end = len(source.data)
-    block = source.data[begin.end() : end]
+    block = source.data[begin:end]
     over = len(block) % 8
     if over and end < len(source.data) and block[-over:] in (b"\r\n", b"\n"):
         block = block[:-over]
@@ -69,17 +64,39 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     samples = np.frombuffer(block, "<f8").astype(np.float64)
     if len(samples) < 2:
         raise RecordingError(f"there are {len(samples)} samples", "two at least make a motion", at)
-    rate = _rate(source, keys)
+    return samples
+
+
+def _axis(source: Source, keys: dict[str, tuple[str, int]], options: ReadingOptions) -> str:
+    """X, Y or Z. Raises UsageError or RecordingError where that is not said."""
     axis = options.axis.strip().upper() or components.axis_in(keys.get("axis", ("", 0))[0])
-    if axis not in ("X", "Y", "Z"):
-        if options.axis:
-            raise UsageError(
-                f"--axis {options.axis} is no linear axis",
-                "an .rtx file is read as positions: X, Y or Z",
-            )
-        raise source.fault(
-            keys.get("axis", ("", 1))[1], "the file does not say which axis moved", "say --axis Z"
+    if axis in ("X", "Y", "Z"):
+        return axis
+    if options.axis:
+        raise UsageError(
+            f"--axis {options.axis} is no linear axis",
+            "an .rtx file is read as positions: X, Y or Z",
         )
+    raise source.fault(
+        keys.get("axis", ("", 1))[1], "the file does not say which axis moved", "say --axis Z"
+    )
+
+
+def read(source: Source, options: ReadingOptions) -> Recording:
+    """A trace, sees = "tool". Raises RecordingError for a broken file, and where axis, unit or
+    command are not said."""
+    begin = BEGIN.search(source.data[:HEADER_MOST])
+    if begin is None:
+        raise source.fault(1, "there is no line Data: in the header", "is this an .rtx file?")
+    lines = (
+        source.data[: begin.start()].decode("utf-8", "replace").replace("\r\n", "\n").split("\n")
+    )
+    keys = _keys(lines)
+    at = Place(source.name, len(lines) + 1)
+    notices: list[str] = []
+    samples = _samples(source, begin.end(), at, notices)
+    rate = _rate(source, keys)
+    axis = _axis(source, keys, options)
     position = _position(source, samples, options, at)
     command = _command(source, position, options, at)
     stated = _whole(keys.get("sample no", ("", 0))[0])
@@ -101,13 +118,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     told = {"sees": "tool", "sample_rate_hz": rate, "unit_in_file": options.unit}
     # the commanded position has no line of its own in a binary file
     at_line = np.full(len(samples), at.line)
-    if options.others:
-        columns |= {
-            f"{x}_{c}_mm": np.full(len(samples), v)
-            for x, v in options.others.items()
-            if x != axis
-            for c in ("cmd", "act")
-        }
+    for x in options.others.keys() - {axis}:
+        columns |= {f"{x}_{c}_mm": np.full(len(samples), options.others[x]) for c in ("cmd", "act")}
     return Recording(
         "trace", kept | told | options.head, columns, source.name, at_line, (), tuple(notices)
     )

@@ -54,6 +54,20 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     raise source.fault(1, f"the file holds {len(every)} components", "say which: --component EXX")
 
 
+def _shared(
+    names: list[str], values: np.ndarray, letter: str, options: ReadingOptions
+) -> dict[str, np.ndarray]:
+    """The columns that all components have. letter: of the axis that moves."""
+    shared = {n: values[:, k] for k, n in enumerate(names) if not COMPONENT.fullmatch(n)}
+    if "approach" in shared:
+        shared[f"approach_{letter}"] = shared.pop("approach")
+    return shared | {
+        f"{x}_mm": np.full(len(values), v)
+        for x, v in options.others.items()
+        if x in "XYZ" and f"{x}_mm" not in shared
+    }
+
+
 def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
     """A recording for each component, only one where --component names it."""
     names, values, lines, head_line = _table(source, options)
@@ -66,14 +80,7 @@ def read_all(source: Source, options: ReadingOptions) -> list[Recording]:
                 f"{column[0]} is no error of {letter}, which moves",
                 "one axis in each file",
             )
-    shared = {n: values[:, k] for k, n in enumerate(names) if not COMPONENT.fullmatch(n)}
-    if "approach" in shared:
-        shared[f"approach_{letter}"] = shared.pop("approach")
-    shared |= {
-        f"{x}_mm": np.full(len(values), v)
-        for x, v in options.others.items()
-        if x in "XYZ" and f"{x}_mm" not in shared
-    }
+    shared = _shared(names, values, letter, options)
     wanted = options.component.upper()
     out = []
     for m, k in found:
