@@ -61,6 +61,11 @@ def motions(recording: Recording) -> list[Motion]:
     linear = all(x in LINEAR for x in moved)
     if linear and (direction := _collinear(recording, moved)) is not None:
         return [_along_diagonal(recording, direction)]
+    return _at_places(recording, moved)
+
+
+def _at_places(recording: Recording, moved: list[str]) -> list[Motion]:
+    """Motions of one axis, at several places of the others. Raises IsoError."""
     letter = _moving_axis(recording, moved)
     others = [x for x in moved if x != letter]
     places = [targets_of(recording.position(x)) for x in others]
@@ -148,14 +153,7 @@ def _kind(
                 place,
             )
         sign = float(np.sign(sensitive[largest]))
-        if letter in ROTARY:
-            if about != letter:
-                return (
-                    "angle",
-                    f"E{about}{letter}",
-                    sign,
-                    f"{moves}, the angle about {largest} is read",
-                )
+        if letter in ROTARY and about == letter:
             return "rotary", f"E{letter}{letter}", sign, f"{moves}, its own angle is read"
         return "angle", f"E{about}{letter}", sign, f"{moves}, the angle about {largest} is read"
     if letter in ROTARY:

@@ -46,7 +46,22 @@ def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
         )
     if beside.any():
         notices.append(f"{int(beside.sum())} samples beside the commanded circle are left out")
-    angle = np.arctan2(arm[1], arm[0])
+    found = _circles(recording, np.arctan2(arm[1], arm[0]), beside, notices)
+    if not found:
+        raise IsoError(
+            "no run has 12 samples on the circle",
+            "",
+            Place(recording.file, int(recording.lines[0])),
+        )
+    return axes, found, notices + _said(found)
+
+
+def _circles(
+    recording: Recording, angle: np.ndarray, beside: np.ndarray, notices: list[str]
+) -> list[Trace]:
+    """The runs. angle: (N,) rad, beside: (N,) whether a sample is off the circle. Raises IsoError
+    where a run turns against its sense."""
+    nominal = float(recording.head["radius_mm"])
     run = recording.columns.get("run", np.ones(len(recording)))
     sense = recording.columns["sense"]
     ways: dict[float, int] = {}
@@ -72,28 +87,26 @@ def traces(recording: Recording) -> tuple[str, list[Trace], list[str]]:
             "sense is +1 counter-clockwise, -1 clockwise",
             Place(recording.file, int(recording.lines[0])),
         )
-    if not found:
-        raise IsoError(
-            "no run has 12 samples on the circle",
-            "",
-            Place(recording.file, int(recording.lines[0])),
-        )
-    return axes, found, notices + _said(found)
+    return found
+
+
+def _extent(arc: Trace) -> float:
+    """rad, from before the first sample to behind the last."""
+    return float(np.ptp(arc.angle) + np.median(np.diff(arc.angle)))
 
 
 def _said(found: list[Trace]) -> list[str]:
     notices = []
-    if cut := [t for t in found if t.cut > math.radians(0.5)]:
+    if cut := [math.degrees(t.cut) for t in found if t.cut > math.radians(0.5)]:
         notices.append(
-            f"overshoot taken off: {math.degrees(min(t.cut for t in cut)):.0f} to"
-            f" {math.degrees(max(t.cut for t in cut)):.0f} degrees a run, the middle turn is kept"
+            f"overshoot taken off: {min(cut):.0f} to {max(cut):.0f} degrees a run, the middle turn"
+            " is kept"
         )
     if arcs := [t for t in found if not t.full]:
-        least = math.degrees(
-            min(float(np.ptp(t.angle) + np.median(np.diff(t.angle))) for t in arcs)
-        )
+        runs = ", ".join(str(t.run) for t in arcs)
+        least = math.degrees(min(map(_extent, arcs)))
         notices.append(
-            f"run {', '.join(str(t.run) for t in arcs)}: an arc of {least:.0f} degrees is no full"
+            f"run {runs}: an arc of {least:.0f} degrees is no full"
             " circle: G, G(b), D and F about the centre are not defined"
         )
     wide = math.degrees(max(t.gap for t in found))
@@ -113,7 +126,7 @@ def result_of(recording: Recording, options: Options) -> Result:
         f"{b}{a}": [t for t in found if t.way < 0],
     }
     forth, back = senses.values()
-    pairs = [Pair(f, k) for f, k in zip(forth, back, strict=False)]
+    pairs = list(map(Pair, forth, back))
     if not pairs:
         notices.append("one sense only: G(b), H and D are not defined")
     elif len(forth) != len(back):

@@ -89,12 +89,8 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
     pulls = np.stack([solve[:, sector == k] @ left[sector == k] for k in range(SECTORS)], axis=1)
     free = SECTORS - 3
     u = np.sqrt((pulls**2).sum(axis=1) * SECTORS / free) * student(free)
-    unit_range = [
-        max(
-            float(np.ptp(_columns(TURN, np.full(len(TURN), w), nominal)[:, k])) for w in (1.0, -1.0)
-        )
-        for k in range(len(names))
-    ]
+    turns = [np.ptp(_columns(TURN, np.full(len(TURN), w), nominal), axis=0) for w in (1.0, -1.0)]
+    unit_range = np.maximum(*turns)
     ranges = np.abs(found[: len(names)]) * unit_range
     rows = []
     for k, name in enumerate(names):

@@ -13,17 +13,22 @@ from postproc.recordings import Recording
 VOLUME = ("points", "lengths", "sphere")
 
 
+def _not_evaluated(recording: Recording) -> str:
+    hint = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
+    return (
+        f"{recording.file}: no test of the ISO 230 series is evaluated from {recording.kind}{hint}"
+    )
+
+
 def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Result], list[str]]:
     """Every result, and what was left out. Raises IsoError where a recording is not what it looks
     like, or none is left."""
     out: list[Result] = []
     left: list[str] = []
-    straight: list[tuple[Motion, Result]] = []
-    across: list[tuple[Motion, Result]] = []
+    of_test: dict[str, list[tuple[Motion, Result]]] = {}
     resting: list[drift.Drift] = []
     for recording in recordings:
-        for fault in recording.faults:
-            left.append(f"{recording.file}:{fault.line}: left out: {fault.message}")
+        left += [f"{recording.file}:{f.line}: left out: {f.message}" for f in recording.faults]
         if not len(recording):
             raise IsoError("there are no rows", "", Place(recording.file, 1))
         if recording.kind == "ballbar":
@@ -36,21 +41,14 @@ def results(recordings: Sequence[Recording], options: Options) -> tuple[list[Res
             for motion in motions(recording):
                 result = targets.result_of(motion, options)
                 out.append(result)
-                if motion.test == "straightness":
-                    straight.append((motion, result))
-                elif motion.test == "diagonal":
-                    across.append((motion, result))
+                of_test.setdefault(motion.test, []).append((motion, result))
         else:
-            hint = "; gcomp volumetric makes a map of it" if recording.kind in VOLUME else ""
-            left.append(
-                f"{recording.file}: no test of the ISO 230 series is evaluated from"
-                f" {recording.kind}{hint}"
-            )
+            left.append(_not_evaluated(recording))
     if not out:
         raise IsoError("there is nothing to evaluate", "\n    ".join(left))
     rest = (
-        targets.diagonals_of(across)
-        + targets.squareness_of(straight, options)
+        targets.diagonals_of(of_test.get("diagonal", []))
+        + targets.squareness_of(of_test.get("straightness", []), options)
         + drift.tilts_of(resting, options)
     )
     return out + rest, left

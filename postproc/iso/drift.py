@@ -9,6 +9,7 @@ in the range.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,15 +104,10 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
         )
     if device is None:
         notices.append("the uncertainty of a reading is not stated (--device): U is not known")
+    spindle = "turns" if d.spindle else "is still"
     why = (
-        f"no axis moves for {hours:.1f} h, "
-        + ("the spindle turns" if d.spindle else "the spindle is still")
-        + f", displacement is read along {d.letter}"
-    )
-    noise = (
-        float(np.median(np.abs(np.diff(d.reading)))) / (0.6745 * np.sqrt(2))
-        if len(d.reading) > 3
-        else 0.0
+        f"no axis moves for {hours:.1f} h, the spindle {spindle}, displacement is read along"
+        f" {d.letter}"
     )
     return d, Result(
         "rotating spindle" if d.spindle else "ETVE",
@@ -123,7 +119,7 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
         (*parameters, *warm),
         terms,
         (*recording.notices, *notices),
-        noise,
+        _noise(d.reading),
         detail=d,
     )
 
@@ -133,47 +129,52 @@ def _device(recording: Recording, options: Options) -> float | None:
     return options.budget.device if options.budget.device is not None else recording.u
 
 
+def _noise(reading: np.ndarray) -> float:
+    """mm, of one reading, by the differences of neighbours; 0 where there are too few."""
+    if len(reading) <= 3:
+        return 0.0
+    return float(np.median(np.abs(np.diff(reading)))) / (0.6745 * np.sqrt(2))
+
+
 def tilts_of(found: list[Drift], options: Options) -> list[Result]:
     """The tilt that two pickups of one direction tell, so far apart as their heads say."""
     out = []
-    for i, one in enumerate(found):
-        for other in found[i + 1 :]:
-            apart = other.arm - one.arm
-            same = (
-                one.letter == other.letter
-                and one.spindle == other.spindle
-                and one.tool == other.tool
+    for one, other in itertools.combinations(found, 2):
+        apart = other.arm - one.arm
+        same = (one.letter, one.spindle, one.tool) == (other.letter, other.spindle, other.tool)
+        if not same or not abs(apart) > SAME or (one.tool, one.letter) not in ABOUT:
+            continue
+        low, high = max(one.time[0], other.time[0]), min(one.time[-1], other.time[-1])
+        time = one.time[(one.time >= low) & (one.time <= high)]
+        if len(time) < 2:
+            continue
+        angle = (
+            np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)
+        ) / apart
+        name = f"{'d' if one.spindle else 'ETVE_'}{ABOUT[one.tool, one.letter]}"
+        size, at = _range(time, angle)
+        U = _of_tilt(one, other, options)
+        out.append(
+            Result(
+                "tilt at rest",
+                "ISO 230-3",
+                name,
+                f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}",
+                "urad",
+                (one.recording.file, other.recording.file),
+                (Parameter(name, size, "range of the tilt", at, U),),
             )
-            if not same or not abs(apart) > SAME or (one.tool, one.letter) not in ABOUT:
-                continue
-            low, high = max(one.time[0], other.time[0]), min(one.time[-1], other.time[-1])
-            time = one.time[(one.time >= low) & (one.time <= high)]
-            if len(time) < 2:
-                continue
-            angle = (
-                np.interp(time, other.time, other.reading) - np.interp(time, one.time, one.reading)
-            ) / apart
-            name = f"{'d' if one.spindle else 'ETVE_'}{ABOUT[one.tool, one.letter]}"
-            u = [_device(r, options) for r in (one.recording, other.recording)]
-            stated = [v for v in u if v is not None]
-            U = (
-                2 * np.sqrt(2) * float(np.linalg.norm(stated)) / abs(apart)
-                if len(stated) == 2
-                else None
-            )
-            size, at = _range(time, angle)
-            out.append(
-                Result(
-                    "tilt at rest",
-                    "ISO 230-3",
-                    name,
-                    f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}",
-                    "urad",
-                    (one.recording.file, other.recording.file),
-                    (Parameter(name, size, "range of the tilt", at, U),),
-                )
-            )
+        )
     return out
+
+
+def _of_tilt(one: Drift, other: Drift, options: Options) -> float | None:
+    """U (95 %) of the angle that two pickups tell, rad; None where that of one is not known."""
+    u = [_device(r, options) for r in (one.recording, other.recording)]
+    stated = [v for v in u if v is not None]
+    if len(stated) < 2:
+        return None
+    return 2 * np.sqrt(2) * float(np.linalg.norm(stated)) / abs(other.arm - one.arm)
 
 
 def _drift(recording: Recording) -> Drift:

@@ -92,6 +92,15 @@ def _at_rest(axes: Any, result: Result) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=2, fontsize=8, frameon=False)
 
 
+def _position(result: Result) -> str:
+    """What the abscissa is."""
+    if result.test == "rotary":
+        return "position, degrees"
+    if result.test == "diagonal":
+        return f"position along {result.subject.split(',')[0]}, mm"
+    return f"{result.subject[2]}, mm"
+
+
 def _along(axes: Any, result: Result) -> None:
     """Deviation over position: runs, means, means +- 2s, and the widths that the parameters stand
     for."""
@@ -145,15 +154,7 @@ def _along(axes: Any, result: Result) -> None:
         _widths(axes, result, test, unit, digits)
     _reversal(axes, result, test, unit, digits)
     axes.axhline(0, color=INK, lw=0.6)
-    axes.set_xlabel(
-        "position, degrees"
-        if result.test == "rotary"
-        else (
-            f"position along {result.subject.split(',')[0]}, mm"
-            if result.test == "diagonal"
-            else f"{result.subject[2]}, mm"
-        )
-    )
+    axes.set_xlabel(_position(result))
     axes.set_ylabel(f"deviation, {_micro(result)}")
     axes.set_title(f"{result.subject}  ({result.standard})", loc="left")
     axes.grid(True)
@@ -161,31 +162,33 @@ def _along(axes: Any, result: Result) -> None:
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncol=5, fontsize=8, frameon=False)
 
 
-def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
-    """E, M and A as arrows beside the curves."""
+def _ends(result: Result, test: Positioning) -> dict[str, tuple[float, float]]:
+    """Bottom and top, mm, of the widths that have a value, in the order in which they are
+    drawn."""
+    unknown = (np.nan, np.nan)
     ends = {
+        "M": (np.nanmin(test.middle), np.nanmax(test.middle)) if test.both.any() else unknown,
         "E": (np.nanmin(test.mean), np.nanmax(test.mean)),
-        "M": (
-            (np.nanmin(test.middle), np.nanmax(test.middle))
-            if test.both.any()
-            else (np.nan, np.nan)
-        ),
         "A": (
             (np.nanmin(test.mean - 2 * test.s), np.nanmax(test.mean + 2 * test.s))
             if np.isfinite(test.s).any()
-            else (np.nan, np.nan)
+            else unknown
         ),
     }
-    length = max(test.length, 1e-9)
-    start = float(test.target[-1])
-    names = [n for n in ("M", "E", "A") if result[n].value is not None]
-    if not names:  # one direction only: its own letters
+    if not any(result[n].value is not None for n in ends):  # one direction only: its own letters
         sign = "+" if result["E+"].value is not None else "-"
         ends = {f"{n}{sign}": ends[n] for n in "EA"}
-        names = [n for n in ends if result[n].value is not None]
-    for i, name in enumerate(names):
+    return {name: width for name, width in ends.items() if result[name].value is not None}
+
+
+def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
+    """E, M and A as arrows beside the curves."""
+    ends = _ends(result, test)
+    length = max(test.length, 1e-9)
+    start = float(test.target[-1])
+    for i, (name, (bottom, top)) in enumerate(ends.items()):
         at = start + length * (0.045 + 0.075 * i)
-        low, high = (float(v) / unit for v in ends[name])
+        low, high = float(bottom) / unit, float(top) / unit
         for level in (low, high):
             axes.plot([start, at], [level, level], color=GREY, lw=0.5, ls=":")
         axes.annotate(
@@ -198,9 +201,7 @@ def _widths(axes: Any, result: Result, test: Positioning, unit: float, digits: i
         shown = number(None if value is None else value / unit, digits)
         said = f" {name}\n {shown}\n {_micro(result)}"
         axes.text(at, (low + high) / 2, said, va="center", fontsize=8)
-    axes.set_xlim(
-        float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(names))
-    )
+    axes.set_xlim(float(test.target[0]) - 0.03 * length, start + length * (0.08 + 0.08 * len(ends)))
     # The axis ends where the travel ends: beyond it only the widths stand.
     axes.set_xticks([t for t in axes.get_xticks() if test.target[0] <= t <= start])
 

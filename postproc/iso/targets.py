@@ -224,40 +224,12 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
         by_axes.setdefault(motion.axes, []).append((motion, result))
     for axes, members in by_axes.items():
         tests: dict[str, Positioning] = {}
-        notices = [diagonals.LIMIT]
         for motion, result in members:
             name = motion.subject
             while name in tests:
                 name += f" ({motion.recording.file})"
             tests[name] = result.detail
-        wanted = diagonals.every(axes)
-        if absent := [d for d in wanted if d not in {m.subject for m, _ in members}]:
-            notices.append(
-                f"{len(wanted) - len(absent)} of {len(wanted)} diagonals measured,"
-                f" {', '.join(absent)} not: the largest may be among them"
-            )
-        values, which = diagonals.largest(tests)
-        names = list(tests)
-        parameters = []
-        for name, letter, words in (
-            ("Ed", "E", "diagonal systematic deviation, largest E"),
-            ("Bd", "B", "diagonal reversal, largest B"),
-        ):
-            source = members[names.index(which[name])][1][letter] if name in which else None
-            parameters.append(
-                Parameter(
-                    name,
-                    values[name],
-                    words,
-                    which.get(name, ""),
-                    source.U if source else None,
-                    source.runs if source else None,
-                )
-            )
-        columns: dict[str, list] = {"diagonal": names}
-        for letter in ("E", "E+", "E-", "M", "B", "Bm", "A", "R"):
-            found_here = [t.values[letter] for t in tests.values()]
-            columns[f"{letter} um"] = [None if v is None else v / UM for v in found_here]
+        results = dict(zip(tests, (r for _, r in members), strict=True))
         out.append(
             Result(
                 "diagonals",
@@ -266,15 +238,48 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
                 f"{len(members)} diagonals of {axes}",
                 "um",
                 tuple(m.recording.file for m, _ in members),
-                tuple(parameters),
+                tuple(_of_diagonals(tests, results)),
                 (),
-                tuple(notices),
+                (diagonals.LIMIT, *_absent(axes, {m.subject for m, _ in members})),
                 max(r.noise for _, r in members),
-                columns,
+                _by_diagonal(tests),
                 tests,
             )
         )
     return out
+
+
+def _absent(axes: str, measured: set[str]) -> list[str]:
+    """A notice of the diagonals that were not measured."""
+    wanted = diagonals.every(axes)
+    absent = [d for d in wanted if d not in measured]
+    if not absent:
+        return []
+    return [
+        f"{len(wanted) - len(absent)} of {len(wanted)} diagonals measured,"
+        f" {', '.join(absent)} not: the largest may be among them"
+    ]
+
+
+def _of_diagonals(tests: dict[str, Positioning], results: dict[str, Result]) -> Iterator[Parameter]:
+    """The largest E and B of all diagonals, and on which it is."""
+    values, which = diagonals.largest(tests)
+    for name, letter, words in (
+        ("Ed", "E", "diagonal systematic deviation, largest E"),
+        ("Bd", "B", "diagonal reversal, largest B"),
+    ):
+        source = results[which[name]][letter] if name in which else None
+        u, runs = (source.U, source.runs) if source else (None, None)
+        yield Parameter(name, values[name], words, which.get(name, ""), u, runs)
+
+
+def _by_diagonal(tests: dict[str, Positioning]) -> dict[str, list]:
+    """The values of each diagonal, by column, um."""
+    columns: dict[str, list] = {"diagonal": list(tests)}
+    for letter in ("E", "E+", "E-", "M", "B", "Bm", "A", "R"):
+        values = [t.values[letter] for t in tests.values()]
+        columns[f"{letter} um"] = [None if v is None else v / UM for v in values]
+    return columns
 
 
 def squareness_of(found: list[tuple[Motion, Result]], options: Options) -> list[Result]:
@@ -295,6 +300,17 @@ def _best(result: Result) -> Line | None:
     return lines.lines[lines.best]
 
 
+def _of_square(name: str, stated: float | None, results: tuple[Result, Result]) -> Iterator[Term]:
+    """Terms of U: of the square, stated in rad, and of the readings of both lines."""
+    of = frozenset([name])
+    if stated is not None:
+        yield Term("square", stated, of, "stated, of the square itself")
+    for result in results:
+        for device in [t for t in result.terms if t.name == "device"][:1]:
+            u = device.u / result.detail.test.length
+            yield Term(f"device, {result.subject}", u, of, "of the ends of the line")
+
+
 def _square_of(
     motions: tuple[Motion, Motion], results: tuple[Result, Result], options: Options
 ) -> Result:
@@ -304,12 +320,8 @@ def _square_of(
     runs = [straightness.from_runs(x.kind, x.test, x.best) for x in lines]
     known = [r[1] for r in runs if r and r[1] is not None]
     name, value = straightness.squareness(motions[0].axes, motions[1].axes, *slopes)
-    stated, of = options.budget.square, frozenset([name])
-    terms = [] if stated is None else [Term("square", stated, of, "stated, of the square itself")]
-    for result in results:
-        if (device := next((t for t in result.terms if t.name == "device"), None)) is not None:
-            u = device.u / result.detail.test.length
-            terms.append(Term(f"device, {result.subject}", u, of, "of the ends of the line"))
+    stated = options.budget.square
+    terms = tuple(_of_square(name, stated, results))
     words = "squareness, as a rotation about the third axis (ISO 841 signs)"
     both = math.hypot(*known) if len(known) == 2 else None
     notices = [
@@ -328,8 +340,8 @@ def _square_of(
         " along the other",
         "urad",
         (motions[0].recording.file, motions[1].recording.file),
-        (combined(Parameter(name, value, words), tuple(terms), both),),
-        tuple(terms),
+        (combined(Parameter(name, value, words), terms, both),),
+        terms,
         tuple(notices),
         max(r.noise / r.detail.test.length for r in results),
         {"run": [r.subject for r in results], "slope urad": [s / URAD for s in slopes]},

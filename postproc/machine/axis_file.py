@@ -194,6 +194,33 @@ def position_name(letter: str) -> str:
     return f"{letter}_deg" if letter in ROTARY else f"{letter}_mm"
 
 
+def _cells(line: str, place: Place) -> list[str]:
+    """The cells of a line. Raises MachineError."""
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], strict=True))]
+    except csv.Error as error:
+        raise MachineError(
+            f"not a line of a CSV table: {error}", "numbers between commas", place
+        ) from None
+
+
+def _numbers(cells: list[str], place: Place) -> list[float]:
+    """The cells as numbers. Raises MachineError for one that is none, or no machine's."""
+    for cell in cells:
+        if not NUMBER.fullmatch(cell):
+            raise MachineError(
+                f"{cell!r} is not a number", "every node needs a value in every column", place
+            )
+    values = [float(cell) for cell in cells]
+    if not all(map(intake.finite, values)):
+        raise MachineError(
+            "a value is not finite (NaN or infinity), or beyond any machine",
+            "every node needs a value in every column",
+            place,
+        )
+    return values
+
+
 def _rows(
     path: Path, *letters: str
 ) -> tuple[dict[tuple[int, str], int], list[list[float]], list[int]]:
@@ -206,12 +233,7 @@ def _rows(
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         place = Place(str(path), number, line)
-        try:
-            cells = [cell.strip() for cell in next(csv.reader([line], strict=True))]
-        except csv.Error as error:
-            raise MachineError(
-                f"not a line of a CSV table: {error}", "numbers between commas", place
-            ) from None
+        cells = _cells(line, place)
         if not header:
             header = cells
             columns = _columns(header, letters, place)
@@ -222,19 +244,7 @@ def _rows(
                 "a value is missing or one too many",
                 place,
             )
-        for cell in cells:
-            if not NUMBER.fullmatch(cell):
-                raise MachineError(
-                    f"{cell!r} is not a number", "every node needs a value in every column", place
-                )
-        values = [float(cell) for cell in cells]
-        if not all(map(intake.finite, values)):
-            raise MachineError(
-                "a value is not finite (NaN or infinity), or beyond any machine",
-                "every node needs a value in every column",
-                place,
-            )
-        rows.append(values)
+        rows.append(_numbers(cells, place))
         lines.append(number)
     if not rows:
         raise MachineError("0 nodes: a table needs two at least", "", Place(str(path), 1))
@@ -287,9 +297,11 @@ def _columns(
         if key in columns:
             raise MachineError(f"{name!r} stands twice", "", place)
         columns[key] = i
-    for component in {c for c, _ in columns}:
-        others = {d for c, d in columns if c == component}
-        if others not in ({""}, {"fwd", "rev"}):
+    directions: dict[int, set[str]] = {}
+    for component, direction in columns:
+        directions.setdefault(component, set()).add(direction)
+    for component, found in directions.items():
+        if found not in ({""}, {"fwd", "rev"}):
             raise MachineError(
                 f"{allowed[component]}: give one column, or both _fwd and _rev", "", place
             )

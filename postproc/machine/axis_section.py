@@ -49,14 +49,7 @@ def read_axis(
     for key in ("max_velocity", "max_acceleration", "max_jerk"):
         if toml.number(name, section, key, 1.0) <= 0:
             raise toml.fault(name, key, f"{key} = {section[key]!r} is not above zero")
-    least = toml.number(name, section, "least_increment")
-    if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:
-        raise toml.fault(
-            name,
-            "least_increment",
-            f"least_increment = {least!r}",
-            "a power of ten from 0.000001 to 0.1, mm",
-        )
+    least = _least_increment(toml, name, section)
     measured = _measured_at(toml, name, letter, section, chain)
     table = None
     if "table" in section:
@@ -107,6 +100,19 @@ def _travel(toml: TomlFile, name: str, section: dict) -> tuple[float, float]:
     return float(travel[0]), float(travel[1])
 
 
+def _least_increment(toml: TomlFile, name: str, section: dict) -> float:
+    """mm. Raises MachineError where it is no power of ten."""
+    least = toml.number(name, section, "least_increment")
+    if not 1e-6 <= least <= 0.1 or abs(math.log10(least) - round(math.log10(least))) > 1e-9:
+        raise toml.fault(
+            name,
+            "least_increment",
+            f"least_increment = {least!r}",
+            "a power of ten from 0.000001 to 0.1, mm",
+        )
+    return least
+
+
 def _measured_at(
     toml: TomlFile, name: str, letter: str, section: dict, chain: chains.Chain
 ) -> np.ndarray:
@@ -115,17 +121,19 @@ def _measured_at(
     at = section.get("measured_at", {})
     if not isinstance(at, dict):
         raise toml.fault(name, "measured_at", f"measured_at = {at!r} must be like {{ X = 0.0 }}")
-    for key in at:
-        if key not in LINEAR:
-            raise toml.fault(
-                name, "measured_at", f"measured_at names {key!r}, which is no linear axis"
-            )
+    if strange := [key for key in at if key not in LINEAR]:
+        raise toml.fault(
+            name, "measured_at", f"measured_at names {strange[0]!r}, which is no linear axis"
+        )
     carried = chain.axes[chain.axes.index(letter) + 1 :] if letter in chain.axes else ()
-    two = {x for x in XYZ if SECOND[x] in chain.axes}
     stood = {x: toml.number(name, at, x, 0.0, at="measured_at") for x in LINEAR}
-    return np.array([
-        sum(stood[y] for y in (x, SECOND[x]) if y in carried) if x in two else stood[x] for x in XYZ
-    ])  # fmt: skip
+
+    def along(x: str) -> float:
+        if SECOND[x] not in chain.axes:
+            return stood[x]
+        return sum(stood[y] for y in (x, SECOND[x]) if y in carried)
+
+    return np.array(list(map(along, XYZ)))  # fmt: skip
 
 
 def _left_out(toml: TomlFile, name: str, letter: str, section: dict) -> tuple[str, ...]:

@@ -73,21 +73,20 @@ def _play(machine: Machine) -> Iterator[str]:
             )
 
 
+def _reach(machine: Machine, letter: str) -> tuple[float, float]:
+    """mm: how far an axis goes with its table; a rotary axis without one stays at zero."""
+    table = machine.tables.get(letter)
+    if machine.limits.outside != "clamp" and table is not None:
+        return float(table.nodes[0]), float(table.nodes[-1])
+    return machine.axes[letter].travel if letter in XYZ else (0.0, 0.0)
+
+
 def _refused(machine: Machine) -> list[str]:
     """Corners of the travel whose correction is larger than the limit."""
     if machine.is_zero:
         return []
     slides = [x for x in machine.letters if x in XYZ]
-    ends = [machine.axes[x].travel if x in slides else (0.0, 0.0) for x in machine.letters]
-    if machine.limits.outside != "clamp":
-        ends = [
-            (
-                (float(t.nodes[0]), float(t.nodes[-1]))
-                if (t := machine.tables.get(x)) is not None
-                else e
-            )
-            for x, e in zip(machine.letters, ends, strict=True)
-        ]
+    ends = [_reach(machine, x) for x in machine.letters]
     corners = np.stack([g.ravel() for g in np.meshgrid(*ends, indexing="ij")])
     off = np.abs(machine.deviation(corners, np.zeros_like(corners)))
     row, at = np.unravel_index(int(off.argmax()), off.shape)

@@ -78,18 +78,8 @@ def read_machine(folder: Path) -> Machine:
         raise toml.fault("", "chain", str(error)) from None
     digest = hashlib.sha256(toml.text.encode())
     limits, axes = _axes(toml, chain, digest)
-    for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
-        if path.name.removesuffix(UNCERTAINTY) not in axes:
-            raise MachineError(
-                f"{path.name} is of no axis of the machine",
-                f"axes: {' '.join(axes)}",
-                Place(str(path), 1),
-            )
-    diameter = data.get("diameter", [])
-    if not isinstance(diameter, list) or not all(
-        isinstance(d, str) and d in axes for d in diameter
-    ):
-        raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
+    _check_uncertainties(folder, axes)
+    diameter = _diameter(toml, axes)
     tool = toml.table("tool")
     toml.check_keys("tool", tool, KEYS["tool"])
     return Machine(
@@ -98,7 +88,7 @@ def read_machine(folder: Path) -> Machine:
         control=toml.string("", data, "control"),
         chain=chain,
         axes=axes,
-        diameter=tuple(diameter),
+        diameter=diameter,
         square=squareness(toml, axes),
         tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
         control_tables=_control_tables(toml, digest),
@@ -137,6 +127,27 @@ def _signs(toml: TomlFile) -> str:
     return signs
 
 
+def _check_uncertainties(folder: Path, axes: dict[str, Axis]) -> None:
+    """Raises MachineError for a table of uncertainty that belongs to no axis."""
+    for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
+        if path.name.removesuffix(UNCERTAINTY) not in axes:
+            raise MachineError(
+                f"{path.name} is of no axis of the machine",
+                f"axes: {' '.join(axes)}",
+                Place(str(path), 1),
+            )
+
+
+def _diameter(toml: TomlFile, axes: dict[str, Axis]) -> tuple[str, ...]:
+    """Axes whose words are diameters. Raises MachineError."""
+    diameter = toml.data.get("diameter", [])
+    if not isinstance(diameter, list) or not all(
+        isinstance(d, str) and d in axes for d in diameter
+    ):
+        raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
+    return tuple(diameter)
+
+
 def _axes(toml: TomlFile, chain: chains.Chain, digest) -> tuple[Limits, dict[str, Axis]]:
     """[limits], which hold for every table, and the [axes.X] sections, all of the chain. Tables are
     added to digest."""
@@ -144,25 +155,26 @@ def _axes(toml: TomlFile, chain: chains.Chain, digest) -> tuple[Limits, dict[str
     if not isinstance(sections, dict) or not sections:
         raise toml.fault("axes", "", "no [axes.X] sections")
     limits = _limits(toml)
-    axes = {
-        x: read_axis(toml, x, section, digest, limits, chain)
-        for x, section in sorted(
-            sections.items(), key=lambda item: (XYZ + ROTARY + "UVW").find(item[0])
-        )
-    }
-    for x in chain.axes:
-        if x not in axes:
-            raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
+    order = sorted(sections, key=(XYZ + ROTARY + "UVW").find)
+    axes = {x: read_axis(toml, x, sections[x], digest, limits, chain) for x in order}
+    if absent := [x for x in chain.axes if x not in axes]:
+        x = absent[0]
+        raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
+    _check_axes(toml, chain, axes)
+    return limits, location(toml, axes)
+
+
+def _check_axes(toml: TomlFile, chain: chains.Chain, axes: dict[str, Axis]) -> None:
+    """Raises MachineError for a slide, or a table, that is not in the chain, and for a grid by
+    what is no axis."""
     for x, axis in axes.items():
         if x not in chain.axes and (x in LINEAR or axis.table is not None or axis.grids):
             chained = toml.data["chain"]
             raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {chained}")
-        for grid in axis.grids:
-            if grid.other not in axes:
-                raise toml.fault(
-                    f"axes.{x}", "by", f"by names {grid.other}, which is no axis of the machine"
-                )
-    return limits, location(toml, axes)
+        if strange := [grid.other for grid in axis.grids if grid.other not in axes]:
+            raise toml.fault(
+                f"axes.{x}", "by", f"by names {strange[0]}, which is no axis of the machine"
+            )
 
 
 def _home(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:

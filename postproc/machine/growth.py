@@ -152,9 +152,15 @@ def _scale(axis: Axis, columns: Collection[str], lacking: list[str]) -> list[Dri
     if not growth.sensors:
         own = _first((f"T_scale_{x}_C", f"T_screw_{x}_C"), columns)
         return [_linear(f"scale of {x}", axis, own, growth.scale)] if own else []
+    lacking += [c for c, _ in growth.sensors if c not in columns]
+    return _by_sensors(axis, growth, columns)
+
+
+def _by_sensors(axis: Axis, growth: Expansion, columns: Collection[str]) -> list[Driver]:
+    """The growth of a scale by those of its thermometers that are recorded."""
+    x = axis.letter
     names = [c for c, _ in growth.sensors]
     places = np.array([at for _, at in growth.sensors if at is not None])
-    lacking += [c for c in names if c not in columns]
     here = [(k, c) for k, c in enumerate(names) if c in columns]
     if len(places) < len(names):  # where they sit is not said: their mean counts
         share = growth.scale / len(names)

@@ -44,6 +44,11 @@ def heat(toml: TomlFile, name: str, section: dict) -> Expansion | None:
     return Expansion(rate * PPM, at, work * PPM, work_at, fixed, *sensors(toml, name, heat))
 
 
+def _are_names(value: object) -> bool:
+    """Whether it is a list of names."""
+    return isinstance(value, list) and all(isinstance(name, str) for name in value)
+
+
 def sensors(
     toml: TomlFile, name: str, heat: dict
 ) -> tuple[tuple[tuple[str, float | None], ...], tuple[str, ...]]:
@@ -51,14 +56,14 @@ def sensors(
     position at which they sit, or `["T_1_C", "T_2_C"]`, whose mean counts; `work_sensors`, a
     list."""
     scale, work = heat.get("sensors", []), heat.get("work_sensors", [])
-    if not isinstance(work, list) or not all(isinstance(c, str) for c in work):
+    if not _are_names(work):
         raise toml.fault(
             name,
             "heat",
             f"work_sensors = {work!r}",
             'columns of a log, like work_sensors = ["T_work_C"]',
         )
-    if isinstance(scale, list) and all(isinstance(c, str) for c in scale):
+    if _are_names(scale):
         return tuple((c, None) for c in scale), tuple(work)
     if not isinstance(scale, dict) or not all(map(intake.finite, scale.values())):
         raise toml.fault(

@@ -39,15 +39,20 @@ def _slides(machine: Machine) -> list[str]:
     return [x for x in XYZ if x in machine.chain.axes]
 
 
-def _square(machine: Machine) -> list[str]:
-    """Pairs of slides without a squareness, and what 100 urad would be at the far corner: the
-    longer of both travels leans."""
+def _stated_pairs(machine: Machine) -> set[frozenset[str]]:
+    """Pairs of slides whose squareness is stated, or is an effect of its own."""
     stated = {
         frozenset(XYZ) - {XYZ[ROTARY.index(name[0])]}
         for name in machine.square_stated
         if name[2] in XYZ
     }
-    stated |= {frozenset(term.axis) for term in machine.effects if term.name == "squareness"}
+    return stated | {frozenset(t.axis) for t in machine.effects if t.name == "squareness"}
+
+
+def _square(machine: Machine) -> list[str]:
+    """Pairs of slides without a squareness, and what 100 urad would be at the far corner: the
+    longer of both travels leans."""
+    stated = _stated_pairs(machine)
     pairs = [p for p in itertools.combinations(_slides(machine), 2) if frozenset(p) not in stated]
     if not pairs:
         return []

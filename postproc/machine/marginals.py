@@ -46,6 +46,11 @@ def pose_of(machine: Machine, moving: str, at: dict[str, float]) -> dict[str, fl
     return result
 
 
+def _far_away(pose: dict[str, float], by: dict[str, float]) -> dict[str, float]:
+    """The axes of a pose elsewhere on which the deviation is another; by: how much, mm, by each."""
+    return {o: pose[o] for o in [o for o, off in by.items() if off > SEEN] or list(by)}
+
+
 def marginals(
     machine: Machine, at: dict[str, float] | None = None
 ) -> tuple[list[Marginal], list[str]]:
@@ -56,7 +61,7 @@ def marginals(
     """
     found: list[Marginal] = []
     notices: list[str] = []
-    slides = [x for x in machine.letters if x in machine.chain.axes and x in XYZ]
+    slides = [machine.letters[row] for row in machine.corrected]
     for moving in slides:
         pose = pose_of(machine, moving, at or {})
         own = _alone(machine, moving)
@@ -75,8 +80,8 @@ def marginals(
                     " um between them"
                 )
             if spread[row] > SEEN:
-                others = [o for o in by if by[o][row] > SEEN] or list(by)
-                notices.append(_elsewhere(name, {o: pose[o] for o in others}, spread[row]))
+                places = _far_away(pose, {o: off[row] for o, off in by.items()})
+                notices.append(_elsewhere(name, places, spread[row]))
     notices += _rest(machine, slides)
     return found, notices
 

@@ -35,9 +35,7 @@ def names(machine: Machine) -> list[str]:
     """What the map holds: EXX, C0Y, backlash:X, heat:Z."""
     found = []
     for x, axis in machine.axes.items():
-        rows = {
-            row for table in [axis.table, *axis.grids] if table is not None for row in table.rows
-        }
+        rows = {row for table in axis.tables for row in table.rows}
         found += [f"{COMPONENTS[row]}{x}" for row in sorted(rows)]
         found += [f"heat:{x}"] if axis.expansion is not None else []
     found += [f"{'ABC'[i]}0{x}" for x, lean in machine.square.items() for i in np.flatnonzero(lean)]
@@ -55,10 +53,8 @@ def only(machine: Machine, wanted: Iterable[str]) -> Machine:
     chosen = set(wanted)
     chosen |= {f"{kind}:{x}" for x in machine.axes if f"E{x}{x}" in chosen for kind in ALONG}
     axes = {x: _axis(x, axis, chosen) for x, axis in machine.axes.items()}
-    square = {
-        x: np.array([v if f"{'ABC'[i]}0{x}" in chosen else 0.0 for i, v in enumerate(lean)])
-        for x, lean in machine.square.items()
-    }
+    kept = {x: np.array([f"{r}0{x}" in chosen for r in "ABC"]) for x in machine.square}
+    square = {x: np.where(kept[x], lean, 0.0) for x, lean in machine.square.items()}
     digest = hashlib.sha256(f"{machine.digest} {sorted(chosen)}".encode()).hexdigest()[:8]
     return replace(
         machine,
@@ -92,16 +88,12 @@ def largest_left(machine: Machine, part: Machine) -> float:
 
 def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
     rows = [row for row in range(6) if f"{COMPONENTS[row]}{letter}" in chosen]
-    gone = [
-        f"{name}{letter}"
-        for row, name in enumerate(COMPONENTS)
-        if row not in rows and axis.table is not None and row in axis.table.stated
-    ]
+    stated_rows = axis.table.stated if axis.table is not None else ()
+    gone = [f"{COMPONENTS[row]}{letter}" for row in sorted({*stated_rows} - {*rows})]
     u = axis.uncertainty
     if u is not None:
-        u = replace(
-            u, table=_table(u.table, rows), stated=tuple(row for row in u.stated if row in rows)
-        )
+        stated = tuple(row for row in u.stated if row in rows)
+        u = replace(u, table=_table(u.table, rows), stated=stated)
     return replace(
         axis,
         table=None if axis.table is None else _table(axis.table, rows),

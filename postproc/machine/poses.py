@@ -247,7 +247,7 @@ def turned(matrix: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 def _lacking(machine: Machine) -> tuple[str, str] | None:
     """What machine.toml must state before the tip can be followed: where the rotary axes' lines
     lie, and for a head how far the tool stands before them."""
-    if missing := [x for x in XYZ if x not in machine.chain.axes]:
+    if missing := sorted({*XYZ}.difference(machine.chain.axes)):
         return (
             (
                 f"the machine has no slide {' '.join(missing)}, and no tip can be held with rotary"
@@ -256,7 +256,7 @@ def _lacking(machine: Machine) -> tuple[str, str] | None:
             "let the CAM program write the places of the axes themselves",
         )
     for x in machine.chain.rotary:
-        across = [XYZ[i] for i in range(3) if i != ROTARY.index(x)]
+        across = XYZ.replace(XYZ[ROTARY.index(x)], "")
         if not set(across) <= set(machine.axes[x].centre_stated):
             words = ", ".join(f"{a} = .." for a in across)
             return (

@@ -162,6 +162,21 @@ def _along_slides(
         for letter, direction in zip(slides, directions, strict=True):
             result[XYZ.index(letter)] = (direction * off).sum(axis=0)
         return result
+    solved = _solved(chain, slides, directions, off, position)
+    for k, letter in enumerate(slides):
+        result[XYZ.index(letter)] = solved[:, k].copy()
+    return result
+
+
+def _solved(
+    chain: Chain,
+    slides: list[str],
+    directions: list[np.ndarray],
+    off: np.ndarray,
+    position: dict[str, np.ndarray],
+) -> np.ndarray:
+    """(N, slides) mm along slides whose `directions`, (3, N), are not at right angles. Raises
+    MachineError where two of them are one."""
     matrix = np.stack(directions, axis=1).transpose(2, 0, 1)  # (N, 3, slides)
     square = np.einsum("nij,nik->njk", matrix, matrix)
     bad = np.flatnonzero(np.linalg.det(square) < SINGULAR**2)
@@ -172,7 +187,4 @@ def _along_slides(
             " their own",
             "the position can not be corrected there: keep away from this pose",
         )
-    solved = np.linalg.solve(square, np.einsum("nij,in->nj", matrix, off)[:, :, None])[:, :, 0]
-    for k, letter in enumerate(slides):
-        result[XYZ.index(letter)] = solved[:, k].copy()
-    return result
+    return np.linalg.solve(square, np.einsum("nij,in->nj", matrix, off)[:, :, None])[:, :, 0]

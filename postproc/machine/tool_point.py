@@ -44,12 +44,19 @@ def read_tool_point(toml: TomlFile) -> ToolPoint:
         raise toml.fault(
             "tool_point", "at_start", f"at_start = {start!r} is neither true nor false"
         )
-    codes: dict[int, bool] = {}
-    for key in ("on", "off"):
-        for word in data.get(key, []) if isinstance(data.get(key, []), list) else [data[key]]:
-            if not isinstance(word, str) or not re.fullmatch(r"M\d{1,4}", word):
-                raise toml.fault(
-                    "tool_point", key, f"{key} = {data[key]!r}", f'M codes, like {key} = ["M428"]'
-                )
-            codes[int(word[1:])] = key == "on"
+    codes = dict.fromkeys(_codes(toml, data, "on"), True)
+    codes |= dict.fromkeys(_codes(toml, data, "off"), False)
     return ToolPoint(**frames, codes=codes, at_start=start)
+
+
+def _codes(toml: TomlFile, data: dict, key: str) -> list[int]:
+    """The M codes of a key. Raises MachineError for what is none."""
+    words = data.get(key, [])
+    found = []
+    for word in words if isinstance(words, list) else [words]:
+        if not isinstance(word, str) or not re.fullmatch(r"M\d{1,4}", word):
+            raise toml.fault(
+                "tool_point", key, f"{key} = {words!r}", f'M codes, like {key} = ["M428"]'
+            )
+        found.append(int(word[1:]))
+    return found

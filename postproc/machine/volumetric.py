@@ -50,6 +50,13 @@ class VolumetricMap:
             self, axes=axes, grids=tuple(replace(g, forward=m, reverse=m) for g, m in means)
         )
 
+    def _ends(self, x: str) -> tuple[float, float]:
+        """mm: as far as the tables of an axis go, and the grids by it."""
+        own = [t.nodes for t in (self.axes.get(x),) if t is not None]
+        own += [g.nodes for g in self.grids if g.letter == x]
+        reach = own + [g.others for g in self.grids if g.other == x]
+        return (min(n[0] for n in reach), max(n[-1] for n in reach)) if reach else (-1.0, 1.0)
+
     def machine(
         self, travel: dict[str, tuple[float, float]] | None = None, name: str = "map"
     ) -> Machine:
@@ -59,11 +66,7 @@ class VolumetricMap:
         for x in sorted(self.chain):
             table = self.axes.get(x)
             grids = tuple(g for g in self.grids if g.letter == x)
-            reach = [t.nodes for t in (table, *grids) if t is not None] + [
-                g.others for g in self.grids if g.other == x
-            ]
-            ends = (min(n[0] for n in reach), max(n[-1] for n in reach)) if reach else (-1.0, 1.0)
-            low, high = (travel or {}).get(x, ends)
+            low, high = (travel or {}).get(x, self._ends(x))
             axes[x] = Axis(x, (float(low), float(high)), 1e-4, np.zeros(3), table, grids=grids)
         lean: dict[str, np.ndarray] = {}
         for key, angle in self.square.items():

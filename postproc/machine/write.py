@@ -8,7 +8,7 @@ Writes no file. Numbers are given in the units of the format, deviations to 0.1 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,17 +22,21 @@ NESTED = ("axes", "squareness")  # what they hold by a name is a section of its 
 SECTIONS = ("axes", "squareness", "location", "tool", "offsets", "limits", "effect")
 
 
+def _rank(order: Sequence[str]) -> Callable[[str], int]:
+    """A key for sorting: in this order, all others behind as they come."""
+    rank = {key: i for i, key in enumerate(order)}
+    return lambda key: rank.get(key, len(rank))
+
+
 def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
     """machine.toml. data: as TOML reads it; comments: dotted key ("axes.Z.travel", or "" for the
     top of the file) to what stands behind it. Keys keep their order within the order of the
     format."""
     lines = [f"# {_comment(line)}" for line in comments.get("", "").splitlines()]
-    plain = {k: v for k, v in data.items() if not _is_section(v)}
-    order = [k for k in FIRST if k in plain] + [k for k in plain if k not in FIRST]
-    lines += [entry(key, plain[key], comments.get(key, "")) for key in order]
-    rank = {key: i for i, key in enumerate(SECTIONS)}
+    plain = [k for k in data if not _is_section(data[k])]
+    lines += [entry(k, data[k], comments.get(k, "")) for k in sorted(plain, key=_rank(FIRST))]
     sections = [k for k in data if _is_section(data[k])]
-    for key in sorted(sections, key=lambda k: rank.get(k, len(SECTIONS))):
+    for key in sorted(sections, key=_rank(SECTIONS)):
         for section in _sections(key, data[key], comments):
             lines += ["", *section]
     return "\n".join(lines) + "\n"
@@ -43,8 +47,8 @@ def _sections(key: str, value: Any, comments: Mapping[str, str]) -> list[list[st
     if isinstance(value, list):
         return [[f"[[{key}]]", *(entry(k, v, "") for k, v in part.items())] for part in value]
     below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
-    own = {k: part for k, part in value.items() if k not in below}
-    found = [_section(key, own, comments)] if key != "axes" else []
+    own = {k: value[k] for k in value if k not in below}
+    found = [_section(key, own, comments)] * (key != "axes")
     return found + [_section(f"{key}.{_key(name)}", part, comments) for name, part in below.items()]
 
 

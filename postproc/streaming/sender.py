@@ -473,11 +473,8 @@ class Sender:
                 text = next((line.text for line in self.waiting), b"")
                 patience = self._patience(self.limits.stall, text)
                 if now - max(self._idle_since, self._moved) >= patience:
-                    self._stalled(
-                        now,
-                        f"it stands still ({status.state}) and has answered nothing for"
-                        f" {now - self._moved:.1f} s",
-                    )
+                    silent = f"has answered nothing for {now - self._moved:.1f} s"
+                    self._stalled(now, f"it stands still ({status.state}) and {silent}")
             elif asked_after_drain and self.state == RUNNING:
                 self._rests += 1
                 if self._rests >= 2:

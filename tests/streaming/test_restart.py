@@ -8,7 +8,7 @@ import random
 import pytest
 
 from postproc.errors import GcompError, UsageError
-from postproc.streaming import journal, restart
+from postproc.streaming import journal, restart, resumable
 from postproc.streaming.events import Status
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome
@@ -51,7 +51,7 @@ def state_before(
 
 def blocks(line: int, safe: float | None = None, **how) -> list[str]:
     filter, before, rest = state_before(line, **how)
-    restart.refuse(filter, rest, line)
+    resumable.refuse(filter, rest, line)
     return [
         x.decode() for x in restart.preamble(filter, before, None if safe is None else {"Z": safe})
     ]
@@ -138,7 +138,7 @@ def test_A11_interrupted_and_resumed_ends_where_the_whole_run_ends(line):
     whole = Source(filter_(), Grbl().prepare)
     all_lines = whole.feed(PROGRAM)
     filter, before, rest = state_before(line)
-    restart.refuse(filter, rest, line)
+    resumable.refuse(filter, rest, line)
     again = Source(filter_(), Grbl().prepare)
     lines = again.feed(b"\n".join(restart.preamble(filter, before)) + b"\n")
     again.filter.summary.lines = line - 1

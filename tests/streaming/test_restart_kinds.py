@@ -8,7 +8,7 @@ from postproc.errors import GcompError, UsageError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
-from postproc.streaming import restart
+from postproc.streaming import restart, resumable
 
 LATHE = b"""G21 G90 G18 G40 G94
 G54
@@ -64,7 +64,7 @@ def blocks(
 ) -> list[str]:
     filter = filter_(machine, dialect, **how)
     before, rest = restart.read_before(filter, program.splitlines(keepends=True), line)
-    restart.refuse(filter, rest, line)
+    resumable.refuse(filter, rest, line)
     lines = restart.preamble(filter, before, safe)
     filter_(machine, dialect, **how).feed(
         b"\n".join(lines) + b"\n"

@@ -17,7 +17,7 @@ from postproc.errors import GcompError
 from postproc.filter import Filter, setup_of
 from postproc.machine import places
 from postproc.nc import dialects
-from postproc.streaming import restart
+from postproc.streaming import restart, resumable
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import setup_for
 
@@ -149,7 +149,7 @@ def restart_points(text: str, kwargs: dict) -> list[tuple[int, list[str]]]:
         filter = Filter(machine, dialects.load("linuxcnc"), setup)
         try:
             before, rest = restart.read_before(filter, [x.encode() for x in lines], line)
-            restart.refuse(filter, rest, line)
+            resumable.refuse(filter, rest, line)
             found.append(
                 (line, [x.decode() for x in restart.preamble(filter, before, {"Z": 500.0})])
             )

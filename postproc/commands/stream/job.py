@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import copy as copies
-import itertools
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -20,7 +19,7 @@ from postproc.commands.stream import tools
 from postproc.errors import Notice, ProgramError, UsageError
 from postproc.streaming import journal as journals
 from postproc.streaming import live as lives
-from postproc.streaming import restart, zero
+from postproc.streaming import restart, resumable, zero
 from postproc.streaming.compact import Compact
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
@@ -163,9 +162,8 @@ class Job:
         return {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
 
     def _known(self, sent: str = NOTHING) -> Precheck:
-        return Precheck(
-            self.protocol.controller, self.letters, self.order(), self.name, self.is_grbl, sent
-        )
+        controller, order = self.protocol.controller, self.order()
+        return Precheck(controller, self.letters, order, self.name, self.is_grbl, sent)
 
     def _take_notices(self) -> None:
         """Those of the filters that read the program, each once."""
@@ -181,7 +179,7 @@ class Job:
         known = self.known = self._known()
         planner = Pace(self.protocol.controller, self.order(), load.link)
         pace = planner if planner.knows else None
-        for line in itertools.chain.from_iterable(self.lines()):
+        for line in (line for batch in self.lines() for line in batch):
             load.add(line)
             if self.macros is None or not line.file:
                 known.look(line)
@@ -193,22 +191,20 @@ class Job:
             self.pace, load.expected = pace, pace.total
         self._take_notices()
         if dropped := max(source.dropped for source in self.sources):
-            self.notices.append(
-                Notice(
-                    "behind",
-                    f"{dropped} lines behind the end of the program are not sent: the controller"
-                    " would execute them",
-                )
+            behind = (
+                f"{dropped} lines behind the end of the program are not sent: the controller would"
+                " execute them"
             )
+            self.notices.append(Notice("behind", behind))
         return load
 
     def look_again(self, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:
         """The program from a line on, with zeros that were set in between. Raises what is wrong
         with it then."""
         known = self._known(NO_MORE)
-        for batch in self.leg(self.fresh(live), begin, preamble):
-            for line in batch:
-                known.look(line)
+        batches = self.leg(self.fresh(live), begin, preamble)
+        for line in (line for batch in batches for line in batch):
+            known.look(line)
 
 
 def prepare(
@@ -340,7 +336,7 @@ def restarted(job: Job, line: int) -> None:
         assert job.copy is not None
         with job.copy.opened() as stream:
             before, rest = restart.read_before(filter_, stream, line)
-        restart.refuse(filter_, rest, line)
+        resumable.refuse(filter_, rest, line)
         job.preamble = tuple(restart.preamble(filter_, before, job.safe(), job.live.place))
     job.begin = line
     shown = "".join(f"\n    {x.decode()}" for x in job.preamble)

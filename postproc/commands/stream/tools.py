@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from postproc import intake, ports
 from postproc.errors import GcompError, Place, ProgramError, UsageError
-from postproc.streaming import changes, restart
+from postproc.streaming import changes, restart, resumable
 from postproc.streaming import live as lives
 from postproc.streaming.changes import Longer, Macro
 from postproc.streaming.events import Status
@@ -227,7 +227,7 @@ def _behind(job: Job, filter_: Filter, begin: int, live: lives.Live) -> tuple[by
         before, rest = restart.read_before(filter_, stream, begin)
     stays = not before.moved
     if not stays:
-        restart.refuse(filter_, rest, begin, CAN_NOT)
+        resumable.refuse(filter_, rest, begin, CAN_NOT)
     frame = filter_.modal.frame
     z = (
         frame.length[filter_.setup.axes.index("Z")]
