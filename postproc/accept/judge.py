@@ -155,17 +155,22 @@ def _acted(motion: Motion, tests: list[Positioning], machine: Machine, line: boo
     return float(d @ p / (p @ p)) if p @ p > len(p) * signs.LEAST**2 else None
 
 
+def _stated_turn(axis: str, target: np.ndarray, machine: Machine) -> np.ndarray | None:
+    """(2, m) rad that the table of a rotary axis states of its own angle."""
+    table = machine.tables.get(axis)
+    if table is None:
+        return None
+    row = 3 + ROTARY.index(axis)
+    ways = (table.forward[row], table.reverse[row])
+    return np.stack([np.interp(target, table.nodes, w) for w in ways])
+
+
 def _stated(motion: Motion, target: np.ndarray, machine: Machine) -> np.ndarray | None:
     """(2, m) mm or rad that the map states along a motion, approached in + and in -."""
-    if any(x not in machine.axes for x in motion.axes):
+    if not set(motion.axes) <= machine.axes.keys():
         return None
     if motion.test == "rotary":
-        table = machine.tables.get(motion.axes)
-        if table is None:
-            return None
-        row = 3 + ROTARY.index(motion.axes)
-        ways = (table.forward[row], table.reverse[row])
-        return np.stack([np.interp(target, table.nodes, w) for w in ways])
+        return _stated_turn(motion.axes, target, machine)
     start = {x: float(motion.recording.position(x)[motion.position.argmin()]) for x in motion.axes}
     position, approach = (np.zeros((len(machine.letters), len(target))) for _ in range(2))
     way = target - motion.position.min()

@@ -111,9 +111,8 @@ def _nominal(
     Raises AcceptError where its targets are others.
     """
     own = np.stack([recording.position(x) for x in recording.axes], axis=1)
-    alike = [
-        (r, p) for r, p in before if r.axes == recording.axes and r.quantity == recording.quantity
-    ]
+    read = (recording.axes, recording.quantity)
+    alike = [(r, p) for r, p in before if (r.axes, r.quantity) == read]
     nearest = _nearest(recording, own, alike)
     against = commanded or recording.head.get("against") == "commanded"
     if nearest is None and alike and against:
@@ -131,17 +130,22 @@ def _nominal(
     if far <= SAME:
         return recording
     if far > NEAR or not against:
-        worst = int(np.abs(own - targets).max(axis=1).argmax())
-        say = (
-            "readings are wanted against the nominal targets, those of before; where they are"
-            " against what the corrected program commands, say --commanded"
-        )
-        raise AcceptError(
-            f"its target lies {far:.4g} mm beside the next one of before",
-            say if far <= NEAR else "measure at the same targets as before",
-            Place(recording.file, int(recording.lines[worst])),
-        )
+        raise _elsewhere(recording, np.abs(own - targets))
     return _shifted(recording, own, targets, source)
+
+
+def _elsewhere(recording: Recording, off: np.ndarray) -> AcceptError:
+    """What is said of targets that are `off`, (N, axes) mm, those of before."""
+    far = float(off.max())
+    say = (
+        "readings are wanted against the nominal targets, those of before; where they are"
+        " against what the corrected program commands, say --commanded"
+    )
+    return AcceptError(
+        f"its target lies {far:.4g} mm beside the next one of before",
+        say if far <= NEAR else "measure at the same targets as before",
+        Place(recording.file, int(recording.lines[int(off.max(axis=1).argmax())])),
+    )
 
 
 def _nearest(

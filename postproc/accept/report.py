@@ -14,16 +14,21 @@ from postproc.units import UM, URAD
 FORMAT = "gcomp-accept/1"
 
 
+def _too_small(judged: list[tuple[Outcome, Ratio]]) -> list[str]:
+    """Ratios that their U leaves open."""
+    return [
+        f"{one.subject} {r.of} ({ratio(r)})"
+        for one, r in judged
+        if r.verdict == "undecided" and r.U is not None
+    ]
+
+
 def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
     """What is to be done, the worst first."""
     lines = [line for one in outcomes for line in _faults(one)]
     judged = [(one, r) for one in outcomes for r in one.ratios]
     good = sum(r.verdict == "good" for _, r in judged)
-    small = [
-        f"{one.subject} {r.of} ({ratio(r)})"
-        for one, r in judged
-        if r.verdict == "undecided" and r.U is not None
-    ]
+    small = _too_small(judged)
     if not lines and good:
         lines.append(f"all signs that can be told are right ({good} of {len(judged)})")
         if machine and not small:

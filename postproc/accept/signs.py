@@ -40,12 +40,11 @@ def ratios(before: Positioning, after: Positioning, line: bool) -> list[Ratio]:
             b, a = (_about(m[way][used], terms) for m in (before.mean, after.mean))
             out.append(_ratio(WAYS[way], b, a, ub[way][used], ua[way][used], dof, terms.shape[1]))
     told = {r.verdict for r in out} - {"undecided", "between"}
-    if before.two_way and after.two_way and len(told) < 2:
-        used = before.both & after.both
+    used = before.both & after.both
+    if before.two_way and after.two_way and len(told) < 2 and used.any():
         b, a = before.reversal[used], after.reversal[used]
-        u = [np.sqrt((one[:, used] ** 2).sum(axis=0)) for one in (ub, ua)]
-        if len(b):
-            out.append(_ratio(REVERSAL, b, a, u[0], u[1], dof, 0))
+        u = np.sqrt((np.stack([ub, ua])[:, :, used] ** 2).sum(axis=1))
+        out.append(_ratio(REVERSAL, b, a, u[0], u[1], dof, 0))
     return out
 
 

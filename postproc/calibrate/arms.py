@@ -69,18 +69,30 @@ def bring_together(
             moved, key=lambda c: c.name != f"E{letter}{letter}", default=next(iter(mine.values()))
         )
         measured[letter] = {x: first.rest.get(x, 0.0) + options.point[XYZ.index(x)] for x in arm}
-        beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
-        for x in arm:
-            if any(x not in c.rest for c in moved):
-                told.append(f"{letter}: the recordings do not say where {x} stood; taken as 0")
-        for component in moved:
-            away = {x: first.rest.get(x, 0.0) - component.rest.get(x, 0.0) for x in arm}
-            away = {x: d for x, d in away.items() if abs(d) > SAME_PLACE}
-            if away or beside:
-                why = f"elsewhere than E{letter}{letter}" if away else "beside the carriage"
-                result[component.name], says = _carried(component, beside | away, mine, why)
-                told.append(says)
+        unsaid = [x for x in arm if any(x not in c.rest for c in moved)]
+        told += [f"{letter}: the recordings do not say where {x} stood; taken as 0" for x in unsaid]
+        brought, says = _brought(mine, first, arm, options)
+        result |= brought
+        told += says
     return result, measured, optics, told
+
+
+def _brought(
+    mine: dict[str, Component], first: Component, arm: list[str], options: Options
+) -> tuple[dict[str, Component], list[str]]:
+    """The translations of an axis that were measured elsewhere than `first`, as they are there, and
+    what is said of each. mine: the components of the axis; arm: the axes whose places count."""
+    result, told = {}, []
+    beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
+    for component in (c for c in mine.values() if not c.angle):
+        away = {x: first.rest.get(x, 0.0) - component.rest.get(x, 0.0) for x in arm}
+        away = {x: d for x, d in away.items() if abs(d) > SAME_PLACE}
+        if away or beside:
+            own = f"E{component.letter}{component.letter}"
+            why = f"elsewhere than {own}" if away else "beside the carriage"
+            result[component.name], says = _carried(component, beside | away, mine, why)
+            told.append(says)
+    return result, told
 
 
 def _carried(

@@ -112,22 +112,7 @@ def assign(recording: Recording) -> Series | Diagonal:
             f"{letter} moves and the reading is oblique (sensitive {size}): it mixes components",
             "measure along one axis; across two, use diagonals with all their axes moving",
         )
-    kind = recording.quantity
-    told: tuple[str, ...] = ()
-    if kind == "angle":
-        turn = XYZ.index(direction) if direction in XYZ else ROTARY.index(direction)
-        component = COMPONENTS[3 + turn] + letter
-    elif direction in ROTARY:
-        raise refuse(f"a {kind} along {direction}, a rotary axis", 'is quantity = "angle" meant?')
-    else:
-        component = COMPONENTS[XYZ.index(direction)] + letter
-        if kind == "straightness" and direction == letter:
-            raise refuse(
-                f"straightness of {letter} along {letter} itself",
-                f"along {letter} it is a displacement; else sensitive is wrong",
-            )
-        if kind == "displacement" and direction != letter and letter in XYZ:
-            told = (f"a displacement across {letter} is a straightness: taken as {component}",)
+    component, told = _component(recording.quantity, direction, letter, refuse)
     if f"approach_{letter}" not in recording.columns:
         told += (
             (
@@ -153,12 +138,32 @@ def assign(recording: Recording) -> Series | Diagonal:
     )
 
 
+def _component(kind: str, direction: str, letter: str, refuse) -> tuple[str, tuple[str, ...]]:
+    """The component of an axis that a quantity along (about) `direction` is, and notices."""
+    if kind == "angle":
+        turn = XYZ.index(direction) if direction in XYZ else ROTARY.index(direction)
+        return COMPONENTS[3 + turn] + letter, ()
+    if direction in ROTARY:
+        raise refuse(f"a {kind} along {direction}, a rotary axis", 'is quantity = "angle" meant?')
+    component = COMPONENTS[XYZ.index(direction)] + letter
+    if kind == "straightness" and direction == letter:
+        raise refuse(
+            f"straightness of {letter} along {letter} itself",
+            f"along {letter} it is a displacement; else sensitive is wrong",
+        )
+    if kind == "displacement" and direction != letter and letter in XYZ:
+        return component, (
+            f"a displacement across {letter} is a straightness: taken as {component}",
+        )
+    return component, ()
+
+
 def _diagonal(
     recording: Recording, moving: list[str], vector: dict[str, float], refuse
 ) -> Diagonal:
     """Several axes moving in proportion, read along their common direction."""
     both = " and ".join(moving)
-    if any(x in ROTARY for x in moving):
+    if set(moving) & set(ROTARY):
         raise refuse(
             f"{both} move together", "a component needs one axis moving and the others at rest"
         )
@@ -179,7 +184,7 @@ def _diagonal(
     if (
         recording.quantity != "displacement"
         or abs(cosine) < ALONG
-        or any(x not in moving for x in vector)
+        or not vector.keys() <= set(moving)
     ):
         raise refuse(
             f"{both} move together, and the {recording.quantity} is read at"

@@ -13,6 +13,7 @@ from postproc.calibrate.component import Component
 from postproc.errors import GcompError
 from postproc.style import LIGHT, PAPER, made_by
 
+APPROACHED = {1: "approached in +", -1: "approached in \N{MINUS SIGN}", 0: "one direction"}
 FORWARD, REVERSE, BOTH, INK, FAINT = (
     LIGHT[role] for role in ("plus", "minus", "mean", "ink", "rule")
 )
@@ -53,23 +54,30 @@ def _drawn(calibration: Calibration, kind: str) -> bytes:
     return out.getvalue()
 
 
+def _outliers(axis, calibration: Calibration, component: Component, one: float) -> None:
+    """Readings that were taken as outliers. one: mm or rad of a unit of the ordinate."""
+    for n, outlier in enumerate(o for o in calibration.outliers if o.component == component.name):
+        k = int(np.argmin(np.abs(component.nodes - outlier.position)))
+        way = 1 if outlier.approach < 0 and component.two_way else 0
+        height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
+        if np.isfinite(height):
+            axis.plot(
+                outlier.position,
+                height,
+                "x",
+                color=INK,
+                markersize=7,
+                label=None if n else "outlier",
+            )
+
+
 def _component(axis, calibration: Calibration, component: Component, left_out: bool) -> None:
     unit, one = unit_of(component.name)
     shown_unit = {"um": "µm", "urad": "µrad"}[unit]
-    ways = (
-        ((0, FORWARD, "approached in +", "o"), (1, REVERSE, "approached in \N{MINUS SIGN}", "s"))
-        if component.two_way
-        else (
-            (
-                0,
-                BOTH,
-                {1: "approached in +", -1: "approached in \N{MINUS SIGN}", 0: "one direction"}[
-                    component.cells.one_way
-                ],
-                "o",
-            ),
-        )
-    )
+    if component.two_way:
+        ways = [(0, FORWARD, APPROACHED[1], "o"), (1, REVERSE, APPROACHED[-1], "s")]
+    else:
+        ways = [(0, BOTH, APPROACHED[component.cells.one_way], "o")]
     for way, colour, label, marker in ways:
         value, u = component.value[way] / one, component.u[way] / one
         if np.isfinite(u).any():
@@ -85,19 +93,7 @@ def _component(axis, calibration: Calibration, component: Component, left_out: b
             linewidth=1.0,
             label=label,
         )
-    for n, outlier in enumerate(o for o in calibration.outliers if o.component == component.name):
-        k = int(np.argmin(np.abs(component.nodes - outlier.position)))
-        way = 1 if outlier.approach < 0 and component.two_way else 0
-        height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
-        if np.isfinite(height):
-            axis.plot(
-                outlier.position,
-                height,
-                "x",
-                color=INK,
-                markersize=7,
-                label=None if n else "outlier",
-            )
+    _outliers(axis, calibration, component, one)
     axis.axhline(0, color=FAINT, linewidth=0.6, zorder=0)
     note = " (left out)" if left_out else " (line off)" if component.lined else ""
     axis.set_title(component.name + note, loc="left")

@@ -111,6 +111,34 @@ def u_of_diagonals(rising: float, falling: float, sides: tuple[float, float], u:
     return u * math.hypot(*slopes)
 
 
+def _squareness(first: First) -> tuple[dict[str, Any], dict[str, str]]:
+    """The section, and its comments."""
+    data: dict[str, Any] = {
+        name: round(value / URAD, 3) for name, (value, _) in first.square.items()
+    }
+    comments = {
+        f"squareness.{name}": f"urad; {how}; {_leans(name)}"
+        for name, (_, how) in first.square.items()
+    }
+    if first.square_u:
+        data["u"] = {name: round(2 * u / URAD, 3) for name, u in first.square_u.items()}
+        comments |= {f"squareness.u.{name}": "urad, U = 2 u, 95 %" for name in first.square_u}
+    return data, comments
+
+
+def _backlash(first: First, axis: str) -> dict[str, Any]:
+    """The section of an axis' lost motion."""
+    data = {
+        "name": "backlash",
+        "axis": axis,
+        "size_um": round(first.backlash[axis] / UM, 3),
+        "source": "stated by hand, or a ballbar: gcomp machines new",
+    }
+    if axis in first.backlash_u:
+        data["u_size_um"] = round(2 * first.backlash_u[axis] / UM, 3)
+    return data
+
+
 def folder(first: First) -> dict[str, str]:
     """machine.toml and tables, by name. Raises CalibrationError for a scale that no map should
     mend."""
@@ -149,18 +177,8 @@ def folder(first: First) -> dict[str, str]:
         comments["home"] = "mm, where the slides stand after homing"
     data["axes"] = axes
     if first.square:
-        data["squareness"] = {
-            name: round(value / URAD, 3) for name, (value, _) in first.square.items()
-        }
-        comments |= {
-            f"squareness.{name}": f"urad; {how}; {_leans(name)}"
-            for name, (_, how) in first.square.items()
-        }
-        if first.square_u:
-            data["squareness"]["u"] = {
-                name: round(2 * u / URAD, 3) for name, u in first.square_u.items()
-            }
-            comments |= {f"squareness.u.{name}": "urad, U = 2 u, 95 %" for name in first.square_u}
+        data["squareness"], said = _squareness(first)
+        comments |= said
     most = _largest(first)
     if USUAL_LIMIT < most <= LARGEST_LIMIT:
         data["limits"] = {"max_correction": math.ceil(most * 1.2 * 10) / 10}
@@ -168,20 +186,7 @@ def folder(first: First) -> dict[str, str]:
             f"mm; what is stated here asks for up to {most:.2f} mm at the corners"
         )
     if first.backlash:
-        data["effect"] = [
-            {
-                "name": "backlash",
-                "axis": x,
-                "size_um": round(size / UM, 3),
-                "source": "stated by hand, or a ballbar: gcomp machines new",
-            }
-            | (
-                {"u_size_um": round(2 * first.backlash_u[x] / UM, 3)}
-                if x in first.backlash_u
-                else {}
-            )
-            for x, size in first.backlash.items()
-        ]
+        data["effect"] = [_backlash(first, x) for x in first.backlash]
     return {"machine.toml": machine_toml(data, comments)} | files
 
 

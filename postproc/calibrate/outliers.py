@@ -89,6 +89,11 @@ def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
     return result
 
 
+def _shown_by(other: float, off: float) -> bool:
+    """Whether the other direction shows half of it at least."""
+    return other * off > 0 and abs(other) > abs(off) / 2
+
+
 def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
     """A target's mean against a parabola through its neighbours of the same direction, where the
     other direction shows nothing of the kind: what both directions show, the machine does."""
@@ -103,18 +108,15 @@ def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
     result = []
     for way in known:
         for k in np.flatnonzero(np.isfinite(spread[way])):
-            noise = _floor(series) + (
-                cells.s[way, k] / np.sqrt(cells.n[way, k]) if cells.n[way, k] > 1 else 0.0
-            )
+            runs = int(cells.n[way, k])
+            noise = _floor(series) + (cells.s[way, k] / np.sqrt(runs) if runs > 1 else 0.0)
             scale = spread[way, k] * max(usual, float(local[way, k]), noise)
             if abs(off[way, k]) <= NEIGHBOURS * scale:
                 continue
-            other = off[1 - way, k]
-            if cells.two_way and other * off[way, k] > 0 and abs(other) > abs(off[way, k]) / 2:
+            if cells.two_way and _shown_by(off[1 - way, k], off[way, k]):
                 continue
-            mine = np.flatnonzero(
-                cells.index == (k + len(cells.nodes) * way if cells.two_way else k)
-            )
+            # the second direction's cells lie behind those of the first, way is 0 where one is all
+            mine = np.flatnonzero(cells.index == k + len(cells.nodes) * way)
             result += [_outlier(series, int(row), off[way, k], scale, "neighbours") for row in mine]
     return result
 

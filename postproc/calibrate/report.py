@@ -19,20 +19,25 @@ FORMAT = "gcomp-calibration/1"
 HEADER = ("", "targets", "from", "to", "runs", "range", "B", "s", "largest u", "U95", "unit", "")
 
 
-def table(calibration: Calibration) -> str:
-    """Components, squareness, outliers and findings."""
-    rows: list[tuple[str, ...]] = [HEADER]
-    left = {c.name: why for c, why in calibration.left_out}
-    for component in sorted(calibration.measured.values(), key=_order):
-        rows.append(_row(component, left.get(component.name, "")))
+def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
+    """Columns of one width: numbers to the right, the first and the last ones to the left."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(HEADER))]
-    lines = [
+    return [
         "  ".join(
             cell.rjust(w) if 0 < i < 10 else cell.ljust(w)
             for i, (cell, w) in enumerate(zip(row, widths, strict=True))
         ).rstrip()
         for row in rows
     ]
+
+
+def table(calibration: Calibration) -> str:
+    """Components, squareness, outliers and findings."""
+    rows: list[tuple[str, ...]] = [HEADER]
+    left = {c.name: why for c, why in calibration.left_out}
+    for component in sorted(calibration.measured.values(), key=_order):
+        rows.append(_row(component, left.get(component.name, "")))
+    lines = _aligned(rows)
     lines += ["", *_treated(calibration)]
     for one in calibration.squareness.values():
         u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}"
@@ -40,11 +45,16 @@ def table(calibration: Calibration) -> str:
     lines += _outliers(calibration)
     for error in calibration.refused:
         lines += ["", f"not used: {error}"]
-    if calibration.lacks:
-        lines += ["", "not in this map:", *(f"  {text}" for text in calibration.lacks)]
-    for level, title in (("doubt", "in doubt:"), ("note", "to know:")):
-        if found := [f for f in calibration.findings if f.level == level]:
-            lines += ["", title] + [f"  {f.message}" for f in found]
+    findings: dict[str, list[str]] = {"doubt": [], "note": []}
+    for finding in calibration.findings:
+        findings.setdefault(finding.level, []).append(finding.message)
+    for title, texts in (
+        ("not in this map:", calibration.lacks),
+        ("in doubt:", findings["doubt"]),
+        ("to know:", findings["note"]),
+    ):
+        if texts:
+            lines += ["", title, *(f"  {text}" for text in texts)]
     return "\n".join(lines)
 
 

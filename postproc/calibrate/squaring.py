@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.calibrate import CalibrationError, Finding, circles, opening, square
+from postproc.calibrate import CalibrationError, Finding, Options, circles, opening, square
 from postproc.calibrate.component import Component
 from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
@@ -33,35 +33,14 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
     """Squareness by name. Raises CalibrationError for a source that is asked for and not there."""
     options = calibration.options
     axes = tuple(x for x in options.chain.axes if x in XYZ)
-    pairs = ("".join(p) for p in itertools.combinations([x for x in XYZ if x in axes], 2))
-    straight = [
-        _straightness(calibration, square.name_for(p, options.squareness, axes)) for p in pairs
-    ]
-    across, told = _diagonals(calibration, axes) if calibration.diagonals else ([], [])
-    circles, says = _circles(calibration, axes)
-    told = [*told, *says]
-    found: dict[str, dict[str, Squareness]] = {}
-    for source, many in (("straightness", straight), ("diagonals", across), ("ballbar", circles)):
-        for one in filter(None, many):
-            found.setdefault(one.name, {})[source] = one
+    found, told = _found(calibration, axes)
     result: dict[str, Squareness] = {}
     for name, wanted in options.squareness.items():
         if not isinstance(wanted, str):
             result[name] = _stated(calibration, name, wanted)
             told += _nowhere(calibration, result[name])
-        elif wanted in found.get(name, {}):
-            result[name] = found[name][wanted]
         else:
-            there = (
-                f"there is {' and '.join(found[name])}"
-                if name in found
-                else "the recordings give none"
-            )
-            raise CalibrationError(
-                f"squareness {name} can not be had from {wanted}: {there}",
-                "straightness: both axes of the pair against one square, lines taken off;"
-                " diagonals: two in its plane; ballbar: circles in both senses",
-            )
+            result[name] = _wanted(name, wanted, found.get(name, {}))
     for name, sources in found.items():
         if name not in result:
             best = min(sources.values(), key=lambda s: np.inf if s.u is None else s.u)
@@ -163,6 +142,34 @@ def _slope(calibration: Calibration, series: Series) -> float:
     return opening.slope(cells.nodes, mean, calibration.options.line) - own
 
 
+def _found(
+    calibration: Calibration, axes: tuple[str, ...]
+) -> tuple[dict[str, dict[str, Squareness]], list[Finding]]:
+    """What the recordings say of each squareness, by name and source."""
+    pairs = ("".join(p) for p in itertools.combinations([x for x in XYZ if x in axes], 2))
+    names = (square.name_for(p, calibration.options.squareness, axes) for p in pairs)
+    straight = [_straightness(calibration, name) for name in names]
+    across, told = _diagonals(calibration, axes) if calibration.diagonals else ([], [])
+    circles, says = _circles(calibration, axes)
+    found: dict[str, dict[str, Squareness]] = {}
+    for source, many in (("straightness", straight), ("diagonals", across), ("ballbar", circles)):
+        for one in filter(None, many):
+            found.setdefault(one.name, {})[source] = one
+    return found, [*told, *says]
+
+
+def _wanted(name: str, source: str, found: dict[str, Squareness]) -> Squareness:
+    """The one from the source that the user names. Raises CalibrationError."""
+    if source in found:
+        return found[source]
+    there = f"there is {' and '.join(found)}" if found else "the recordings give none"
+    raise CalibrationError(
+        f"squareness {name} can not be had from {source}: {there}",
+        "straightness: both axes of the pair against one square, lines taken off;"
+        " diagonals: two in its plane; ballbar: circles in both senses",
+    )
+
+
 def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     """From both straightnesses of a pair against one reference: files that name the same
     `reference`, or all of them where the user asks for it. `reversed = true` in a head: the square
@@ -174,15 +181,13 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     if parts[0] is None or parts[1] is None or options.keep_lines:
         return None
     sums: dict[bool, list[float]] = {}
-    for one in parts[0].series:
-        for other in parts[1].series:
-            same = bool(one.head.get("reference")) and one.head.get("reference") == other.head.get(
-                "reference"
-            )
-            turned = bool(one.head.get("reversed", False))
-            if (same or asked) and turned == bool(other.head.get("reversed", False)):
-                slopes = {s.component: _slope(calibration, s) for s in (one, other)}
-                sums.setdefault(turned, []).append(square.from_slopes(name, slopes))
+    for one, other in itertools.product(parts[0].series, parts[1].series):
+        reference = one.head.get("reference")
+        same = bool(reference) and reference == other.head.get("reference")
+        turned = bool(one.head.get("reversed", False))
+        if (same or asked) and turned == bool(other.head.get("reversed", False)):
+            slopes = {s.component: _slope(calibration, s) for s in (one, other)}
+            sums.setdefault(turned, []).append(square.from_slopes(name, slopes))
     if not sums:
         return None
     both = (parts[0], parts[1])
@@ -190,6 +195,13 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     scatter = float(np.sqrt(sum(_known(c) ** 2 for c in both) + sum(u**2 for u in arms)))
     means = {turned: float(np.mean(values)) for turned, values in sums.items()}
     files = " and ".join(dict.fromkeys(c.file for c in both))
+    return _with_the_square(name, means, scatter, files, options)
+
+
+def _with_the_square(
+    name: str, means: dict[bool, float], scatter: float, files: str, options: Options
+) -> Squareness:
+    """What the square's own error makes of it. means: rad, by whether it lay turned over."""
     if len(means) == 2:
         own = -square.sign(name) * (means[True] - means[False]) / 2
         told = (
@@ -237,33 +249,32 @@ def _diagonals(
         directions.append(diagonal.direction)
         spread.append(u)
         crossed = [x for x in XYZ if x in diagonal.path]
-        pairs += [
-            p for p in ("".join(c) for c in itertools.combinations(crossed, 2)) if p not in pairs
-        ]
+        pairs += map("".join, itertools.combinations(crossed, 2))
         if lacking := [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]:
             text = (
                 f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the"
                 " diagonal's scale contains it"
             )
             told.append(Finding("diagonal", "note", diagonal.name, text))
-    names = [square.name_for(pair, options.squareness, axes) for pair in pairs]
+    names = [square.name_for(pair, options.squareness, axes) for pair in dict.fromkeys(pairs)]
     try:
         values, u_of, scale = square.from_diagonals(slopes, directions, spread, names)
     except CalibrationError as error:
         return [], [*told, Finding("diagonal", "note", "", f"{error.message}: {error.advice}")]
+    told.append(_of_scale(scale, spread))
+    files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
+    return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], told
+
+
+def _of_scale(scale: float, spread: list[float]) -> Finding:
+    """What is said of the scale that is left, rad. spread: u of each diagonal."""
     text = (
         f"the diagonals have {scale / URAD:+.1f} um/m of scale left that the components do not"
         " explain"
     )
     u_scale = float(np.sqrt(np.sum(np.square(spread))) / len(spread))
-    doubt = abs(scale) > 3 * u_scale and abs(scale) > 2 * URAD
-    told.append(
-        Finding(
-            "diagonal", "doubt" if doubt else "note", "", text, {"scale_um_per_m": scale / URAD}
-        )
-    )
-    files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
-    return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], told
+    level = "doubt" if abs(scale) > max(3 * u_scale, 2 * URAD) else "note"
+    return Finding("diagonal", level, "", text, {"scale_um_per_m": scale / URAD})
 
 
 def _circles(
@@ -292,7 +303,7 @@ def _circles(
         for x, play, u in zip(
             plane, one.play, (one.u["first play"], one.u["second play"]), strict=True
         ):
-            doubt = abs(play) > 2 * u and abs(play) > UM
+            level = "doubt" if abs(play) > max(2 * u, UM) else "note"
             text = (
                 f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u ="
                 f" {u / UM:.2f})"
@@ -300,7 +311,7 @@ def _circles(
             told.append(
                 Finding(
                     "ballbar",
-                    "doubt" if doubt else "note",
+                    level,
                     f"E{x}{x}",
                     text,
                     {"play_um": play / UM},
@@ -311,16 +322,8 @@ def _circles(
             f" {plane[1]} beyond the map (u = {one.u['scale'] / URAD:.1f}), {one.rms / UM:.2f} um"
             " rms are left; of both alike a bar of unknown length says nothing"
         )
-        doubt = abs(one.scale) > 2 * one.u["scale"] and abs(one.scale) > 2 * URAD
-        told.append(
-            Finding(
-                "ballbar",
-                "doubt" if doubt else "note",
-                "",
-                text,
-                {"scale_um_per_m": one.scale / URAD},
-            )
-        )
+        level = "doubt" if abs(one.scale) > max(2 * one.u["scale"], 2 * URAD) else "note"
+        told.append(Finding("ballbar", level, "", text, {"scale_um_per_m": one.scale / URAD}))
     return found, told
 
 

@@ -26,6 +26,16 @@ def recognises(source: Source) -> bool:
     return False
 
 
+def _name(source: Source, number: int, cell: str, offsets: Offsets) -> str:
+    """The offset of a row. Raises UsageError for one that is not known, or stands there already."""
+    name = canonical(cell)
+    if name is None:
+        raise source.fault(number, f"there is no offset {cell[:40]!r}", f"offsets: {KNOWN_NAMES}")
+    if name in offsets.work or name in offsets.tools:
+        raise source.fault(number, f"{name} stands twice", "keep the one that is true")
+    return name
+
+
 def read(source: Source) -> Offsets:
     """Work and tool offsets by name. Raises UsageError."""
     offsets = Offsets()
@@ -41,13 +51,7 @@ def read(source: Source) -> Offsets:
             continue
         if len(cells) != len(header):
             raise source.fault(number, f"{len(cells)} cells under {len(header)} columns", ADVICE)
-        name = canonical(cells[0])
-        if name is None:
-            raise source.fault(
-                number, f"there is no offset {cells[0][:40]!r}", f"offsets: {KNOWN_NAMES}"
-            )
-        if name in offsets.work or name in offsets.tools:
-            raise source.fault(number, f"{name} stands twice", "keep the one that is true")
+        name = _name(source, number, cells[0], offsets)
         filled = {c: x for c, x in zip(header[1:], cells[1:], strict=True) if x}
         values = {c: source.number(number, x) for c, x in filled.items()}
         _take(source, number, name, values, offsets)

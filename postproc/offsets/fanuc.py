@@ -90,7 +90,8 @@ def read(source: Source) -> Offsets:
     return _assembled(source, memory)
 
 
-def _block(source: Source, number: int, block: str, memory: Memory) -> None:
+def _words(source: Source, number: int, block: str) -> tuple[dict[str, str], list[str]]:
+    """Words by letter, and the G codes. Raises UsageError."""
     words: dict[str, str] = {}
     codes: list[str] = []
     end = 0
@@ -107,6 +108,11 @@ def _block(source: Source, number: int, block: str, memory: Memory) -> None:
             raise source.fault(number, f"{word[1]} stands twice", ADVICE)
         else:
             words[word[1]] = word[2]
+    return words, codes
+
+
+def _block(source: Source, number: int, block: str, memory: Memory) -> None:
+    words, codes = _words(source, number, block)
     words.pop("N", None)
     memory.incremental = "91" in codes or (memory.incremental and "90" not in codes)
     if "20" in codes or "21" in codes:
@@ -196,7 +202,7 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
         offsets.notices.append(
             "no L12 or L13: offset memory A or B, where H and D of a number are the same"
         )
-    if has & {RADIUS, RADIUS_WEAR}:
+    if not shared:
         offsets.notices.append(
             "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas"
             " setting 40)"
@@ -204,22 +210,39 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
     for (kind, n), place in memory.place.items():
         if diameter and kind in ("", "2", "20") and "X" in place:
             place = {**place, "X": place["X"] / 2}
-        if kind == "2":
-            offsets.work[f"G{53 + n}" if n else "EXT"] = place
-        elif kind == "20":
-            offsets.work[f"G54.1 P{n}"] = place
+        if kind in ("2", "20"):
+            offsets.work[_work_offset(kind, n)] = place
         elif kind == "":
-            offset = n % GEOMETRY
-            _add(offsets.tools, f"T{offset:02d}{offset:02d}", place)
-            if offset in memory.nose:
-                offsets.tools[f"T{offset:02d}{offset:02d}"]["Q"] = memory.nose[offset]
+            _add_turning_tool(offsets, n % GEOMETRY, place, memory)
         else:
-            length = kind in (LENGTH, LENGTH_WEAR)
-            if length:
-                _add(offsets.tools, f"H{n}", {"Z": place["R"]})
-            if shared or not length:
-                _add(offsets.tools, f"D{n}", {"R": place["R"]})
+            _add_milling_tool(offsets, kind, n, place["R"], shared)
     return offsets
+
+
+def _work_offset(kind: str, n: int) -> str:
+    """As programs say it."""
+    if kind == "20":
+        return f"G54.1 P{n}"
+    return f"G{53 + n}" if n else "EXT"
+
+
+def _add_turning_tool(
+    offsets: Offsets, offset: int, place: dict[str, float], memory: Memory
+) -> None:
+    """Geometry or wear of a tool, and where its nose points."""
+    name = f"T{offset:02d}{offset:02d}"
+    _add(offsets.tools, name, place)
+    if offset in memory.nose:
+        offsets.tools[name]["Q"] = memory.nose[offset]
+
+
+def _add_milling_tool(offsets: Offsets, kind: str, n: int, value: float, shared: bool) -> None:
+    """A length or a radius. shared: one number is both."""
+    length = kind in (LENGTH, LENGTH_WEAR)
+    if length:
+        _add(offsets.tools, f"H{n}", {"Z": value})
+    if shared or not length:
+        _add(offsets.tools, f"D{n}", {"R": value})
 
 
 def _is_diameter(source: Source, memory: Memory, lathe: bool, offsets: Offsets) -> bool:

@@ -41,27 +41,35 @@ def read(source: Source) -> Offsets:
     entries: list[tuple[int, str, list[str]]] = []
     for number, line in source.lines():
         entry = ENTRY.fullmatch(line)
-        if entry and (WORK.fullmatch(entry[1].upper()) or entry[1].upper() == "TLO"):
-            entries.append((number, entry[1].upper(), (entry[2] or "").split(",")))
+        name = entry[1].upper() if entry else ""
+        if entry and (WORK.fullmatch(name) or name == "TLO"):
+            entries.append((number, name, (entry[2] or "").split(",")))
         elif not entry and not TALK.fullmatch(line):
             raise source.fault(number, "this is no line of GRBL's answer to $#", ADVICE)
     scale = _scale(source, [values[0] for *_, values in entries], offsets)
     for number, name, texts in entries:
         axes = "Z" if name == "TLO" and len(texts) == 1 else AXES
-        if len(texts) > len(axes):
-            raise source.fault(number, f"{len(texts)} values, for {len(axes)} axes at most", ADVICE)
-        place = {}
-        for axis, text in zip(axes, texts, strict=False):
-            value = source.number(number, text.strip()) * (1.0 if axis in ROTARY else scale)
-            place[axis] = value / 2 if axis == "X" and source.diameter else value
-        into = offsets.tools if name == "TLO" else offsets.work
-        key = TOOL if name == "TLO" else name
+        place = _place(source, number, axes, texts, scale)
+        into, key = (offsets.tools, TOOL) if name == "TLO" else (offsets.work, name)
         if key in into:
             raise source.fault(
                 number, f"{name} stands twice", "give one answer of the control, the latest"
             )
         into[key] = place
     return offsets
+
+
+def _place(
+    source: Source, number: int, axes: str, texts: list[str], scale: float
+) -> dict[str, float]:
+    """mm by axis; scale: mm of a number. Raises UsageError."""
+    if len(texts) > len(axes):
+        raise source.fault(number, f"{len(texts)} values, for {len(axes)} axes at most", ADVICE)
+    place = {}
+    for axis, text in zip(axes, texts, strict=False):
+        value = source.number(number, text.strip()) * (1.0 if axis in ROTARY else scale)
+        place[axis] = value / 2 if axis == "X" and source.diameter else value
+    return place
 
 
 def _scale(source: Source, texts: list[str], offsets: Offsets) -> float:

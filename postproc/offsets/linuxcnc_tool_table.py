@@ -25,6 +25,20 @@ def recognises(source: Source) -> bool:
     return any(LOOK.fullmatch(line) for _, line in source.lines())
 
 
+def _words(source: Source, number: int, line: str) -> dict[str, str]:
+    """The words of a line by letter. Raises UsageError."""
+    values: dict[str, str] = {}
+    for text in line.split():
+        word = WORD.fullmatch(text)
+        if not word:
+            raise source.fault(number, f"{text[:40]!r} is no word of a tool table", ADVICE)
+        letter = word[1].upper()
+        if letter in values:
+            raise source.fault(number, f"{letter} stands twice", ADVICE)
+        values[letter] = word[2]
+    return values
+
+
 def read(source: Source) -> Offsets:
     """Tools by number, "T1" with the axes that stand there R, half of D, and Q. Raises
     UsageError."""
@@ -32,18 +46,9 @@ def read(source: Source) -> Offsets:
     if source.diameter:
         offsets.notices.append("LinuxCNC stores X as a radius: it is read as one")
     for number, line in source.lines():
-        entry = line.partition(";")[0].split()
-        if not entry:
+        values = _words(source, number, line.partition(";")[0])
+        if not values:
             continue
-        values: dict[str, str] = {}
-        for text in entry:
-            word = WORD.fullmatch(text)
-            if not word:
-                raise source.fault(number, f"{text[:40]!r} is no word of a tool table", ADVICE)
-            letter = word[1].upper()
-            if letter in values:
-                raise source.fault(number, f"{letter} stands twice", ADVICE)
-            values[letter] = word[2]
         tool = values.get("T", "")
         if not re.fullmatch(r"[0-9]{1,6}", tool):
             raise source.fault(number, "the tool's number is missing", ADVICE)

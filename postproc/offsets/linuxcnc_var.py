@@ -29,8 +29,8 @@ def recognises(source: Source) -> bool:
     return any(LOOK.fullmatch(line) for _, line in source.lines())
 
 
-def read(source: Source) -> Offsets:
-    """Work offsets, their rotations, and the shift of G92 if it is in force. Raises UsageError."""
+def _parameters(source: Source) -> dict[int, float]:
+    """Values by number. Raises UsageError."""
     value: dict[int, float] = {}
     for number, line in source.lines():
         found = LINE.fullmatch(line)
@@ -44,6 +44,12 @@ def read(source: Source) -> Offsets:
         # Values of parameters that are no offsets may be any size.
         wanted = parameter >= SHIFT_ON
         value[parameter] = source.number(number, found[2]) if wanted else 0.0
+    return value
+
+
+def read(source: Source) -> Offsets:
+    """Work offsets, their rotations, and the shift of G92 if it is in force. Raises UsageError."""
+    value = _parameters(source)
     offsets = Offsets(notices=source.unit_notice())
     if source.diameter:
         offsets.notices.append("LinuxCNC stores X as a radius: it is read as one")

@@ -81,14 +81,12 @@ def read(source: Source) -> Offsets:
             _edge(source, number, int(found[1][5:]), found[2], found[3], edges)
         elif found:
             _frame(source, number, found[1], found[2], found[3], frames)
-        elif chandata:
-            if channel not in ("", chandata[1]):
-                raise source.fault(
-                    number,
-                    "offsets of a second channel begin here",
-                    "keep the lines of one channel",
-                )
+        elif chandata and channel in ("", chandata[1]):
             channel = chandata[1]
+        elif chandata:
+            raise source.fault(
+                number, "offsets of a second channel begin here", "keep the lines of one channel"
+            )
         elif text and not OTHER.fullmatch(text):
             raise source.fault(number, "this is no assignment of offsets", ADVICE)
     offsets = Offsets(notices=source.unit_notice())
@@ -173,15 +171,7 @@ def _pairs(source: Source, number: int, component: str, text: str) -> Iterator[t
 def _places(source: Source, frames: dict[tuple[str, int], Frame], offsets: Offsets) -> None:
     """Frames to work offsets."""
     for (variable, n), frame in frames.items():
-        name = (
-            "EXT"
-            if variable != "P_UIFR"
-            else "G500"
-            if not n
-            else f"G{53 + n}"
-            if n < 5
-            else f"G{500 + n}"
-        )
+        name = _name(variable, n)
         turn = frame.parts.get("RT", {}).get("Z", 0.0)
         if frame.strange() or (turn and name == "EXT"):
             if name == "EXT":
@@ -192,19 +182,32 @@ def _places(source: Source, frames: dict[tuple[str, int], Frame], offsets: Offse
                 )
             offsets.notices.append(f"{name} scales, mirrors or turns about X or Y: left out")
             continue
-        place = offsets.work.setdefault(name, {})
-        for component in ("TR", "FI"):
-            for axis, value in frame.parts.get(component, {}).items():
-                if axis in AXES:
-                    place[axis] = place.get(axis, 0.0) + value * (
-                        source.scale() if axis in LINEAR else 1.0
-                    )
-                elif value:
-                    offsets.notices.append(
-                        f"{name} shifts {axis} by {value:g}, no axis that gcomp knows: left out"
-                    )
+        _shift(source, name, frame, offsets)
         if turn:
             offsets.rotation[name] = turn
+
+
+def _name(variable: str, n: int) -> str:
+    """The work offset of a frame, as programs say it."""
+    if variable != "P_UIFR":
+        return "EXT"
+    if not n:
+        return "G500"
+    return f"G{53 + n}" if n < 5 else f"G{500 + n}"
+
+
+def _shift(source: Source, name: str, frame: Frame, offsets: Offsets) -> None:
+    """Coarse and fine shifts of a frame into the offset of this name."""
+    place = offsets.work.setdefault(name, {})
+    for component in ("TR", "FI"):
+        for axis, value in frame.parts.get(component, {}).items():
+            if axis in AXES:
+                one = source.scale() if axis in LINEAR else 1.0
+                place[axis] = place.get(axis, 0.0) + value * one
+            elif value:
+                offsets.notices.append(
+                    f"{name} shifts {axis} by {value:g}, no axis that gcomp knows: left out"
+                )
 
 
 def _tools(
@@ -218,13 +221,18 @@ def _tools(
             "tool lengths are given to axes as in G17 for mills, G18 for turning tools"
         )
     for (tool, number), edge in edges.items():
-        turning = int(edge.get(TYPE, 0)) in TURNING
-        parts = zip((*(TURN if turning else MILL), "R"), (*LENGTHS, RADII), strict=True)
-        place = {
-            axis: sum(edge.get(n, 0.0) for n in numbers) * source.scale()
-            for axis, numbers in parts
-            if not edge.keys().isdisjoint(numbers)
-        }
-        if turning and source.diameter and "X" in place:
-            place["X"] /= 2
-        offsets.tools[f"T{tool}D{number}"] = place
+        offsets.tools[f"T{tool}D{number}"] = _tool(source, edge)
+
+
+def _tool(source: Source, edge: dict[int, float]) -> dict[str, float]:
+    """mm: lengths by axis, and R, the radius."""
+    turning = int(edge.get(TYPE, 0)) in TURNING
+    parts = zip((*(TURN if turning else MILL), "R"), (*LENGTHS, RADII), strict=True)
+    place = {
+        axis: sum(edge.get(n, 0.0) for n in numbers) * source.scale()
+        for axis, numbers in parts
+        if not edge.keys().isdisjoint(numbers)
+    }
+    if turning and source.diameter and "X" in place:
+        place["X"] /= 2
+    return place

@@ -122,7 +122,7 @@ def _curves(k: int, one: Outcome) -> charts.Figure:
     data = []
     for name, role, dash in CURVES:
         values = [None if v is None else round(v / unit, 3) for v in one.curves[name]]
-        if any(v is not None for v in values):
+        if set(values) - {None}:
             moment, sign = name.split()
             data.append(
                 charts.line(

@@ -4,11 +4,14 @@ would change."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from postproc.diagnose import machine_effects, words
 from postproc.diagnose.answer import Diagnosis, floor
 from postproc.diagnose.summary import UM, middle, rms, scaled
+from postproc.diagnose.unknown import Cell
 from postproc.machine.chain import LINEAR, XYZ
 from postproc.machine.model import Machine
 from postproc.pages import charts, left
@@ -142,6 +145,20 @@ def features(d: Diagnosis) -> charts.Figure:
     )
 
 
+def _cells(own: Sequence[Cell], scale: float, by_side: bool, name: str, role: str) -> charts.Trace:
+    """The means of cells of one direction, with their 95 % limits. scale: units of a mm or rad."""
+    x = [c.approach if by_side else (c.low + c.high) / 2 for c in own]
+    wide = charts.limits(charts.column([1.96 * c.error * scale for c in own], 3))
+    return charts.line(
+        charts.column(x, 4),
+        charts.column([c.mean * scale for c in own], 3),
+        name,
+        role,
+        mode="lines+markers",
+        error_y=wide,
+    )
+
+
 def unknown(d: Diagnosis) -> charts.Figure | None:
     """What no name explains, cell by cell."""
     u = d.unknown
@@ -152,31 +169,15 @@ def unknown(d: Diagnosis) -> charts.Figure | None:
     data = []
     for way, role, said in left.SIDES:
         if own := [c for c in u.cells if c.approach == way]:
-            x = [way if by_side else (c.low + c.high) / 2 for c in own]
-            wide = charts.limits(charts.column([1.96 * c.error * scale for c in own], 3))
-            data.append(
-                charts.line(
-                    charts.column(x, 4),
-                    charts.column([c.mean * scale for c in own], 3),
-                    said if way else "both directions",
-                    role,
-                    mode="lines+markers",
-                    error_y=wide,
-                )
-            )
-    along = (
-        "direction of approach"
-        if by_side
-        else "time, s"
-        if u.along == "time"
-        else f"position of {u.along}, mm"
-    )
+            name = said if way else "both directions"
+            data.append(_cells(own, scale, by_side, name, role))
+    along = "time, s" if u.along == "time" else f"position of {u.along}, mm"
     return charts.figure(
         "unknown",
         f"{left.name(d, u.signal)}: the mean of what no name explains, with 95 % limits of the"
         " mean. No compensator applies it.",
         data,
-        along,
+        "direction of approach" if by_side else along,
         f"not explained, {unit}",
         320,
     )
@@ -207,9 +208,8 @@ def written(d: Diagnosis) -> list[charts.Figure]:
     slides = [x for x in machine.letters if x in XYZ]
     for letter in slides:
         at, part = places(machine, other, letter)
-        place = np.stack(
-            [at if x == letter else np.full(len(at), middles[x]) for x in machine.letters]
-        )
+        place = np.stack([np.full(len(at), middles[x]) for x in machine.letters])
+        place[machine.letters.index(letter)] = at
         data = [
             curve
             for error, role in zip(slides, ("plus", "minus", "limit"), strict=False)

@@ -124,11 +124,11 @@ def _axis(result: Page, machine: Machine, axis: Axis) -> None:
     if table is None or table.is_zero:
         result.text(_without_table(machine, axis))
         return
-    for rows, unit, scale, what in (
-        ([i for i in table.rows if i < 3], "um", UM, "translations"),
-        ([i for i in table.rows if i >= 3], "urad", URAD, "rotations"),
+    for some, unit, scale, what in (
+        (range(3), "um", UM, "translations"),
+        (range(3, 6), "urad", URAD, "rotations"),
     ):
-        if rows:
+        if rows := [i for i in table.rows if i in some]:
             result.figure(_components(axis, rows, unit, scale, what))
     result.table(
         ("component", ">from", ">to", ">reversal, at most", ">U (95 %), at most", "unit"),

@@ -23,6 +23,15 @@ def html(results: Sequence[Result], left: Sequence[str] = ()) -> str:
     return page(results, left).html()
 
 
+def _figure(result: Result, name: str) -> charts.Figure | None:
+    """What was read; None: there is no figure of such a test."""
+    if isinstance(result.detail, Positioning | Straightness):
+        return along(result, name)
+    if isinstance(result.detail, list) and result.detail:
+        return circle(result, name)
+    return at_rest(result, name) if isinstance(result.detail, Drift) else None
+
+
 def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
     """The page of some results. left: what was not evaluated."""
     files = sorted({name for r in results for name in r.files})
@@ -34,12 +43,8 @@ def page(results: Sequence[Result], left: Sequence[str] = ()) -> Page:
     for k, result in enumerate(results):
         chosen = f"{result.chosen[:1].upper()}{result.chosen[1:]}."
         made.section(f"{result.subject}: {result.test}, {result.standard}", chosen)
-        if isinstance(result.detail, Positioning | Straightness):
-            made.figure(along(result, f"test-{k}"))
-        elif isinstance(result.detail, list) and result.detail:
-            made.figure(circle(result, f"test-{k}"))
-        elif isinstance(result.detail, Drift):
-            made.figure(at_rest(result, f"test-{k}"))
+        if figure := _figure(result, f"test-{k}"):
+            made.figure(figure)
         if result.causes:
             _causes(made, result.causes, f"test-{k}-causes")
         _parameters(made, result)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,18 @@ def shown(result: Result, value: float | None) -> str:
     return number(None if value is None else value / scale(result), decimals(result))
 
 
+def _bands(test: Positioning, unit: float) -> Iterator[charts.Trace]:
+    """mean +- 2 s in each direction. unit: mm or rad of a unit of the ordinate."""
+    for row, way in enumerate((1, -1)):
+        mean, s = test.mean[row] / unit, test.s[row] / unit
+        there = np.isfinite(mean) & np.isfinite(s)
+        if there.any():
+            low, high = (charts.column((mean + k * s)[there], 3) for k in (-2, 2))
+            target = charts.column(test.target[there], 4)
+            role = f"{ROLES[way]}-fill"
+            yield charts.band(target, low, high, "mean +- 2 s", role, showlegend=False)
+
+
 def along(result: Result, name: str) -> charts.Figure:
     """Readings, means, means +- 2 s, and beside the travel the widths that the parameters stand
     for."""
@@ -36,22 +49,7 @@ def along(result: Result, name: str) -> charts.Figure:
     unit = scale(result)
     x = charts.column(test.target, 4)
     data: list[charts.Trace] = []
-    for row, way in enumerate((1, -1)):
-        mean, s = test.mean[row] / unit, test.s[row] / unit
-        there = np.isfinite(mean) & np.isfinite(s)
-        if there.any():
-            low, high = (charts.column((mean + k * s)[there], 3) for k in (-2, 2))
-            role = f"{ROLES[way]}-fill"
-            data.append(
-                charts.band(
-                    charts.column(test.target[there], 4),
-                    low,
-                    high,
-                    "mean +- 2 s",
-                    role,
-                    showlegend=False,
-                )
-            )
+    data += _bands(test, unit)
     for row, way in enumerate((1, -1)):
         rows = np.flatnonzero(test.way == way)
         rows = rows[:: max(1, len(rows) // MOST_READINGS)]

@@ -137,7 +137,8 @@ def views(letters: tuple[str, ...], points: np.ndarray, lathe: bool) -> list[str
     """Planes in which a path (A, N) may be looked at, the best first; in space where there are
     three slides."""
     extent = {x: float(np.ptp(points[k])) for k, x in enumerate(letters) if x in "XYZ"}
-    planes = [f"{a} {b}" for a, b in (LATHE if lathe else MILL) if a in extent and b in extent]
+    known = LATHE if lathe else MILL
+    planes = [f"{a} {b}" for a, b in known if {a, b} <= extent.keys()]
     longest = max(extent.values(), default=0.0)
     planes.sort(key=lambda p: sum(extent[x] <= FLAT * longest for x in p.split()))
     if not planes:  # a single slide is drawn over itself

@@ -85,9 +85,12 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
     made.section("How it went on")
     t = [s["elapsed_s"] for s in samples]
     lines = [
-        charts.line(t, [s["sent"] for s in samples], "sent", "nominal"),
-        charts.line(t, [s["answered"] for s in samples], "answered", "command"),
-        charts.line(t, [s["executed"] for s in samples], "surely over", "after"),
+        charts.line(t, [s[key] for s in samples], name, role)
+        for key, name, role in (
+            ("sent", "sent", "nominal"),
+            ("answered", "answered", "command"),
+            ("executed", "surely over", "after"),
+        )
     ]
     marks = [e for e in fields["events"] if e["s"] <= t[-1] + 1][:MOST]
     lines.append(
@@ -105,6 +108,11 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
     made.figure(
         charts.figure("lines", "Lines of the job over the time.", lines, "time, s", "lines", 320)
     )
+    _gauges(made, t, samples)
+
+
+def _gauges(made: Page, t: list[float], samples: list[dict[str, Any]]) -> None:
+    """Feed and buffers over the time, where the controller reports them."""
     for key, unit, said in (
         ("feed_mm_min", "mm/min", "Feed as the controller reports it."),
         ("planner_free", "blocks", FREE),

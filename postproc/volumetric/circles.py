@@ -10,6 +10,7 @@ so both senses are asked for, and spikes where an axis turns stay in what is lef
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -31,21 +32,33 @@ PARTS = 16
 HELD = 1.0  # mm, standard deviation of the centre's place: a ball on a table is set by the slides
 
 
+def _parts(run: np.ndarray, sector: np.ndarray, on: np.ndarray) -> list[np.ndarray]:
+    """(N,) bool for each sector of each run that has samples on the circle."""
+    places = itertools.product(np.unique(run), range(SECTORS))
+    parts = (on & (run == number) & (sector == k) for number, k in places)
+    return [part for part in parts if part.any()]
+
+
+def _two_slides(recording: Recording, machine: Machine) -> list[str]:
+    """The axes of the circle. Raises VolumetricError where they are not two slides."""
+    axes = [x for x in XYZ if x in recording.head.get("centre", {})]
+    if len(axes) != 2 or not set(axes) <= set(machine.letters):
+        raise VolumetricError(
+            "the centre names no two slides of this machine",
+            "centre = { X = .., Y = .. }",
+            Place(recording.file, 1),
+        )
+    return axes
+
+
 def rows_of(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     """All runs of a file, one set-up: its readings averaged in sectors, each run by itself.
 
     base: slide positions of all samples. Raises VolumetricError for one sense alone, and for a
     circle that is none.
     """
-    centre = recording.head.get("centre", {})
-    axes = [x for x in XYZ if x in centre]
-    where = [machine.letters.index(x) for x in axes if x in machine.letters]
-    if len(axes) != 2 or len(where) != 2:
-        raise VolumetricError(
-            "the centre names no two slides of this machine",
-            "centre = { X = .., Y = .. }",
-            Place(recording.file, 1),
-        )
+    axes = _two_slides(recording, machine)
+    where, centre = list(map(machine.letters.index, axes)), recording.head["centre"]
     radius, sense = float(recording.head["radius_mm"]), recording.columns["sense"]
     arm = base.q[where] - np.array([[float(centre[x])] for x in axes])
     on = np.abs(np.hypot(*arm) - radius) <= BESIDE
@@ -57,12 +70,7 @@ def rows_of(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
         )
     turn = np.mod(np.arctan2(arm[1], arm[0]), 2 * np.pi)
     sector = np.minimum((turn / (2 * np.pi) * SECTORS).astype(int), SECTORS - 1)
-    groups = [
-        g
-        for run in np.unique(recording.columns["run"])
-        for k in range(SECTORS)
-        if (g := (on & (recording.columns["run"] == run) & (sector == k))).any()
-    ]
+    groups = _parts(recording.columns["run"], sector, on)
     q = np.stack([base.q[:, g].mean(axis=1) for g in groups], axis=1)
     # the mean of a sector lies inside of its arc
     middle = np.array([turn[g].mean() for g in groups])

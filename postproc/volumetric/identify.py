@@ -8,6 +8,8 @@ their sum is.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from postproc.volumetric.solve import Fit
@@ -30,9 +32,8 @@ def untold(fit: Fit) -> list[list[str]]:
     names = [g.name for g in fit.unknowns.groups]
     n = len(names)
     share = np.zeros((n, n))
-    for i, a in enumerate(fit.unknowns.slices):
-        for k, b in enumerate(fit.unknowns.slices):
-            share[i, k] = np.linalg.norm(onto[a, b])
+    for (i, a), (k, b) in itertools.product(enumerate(fit.unknowns.slices), repeat=2):
+        share[i, k] = np.linalg.norm(onto[a, b])
     sets: list[set[int]] = []
     for i in np.flatnonzero(share.diagonal() > TIED).tolist():
         tied = {i, *np.flatnonzero(share[i] > TIED).tolist()}

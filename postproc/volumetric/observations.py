@@ -207,32 +207,34 @@ def _spheres(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     return found
 
 
+def _angles(recording: Recording, base: Rows, moved: list[str]) -> list[Rows]:
+    """Angles along one axis. Raises VolumetricError."""
+    rotation = next((r for r in XYZ + ROTARY if abs(recording.sensitive.get(r, 0.0)) > 0.999), "")
+    if len(moved) != 1 or not rotation:
+        raise VolumetricError(
+            "angles are read while one axis moves, about one axis", "", Place(recording.file, 1)
+        )
+    row = 3 + (ROTARY.index(rotation) if rotation in ROTARY else XYZ.index(rotation))
+    sign = float(np.sign(recording.sensitive[rotation]))
+    return [
+        _picked(
+            base,
+            which,
+            kind="angle",
+            value=sign * recording.reading[which],
+            start=np.zeros(1),
+            letter=moved[0],
+            row=row,
+        )
+        for which in _parts(recording, "setup")
+    ]
+
+
 def _lines(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
     moved = [x for x in XYZ if x in recording.axes and np.ptp(recording.position(x)) > SAME]
     along = np.array([recording.sensitive.get(x, 0.0) for x in XYZ])
-    reading = recording.reading
     if recording.quantity == "angle":
-        rotation = next(
-            (r for r in XYZ + ROTARY if abs(recording.sensitive.get(r, 0.0)) > 0.999), ""
-        )
-        if len(moved) != 1 or not rotation:
-            raise VolumetricError(
-                "angles are read while one axis moves, about one axis", "", Place(recording.file, 1)
-            )
-        row = 3 + (ROTARY.index(rotation) if rotation in ROTARY else XYZ.index(rotation))
-        sign = float(np.sign(recording.sensitive[rotation]))
-        return [
-            _picked(
-                base,
-                which,
-                kind="angle",
-                value=sign * reading[which],
-                start=np.zeros(1),
-                letter=moved[0],
-                row=row,
-            )
-            for which in _parts(recording, "setup")
-        ]
+        return _angles(recording, base, moved)
     across = recording.quantity == "straightness" or (
         len(moved) == 1 and abs(along[XYZ.index(moved[0])]) < 0.045
     )

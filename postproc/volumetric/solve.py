@@ -68,6 +68,17 @@ class Fit:
         )
 
 
+def _weighed_again(
+    rows: list[Rows], said: list[bool], found: dict[str, tuple[float, float]]
+) -> list[Rows]:
+    """The readings with the u that what is left asks for, where none is said. found: chi2 of each
+    degree of freedom, and these, by kind."""
+    return [
+        r if s else replace(r, u=max(r.u * np.sqrt(found[r.kind][0]), NOTHING * unit_of(r) / 2))
+        for r, s in zip(rows, said, strict=True)
+    ]
+
+
 def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     """Readings that state no u share one for each kind, out of what all set-ups of that kind leave.
 
@@ -92,11 +103,7 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
         found = {k: _left_over(jacobian, inverse, residual, rows, said, k) for k in kinds}
         if all(abs(chi - 1) < SETTLED for chi, _ in found.values()):
             break
-        rows = [
-            r if s else replace(r, u=max(r.u * np.sqrt(found[r.kind][0]), NOTHING * unit_of(r) / 2))
-            for r, s in zip(rows, said, strict=True)
-        ]
-        start = x
+        rows, start = _weighed_again(rows, said, found), x
     _enough(rows, said, found)
     left = np.split(residual[:number], np.cumsum([len(r) for r in rows])[:-1])
     factor = max([1.0, *(_few(free) for _, free in found.values())])

@@ -8,6 +8,7 @@ it, so it decides nothing that readings tell, and holds what they do not.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -43,6 +44,20 @@ class Group:
         return self.basis.shape[1]
 
 
+def _of_slide(machine: Machine, x: str, nodes: dict[str, np.ndarray]) -> Iterator[Group]:
+    """The components of one axis; a straightness only along a slide that the machine has."""
+    for row, name in enumerate(COMPONENTS):
+        across = row < 3 and XYZ[row] != x
+        if across and XYZ[row] not in machine.chain.axes:
+            continue
+        at = nodes.get(f"{name}{x}", nodes[x])
+        fixed = [np.eye(len(at))[int(np.argmin(np.abs(at)))]]
+        if across:
+            fixed.append((at - at.mean()) / np.abs(at - at.mean()).max())
+        free, unit = null_space(np.array(fixed)), LENGTH if row < 3 else ANGLE
+        yield Group(f"{name}{x}", x, row, at, free, unit)
+
+
 def components(
     machine: Machine,
     nodes: dict[str, np.ndarray],
@@ -53,18 +68,7 @@ def components(
     lost motion where both directions were read. nodes: (K,) mm by axis (X), or by component (EYX)
     where that has its own; zero: names that are taken as zero."""
     slides = [x for x in XYZ if x in nodes]
-    found = []
-    for x in slides:
-        for row, name in enumerate(COMPONENTS):
-            across = row < 3 and XYZ[row] != x
-            if across and XYZ[row] not in machine.chain.axes:
-                continue
-            at = nodes.get(f"{name}{x}", nodes[x])
-            fixed = [np.eye(len(at))[int(np.argmin(np.abs(at)))]]
-            if across:
-                fixed.append((at - at.mean()) / np.abs(at - at.mean()).max())
-            free, unit = null_space(np.array(fixed)), LENGTH if row < 3 else ANGLE
-            found.append(Group(f"{name}{x}", x, row, at, free, unit))
+    found = [group for x in slides for group in _of_slide(machine, x, nodes)]
     stated = {name for name in machine.square_stated if name[2] in slides}
     for a, b in combinations(slides, 2):
         rotation = ROTARY[3 - XYZ.index(a) - XYZ.index(b)]  # about the third axis

@@ -38,6 +38,18 @@ def _told(group: Group) -> bool:
     return group.letter in ROTARY
 
 
+def _size(fit: Fit, g: Group) -> str:
+    """How large an error is, with its u."""
+    unit, one = _one(g)
+    value, u = fit.values(g)
+    if not len(g.nodes):
+        return f"{float(value[0]) / one:8.2f} {unit}, u {float(u[0]) / one:.2g}"
+    return (
+        f"{float(np.ptp(value)) / one:8.2f} {unit} from end to end, u"
+        f" {float(u.max()) / one:.2g} at most, {len(g.nodes)} nodes"
+    )
+
+
 def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
     """For a person: set-ups and what is left of them, the errors with u, what is not told."""
     out = [
@@ -54,20 +66,7 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
     out.append("")
     hidden = open_names(fit)
     for g in fit.unknowns.groups:
-        unit, one = _one(g)
-        if g.name in hidden:
-            out.append(f"  {g.name:<5} not told")
-            continue
-        value, u = fit.values(g)
-        if len(g.nodes):
-            out.append(
-                f"  {g.name:<5} {float(np.ptp(value)) / one:8.2f} {unit} from end to end, u"
-                f" {float(u.max()) / one:.2g} at most, {len(g.nodes)} nodes"
-            )
-        else:
-            out.append(
-                f"  {g.name:<5} {float(value[0]) / one:8.2f} {unit}, u {float(u[0]) / one:.2g}"
-            )
+        out.append(f"  {g.name:<5} {'not told' if g.name in hidden else _size(fit, g)}")
     if zero:
         out.append(f"  taken as zero: {', '.join(sorted(zero))}")
     out.append("")
@@ -139,20 +138,16 @@ def folder(
     texts: dict[str, str] = {}
     data["axes"] = {x: _taken(like["axes"][x], KEPT) for x in letters}
     for x in (x for x in letters if x in XYZ):
-        own = [g for g in known if g.letter == x and len(g.nodes)]
-        turned = next((g for g in known if g.name == f"B:{x}"), None)
-        if own or turned:
+        if tables := _tables_of(fit, x, known):
             data["axes"][x]["table"] = f"{x}.csv"
-            texts[f"{x}.csv"], texts[f"{x}_uncertainty.csv"] = _tables(fit, x, own, turned)
+            texts |= tables
     if square := _squareness(fit, known):
         data["squareness"] = square
         comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square["u"]}
     if tool.any():
         data["tool"] = {x: float(tool[i]) for i, x in enumerate(XYZ) if x in letters}
-        comments |= {
-            f"tool.{x}": "the point that was measured: change it to where your tool ends"
-            for x in XYZ
-        }
+        point = "the point that was measured: change it to where your tool ends"
+        comments |= dict.fromkeys((f"tool.{x}" for x in XYZ), point)
     return {"machine.toml": machine_toml(data, comments), **texts}
 
 
@@ -221,6 +216,17 @@ def _without_lost_motion(fit: Fit) -> list[str]:
     return [
         x for x in XYZ if x not in asked and any(g.letter == x and len(g.nodes) for g in groups)
     ]
+
+
+def _tables_of(fit: Fit, x: str, known: list[Group]) -> dict[str, str]:
+    """The tables of an axis by name of file; none where nothing of it is known."""
+    own = [g for g in known if g.letter == x and len(g.nodes)]
+    turned = next((g for g in known if g.name == f"B:{x}"), None)
+    if not (own or turned):
+        return {}
+    return dict(
+        zip((f"{x}.csv", f"{x}_uncertainty.csv"), _tables(fit, x, own, turned), strict=True)
+    )
 
 
 def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tuple[str, str]:

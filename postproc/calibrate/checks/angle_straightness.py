@@ -47,21 +47,18 @@ def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Fin
     if len(nodes) < FEWEST or not np.any(angle.value) or not np.any(straight.value):
         return []
     pairs = []
+    on_table = calibration.options.chain.side(letter) == "workpiece"
+    # of a point that stays on the table, whose path the rail makes
+    stays = on_table and calibration.optics.get(letter) == "tool"
     for way in (0, 1) if angle.two_way and straight.two_way else (-1,):
         turn, read = (
             np.interp(nodes, c.nodes, c.mean if way < 0 else c.value[way])
             for c in (angle, straight)
         )
-        if calibration.options.chain.side(letter) == "workpiece":
-            if (calibration.optics.get(letter) or "workpiece") == "tool":
-                # of a point that stays on the table, whose path the rail makes
-                read = read - sign * turn * nodes
-            follow = -sign
-        else:
-            follow = sign
-        path = (
-            np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))]) * follow
-        )
+        if stays:
+            read = read - sign * turn * nodes
+        path = np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))])
+        path *= -sign if on_table else sign
         pairs.append((_without_line(nodes, read), _without_line(nodes, path)))
     measured, predicted = (max(float(np.ptp(p[i])) for p in pairs) for i in (0, 1))
     correlation = float(np.mean([_correlation(*p) for p in pairs]))

@@ -31,31 +31,36 @@ def check(calibration) -> Iterator[Finding]:
                 " as from the first target to the last"
             )
             yield Finding("travel", "note", letter, text)
-        beyond = [
-            (side, d)
-            for side, d in (("below", nodes[0] - low), ("above", high - nodes[-1]))
-            if d > NEAR
-        ]
         if outside := [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]:
             text = (
                 f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to"
                 f" {high:g}"
             )
             yield Finding("travel", "doubt", letter, text, {"at": float(outside[0])})
-        if beyond:
-            where = " and ".join(f"{d:g} {unit} {side}" for side, d in beyond)
-            does = (
-                "is refused there"
-                if calibration.options.outside == "error"
-                else "is corrected as at the last target"
-            )
-            text = (
-                f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel"
-                f" from {low:g} to {high:g}: {where} are not covered, a program {does}"
-            )
-            yield Finding("travel", "note", letter, text, {"beyond_mm": max(d for _, d in beyond)})
+        yield from _not_covered(calibration, letter)
         for component in calibration.of(letter):
             yield from _held(calibration, component, low, high)
+
+
+def _not_covered(calibration, letter: str) -> Iterator[Finding]:
+    """Ends of the travel without targets."""
+    (low, high), nodes = calibration.travel(letter), calibration.nodes(letter)
+    ends = {"below": nodes[0] - low, "above": high - nodes[-1]}
+    beyond = {side: d for side, d in ends.items() if d > NEAR}
+    if not beyond:
+        return
+    unit = place_name(letter)
+    where = " and ".join(f"{d:g} {unit} {side}" for side, d in beyond.items())
+    does = (
+        "is refused there"
+        if calibration.options.outside == "error"
+        else "is corrected as at the last target"
+    )
+    text = (
+        f"targets of {letter} reach from {nodes[0]:g} to {nodes[-1]:g} {unit}, its travel"
+        f" from {low:g} to {high:g}: {where} are not covered, a program {does}"
+    )
+    yield Finding("travel", "note", letter, text, {"beyond_mm": max(beyond.values())})
 
 
 def _held(calibration, component, low: float, high: float) -> list[Finding]:

@@ -13,6 +13,12 @@ from postproc.calibrate import Finding
 SAME_ANGLE = 0.95
 
 
+def _positionings(calibration) -> list[str]:
+    """The axes whose positioning was measured."""
+    components = calibration.components.items()
+    return [c.letter for n, c in components if n == f"E{c.letter}{c.letter}"]
+
+
 def check(calibration) -> Iterator[Finding]:
     for letter, lead in calibration.options.leads.items():
         component = calibration.measured.get(f"E{letter}{letter}")
@@ -42,13 +48,8 @@ def check(calibration) -> Iterator[Finding]:
                 " scatter between targets, and the table does not correct it"
             )
             yield Finding("lead", "note", component.name, text, numbers)
-    asked = [
-        c.letter
-        for n, c in calibration.components.items()
-        if n == f"E{c.letter}{c.letter}"
-        and c.letter in "XYZ"
-        and c.letter not in calibration.options.leads
-    ]
+    known = calibration.options.leads
+    asked = [x for x in _positionings(calibration) if x in "XYZ" and x not in known]
     if asked:
         text = (
             f"lead of the screw of {', '.join(asked)} not said (--lead {asked[0]}=5): whether the"

@@ -13,13 +13,14 @@ from postproc.calibrate.assign import unit_of
 def check(calibration) -> Iterator[Finding]:
     silent = [n for n, c in calibration.measured.items() if all(s.u is None for s in c.series)]
     single = [n for n, c in calibration.measured.items() if not c.cells.scatter.known]
-    if unknown := [n for n in single if n in silent]:
+    both = [n for n in single if n in silent]
+    if unknown := both:
         text = (
             f"{', '.join(unknown)}: one run and no u_um in the head, so the uncertainty is not"
             " known, nor whether they stand out of it"
         )
         yield Finding("scatter", "doubt", "", text, {"components": len(unknown)})
-    for name in [n for n in single if n not in silent]:
+    for name in [n for n in single if n not in both]:
         unit, one = unit_of(name)
         text = (
             f"{name}: one run, so u is the instrument's alone,"
@@ -32,6 +33,11 @@ def check(calibration) -> Iterator[Finding]:
             " without the instrument's part"
         )
         yield Finding("scatter", "note", "", text)
+    yield from _of_components(calibration)
+
+
+def _of_components(calibration) -> Iterator[Finding]:
+    """Readings that were filled in, and scatter that differs between targets."""
     for name, component in calibration.measured.items():
         for _, k in component.filled:
             text = (
