@@ -85,7 +85,7 @@ ALL = [
         "CC X+0 Y+0|APPR PLT PR+9 PA+3 LEN5 RL F99|L X+9 Y+9",
     ),
     klartext("RND R1", LINE + "RND R1" + ON),
-    klartext(LINE + "RND R1 F20" + ON, LINE + "RND R1" + ON),
+    klartext(LINE + "RND R1 F20 M8" + ON, LINE + "RND R1" + ON),
     klartext(LINE + "/ RND R1" + ON, LINE + "RND R1" + ON),
     klartext(LINE + "CHF 0" + ON, LINE + "CHF 1" + ON),
     klartext(LINE + "RND R1|M9" + ON, LINE + "RND R1" + ON),

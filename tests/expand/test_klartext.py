@@ -476,7 +476,7 @@ def test_increments_of_the_datum_add_up():
         ("L X+10 F9|RND R5|M9", "beside something else"),
         ("L X+10 F9|RND R5|PLANE RESET STAY", "beside something else"),
         ("L X+10 F9|RND R5", "beside something else"),
-        ("L X+10 F9|RND R5 F20|L Y+10", "more than its size"),
+        ("L X+10 F9|RND R5 M8|L Y+10", "more than its size"),
         ("L X+10 F9|CHF 0|L Y+10", "no size"),
         ("L X+10 FMAX|CHF 2|L Y+10", "at FMAX"),
         ("L X+10 Z-1 F9|CHF 2|L Y+10", "leaves the plane"),
@@ -524,3 +524,24 @@ def test_a_pole_is_needed_by_its_polar_approach():
     ):
         with pytest.raises(ProgramError, match=said):
             plain(text)
+
+
+def test_a_corner_has_a_feed_of_its_own():
+    """RND and CHF with F: it holds in the corner alone, the one before holds on behind it."""
+    lines = plain("L X+10 F300|CHF 2 F99|L Y+10|L X+0|RND R1 F150|L Y+0")
+    assert lines[:3] == ["L X+8 Y+0 F300", "L X+10 Y+2 F99", "L X+10 Y+10 F300"]
+    assert lines[3] == "L X+1 Y+10"
+    assert [line for line in lines[4:] if "F" in line] == [lines[4], lines[-1]]
+    assert lines[4].endswith(" F150")
+    assert lines[-1] == "L X+0 Y+0 F300"
+
+
+def test_a_polar_place_does_not_ask_where_the_tool_comes_from():
+    setup = Setup(axes=("X", "Y", "Z"), least_increment=dict.fromkeys("XYZ", 1e-4))
+    text = b"CC X+50 Y+50\nLP PR+60 PA+180 R0 FMAX\nLP PA+90\n"
+    interpreter = Interpreter(dialects.load("heidenhain"), setup)
+    written = Written(Program("a.h", text), interpreter, Limits(9, 1), tolerance=TOLERANCE)
+    assert b"".join(written) == b"L X-10 Y+50 R0 FMAX\nL X+50 Y+110\n"
+    step = Written(Program("a.h", b"CC X+0 Y+0\nLP IPR+1 PA+0\n"), interpreter, Limits(9, 1))
+    with pytest.raises(ProgramError, match="where X stands"):
+        list(step)

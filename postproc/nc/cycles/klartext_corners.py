@@ -3,10 +3,11 @@
 HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, Klartext programming, "Rounded corners RND"
 and "Inserting a chamfer between two straight lines": the corner lies at the end of the line before;
 RND R is the radius of an arc that touches both, CHF how far the chamfer begins and ends from the
-corner, which is not part of the contour. Both lie in the working plane.
+corner, which is not part of the contour; F behind them holds in the corner alone. Both lie in the
+working plane.
 
 The statement comes here in front of the line whose end it makes (expand/klartext.py). Refused:
-arcs beside a corner, a feed of the corner's own, FMAX, lines that leave the plane, a corner that is
+arcs beside a corner, FMAX, lines that leave the plane, a corner that is
 longer than its lines.
 """
 
@@ -20,7 +21,9 @@ from postproc.nc.cycles.klartext_holes import signed
 from postproc.nc.cycles.pole_arc import Arc, Point, ends
 from postproc.nc.cycles.scene import Scene
 
-CORNER = re.compile(rb"(RND|CHF)[ \t]*(?:R[ \t]*)?([+]?[0-9]*\.?[0-9]+)[ \t]*")
+CORNER = re.compile(
+    rb"(RND|CHF)[ \t]*(?:R[ \t]*)?([+]?[0-9]*\.?[0-9]+)[ \t]*(?:F[ \t]*([0-9]*\.?[0-9]+))?[ \t]*"
+)
 PLACE = re.compile(rb"(?<![A-Z])(I?)([XY])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 ELSEWHERE = re.compile(rb"(?<![A-Z])I?[ZABCUVW][ \t]*[-+]?[.0-9]")
 BETWEEN = re.compile(rb"Q|FN|\*|\Z")  # may stand between two paths
@@ -38,6 +41,7 @@ class Held:
     end: Point
     name: str
     size: float
+    feed: bytes  # of the corner alone, b"": that in force
 
 
 class Corners:
@@ -45,7 +49,8 @@ class Corners:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.coming: tuple[str, float] | None = None  # the corner of the next line
+        # the corner of the next line: its name, size and feed
+        self.coming: tuple[str, float, bytes] | None = None
         self.held: Held | None = None
 
     @property
@@ -61,7 +66,7 @@ class Corners:
             raise self.scene.fault(f"{name} with more than its size", WRITE)
         if float(found[2]) <= 0:
             raise self.scene.fault(f"{name} with no size", "write a size above 0")
-        self.coming = name, float(found[2])
+        self.coming = name, float(found[2]), found[3] or b""
 
     def beside(self) -> Exception:
         """What stands between a line and the next one is none."""
@@ -73,8 +78,9 @@ class Corners:
         held, self.held = self.held, None
         return [] if held is None else [self._line(held.end, held.words)]
 
-    def line(self, code: bytes) -> list[bytes]:
-        """The lines that are known now. Raises ProgramError."""
+    def line(self, code: bytes) -> list[tuple[bytes, bool]]:
+        """The lines that are known now, and whether each has the feed of a corner. Raises
+        ProgramError."""
         held, coming = self.held, self.coming
         name = coming[0] if coming else held.name if held else ""
         body = code[1:]
@@ -83,12 +89,12 @@ class Corners:
         if coming and FAST.search(body):
             raise self.scene.fault(f"{name} at FMAX", "write a feed")
         words = b" ".join(PLACE.sub(b" ", body).split())
-        lines: list[bytes] = []
+        lines: list[tuple[bytes, bool]] = []
         if held is not None:
             start, lines = self._corner(held, end)
         self.held = self.coming = None
         if coming is None:
-            return [*lines, self._line(end, words)]
+            return [*lines, (self._line(end, words), False)]
         self.held = Held(words, start, end, *coming)
         return lines
 
@@ -107,8 +113,8 @@ class Corners:
         x, y = (signed(self.scene, axis, v) for axis, v in zip("XY", to, strict=True))
         return b" ".join(part for part in (b"L", x, y, words) if part)
 
-    def _corner(self, held: Held, end: Point) -> tuple[Point, list[bytes]]:
-        """Where the next line begins then, and the lines up to there."""
+    def _corner(self, held: Held, end: Point) -> tuple[Point, list[tuple[bytes, bool]]]:
+        """Where the next line begins then, and the lines up to there, as `line` has them."""
         scene, corner = self.scene, held.end
         before = held.start[0] - corner[0], held.start[1] - corner[1]
         behind = end[0] - corner[0], end[1] - corner[1]
@@ -118,7 +124,7 @@ class Corners:
         turn = a[0] * b[1] - a[1] * b[0]
         angle = math.atan2(abs(turn), a[0] * b[0] + a[1] * b[1])
         if math.pi - angle < NEAR:  # straight on
-            return corner, [self._line(corner, held.words)]
+            return corner, [(self._line(corner, held.words), False)]
         if angle < NEAR:
             raise scene.fault(f"{held.name} where the line runs back", WRITE)
         away = held.size / math.tan(angle / 2) if held.name == "RND" else held.size
@@ -135,4 +141,10 @@ class Corners:
             reach = held.size / math.sin(angle / 2) / math.hypot(a[0] + b[0], a[1] + b[1])
             middle = corner[0] + reach * (a[0] + b[0]), corner[1] + reach * (a[1] + b[1])
             places = ends(scene, Arc(first, second, middle, -1.0 if turn > 0 else 1.0))
-        return second, [self._line(first, held.words), *(self._line(p, b"") for p in places)]
+        own = b"F" + held.feed if held.feed else b""
+        feeds = [own, *(b"" for _ in places[1:])]
+        rounded = [self._line(p, f) for p, f in zip(places, feeds, strict=True)]
+        return second, [
+            (self._line(first, held.words), False),
+            *((line, bool(own)) for line in rounded),
+        ]

@@ -190,7 +190,11 @@ class KlartextPaths:
         """A line with a corner at one of its ends."""
         if kind != b"L" or CALLED.search(code):
             raise self.corners.beside()
-        return [line for new in self.corners.line(code) for line in self._fed(b"L", new)]
+        lines: list[bytes] = []
+        for new, own in self.corners.line(code):
+            lines += [new] if own else self._fed(b"L", new)
+            self.due = self.due or own
+        return lines
 
     def _bore(self) -> list[bytes]:
         """Cycle 208, and the second clearance behind it."""
@@ -285,15 +289,16 @@ class KlartextPaths:
         """C, CR, CP and LP."""
         scene, words = self.scene, self._words(rest)
         plane = XY if kind in (b"CR", b"CT") else self.plane
-        at, polar = (scene.at(plane[0]), scene.at(plane[1])), kind in (b"CP", b"LP")
-        across = plane[2]
+        polar, across = kind in (b"CP", b"LP"), plane[2]
+        at = self._from(kind, words, plane)
         if across in words and not polar:
             raise scene.fault(f"{across} in {kind.decode()}", "write a helix as CP with IPA")
         turn = words.get("DR", (False, 0.0))[1]
         if kind not in (b"LP", b"CT") and not turn:
             raise scene.fault(f"{kind.decode()} without DR", "DR+ or DR- says which way it turns")
-        arc = self._polar(kind, at, words) if polar else self._round(kind, at, words, plane)
-        self._go_on(kind, arc, plane)
+        here = at or self._centre()
+        arc = self._polar(kind, here, words) if polar else self._round(kind, here, words, plane)
+        self._go_on(kind, arc, plane, at is not None)
         places = [arc.to] if kind == b"LP" else ends(scene, arc)
         if across not in words:
             if kind != b"LP":
@@ -303,9 +308,16 @@ class KlartextPaths:
         heights = [low + (depth - low) * k / len(places) for k in range(1, len(places) + 1)]
         return self._written(list(zip(places, heights, strict=True)), rest, plane)
 
-    def _go_on(self, kind: bytes, arc: Arc, plane: tuple[str, str, str]) -> None:
-        """The way at the end of a path."""
-        if plane != XY:
+    def _from(self, kind: bytes, words: Words, plane: tuple[str, str, str]) -> Point | None:
+        """Where a path begins; None: not known, and LP to a place does not ask."""
+        told = kind == b"LP" and all(not words.get(x, (True, 0.0))[0] for x in ("PR", "PA"))
+        if told and None in (self.scene.known(plane[0]), self.scene.known(plane[1])):
+            return None
+        return self.scene.at(plane[0]), self.scene.at(plane[1])
+
+    def _go_on(self, kind: bytes, arc: Arc, plane: tuple[str, str, str], begun: bool) -> None:
+        """The way at the end of a path; begun: where it began is known."""
+        if plane != XY or not begun:
             self.heading.lose()
         elif kind == b"LP":
             self.heading.way = arc.to[0] - arc.at[0], arc.to[1] - arc.at[1]
