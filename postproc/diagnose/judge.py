@@ -34,7 +34,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     left = sorted([*_left(d, sets, state), *_unforetold(d, sets)], reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
-        sizes = [float(np.std(f.contribution[own])) for own in parts]
+        sizes = [_size(f.contribution[own]) for own in parts]
         if any(sizes[unit] == max(sizes) < rms for _, rms, unit in left):
             f.status = "tentative"
     _borne_out(d)
@@ -100,6 +100,14 @@ def _left_out(d: Diagnosis, f: Finding, own: np.ndarray, target: np.ndarray) -> 
     return sums[0], sums[1]
 
 
+def _size(values: np.ndarray) -> float:
+    """mm, the rms of values (N,) where they are: what shows in few of many readings is as large as
+    there. That of values spread normally over all of them is their rms."""
+    off = values - values.mean()
+    square = float(np.mean(off**2))
+    return float(np.sqrt(np.mean(off**4) / (3.0 * square))) if square > 0 else 0.0
+
+
 def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, int]]:
     """(times what is worth a word, rms mm, unit) of processes that are no error of form."""
     said = shares(sets.evidence, state.fit)
@@ -108,7 +116,7 @@ def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, in
         part = sets.evidence.parts[unit]
         own = part.unit.rows
         values = sum((said[kind][own] for kind in PROCESSES if kind in said), np.zeros(len(own)))
-        rms, explained = float(np.std(values)), float(np.std(said["effects"][own]))
+        rms, explained = _size(values), _size(said["effects"][own])
         least = LEAST_MM.get(part.unit.sees, LEAST_MM["tool"])
         there = float(np.std(d.before[own]))
         if rms > max(least, OF_EXPLAINED * explained, OF_ALL * there):

@@ -14,6 +14,7 @@ import numpy as np
 from postproc.diagnose import telegraph
 from postproc.diagnose.noise import Unit, hats, wander
 from postproc.diagnose.rows import Rows
+from postproc.diagnose.signals import FAR
 from postproc.effects import legendre
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
@@ -36,6 +37,9 @@ STYLUS = 3e-4
 ALIGNED = 5e-6
 # mm: of a feature's own, beside what the map is off by at its two places (unverified)
 FEATURE = 5e-4
+# mm: how far lost motion is from being taken up where a recording begins (a preloaded screw's,
+# unverified); ways over which it is taken up
+BEGINS, TAKEN_UP = 2e-3, (0.1, 1.0, 5.0)
 # mm: by how much the zero of an instrument differs from run to run, usually and at most
 RUN, MOST_RUN = 3e-4, 1e-3
 WANDER, MOST_WANDER = (
@@ -101,6 +105,8 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
         found.append(
             Group("set-up", np.stack([legendre(share, d) for d in (1, 2, 3)], axis=1), BAR)
         )
+    if kind == "trace":
+        found += _beginnings(rows, unit)
     if kind == "targets" and unit.sees == "tool":
         # its line is known as well as it was referred to an axis
         for p in rows.state.position.values():
@@ -126,18 +132,36 @@ def of_unit(rows: Rows, unit: Unit) -> list[Group]:
     return found
 
 
+def _beginnings(rows: Rows, unit: Unit) -> list[Group]:
+    """How lost motion stood when a run of a trace began, and how it is taken up on the way to the
+    first turn: a level of its own until the axis moves, and what fades with the way since."""
+    own = unit.rows
+    axis = XYZ[int(np.argmax(np.abs(rows.direction[own]).max(axis=0)))]
+    distance = rows.state.distance.get(axis)
+    if distance is None:
+        return []
+    found = []
+    moved = rows.state.approach[axis][own] != 0
+    place = rows.state.position[axis][own]
+    for run in np.unique(rows.run[own]):
+        first = (rows.run[own] == run) & (distance[own] >= FAR / 2)
+        rests, goes = first & ~moved, first & moved
+        if rests.any() and (moved & (rows.run[own] == run)).any():
+            found.append(Group("set-up", rests.astype(float)[:, None], BEGINS))
+        if goes.any():
+            way = np.abs(place - place[np.flatnonzero(goes)[0]])
+            fades = np.exp(-way[:, None] / TAKEN_UP) * goes[:, None]
+            found.append(Group("set-up", fades, BEGINS))
+    return found
+
+
 def _of_features(rows: Rows, unit: Unit) -> list[Group]:
     own = unit.rows
     found = []
     signals = np.unique(rows.signal[own])
     each = (rows.signal[own][:, None] == signals).astype(float)
-    # A feature has no set-up zero of its own, only what the map does not know at its place; a step
-    # has none that is known.
-    free = np.array(["step" in rows.signals[s] for s in signals])
-    if free.any():
-        found.append(Group("zero", each[:, free], FREE))
-    if not free.all():
-        found.append(Group("feature", each[:, ~free], FEATURE, MOST_FEATURE))
+    # A feature has no set-up zero of its own, only what the map does not know at its place.
+    found.append(Group("feature", each, FEATURE, MOST_FEATURE))
     wall = rows.state.channels.get("wall", np.ones(len(rows)))[own]
     if wall.any():
         found.append(Group("set-up", wall[:, None], STYLUS))

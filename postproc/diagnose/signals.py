@@ -22,7 +22,6 @@ OVERRUN = 3.0
 RESTS = 2e-5  # mm from sample to sample
 STAMP = 1.1e-3  # s: by how much a time that was written with three decimals may be off
 SMOOTH = 0.02  # s
-TAKEN_UP = 8.0  # mm: after so much way lost motion is taken up, whatever was before
 FAR = 1e6  # mm and s: nobody knows when an axis turned back last
 TOUCHING = (
     "gauge",
@@ -249,7 +248,10 @@ def _ballbar(recording: Recording, machine: Machine):
         if x in centre:
             unit[:, XYZ.index(x)] = p - centre[x]
     unit /= np.maximum(np.linalg.norm(unit, axis=1), 1e-9)[:, None]
-    sure = _sure(columns, [x for x in recording.axes if x in centre], run)
+    moving = [x for x in recording.axes if x in centre]
+    sure = ~_changing(columns, moving, run)
+    for x in moving:  # before it moved nobody knows from which side it came
+        sure &= columns[f"{x} approach"] != 0
     columns |= {"y": recording.reading, "direction": unit, "dense": np.ones(n)}
     columns = {name: value[sure] for name, value in columns.items()}
     yield "radial_um", averaged(columns | {"sees": "tool", "cut": run[sure]})
@@ -268,9 +270,9 @@ def _trace(recording: Recording, machine: Machine):
     for x in letters:
         speed = recording.columns.get(f"{x}_cmd_velocity_mm_s")
         _motion(columns, x, recording.position(x), columns["time"], columns["run"], speed)
-    # Before an axis has moved, nobody knows from which side it came; and in the very sample in
-    # which it turns neither.
-    sure = _sure(columns, [x for x in letters if np.ptp(recording.position(x)) > 0], columns["run"])
+    # How lost motion stood at the start is a nuisance parameter (nuisances.py).
+    moving = [x for x in letters if np.ptp(recording.position(x)) > 0]
+    known = ~_changing(columns, moving, columns["run"])
     for x in letters:
         y = recording.columns[f"{x}_act_mm"] - recording.position(x)
         direction = np.zeros((len(recording), 3))
@@ -283,39 +285,19 @@ def _trace(recording: Recording, machine: Machine):
             "direction": direction,
             "sees": "scale" if scale else "tool",
         }
-        known = sure & _settled(columns, x)
-        if not known.any():
-            known = sure
         one = {name: v[known] if isinstance(v, np.ndarray) else v for name, v in one.items()}
         same = rounding.alike(recording.position(x)[known], coarse[known])
         yield f"{x}_act_mm", averaged(together(one, same) if same.any() else one)
 
 
-def _sure(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
-    """(N,) bool: samples whose directions of approach are known, and that are no start and no
-    stop."""
-    result = np.ones(len(run), bool)
+def _changing(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
+    """(N,) bool: samples in which an axis starts, stops or turns."""
+    result = np.zeros(len(run), bool)
     for x in letters:
         side, moves = columns[f"{x} approach"], columns[f"{x} velocity"] != 0
         turn = np.flatnonzero(((np.diff(side) != 0) | (np.diff(moves) != 0)) & (np.diff(run) == 0))
-        result &= side != 0
-        result[turn] = False
-        result[turn + 1] = False
-    return result
-
-
-def _settled(columns: dict, letter: str) -> np.ndarray:
-    """(N,) bool: samples behind the first turn of their run, or after some way: before, nobody
-    knows how far lost motion is taken up."""
-    result = np.ones(len(columns["run"]), bool)
-    for run in np.unique(columns["run"]):
-        own = np.flatnonzero(columns["run"] == run)
-        way = np.concatenate(
-            [[0.0], np.cumsum(np.abs(np.diff(columns[f"{letter} position"][own])))]
-        )
-        result[own] = (
-            (columns[f"{letter} distance"][own] < FAR / 2) | (way >= TAKEN_UP) | (way[-1] < 1e-9)
-        )
+        result[turn] = True
+        result[turn + 1] = True
     return result
 
 

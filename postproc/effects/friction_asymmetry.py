@@ -3,7 +3,8 @@ the other.
 
 Like the spike of a reversal, with another height for each direction; where both are alike it is a
 plain spike. A drive without integral action does not make up for it: then the axis lags all the
-time, by what is rubbing in that direction.
+time, by what is rubbing in that direction; a film of grease rubs with a power of the speed below
+one (see viscous_friction).
 """
 
 import numpy as np
@@ -22,12 +23,14 @@ PARAMETERS = {
     "released": (
         "1, at rest the axis does not lag, and what it lags more in one direction shows; 0, it does"
     ),
+    "power": "1, of the speed that its slopes go with: then um at 100 mm/s; below 1 for grease",
 }
-OPTIONAL = {"released": 0.0}
-CONTINUOUS = {"tau_ms": (4.0, 600.0)}
+OPTIONAL = {"released": 0.0, "power": 1.0}
+CONTINUOUS = {"tau_ms": (4.0, 600.0), "power": (0.3, 0.9)}
 UNLIKE = 0.15
 # times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
 OPPOSES = 3.0
+POWERS = (1.0, 0.5)
 LIKE_SLOPE = 3.0  # a height that is there at all speeds holds as much at 33 mm/s as this slope
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("since", "approach", "velocity"), ("tool", "scale")
@@ -38,13 +41,18 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    found = [{"tau_ms": v, "released": 0.0} for v in (0.0, *grid(6.0, 400.0, 9))]
+    found = [{"tau_ms": v, "released": 0.0} for v in grid(6.0, 400.0, 9)]
+    found += [{"tau_ms": 0.0, "released": 0.0, "power": power} for power in POWERS]
     stands = np.any(sampled(state) & (state.velocity[axis] == 0))
     return [*found, {"tau_ms": 0.0, "released": 1.0}] if stands else found
 
 
-def columns(state: State, axis: str, tau_ms: float, released: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, tau_ms: float, released: float = 0.0, power: float = 1.0
+) -> np.ndarray:
     v = state.velocity[axis] / 100.0
+    if tau_ms <= 0 and power != 1.0:
+        v = np.sign(v) * np.abs(v) ** power
     if released:
         return along(axis, -np.sign(v), -np.sign(np.abs(v)))
     # how much more it lags in one direction whatever its speed is a zero that nobody knows
@@ -85,6 +93,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
     return dict(zip(names, values, strict=True)) | {
         "tau_ms": shape["tau_ms"],
         "released": shape.get("released", 0.0),
+        "power": shape.get("power", 1.0),
     }
 
 
@@ -95,7 +104,9 @@ def coefficients(
     difference_slope_um: float,
     tau_ms: float,
     released: float = 0.0,
+    power: float = 1.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [size_um, slope_um, difference_um, difference_slope_um]
     few = [size_um, difference_um] if released else [*values[:2], values[3]]
-    return np.array(values if tau_ms > 0 else few), {"tau_ms": tau_ms, "released": released}
+    shape = {"tau_ms": tau_ms, "released": released, "power": power}
+    return np.array(values if tau_ms > 0 else few), shape

@@ -1,7 +1,10 @@
 """Sag: a structure bends with the place of a mass on it.
 
 Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at
-one end gives at its end with s^2 (3 - s) / 2 of the mass' reach s. A beam on two supports is
+one end gives at its end with s^2 (3 - s) / 2 of the mass' reach s, be it from an edge of what
+carries it on; a ram that slides out gives with s^3 of its own overhang (Slocum, Precision Machine
+Design, 1992, beams). A rail that is clamped at both ends gives under the mass with (4 s (1 - s))^3
+(Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1). A beam on two supports is
 lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4 (Timoshenko,
 Vibration Problems in Engineering, simply supported beam); where the tool stands over the mass, a is
 s.
@@ -23,13 +26,37 @@ PARAMETERS = {
         " is held at one end"
     ),
     "overhang": "1, by how much of the travel the beam is longer at each end",
+    "free_end": (
+        "1, what is held at one end is free at the high end of the travel; -1, at the low one; 0, a"
+        " rail that is clamped at both ends"
+    ),
+    "begins": (
+        "1, share of the travel from where it stands out; below 0, it stands out all over it"
+    ),
+    "ram": "1, it slides out itself; 0, a mass moves on it",
     "usual_N": (
         "N, the recorded load at which it sags so, and elsewhere in proportion; 0, alike at every"
         " load"
     ),
 }
 NODES = 25  # over a travel: between them less than 1 % of the size is left
-OPTIONAL = {"lever": 0.0, "beam": -1.0, "overhang": 0.0, "usual_N": 0.0}
+OPTIONAL = {
+    "lever": 0.0,
+    "beam": -1.0,
+    "overhang": 0.0,
+    "free_end": 1.0,
+    "begins": 0.0,
+    "ram": 0.0,
+    "usual_N": 0.0,
+}
+# free end, from where it stands out, whether it is a ram
+OUT = (
+    (1.0, 0.0, 0.0),
+    (-1.0, 0.0, 0.0),
+    *product((1.0, -1.0), (0.2, 0.4), (0.0,)),
+    *product((1.0, -1.0), (-0.15,), (1.0,)),
+    (0.0, 0.0, 0.0),
+)
 # A beam of steel that was built to run true gives 1 in 2000 of its length at the most (unverified):
 # 1 mm on 2 m.
 PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
@@ -44,11 +71,12 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
     beams = (*others, float(XYZ.index(axis)))
-    ways = [(a, v, -1.0, 0.0) for a, v in product(others, (0.0, 1.0)[: len(others)])]
-    ways += [(a, 0.0, b, o) for a, b, o in product(others, beams, (0.0, 0.05, 0.2))]
+    ways = [(a, 0.0, -1.0, 0.0, *out) for a, out in product(others, OUT)]
+    ways += [(a, 1.0, -1.0, 0.0, *OUT[0]) for a in others if len(others) > 1]
+    ways += [(a, 0.0, b, o, *OUT[0]) for a, b, o in product(others, beams, (0.0, 0.05, 0.2))]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
-    names = ("along", "lever", "beam", "overhang", "usual_N")
+    names = ("along", "lever", "beam", "overhang", "free_end", "begins", "ram", "usual_N")
     return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
 
 
@@ -59,6 +87,9 @@ def columns(
     lever: float = 0.0,
     beam: float = -1.0,
     overhang: float = 0.0,
+    free_end: float = 1.0,
+    begins: float = 0.0,
+    ram: float = 0.0,
     usual_N: float = 0.0,
 ) -> np.ndarray:
     reach = (state.share(axis) + 1) / 2
@@ -66,7 +97,8 @@ def columns(
     heavy = load / usual_N if load is not None and usual_N > 0 else np.ones(len(reach))
     other = _other(axis, tuple(state.position), along, lever, beam)
     if not other:
-        return towards(XYZ[int(along)], heavy * _held(reach) if beam < 0 else np.zeros(len(reach)))
+        bent = _held(reach, free_end, begins, ram) if beam < 0 else np.zeros(len(reach))
+        return towards(XYZ[int(along)], heavy * bent)
     return towards(
         XYZ[int(along)], heavy * _bent(reach, (state.share(other) + 1) / 2, beam, overhang)
     )
@@ -80,10 +112,15 @@ def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam
     return rest[0] if rest and lever else ""
 
 
-def _held(reach: np.ndarray) -> np.ndarray:
-    """(N,) what a beam that is held at one end gives at its other end by a mass at a reach of 0 to
-    1; 1 at 1."""
-    return reach**2 * (3 - reach) / 2
+def _held(
+    reach: np.ndarray, free_end: float = 1.0, begins: float = 0.0, ram: float = 0.0
+) -> np.ndarray:
+    """(N,) what gives that is held at one end, or clamped at both, by where the mass is on the
+    travel, 0 to 1; 1 where it gives most."""
+    if not free_end:
+        return (4.0 * reach * (1.0 - reach)) ** 3
+    out = np.maximum((reach if free_end > 0 else 1.0 - reach) - begins, 0.0) / (1.0 - begins)
+    return out**3 if ram else out**2 * (3 - out) / 2
 
 
 def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> np.ndarray:
@@ -113,7 +150,7 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
         one = (
             _bent(shares[0], shares[0], named["beam"], named["overhang"])
             if other
-            else _held(shares[0])
+            else _held(shares[0], named["free_end"], named["begins"], named["ram"])
         )
         other = next((x for x in travel if x != axis and x in XYZ), "")
         value = np.repeat(one[:, None], 2, axis=1)

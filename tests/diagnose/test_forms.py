@@ -112,6 +112,15 @@ def test_beams_give_as_textbooks_say():
     assert held[:2] == approx([5.0, 16.0])
     beam = effects.deviation(sag, state, "X", size_um=1.0, along=2.0, beam=0.0)[2]
     assert beam[2] / beam[0] == approx(0.5625, rel=0.01)
+    # clamped at both ends, s^3 (1 - s)^3: at a quarter (3/4)^3 of the middle
+    clamped = effects.deviation(sag, state, "X", size_um=1.0, along=2.0, free_end=0.0)[2]
+    assert clamped[2] / clamped[0] == approx(0.421875)
+    # from the low end, beyond 40 % of the travel: nothing at 100, 1/6 of the way out at 50
+    low = dict(size_um=432.0, along=2.0, free_end=-1.0, begins=0.4)
+    assert effects.deviation(sag, state, "X", **low)[2][:2] * 1e3 == approx([17.0, 0.0])
+    # a ram that stands out by 25 % of its travel at its end: (3/5)^3 half way
+    ram = dict(size_um=125.0, along=2.0, begins=-0.25, ram=1.0)
+    assert effects.deviation(sag, state, "X", **ram)[2][0] * 1e3 == approx(27.0)
 
 
 def test_a_tool_is_ground_between_two_parts():
