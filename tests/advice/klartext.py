@@ -37,6 +37,20 @@ def bored(data: str, then: str, missing: bool = False, spindle: str = "M3") -> C
     )
 
 
+STUD = (
+    "Q218=+20 Q424=+26 Q219=+10 Q425=+16 Q220=+2 Q207=+500 Q351=+1 Q201=-9 Q202=+6 Q206=+150"
+    " Q200=+2 Q203=+0 Q204=+9 Q437=+0 Q367=+0"
+)
+
+
+def studded(old: str, new: str, spindle: str = "M3") -> Case:
+    def text(data: str, spindle: str) -> str:
+        head = f"TOOL DEF 1 L+0 R+4|TOOL CALL 1 Z|L Z+9 R0 FMAX {spindle}|"
+        return head + cycle(data, 256)
+
+    return klartext(text(STUD.replace(old, new), spindle), text(STUD, "M3"))
+
+
 RING_OF = (
     "CYCL DEF 220 R ~|Q216=+5 ~|Q217=+5 ~|Q244=+9 ~|Q245=+0 ~|Q200=+2 ~|Q203=+0 ~|"
     "Q246=+90 ~|Q247=+30 ~|Q241=+3|L X+9"
@@ -84,6 +98,13 @@ ALL = [
         "CC X+0 Y+0|APPR PLT PR+9 LEN5 RL F99|L X+9 Y+9",
         "CC X+0 Y+0|APPR PLT PR+9 PA+3 LEN5 RL F99|L X+9 Y+9",
     ),
+    studded("Q437=+0", "Q437=+1"),
+    studded("Q351=+1", "Q351=+0"),
+    studded("", "", "M4"),
+    studded("Q424=+26", "Q424=+99"),
+    studded("Q424=+26", "Q424=+10"),
+    studded("Q201=-9", "Q201=+9"),
+    studded("Q367=+0", "Q367=+7"),
     klartext("RND R1", LINE + "RND R1" + ON),
     klartext(LINE + "RND R1 F20 M8" + ON, LINE + "RND R1" + ON),
     klartext(LINE + "/ RND R1" + ON, LINE + "RND R1" + ON),
