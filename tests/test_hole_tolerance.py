@@ -11,10 +11,12 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.axis import Axis
 from postproc.machine.chain import parse
+from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.verify import Verifier
+from tests.small_machines import write_mill
 
 UM = 1e-3
 NODES = np.array([-60.0, -20.0, 0.0, 60.0])
@@ -153,3 +155,21 @@ def test_a_hole_where_a_rapid_stands_already_is_corrected_for_its_own_middle(way
     )
     filter_.feed(text.encode())
     assert verifier.passed and verifier.holes.deviation < 0.005, verifier.report()
+
+
+@pytest.mark.parametrize("back", ["G98", "G99"])
+def test_a_hole_from_the_level_at_which_the_tool_stands_ends_at_r(tmp_path, back):
+    """Z neither moves on the whole nor rests: it goes down from R and back there, and R is written
+    as it stands. What follows it is corrected from R, not from where Z stood before."""
+    machine = read_machine(write_mill(tmp_path / "mill", True))
+    filter_ = Filter(
+        machine, dialects.load("haas"), setup_of(machine, {"G54": {}}), Options(hole_tolerance=0.1)
+    )
+    verifier = Verifier(filter_)
+    text = (
+        "G21 G90 G54 G0 X5. Y0. Z30.\nG1 Z-30. F99.\nZ20.\nX9.\n"
+        f"{back} G81 Z-35. R20. F99.\nG80\nG1 X150. F99.\nG0 Z30.\n"
+    )
+    filter_.feed(text.encode())
+    filter_.finish()
+    assert verifier.passed, verifier.report()

@@ -331,6 +331,7 @@ class Batch:
             end = self.end[row]
             if row in self.rows and (held[row] or self.left[row].any() or self.leash is not None):
                 rests = (self.travel[row] == 0) & free & known & (self.sure | self.turning)
+                rests[self.hole[self.m.holes.axis == row]] = False  # it goes down, and back to R
                 if self.leash is not None:
                     rests |= (self.leash[row] < cutter.FREELY) & free & known
                 still = (rests | self.left[row]).nonzero()[0]
