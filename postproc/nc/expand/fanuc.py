@@ -149,7 +149,10 @@ class Runner:
             return self._set(block)
         if kind is Kind.IF:
             assert block.formula and block.then
-            return self._execute(frame, at, block.then) if block.formula(variables) else None
+            if block.formula(variables):
+                return self._execute(frame, at, block.then)
+            frame.at = frame.source.behind(at)
+            return None
         if kind is Kind.GOTO:
             assert block.target
             frame.at = frame.source.jump(

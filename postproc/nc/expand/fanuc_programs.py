@@ -16,6 +16,7 @@ from postproc.errors import ProgramError
 from postproc.nc.expand import Program, fault
 from postproc.nc.expand.fanuc_blocks import LOOP, SPECIAL, Block, BlockReader, bare
 from postproc.nc.expand.fanuc_functions import Misread
+from postproc.nc.expand.fanuc_statements import parts
 from postproc.nc.lexer import COMMENTS
 
 # what makes a text one that must be executed: not O numbers, and not the end of the program
@@ -69,6 +70,9 @@ class Source:
         self.expands = bool(file) or MACRO.search(code) is not None
         if semicolon != "comment" and self.expands:
             self._cut(MODAL.search(code) is not None, SECOND_LABEL.search(program.text) is not None)
+        self.continues: set[int] = set()  # entries that go on with the block of the one before
+        if haas and self.expands:
+            self._take_apart()
         self.closing = self._tapes()
         self.blocks: dict[int, Block] = {}
         self.sections = self._sections()
@@ -108,6 +112,34 @@ class Source:
         if at:
             self.texts, self.numbers = [*texts, *self.texts[at:]], [*numbers, *self.numbers[at:]]
             self.special = special + self.special[at:]
+
+    def _take_apart(self) -> None:
+        """Cut blocks of several statements, which a Haas has."""
+        texts: list[bytes] = []
+        numbers: list[int] = []
+        special, last = bytearray(), 0
+        for i in self._flagged():
+            pieces = parts(self.texts[i], self.semicolon)
+            if len(pieces) == 1:
+                continue
+            texts += [*self.texts[last:i], *pieces]
+            numbers += [*self.numbers[last:i], *[self.numbers[i]] * len(pieces)]
+            special += self.special[last:i] + bytes([1]) * len(pieces)
+            self.continues |= set(range(len(texts) - len(pieces) + 1, len(texts)))
+            last = i + 1
+        if last:
+            self.texts, self.numbers = (
+                [*texts, *self.texts[last:]],
+                [*numbers, *self.numbers[last:]],
+            )
+            self.special = special + self.special[last:]
+
+    def behind(self, entry: int) -> int:
+        """The first entry of the next block."""
+        entry += 1
+        while entry in self.continues:
+            entry += 1
+        return entry
 
     def _tapes(self) -> int:
         """The first "%" opens the program if no code stands before it; the next one ends it, and
