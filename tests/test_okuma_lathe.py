@@ -214,6 +214,60 @@ def test_holes_of_a_live_tool_in_the_face_and_in_the_side():
     assert "G4 F0.5" in written("G0 X60 Z5|G181 X40 Z-10 K3 E0.5 F0.1|G180")
 
 
+def test_a_face_is_pecked():
+    """G74 X0 Z-12 D5 E0.5 from Z5: to 0, -5, -10, -12, back by 0.1 mm behind each peck but the last
+    one, a dwell, and out."""
+    found = ends("G0 X0 Z5|G74 X0 Z-12 D5 E0.5 F0.1|G0 X100")
+    assert found[1:-1] == [
+        [0, 0], [0, pytest.approx(0.1)], [0, -5], [0, pytest.approx(-4.9)], [0, -10],
+        [0, pytest.approx(-9.9)], [0, -12], [0, 5],
+    ]  # fmt: skip
+    assert "G4 F0.5" in written("G0 X0 Z5|G74 X0 Z-12 D5 E0.5 F0.1")
+
+
+def test_a_groove_is_cut_step_by_step():
+    """G73 X30 Z-9 K2 D4 (diameters) from X40 Z-4: at Z-4, -6, -8, -9 down by 2 mm to X15, out to
+    X20, and back to Z-4; L4: behind 4 (a diameter, one peck here) it goes out all the way."""
+    found = ends("G0 X40 Z-4|G73 X30 Z-9 K2 D4 F0.1|G0 X60")
+    cuts = [z for (x, z) in found if x == 15]
+    assert cuts == [-4, -6, -8, -9]
+    assert found[1:7] == [
+        [18, -4], [pytest.approx(18.1), -4], [16, -4], [pytest.approx(16.1), -4], [15, -4],
+        [20, -4],
+    ]  # fmt: skip
+    assert found[-2:] == [[20, -4], [30, -4]]
+    out = ends("G0 X40 Z-4|G73 X30 Z-4 D4 L4 F0.1|G0 X60")
+    assert out[1:4] == [[18, -4], [20, -4], [pytest.approx(18.1), -4]]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "X30 Z-9 D4",
+        "X40 Z-9 K2 D4",
+        "X30 Z-9 I2 D4",
+        "X30 Z-4 D4 T0202",
+        "X30 Z-4 D.0001",
+        "X30 Z-4 D4 T0909",
+    ],
+)
+def test_grooves_that_are_refused(words):
+    """No step, no depth, the other cycle's step, an offset of another place, too many pecks."""
+    with pytest.raises(ProgramError):
+        written(f"T0101|G0 X40 Z-4|G73 {words} F0.1")
+
+
+def test_the_offset_at_the_end_may_be_one_of_the_same_place():
+    text = "T0101|G0 X40 Z-4|G73 X30 Z-4 D4 F0.1"
+    assert written(text + " T0101") == written(text)
+
+
+def test_a_tap_by_the_live_tool_stays():
+    """P-139: it goes back to where it stood, but C does not."""
+    found, reasons = follow("G0 X50 Z5|G184 X50 Z-10 K3 F750|G180|G1 X40 F.1")
+    assert not any(reasons) and found == [[25, 5], [20, 5]]
+
+
 @pytest.mark.parametrize("words", ["X40 Z-9 K1 Q4", "X40 Z-9 K1 R2", "X40 Z-9 K1 I1", "X40 Z-9"])
 def test_holes_that_are_refused(words):
     with pytest.raises(ProgramError):

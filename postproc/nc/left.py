@@ -3,7 +3,7 @@
 Their passes are the control's, and each begins at the same angle of the spindle. They end where
 they began, so what stands behind them is corrected as if they were not there; what they cut is not,
 which a notice says. Sources: Fanuc B-64304EN-1, "Multiple thread cutting cycle", "Thread cutting
-cycle"; Haas lathe operator's manual, G76, G92.
+cycle"; Haas lathe operator's manual, G76, G92. G184 of Okuma taps at each C: 5238-E, P-139.
 """
 
 from __future__ import annotations
@@ -11,7 +11,17 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.errors import Notice
-from postproc.nc.batch import Batch
+from postproc.nc.batch import NO_WORDS, Batch
+
+TURNS = 1840  # G184 of Okuma lathes turns C from hole to hole
+
+
+def _names(b: Batch, letters: str) -> np.ndarray:
+    """(B,) bool: blocks that have one of these letters."""
+    found = np.zeros(b.n, bool)
+    for letter in letters:
+        found[b.words.block[b.places.get(letter, NO_WORDS)]] = True
+    return found
 
 
 def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
@@ -25,6 +35,8 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
         mask &= b.has_axis
         if mask.any():
             b.taken |= mask
+            if number == TURNS and "C" in b.rows:
+                b.loses[mask & _names(b, "CQ")] = True
             said = (
                 f"{code.word} ({code.meaning}) stays as it is, in step with the spindle: its thread"
                 " is cut uncorrected"

@@ -268,8 +268,19 @@ OKUMA_LATHE = [
         ("G81|G1 X40. F.1|G80", LAP),
         ("NSH G81|G1 X40. F.1", LAP),
         ("G181 X50. K1. F.1", "G181 X50. Z-9. K1. F.1"),
+        ("G1 F.1|G73 X90. Z1. D1.", "G1 F.1|G73 X90. Z1. K2. D1."),
+        ("G1 F.1|G73 X100. Z1. K2. D1.", "G1 F.1|G73 X90. Z1. K2. D1."),
+        ("G1 F.1|G73 X90. D.0001", "G1 F.1|G73 X90. D1."),
+        ("G1 F.1|G42|G74 Z1. D1.|G40", "G1 F.1|G74 Z1. D1."),
     )
 ]
+ASIDE = {**offsets(), "T0909": {"X": 1.0, "Z": 0.0}}
+OKUMA_LATHE += [
+    Case(
+        "okuma-lathe", "T0101|G0 X90. Z9.|G74 Z1. D1. F.1 T0909",
+        "T0101|G0 X90. Z9.|G1 F.1|G74 Z1. D1.", how={**WRITE, "offsets": ASIDE},
+    ),
+]  # fmt: skip
 FIVE = {"machine": "example-five-axis", **WRITE, "offsets": {"G54": {}, "H1": {"Z": 100.0}}}
 
 

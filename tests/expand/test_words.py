@@ -127,6 +127,10 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         before = one.format(4) if name == "okuma" and code != "G71" else ""
         behind = "|" + one.format(3) + "G80" if code == "G71" else ""
         return [Sample(values(OTHERS[name].get(code, OTHERS[name][""])), BEGIN + before, behind)]
+    if name == "okuma-lathe" and code in ("G73", "G74"):
+        step = "K1./1.5" if code == "G73" else "I2./3."
+        words = f"X30./28. Z-5./-6. {step} D1./1.5 L2./3. E.5/.6 {{}}"
+        return [Sample(values(words.format("")), "G0 X40. Z3.|G1 F.1|")]
     if name == "okuma-lathe":
         words = "X20./21. Z-5./-6. C30./40. E.5/.6 {}"
         return [

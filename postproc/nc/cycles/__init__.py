@@ -42,6 +42,7 @@ from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
+from postproc.nc.cycles.grooving_okuma import OkumaGrooving
 from postproc.nc.cycles.holes_heidenhain import IsoHoles
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
@@ -256,7 +257,8 @@ def okuma(dialect: Dialect, synchronised: bool) -> Family:
 def okuma_lathe(dialect: Dialect, synchronised: bool) -> Family:
     threads: dict[int, Cycle] = dict.fromkeys((310, 320, 330), Stays(True))
     threads |= dict.fromkeys((710, 720, 770, 780), Stays(False))
-    return Family(threads | {DRILL: LiveDrilling()}, forgets=True, before=LatheBlocks)
+    cycles = threads | {DRILL: LiveDrilling(), 730: OkumaGrooving("X"), 740: OkumaGrooving("Z")}
+    return Family(cycles, forgets=True, before=LatheBlocks)
 
 
 # the longest prefix of the dialect's name holds

@@ -16,6 +16,7 @@ import re
 
 from postproc.nc.cycles import drawing_fanuc
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.grooving_okuma import without_offset
 from postproc.nc.cycles.lap_okuma import Call, Change, Lap, Shape
 from postproc.nc.cycles.profile import Profile, shape
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
@@ -77,7 +78,7 @@ class LatheBlocks:
                 f"G{alone} without the name of a shape",
                 "write the name that the first block of the shape has behind it: G85 NLAP1",
             )
-        text = self._centred(block) or text
+        text = self._centred(block) or without_offset(self.scene, block) or text
         return [line] if text == line.text else [line._replace(text=text)]
 
     def _steps_over(self, line: Line, code: bytes) -> None:

@@ -84,8 +84,8 @@ class Grooving:
         by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}
         escape = (RETRACT[scene.inch] if self.escape is None else self.escape) * half[self.deep]
         deep, over = self.deep, self.over
-        places = _steps(scene, start[over], to[over], by[over])
-        depths = _steps(scene, start[deep], to[deep], by[deep])[1:] or [to[deep]]
+        places = steps(scene, start[over], to[over], by[over])
+        depths = steps(scene, start[deep], to[deep], by[deep])[1:] or [to[deep]]
         if len(places) * len(depths) > 10 * MOST_STEPS:
             raise scene.fault(
                 f"{len(places):,} cuts of {len(depths):,} pecks each", "check the step and the peck"
@@ -140,7 +140,7 @@ def _length(scene: Scene, word: Word | None, axis: str) -> float:
     return abs(scene.length(word, axis)) if word else 0.0
 
 
-def _steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
+def steps(scene: Scene, start: float, end: float, by: float) -> list[float]:
     """Places from `start` to `end`, `by` apart but for the last."""
     if by <= 0 or start == end:
         return [start, end] if start != end else [start]

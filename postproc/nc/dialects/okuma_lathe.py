@@ -7,8 +7,8 @@ cycles (P-139), nose radius (P-76). There is no G54 here and no code for inches:
 the control's. T is four digits, tool and offset, or six with the number of the nose radius before
 them: the offset is called by the last four (T010101: T0101). G71 and G72 are threads, G75 and G76
 corners. Refused: the other turret, whose slides are others; coordinates that the control converts
-(G137, G101 to G103, G107 to G133); holes of the C axis but G181; G73 and G74, whose way back
-is a parameter; variables, jumps and calls.
+(G137, G101 to G103, G107 to G133); holes of the C axis but G181 (G184 stays);
+variables, jumps and calls.
 """
 
 from postproc.nc import codes
@@ -80,7 +80,7 @@ DIALECT = Dialect(
             does="thread cycle",
         ),
         *rows("", {"77": "tapping", "78": "left-hand tapping"}, takes=True, does="thread cycle"),
-        *rows("", {"73": "grooving", "74": "face pecking"}, takes=True, refuses=codes.WRITE_OUT),
+        *rows("", {"73": "grooving", "74": "face pecking"}, takes=True, refuses=codes.CYCLE),
         *rows("", {"75": "chamfer", "76": "corner radius"}, refuses=codes.CORNER),
         *rows(
             "shape",
@@ -110,7 +110,6 @@ DIALECT = Dialect(
                 "113": "thread along an arc",
                 "178": "tapping in step",
                 "179": "tapping in step",
-                "184": "tapping",
                 "185": "thread",
                 "186": "thread",
                 "187": "thread",
@@ -118,6 +117,7 @@ DIALECT = Dialect(
             },
             refuses=codes.THREADING,
         ),
+        *rows("motion", {"184": "tapping"}, does="thread cycle"),
         *rows("motion", {"180": "no cycle"}, like="G80"),
         *rows("motion", {"181": "drilling"}, refuses=codes.CYCLE),
         *rows(
