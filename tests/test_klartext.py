@@ -103,6 +103,7 @@ def test_statements_are_words_of_the_same_length():
         ("CYCL DEF9 .0 DWELL|CYCL DEF9.1 DWELL5|L X+1", [[1, 0, 0]]),
         ("STOP M8|M126|L M3|L X+1 R FMAX", [[1, 0, 0]]),
         ("TOOL CALL 5 Z SQ3 FQ4|L X+1", [[1, 0, 0]]),
+        ("L X+1,5 Y-0,25 F90,5|L IX+0,125 FMAX", [[1.5, -0.25, 0], [1.625, -0.25, 0]]),
         # the manual's examples: to the first point of the contour, from its last one
         (
             "L X+40 Y9|APPR LT X+20 Y+20 Z-10 LEN15 RR F1|L X+35 Y+35|DEP LCT X+10 Y+12 R+8 F1",
@@ -245,6 +246,16 @@ def test_the_ways_to_and_from_a_contour_stay_whole(tmp_path, two_way):
         *("APPR LCT R+5 RR F200", "L", "L", "DEP CT CCA90 R+8"),
     ]
     assert "APPR LT X+10 Y-20 LEN15" not in lines[begin]
+
+
+def test_a_decimal_comma_is_a_point_where_a_number_is_written(tmp_path):
+    folder = write_mill(tmp_path / "mill", True)
+    comma = b"L X+4,5 Y+5,25 Z-20 R0 FMAX ; 1,5\nL X+60,25 F90,5\n"
+    with_commas, verifier = corrected(folder, comma, [])
+    assert verifier.passed, verifier.report()
+    with_points = corrected(folder, comma.replace(b",", b".").replace(b"; 1.5", b"; 1,5"), [])[0]
+    assert with_commas.replace(b"F90,5", b"F90.5") == with_points
+    assert b"; 1,5" in with_commas
 
 
 def test_new_blocks_are_statements(tmp_path):

@@ -11,7 +11,8 @@ alike.
 
 HEIDENHAIN TNC 640 (81760x), TNC 620 (81760x), iTNC 530 user's manuals, Klartext programming:
 "Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7, 8,
-10, 11, 19, 26, 247.
+10, 11, 19, 26, 247; Data Interfaces for HEIDENHAIN controls (SHB), "Decimal point or comma" (MP 92;
+MP 7280 of later ones): a point is written here, as posts write it whatever the control is set to.
 """
 
 from __future__ import annotations
@@ -57,6 +58,7 @@ REASONS = (
     SIDELESS,
 )
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
+COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
 WORD = re.compile(rb"Q[LRS]?[0-9]+[ \t]*=|[A-Z]+|\*")
 PARAMETER = re.compile(rb"Q([LRS]?)([0-9]+)[ \t]*=[ \t]*")
@@ -103,7 +105,12 @@ Z_ALONE = bytes([BARE + AXES.index("Z")])
 
 def respelled(code: bytes) -> bytes:
     """A text without comments, byte for byte as long, as words that the lexer reads."""
-    return b"\n".join([_line(line) for line in code.split(b"\n")])
+    return b"\n".join([_line(line) for line in pointed(code).split(b"\n")])
+
+
+def pointed(code: bytes) -> bytes:
+    """The same with points for decimal commas, which a control that is set so writes."""
+    return COMMA.sub(b".", code) if b"," in code else code
 
 
 def _line(line: bytes) -> bytes:

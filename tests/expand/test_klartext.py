@@ -545,3 +545,9 @@ def test_a_polar_place_does_not_ask_where_the_tool_comes_from():
     step = Written(Program("a.h", b"CC X+0 Y+0\nLP IPR+1 PA+0\n"), interpreter, Limits(9, 1))
     with pytest.raises(ProgramError, match="where X stands"):
         list(step)
+
+
+def test_decimal_commas_are_points_and_those_of_names_and_remarks_stay():
+    lines = plain('Q1 = 0,5 + 1|TOOL CALL "A1,5" Z S100|L X+1,5 Y+Q1 F90,5 ; 1,5|L IX+0,25')
+    assert lines == ["Q1 = 0.5 + 1", 'TOOL CALL "A1,5" Z S100', "L X+1.5 Y+1.5 F90.5 ; 1,5",
+                     "L IX+0.25"]  # fmt: skip

@@ -18,7 +18,7 @@ from postproc.errors import ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.klartext_formulas import Formula, FormulaError, Unset
 from postproc.nc.expand.tracker import Tracker, number
-from postproc.nc.klartext import HEAD
+from postproc.nc.klartext import HEAD, pointed
 
 LABEL = re.compile(rb"LBL[ \t]+(?:([0-9]+)|\"([^\"]+)\")")
 CALL = re.compile(rb"CALL[ \t]+LBL[ \t]+(?:([0-9]+)|\"([^\"]+)\")[ \t]*(?:REP[ \t]*([0-9]+))?")
@@ -81,6 +81,7 @@ class _Run:
 
     def run(self, texts: list[bytes], file: str, depth: int) -> Iterator[Line]:
         """One file."""
+        texts = [_pointed(text) for text in texts]
         part = _File(texts, file, [_code(text) for text in texts], depth)
         self._find_labels(part)
         while part.at < len(texts) and not self.ended:
@@ -263,6 +264,12 @@ def _code(text: bytes) -> bytes:
     head = HEAD.match(text)
     assert head is not None
     return text[head.end() :].partition(b";")[0].rstrip(b" \t\r~").upper()
+
+
+def _pointed(text: bytes) -> bytes:
+    """A line with points for decimal commas; names and comments keep theirs."""
+    code, semicolon, comment = text.partition(b";")
+    return text if b'"' in code else pointed(code) + semicolon + comment
 
 
 def _bare(text: bytes) -> bytes:
