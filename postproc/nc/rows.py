@@ -146,8 +146,9 @@ POLAR = [
 ]
 # Blanks that MANUAL GUIDE i draws (B-63874EN, "Blank form"): they move nothing.
 BLANKS = r"G190[0-3](?:[ \t]*[A-Z][ \t]*[-+.\d]+)*"
+# <SHAFT>, or :1 (B-64304EN, "Program number": the colon of the ISO code), for O1
+NAMED_PROGRAM = r"^[ \t]*(?:<[^<>\n]{1,32}>|:[ \t]*\d{1,8})(?=[ \t;]*(?:\([^()\n]*\)[ \t;]*)*\r?$)"
 # Lines for a printer (B-64304EN, "External output commands"): they move nothing.
-NAMED_PROGRAM = r"^[ \t]*<[^<>\n]{1,32}>(?=[ \t]*(?:\([^()\n]*\)[ \t]*)*\r?$)"  # <SHAFT> for O1
 PRINTS = r"(?:POPEN|PCLOS|[BD]PRNT[ \t]*\[[^();\n]*)"
 FANUC_LATHE = [
     *MOTION,

@@ -45,6 +45,16 @@ def test_a_name_alone_is_no_words():
     assert corrected(text, mill(0.0)) == text.splitlines()
 
 
+@pytest.mark.parametrize("head", [":0012", " :12 (PART)", ":0012;", ":12 ; (PART)", "<PART> ;"])
+def test_a_colon_is_the_letter_o_of_the_iso_code(head):
+    """B-64304EN, "Program number"."""
+    text = f"%\n{head}\nG21 G90 G17\nG0 X1. Y1. Z-20.\nM30\n%\n"
+    assert corrected(text, mill(0.0)) == text.splitlines()
+    wrong = text.replace(head, head + " X5.")
+    with pytest.raises(ProgramError, match="'[:<]'"):
+        corrected(wrong, mill(0.0))
+
+
 @pytest.mark.parametrize("call", ["M98 <NOT HERE>", "M98 <PART>", "M98 P<SUB>", "G65 <SUB> A1."])
 def test_other_names_are_refused(call):
     text = f"<PART>\nG21 G90 G17\nG0 X1. Y1. Z-20.\n{call}\nM30\n<SUB>\nX2.\nM99\n"
