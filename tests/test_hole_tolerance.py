@@ -173,3 +173,23 @@ def test_a_hole_from_the_level_at_which_the_tool_stands_ends_at_r(tmp_path, back
     filter_.feed(text.encode())
     filter_.finish()
     assert verifier.passed, verifier.report()
+
+
+@pytest.mark.parametrize("size", [1, 1000])
+def test_distances_behind_g98_count_from_the_level_before_the_cycle(tmp_path, size):
+    """G98 goes back to where the axis stood before the first hole, also behind holes that ended at
+    R (B-63944EN, "Canned cycle for drilling"): 30 here, and 20 in the second cycle, behind G80."""
+    machine = read_machine(write_mill(tmp_path / "mill", True))
+    filter_ = Filter(
+        machine, dialects.load("haas"), setup_of(machine, {"G54": {}}), Options(hole_tolerance=0.1)
+    )
+    verifier = Verifier(filter_)
+    text = (
+        "G21 G90 G54 G0 X5. Y0. Z30.\nG99 G81 X9. Z-35. R20. F99.\nX19.\nG98 X50.\nX60.\nG80\n"
+        "G91 G1 Z-2. F99.\nX9.\nZ2.\nG90 G99 G81 X9. Z-35. R20. F99.\nG80\n"
+        "G98 G81 X9. Z-35. R15. F99.\nG80\nG91 G1 Z-2. F99.\n"
+    )
+    for i in range(0, len(text), size):
+        filter_.feed(text[i : i + size].encode())
+    filter_.finish()
+    assert verifier.passed, verifier.report()

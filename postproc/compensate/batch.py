@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.compensate import cutter, sides, turning
+from postproc.compensate import cutter, levels, sides, turning
 from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.inverse import command
@@ -372,12 +372,16 @@ class Batch:
         leashed = (leash < cutter.FREELY) & ~stays
         plain = ~turning & ~leashed
         columns = onward, before, end[still], low, high, plain
-        here, value, enough = 0, [], self.c.chord * TICKS_PER_MM
+        back = levels.origins(self, row) if len(self.m.holes) else {}
+        value: list[int] = []
+        here, enough = 0, self.c.chord * TICKS_PER_MM
         for k, (goes_on, start, own, least, most, easy) in enumerate(
             zip(*(column.tolist() for column in columns), strict=True)
         ):
             if not goes_on:
                 here = start
+            if int(still[k]) in back:
+                here = levels.level(self, row, back[int(still[k])], still, value, end)
             if easy:
                 here = here if least <= here <= most else own
             elif leashed[k]:

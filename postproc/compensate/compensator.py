@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, cutter, holes, limits, threads
+from postproc.compensate import approach, cut, cutter, holes, levels, limits, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.known import known
 from postproc.errors import MachineError, MotionFault, Notice
@@ -71,13 +71,15 @@ class Carry:
     """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal
     position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the
-    last motion inside it ended; largest: mm, the largest correction so far; told: the space and the
+    last motion inside it ended; level (A,): ticks commanded before the holes that ended at R, to
+    which their cycle goes back; largest: mm, the largest correction so far; told: the space and the
     tool's length (A,) ticks in which `issued` is told; heat (D,): steps of the machine's growth for
     which it was."""
 
     sides: approach.Sides
     issued: np.ndarray
     way: np.ndarray
+    level: np.ndarray
     sure: bool = False
     heading: tuple[float, float] = (0.0, 0.0)
     largest: float = 0.0
@@ -175,7 +177,8 @@ class Compensator:
         """Before the first motion. stands (A,): ticks, where the slides stand (0 where nobody
         knows), which is their last command: distances count from there."""
         zero = np.zeros(len(self.machine.axes), np.int64)
-        return Carry(approach.initial(len(zero)), zero if stands is None else stands, zero)
+        stands = zero if stands is None else stands
+        return Carry(approach.initial(len(zero)), stands, zero, stands)
 
     def run(self, motions: Motions, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """Pieces of a batch. Raises MotionFault for the first motion that must not be written."""
@@ -346,6 +349,7 @@ class Compensator:
             sides=b.sides,
             issued=b.end[:, -1].copy(),
             way=b.way,
+            level=np.array([levels.initial_level(b, row) for row in range(len(b.end))]),
             sure=bool(b.sure_after[-1]),
             heading=cutter.heading(b),
             largest=max(carry.largest, largest),
