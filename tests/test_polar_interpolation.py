@@ -205,6 +205,25 @@ def test_lost_motion_is_taken_up_where_x_turns(tmp_path):
     assert len(output.splitlines()) > len(program(lines).splitlines())
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_lost_motion_of_every_slide(seed, tmp_path):
+    """6 um of play in X, Y and Z: slides that rest follow the errors of X, and are sent over their
+    play where those turn; Y, which nothing moves, keeps its side. A verifier that follows every
+    command finds what the sides leave, by direction and with the play as such."""
+    rng = np.random.default_rng(2000 + seed)
+    truth = random_truth(rng, CHAINS[seed % 2], play=0.006)
+    truth.centre["C"] = np.zeros(3)
+    nodes, mean, half = truth.table["C"]  # the same after a whole turn
+    truth.table["C"] = nodes, np.repeat(mean[:, :1], mean.shape[1], axis=1), half
+    machine = load(truth, tmp_path, "fanuc-lathe")
+    text = program(contour(rng, FANUC), FANUC, "G0 X60. Z5. C10.", "Y" in truth.axes)
+    output, verifier = corrected(machine, "fanuc-lathe", text, reversal="step")
+    assert verifier.uncorrected.slide > 0.008
+    assert verifier.corrected.slide < verifier.allowed
+    assert verifier.passed
+    assert corrected(machine, "fanuc-lathe", text, cut=41, reversal="step")[0] == output
+
+
 def test_cutter_radius_compensation_goes_along(tmp_path):
     """G41 on the face: what is read is the map at the tool's centre, and the centre stays on its
     way."""

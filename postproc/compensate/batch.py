@@ -324,7 +324,8 @@ class Batch:
         )
         # A slide that keeps its side is not moved back.
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
-        self.bound &= not self.tip
+        if isinstance(self.machine, TipMachine):
+            self.bound &= self.machine.direct[:, None]
         self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
         self.begin = self.before.copy()
         for row in range(len(self.end)):

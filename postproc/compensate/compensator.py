@@ -162,7 +162,8 @@ class Compensator:
             else np.zeros(0, np.int64)
         )
         if isinstance(m, tip.TipMachine):
-            self.overshoots, self.followed = np.zeros_like(slides), self.followed[:0]
+            self.overshoots = np.zeros_like(slides)
+            self.followed = self.followed[m.direct[self.followed]]
 
     def _ramp(self) -> float:
         """mm: ten times the largest reversal, half a millimetre at least."""

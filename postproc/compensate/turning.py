@@ -15,6 +15,7 @@ import numpy as np
 
 from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
+from postproc.compensate.inverse import command
 from postproc.machine.chain import LINEAR, XYZ
 from postproc.machine.polar import PolarMachine
 from postproc.machine.tip import TipMachine
@@ -69,6 +70,9 @@ def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
         return []
     t = np.linspace(0.0, 1.0, LOOKS)
     places = b.nominal(np.repeat(chosen, LOOKS), np.tile(t, len(chosen)))
+    if isinstance(b.machine, PolarMachine):  # slides that rest follow the errors of X
+        owner = np.repeat(chosen, LOOKS)
+        places = command(b.machine, places, np.zeros_like(places), owner)
     slides = b.machine.slides(places).reshape(len(places), len(chosen), LOOKS)
     found = []
     for row in np.flatnonzero(b.machine.two_way):

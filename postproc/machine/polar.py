@@ -30,6 +30,11 @@ class PolarMachine(TipMachine):
         return tuple(i for i, x in enumerate(self.letters) if x in "XZC" and x in self.chain.axes)
 
     @cached_property
+    def direct(self) -> np.ndarray:
+        """(A,) bool: Z."""
+        return np.array([x == "Z" for x in self.letters])
+
+    @cached_property
     def turning(self) -> tuple[int, ...]:
         """Rows whose places are angles."""
         return tuple(i for i in self.base.turning if self.letters[i] != "C")

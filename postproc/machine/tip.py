@@ -65,6 +65,11 @@ class TipMachine(Machine):
         return self.base.two_way
 
     @cached_property
+    def direct(self) -> np.ndarray:
+        """(A,) bool: coordinates along which their own slide goes alone, whatever else moves."""
+        return np.zeros(len(self.letters), bool)
+
+    @cached_property
     def depends(self) -> np.ndarray:
         """(A, A) bool: every correction needs the places of all axes of the chain."""
         result = np.zeros((len(self.letters),) * 2, bool)

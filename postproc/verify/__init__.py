@@ -290,7 +290,7 @@ class Verifier:
                 # a take-up stands where the path turns: ahead or behind is off there too
                 if len(turns):
                     there = points_of(nominal, nominal_curved, owner[row[turns]], t[turns])
-                    off = (actual[:, turns] - there)[list(self.machine.corrected)]
+                    off = self.machines.told(nominal, owner[row[turns]], actual[:, turns] - there)
                     distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
                 if self.trace and not slides:
                     nominal_at = points_of(nominal, nominal_curved, owner[row], t)

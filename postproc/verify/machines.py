@@ -53,6 +53,15 @@ class Machines:
                 self._seen[told] = seen_in(whole, long, told[1], self.oriented)
             yield self._seen[told], which.ravel() == k
 
+    def told(self, run: Motions, row: np.ndarray, off: np.ndarray) -> np.ndarray:
+        """(A, K) mm: what of deviations (A, K) of motions `row` lies along corrected axes."""
+        result = np.zeros_like(off)
+        for machine, of in self.each(run, row):
+            seen = machine if isinstance(machine, PolarMachine) else self.whole
+            rows = list(seen.corrected)
+            result[np.ix_(rows, of)] = off[np.ix_(rows, of)]
+        return result
+
     def to_path(self, nominal: Motions, owner, t, actual) -> np.ndarray:
         """(K,) mm from actual points (A, K) to the nominal path of motions `owner` (K,) at t."""
         faces = [k for k, space in enumerate(nominal.spaces) if space is not None and space.polar]

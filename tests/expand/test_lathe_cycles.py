@@ -137,6 +137,13 @@ def test_threads_of_a_lathe_stay_and_end_where_they_began():
     assert lathe(program)[:6] == program.split("|")[:6] and lathe(program)[6] == "G0 X38."
 
 
+def test_the_angle_of_a_haas_thread_names_no_axis():
+    """A of G76 is the angle of its tool: it stays in its block, also where the place behind it is
+    asked for."""
+    program = "G0 X30. Z2.|G76 X28. Z-20. K.9 D.3 F1.5 A60|G90 U-2. Z-5."
+    assert lathe(program, "haas-lathe")[:3] == [*program.split("|")[:2], "G0 X28."]
+
+
 def test_g74_and_g75_in_one_block_have_i_along_x_and_k_along_z():
     """Haas lathe operator's manual, G74, G75; Fanuc's Series 10/11 format: I steps or pecks along
     X, a radius, K along Z.

@@ -15,7 +15,7 @@ from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
 KIND = "a turning cycle"
-OWN = "XZUWPQRDIK"
+OWN = "XZUWPQRDIKA"
 PLACES = {"X": "end", "Z": "end", "U": "end, from the start", "W": "end, from the start"}
 
 
