@@ -82,3 +82,27 @@ def test_r_is_a_distance_on_a_fanuc_and_a_place_on_a_haas(machine):
     assert run(text, "fanuc-lathe-a", machine)[0][1].startswith("G84 X")
     with pytest.raises(ProgramError, match="bottom lies beyond R"):
         run(text, "haas-lathe", machine)
+
+
+def test_behind_a_thread_of_sinumerik_no_place_is_known(machine):
+    """Where CYCLE97 ends no manual says: X and Z are corrected again when both have been named."""
+    lines, notices = run(
+        "G18 G90 DIAMON\nG0 X62 Z5\nCYCLE97(2,,0,-20,40,40,4,0,1.2,0,30,0,10,1,3,1)\nG0 X70\nZ9\n"
+        "X60\n",
+        "siemens",
+        machine,
+    )
+    assert lines[1] != "G0 X62 Z5"
+    assert lines[2:4] == ["CYCLE97(2,,0,-20,40,40,4,0,1.2,0,30,0,10,1,3,1)", "G0 X70"]
+    assert lines[4].startswith("Z") and "X" in lines[4] and lines[4] != "Z9"
+    assert any("CYCLE97 (thread) stays as it is" in n for n in notices)
+    assert any("left as they are: 1" in n for n in notices)
+
+
+def test_a_tap_of_sinumerik_loses_its_axis_alone(machine):
+    """In ZX the hole lies along Y, which a lathe has not: X and Z are where they were."""
+    tap = "CYCLE840(10,0,2,-15,,0,4,3,1,,1.25)"
+    head, tail = "G18 G90 DIAMON\nG0 X62 Z5\n", "G0 X70\nG1 Z1 F99\n"
+    plain = run(head + tail, "siemens", machine)[0]
+    lines = run(head + tap + "\n" + tail, "siemens", machine)[0]
+    assert lines == [*plain[:2], tap, *plain[2:]]

@@ -85,6 +85,7 @@ class Batch:
         self.has_axis = np.zeros(self.n, bool)  # (B,) names an axis
         self.taken = np.zeros(self.n, bool)  # (B,) its axis words are no motion
         self.loses = np.zeros(self.n, bool)  # (B,) sends axes to places that are not known
+        self.gone: dict[str, np.ndarray] = {}  # (B,) the same of single axes
         self.foreign = np.zeros(self.n, bool)  # (B,) moves, or may, in a way that is not followed
         self.machine = np.zeros(self.n, bool)  # (B,) G53
         # (A, B) or (A, 1) ticks, zero of absolute words

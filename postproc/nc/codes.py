@@ -79,7 +79,8 @@ CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "engrave", "th
 CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
 STAY_KEYS = (
     "thread cycle",
-)  # passes in step with the spindle: they stay as they are, uncorrected, and end where they began
+    "tapping cycle",
+)  # passes in step with the spindle: they stay as they are, uncorrected (left.py)
 # the axis words are data (limits, a pole): nothing moves, every place stays known
 QUIET_KEYS = ("words",)
 DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *STAY_KEYS, *QUIET_KEYS)

@@ -4,6 +4,8 @@ Their passes are the control's, and each begins at the same angle of the spindle
 they began, so what stands behind them is corrected as if they were not there; what they cut is not,
 which a notice says. Sources: Fanuc B-64304EN-1, "Multiple thread cutting cycle", "Thread cutting
 cycle"; Haas lathe operator's manual, G76, G92. G184 of Okuma taps at each C: 5238-E, P-139.
+Sinumerik's cycles (CYCLE97, CYCLE840) end elsewhere: no place is known behind a thread, nor along a
+tapped hole.
 """
 
 from __future__ import annotations
@@ -12,7 +14,10 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import NO_WORDS, Batch
+from postproc.nc.codes import KEYWORD
+from postproc.nc.columns import spread
 
+ACROSS = {170: "Z", 180: "Y", 190: "X"}
 TURNS = 1840  # G184 of Okuma lathes turns C from hole to hole
 
 
@@ -32,7 +37,10 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
             mask = motion == number
         else:
             mask[b.single.get(number, [])] = True
-        mask &= b.has_axis
+        if number >= KEYWORD:
+            _ends_elsewhere(b, code.does, mask)
+        else:
+            mask &= b.has_axis
         if mask.any():
             b.taken |= mask
             if number == TURNS and "C" in b.rows:
@@ -42,3 +50,16 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
                 " is cut uncorrected"
             )
             b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[mask.argmax()])))
+
+
+def _ends_elsewhere(b: Batch, does: str, mask: np.ndarray) -> None:
+    """Cycles that are words: where X and Z end behind a thread is not said, nor the axis of a
+    hole behind a tap without its retraction plane."""
+    if not mask.any():
+        return
+    plane = spread(b.held("plane"), b.n)
+    for axis in "XYZ":
+        here = mask & (axis != "Y")
+        if does == "tapping cycle":
+            here = mask & np.isin(plane, [n for n, across in ACROSS.items() if across == axis])
+        b.gone[axis] = b.gone.get(axis, np.zeros(b.n, bool)) | here

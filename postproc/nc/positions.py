@@ -85,6 +85,7 @@ class _Shared:
         self.any_taken, self.any_machine, self.forgets = map(
             np.count_nonzero, (b.taken, b.machine, self.forget)
         )
+        self.forgets += len(b.gone)
         self.distance, self.carried = b.held("distance"), b.held("carried")
         self.inch = b.held("units") == 200
         # whether any word says by itself that it is absolute or a distance
@@ -191,10 +192,12 @@ class _Axis:
         """What G28 and G30 do with it, and `known` (B,), None where it is everywhere."""
         b, shared = self.b, self.shared
         drop = b.foreign if self.carried else shared.forget
+        if self.letter in b.gone:
+            drop = drop | b.gone[self.letter]
         sent = bool(shared.sent[self.row])
         if shared.sends and not self.carried:  # homing takes the slides away, not the filament
             self.position, self.named, drop, away = _away(
-                b, self.letter, self.position, self.named, shared.forget
+                b, self.letter, self.position, self.named, drop
             )
             _since(p, self.row, away, block, sent)
         elif sent:

@@ -209,3 +209,21 @@ def test_a_pattern_gives_back_the_motion_code():
 def test_patterns_that_are_not_written_out(call, message):
     with pytest.raises(ProgramError, match=message):
         patterns(call)
+
+
+def test_a_tap_with_a_chuck_stays_at_its_place():
+    """CYCLE840 begins and ends at RTP: written before and behind it, where its axis stands is
+    known; the values of its call are numbers."""
+    tap = ["G0 Z10.", "CYCLE840(10,0,2,-15,,0.5,4,3,1,,1.25)", "G0 Z10."]
+    call = "CYCLE840(10,0,2,R1,,0.5,4,3,1,,1.25)"
+    assert holes(f"R1=-15\nG1 X1\n{call}\nX5\n") == ["G1 X1", *tap, "G1", "X5"]
+    assert holes(f"R1=-15\nMCALL {call}\nX5\nX6\nMCALL\n") == ["X5", *tap, "X6", *tap]
+    with pytest.raises(ProgramError, match="not in order"):
+        holes("CYCLE840(10,0,2,15)")
+
+
+def test_a_threading_cycle_stays():
+    text = 'R1=2\nCYCLE97(R1,,-3.5,-31.708,40,40,4,0,1.227,0,30,0,10,1,3,1)\nCYCLE99(,"A",3)\nX5\n'
+    assert holes(text) == [
+        "CYCLE97(2,,-3.5,-31.708,40,40,4,0,1.227,0,30,0,10,1,3,1)", 'CYCLE99(,"A",3)', "X5",
+    ]  # fmt: skip

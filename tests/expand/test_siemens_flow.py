@@ -105,7 +105,7 @@ def test_gotos_leads_to_the_first_line():
         ("FOR R1=1 TO 3\nGOTOF LL\nENDFOR\nLL: GOTOB LB", "no LB before", 4),
         ("R9=2\nFOR R1=1 TO R9\nR9=R9+1\nENDFOR", "the end value of FOR changes", 4),
         ("R1=0\nGOTOF LL\nFOR R1=1 TO 3\nLL: X1\nENDFOR", "a jump leads into the loop", 5),
-        ("MCALL CYCLE840(1)", "MCALL can not be written out", 1),
+        ("MCALL CYCLE93(1)", "MCALL can not be written out", 1),
         ("WHEN TRUE DO X=1", "WHEN can not", 1),
         ("ID=1 DO M8", "ID can not", 1),
         ("DEFINE A AS G1", "DEFINE can not", 1),
@@ -197,7 +197,7 @@ def test_variables_of_a_program_are_its_own_and_r_parameters_are_not():
     "call, message",
     [
         ("MATERIAL_UPDATE", "MATERIAL_UPDATE is neither"),
-        ("CYCLE840(10,0,2,-5)", "CYCLE840 is a cycle of the control"),
+        ("CYCLE93(10,0,2,-5)", "CYCLE93 is a cycle of the control"),
         ("L7", "L7 is neither"),
         ('CALL "NOWHERE"', "NOWHERE is neither"),
         ("CALL 5", "as a string"),

@@ -45,6 +45,7 @@ _DRILLED = (  # --expand writes these out
     *("CYCLE86", "CYCLE87", "CYCLE88", "CYCLE89"),
     *("HOLES1", "HOLES2", "CYCLE801", "CYCLE802", "CYCLE95"),
 )
+_THREADS = ("CYCLE97", "CYCLE98", "CYCLE99")
 _FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
 _PARAMETERS = (
     # words that move no slide
@@ -266,9 +267,15 @@ DIALECT = Dialect(
         *rows("", dict.fromkeys(_DRILLED, "cycle"), refuses=codes.CYCLE),
         *rows(
             "",
-            {name: "cycle" for name in _CYCLES.split() if name not in _DRILLED},
+            {
+                name: "cycle"
+                for name in _CYCLES.split()
+                if name not in (*_DRILLED, *_THREADS, "CYCLE840")
+            },
             refuses=codes.WRITE_OUT,
         ),
+        *rows("", dict.fromkeys(_THREADS, "thread"), does="thread cycle"),
+        *rows("", {"CYCLE840": "tapping with a compensating chuck"}, does="tapping cycle"),
         *rows("", {"MEAS": "measure", "MEAW": "measure"}, refuses=codes.PROBE),
         *rows(
             "",

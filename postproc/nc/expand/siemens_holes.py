@@ -9,12 +9,14 @@ from collections.abc import Callable, Iterator, Sequence
 from postproc.nc.expand import (
     siemens_boring,
     siemens_drilling,
+    siemens_kept,
     siemens_patterns,
     siemens_removal,
 )
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_frames import Frame
+from postproc.nc.expand.siemens_kept import Tapping, Thread
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_removal import Removal
 from postproc.nc.expand.siemens_values import Refusal, Value
@@ -25,6 +27,8 @@ NAMES = {
     *siemens_boring.NAMES,
     *siemens_patterns.NAMES,
     siemens_removal.NAME,
+    *siemens_kept.NAMES,
+    *siemens_kept.THREADS,
 }  # the cycles that are written out
 
 
@@ -35,7 +39,9 @@ class Holes:
         self.tracker = tracker
         self.feed = self.speed = b""  # the last F and S words that have left
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.called: Drilling | Pattern | Removal | None = None  # to be drilled behind this line
+        self.called: Drilling | Pattern | Removal | Thread | None = (
+            None  # to be drilled behind this line
+        )
 
     def call(
         self, name: str, values: Sequence[Value | None], contour: Callable[[str], list[bytes]]
@@ -44,6 +50,9 @@ class Holes:
         Refusal."""
         if name == siemens_removal.NAME:
             self.called = Removal.of(values, contour)
+            return
+        if name in siemens_kept.THREADS:
+            self.called = Thread(name, values)
             return
         pattern = name in siemens_patterns.NAMES
         self.called = Pattern.of(name, values) if pattern else hole_of(name, values)
@@ -81,5 +90,7 @@ class Holes:
 
 def hole_of(name: str, values: Sequence[Value | None]) -> Drilling:
     """The cycle of one hole. Raises Refusal."""
+    if name in siemens_kept.NAMES:
+        return Tapping.of(name, values)
     kind = Boring if name in siemens_boring.NAMES else Drilling
     return kind.of(name, values)
