@@ -193,3 +193,17 @@ def test_distances_behind_g98_count_from_the_level_before_the_cycle(tmp_path, si
         filter_.feed(text[i : i + size].encode())
     filter_.finish()
     assert verifier.passed, verifier.report()
+
+
+def test_distances_behind_a_hole_without_r_count_from_where_the_tool_stood(tmp_path):
+    """R level is the place where the tool stands then (B-63534EN, "Canned cycle cancel"), as it was
+    commanded: 30 and its correction."""
+    machine = read_machine(write_mill(tmp_path / "mill", True))
+    filter_ = Filter(
+        machine, dialects.load("haas"), setup_of(machine, {"G54": {}}), Options(hole_tolerance=0.1)
+    )
+    verifier = Verifier(filter_)
+    text = "G21 G90 G54 G0 X5. Y0. Z30.\nG98 G81 X9. Z-35. F99.\nX150.\nG80\nG91 G1 Z-2. F99.\n"
+    filter_.feed(text.encode())
+    filter_.finish()
+    assert verifier.passed, verifier.report()

@@ -110,6 +110,7 @@ def in_cycle(
     level_zero = np.where(absolute & (not from_start), offset, cycle.initial)
     level_scale = np.broadcast_to(b.unit_scale(letter)[0], b.n) if from_start else scale  # a radius
     level, has_level = _held(b, level_word, level_zero, level_scale, cycle.level)
+    named = has_level
     if of_lathe:
         level, has_level = np.where(has_level, level, cycle.initial), np.ones(b.n, bool)
     elif b.dialect.hole_from_start and not has_level.all():
@@ -124,7 +125,8 @@ def in_cycle(
     word = np.full(b.n, -1, np.int64)
     word[b.words.block[depth]] = depth
     back = np.broadcast_to(b.held("return"), b.n) != 990
-    initial = back & (cycle.initial > level)
+    # without R it goes back to where it stood, which is R level too
+    initial = back & (cycle.initial > level) | (~named & (not of_lathe))
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]

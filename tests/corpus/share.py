@@ -68,6 +68,8 @@ OPTIONS = (  # what an advice names, and what its user would type
 )
 BROKEN = (  # an error that the control tells too, or that no control could run
     "is too short: the end lies",
+    "is followed by more than a comment",  # LinuxCNC: "Unexpected character after O-word"
+    "':' behind the statement",
     "inverse time needs an F word",
     "a depth has no sign",
     "',' or ')' is missing",
