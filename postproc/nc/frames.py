@@ -28,7 +28,7 @@ from postproc.nc.lengths import (
     set_tool,
 )
 from postproc.nc.lexer import KEYWORD_LETTER
-from postproc.nc.state import NONE
+from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import (
     EXTERNAL,
     ask_for,
@@ -258,7 +258,7 @@ def _turned(b: Batch, axis_words, word: str) -> None:
             b.dialect.by_number[code_number(word)].refuses,
         )
     if word in ("ROT", "SCALE", "MIRROR", "ROTS"):
-        b.frame = replace(b.frame, trans=np.zeros_like(b.frame.trans))
+        b.frame = replace(b.frame, trans=np.zeros_like(b.frame.trans), added=False)
     b.frame = with_known(b.frame, "turned", reason)
 
 
@@ -301,10 +301,36 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
         b.rows[x]: int(start[b.rows[x]]) + value
         for x, (value, _) in values_of(b, axis_words).items()
     }
-    trans = changed(start, values)
+    frame = _shifted(b, changed(start, values))
+    if add:
+        b.frame = replace(frame, added=frame.added or bool(values))
+    else:
+        b.frame = with_known(replace(frame, added=False), "turned")
+
+
+def _shifted(b: Batch, trans: np.ndarray) -> Frame:
+    """The frame with another programmable shift, which increments may travel."""
     due = b.frame.due + trans - b.frame.trans if b.dialect.increments_travel_shifts else b.frame.due
-    frame = replace(b.frame, trans=trans, due=due)
-    b.frame = frame if add else with_known(frame, "turned")
+    return replace(b.frame, trans=trans, due=due)
+
+
+def _axis_shift(b: Batch, axis_words, word: str, add: bool = False) -> None:
+    """G58, G59 of Siemens: of the shift of the axes that are named, G58 replaces what TRANS gave,
+    G59 what ATRANS added; the two are told apart as long as nothing was added ("Axial work offset",
+    NC programming manual)."""
+    if b.frame.added:
+        reason = (
+            f"{word} behind a shift that was added: which part of it {word} replaces is not told"
+            " apart",
+            "write TRANS and ATRANS",
+        )
+        b.frame = with_known(b.frame, "turned", reason)
+        return
+    values = {
+        b.rows[x]: value + (int(b.frame.trans[b.rows[x]]) if add else 0)
+        for x, (value, _) in values_of(b, axis_words).items()
+    }
+    b.frame = replace(_shifted(b, changed(b.frame.trans, values)), added=add)
 
 
 def _swivelled(b: Batch) -> None:
@@ -363,6 +389,8 @@ ACTIONS = {
     "polar off": face.polar_off,
     "trans": _trans,
     "atrans": lambda b, a, w: _trans(b, a, w, add=True),
+    "axis shift": _axis_shift,
+    "further axis shift": lambda b, a, w: _axis_shift(b, a, w, add=True),
     "no frame": _set_zero,
     "store": _store,
     "frame": _turned,

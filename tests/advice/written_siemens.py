@@ -18,6 +18,7 @@ def run(before: str, after: str, then: str = "", **options) -> Case:
 
 
 FRAMES = [
+    frame("ATRANS X5|G58 X2|G0 X5 Y5", "TRANS X5|ATRANS X2|G0 X5 Y5"),
     frame("ROT Z30 F1", "ROT Z30|G0 X1 Y1 Z1|ROT|G0 X1 Y1 Z1"),
     frame("ROT X30 Y30", "ROT X30|G0 X1 Y1 Z1|ROT|G0 X1 Y1 Z1"),
     frame("ROT Z30|G70", "G70|ROT Z30|G0 X1 Y1 Z1|ROT|G0 X1 Y1 Z1"),

@@ -177,12 +177,8 @@ DIALECT = Dialect(
             does="frame",
             refuses=codes.FRAME,
         ),
-        *rows(
-            "axis shift",
-            {"58": "shift of single axes", "59": "further shift of single axes"},
-            takes=True,
-            refuses="it replaces a part of the shift: write TRANS and ATRANS",
-        ),
+        *rows("", {"58": "shift of single axes"}, takes=True, does="axis shift"),
+        *rows("", {"59": "further shift of single axes"}, takes=True, does="further axis shift"),
         *rows("", {"25": "lower limits", "26": "upper limits"}, takes=True, does="words"),
         *rows(
             "",
