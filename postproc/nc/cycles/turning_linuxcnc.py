@@ -166,12 +166,18 @@ class LinuxcncTurning:
 
     @staticmethod
     def _followed(scene: Scene, part: Block) -> None:
-        """LinuxCNC passes over all words of the shape but those of its motions, and takes an arc
-        without G2 or G3 for clockwise: all that is refused."""
+        """LinuxCNC passes over all words of the shape but those of its motions and of rotary axes,
+        which it moves, and takes an arc without G2 or G3 for clockwise: all that is refused."""
         strange = next(
             (w for w in part.words if w.letter not in "NGXZIKRFS" or _no_motion(w)), None
         )
         if strange:
+            if strange.letter in "ABC":
+                raise scene.fault(
+                    f"{strange.letter}{strange.raw} in the shape of a cycle: when LinuxCNC moves"
+                    " that axis is not followed",
+                    "take it out of the subroutine",
+                )
             raise scene.fault(
                 f"{strange.letter}{strange.raw} in the shape of a cycle: LinuxCNC passes over it",
                 "take it out of the subroutine",
