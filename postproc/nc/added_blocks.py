@@ -41,6 +41,13 @@ def late_codes(b: Batch) -> None:
         )
 
 
+# what an added block begins with, by 2 * its code + block delete, from -2 (no code) on
+PLAIN_LEADS = [
+    (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
+]
+KLARTEXT_LEADS = [b"/ L" if k % 2 else b"L" for k in range(-2, 20)]
+
+
 def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
     """What surrounds the words of an added block: line ends, block delete, a code that
     changed."""
@@ -54,11 +61,9 @@ def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
     line = (stop < len(w.text)) & ~np.isin(end, marks)
     returns = (b.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
     skip, code = w.skip[block], np.where(b.names_code[added], p.code[added], -1)
-    lead_of = [
-        (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
-    ]
+    lead_of = PLAIN_LEADS
     if b.klartext:
-        lead_of = [b"/ L" if k % 2 else b"L" for k in range(-2, 20)]
+        lead_of = KLARTEXT_LEADS
         fast = p.code[added] == RAPID
         b.splice.constants(at[fast], at[fast], rank[fast] + 50, b" FMAX")
     kind = 2 * code + skip

@@ -111,6 +111,15 @@ class Batch:
             int(w.block[word]), message, advice, int(w.start[word]), int(w.stop[word])
         )
 
+    def _is_end(self, place: int) -> bool:
+        """Whether the program ends with this M word."""
+        w = self.words
+        if w.decimals[place] != 0:
+            return False
+        if w.mantissa[place] in self.dialect.ends:
+            return True
+        return self.begins_again(place) and not w.skip[w.block[place]]
+
     def _live(self) -> np.ndarray:
         """(B,) bool: blocks that the control reads; none after the end of the program, none that
         block delete drops."""
@@ -122,11 +131,7 @@ class Batch:
         elif not self.setup.block_delete and "M" not in self.places:
             return live
         for place in self.places.get("M", ())[:] if not self.ended else ():
-            number = w.mantissa[place]
-            last = number in self.dialect.ends or (
-                self.begins_again(place) and not w.skip[w.block[place]]
-            )
-            if last and w.decimals[place] == 0 and live[w.block[place]]:
+            if self._is_end(place) and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
                 self.ended = True
                 break
@@ -207,6 +212,24 @@ class Batch:
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
         return value
 
+    def _no_code(self, place: int) -> BlockFault:
+        """What is said of a G word that the dialect has not."""
+        w = self.words
+        text = w.text[w.start[place] : w.stop[place]].decode("ascii", "replace")
+        return self.fault(
+            place,
+            f"{text} is not a code of {self.dialect.title}",
+            "it could move an axis: use another --dialect, or take it out",
+        )
+
+    def _end_cycles(self, cancels: np.ndarray) -> None:
+        """G0 to G3, and G80 of any group, in the blocks `cancels`, end a cycle of a group of its
+        own."""
+        cycle = self.given.setdefault("cycle", np.full(self.n, NONE, np.int64))
+        ends = self.given.get("motion", np.full(self.n, NONE)) != NONE
+        ends[cancels] = True
+        cycle[ends & (cycle == NONE)] = 800
+
     def read_codes(self) -> None:
         """Sort the G words into their modal groups: `given` maps a group to a (B,) column, NONE
         where not named."""
@@ -224,12 +247,7 @@ class Batch:
         group = np.where(valid, self.dialect.group_of[number], UNKNOWN)
         bad = (group == UNKNOWN).nonzero()[0]
         if len(bad):
-            text = w.text[w.start[place[bad[0]]] : w.stop[place[bad[0]]]].decode("ascii", "replace")
-            raise self.fault(
-                place[bad[0]],
-                f"{text} is not a code of {self.dialect.title}",
-                "it could move an axis: use another --dialect, or take it out",
-            )
+            raise self._no_code(place[bad[0]])
         block = w.block[place]
         was = number
         for g in (np.bincount(group[group >= 0], minlength=len(self.dialect.groups))).nonzero()[0]:
@@ -256,12 +274,8 @@ class Batch:
             elif name == "cycle":
                 tap = of & self.dialect.is_hole[np.maximum(number, 0)]
                 self.code_word[block[tap]] = place[tap]
-        # G0 to G3, and G80 of any group, end a cycle of a group of its own
         if "cycle" in self.dialect.groups:
-            cycle = self.given.setdefault("cycle", np.full(self.n, NONE, np.int64))
-            ends = self.given.get("motion", np.full(self.n, NONE)) != NONE
-            ends[block[was == 800]] = True
-            cycle[ends & (cycle == NONE)] = 800
+            self._end_cycles(block[was == 800])
         for code in sorted(set(number[group == NO_GROUP].tolist())):
             self.single[int(code)] = block[number == code]
         if self.dialect.carried:

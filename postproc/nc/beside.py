@@ -166,12 +166,17 @@ def _place(b: Batch, state: Beside, block: int, d: float | None) -> dict[str, fl
         return {"R": 0.0}
     if number < 0:
         return None
-    if by_tool(b):
-        found = stated_tool(b, "H", number)  # G10 L1 keeps what it sets under H
-        if found is None and d is not None and any(name[:1] == "T" for name in b.setup.offsets):
-            b.beside_missing.append((block, number))
-        return found if found and "R" in found else stated(b, f"T{number}")
-    return stated_tool(b, "D", number)
+    if not by_tool(b):
+        return stated_tool(b, "D", number)
+    found = stated_tool(b, "H", number)  # G10 L1 keeps what it sets under H
+    if found is None and d is not None and _states_tools(b):
+        b.beside_missing.append((block, number))
+    return found if found and "R" in found else stated(b, f"T{number}")
+
+
+def _states_tools(b: Batch) -> bool:
+    """Whether offsets of tools are stated at all."""
+    return any(name[:1] == "T" for name in b.setup.offsets)
 
 
 def _word(b: Batch, letter: str, block: int) -> float | None:

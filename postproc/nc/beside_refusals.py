@@ -28,24 +28,16 @@ ADVICE = "LinuxCNC stops there: change the program"
 
 def refuse_beside(b: Batch, motions: Motions) -> Motions:
     """The motions with a reason from the first block on that LinuxCNC refuses. Sets `b.beside`."""
-    followed = (
-        b.state.beside.on
-        or b.state.beside.fault
-        or b.beside.on
-        or "cutter" in b.given
-        or np.count_nonzero(motions.cutter)
-    )
-    if not followed or not by_tool(b):
+    before = b.state.beside
+    followed = before.on or before.fault or b.beside.on or "cutter" in b.given
+    if not (followed or np.count_nonzero(motions.cutter)) or not by_tool(b):
         return motions
-    found = (
-        [(-1, b.state.beside.fault)]
-        if b.state.beside.fault
-        else [*_codes(b), *_motions(b, motions)]
-    )
-    b.beside = replace(b.beside, shifted=None) if found else b.beside
-    gouge = None if found else _gouge(b, motions)
-    found += [gouge] if gouge else []
-    if not found:
+    found = [(-1, before.fault)] if before.fault else [*_codes(b), *_motions(b, motions)]
+    if found:
+        b.beside = replace(b.beside, shifted=None)
+    elif gouge := _gouge(b, motions):
+        found = [gouge]
+    else:
         return motions
     block, message = min(found)
     b.beside = replace(b.beside, fault=message)

@@ -99,27 +99,26 @@ def renumber(text: bytes, state: Numbering = START) -> tuple[bytes, Numbering]:
     return b"\n".join(out), state
 
 
+def _reset(code: bytes, number: re.Match[bytes] | None, state: Numbering) -> Numbering:
+    """The numbering behind M110: the number that stands behind it, or its own."""
+    if again := LATER_NUMBER.search(code, number.end() if number else 0):
+        return Numbering(int(again[1]), 0)
+    return Numbering(int(number[2]), 0) if number else state
+
+
 def _line(line: bytes, state: Numbering) -> tuple[bytes, Numbering]:
     """One line without its end."""
-    remark = line.find(b";")
-    body = (line if remark < 0 else line[:remark]).rstrip(BLANK)
+    body = line.partition(b";")[0].rstrip(BLANK)
     tail = line[len(body) :]
     mark = LAST_MARK.search(body)
     code = body[: mark.start()] if mark else body
     number = NUMBER.match(code)
     begun = state.last is not None or (number is not None and mark is not None)
     if RESET.search(code) and begun:
-        again = LATER_NUMBER.search(code, number.end() if number else 0)
-        count = again[1] if again else number[2] if number else None
-        return _sealed(line, code, code, mark, tail), (
-            Numbering(int(count), 0) if count is not None else state
-        )
+        return _sealed(line, code, code, mark, tail), _reset(code, number, state)
     if number is not None and begun:
-        own = int(number[2])
-        last = own + state.shift
-        new = (
-            code if not state.shift else number[1] + _digits(last, number[2]) + code[number.end() :]
-        )
+        last = int(number[2]) + state.shift
+        new = number[1] + _digits(last, number[2]) + code[number.end() :] if state.shift else code
         return _sealed(line, code, new, mark, tail), Numbering(last, state.shift)
     if mark or state.last is None:
         return _sealed(line, code, code, mark, tail), state

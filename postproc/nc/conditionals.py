@@ -35,18 +35,21 @@ def conditionals(b: Batch) -> None:
     inside = np.zeros(b.n, bool)
     for block, (start, stop) in enumerate(zip(starts.tolist(), stops.tolist(), strict=True)):
         line = text[start:stop].rstrip()
-        bare = line.lstrip()
-        if not bare or bare.startswith(b";"):
-            continue
-        indent = len(line) - len(bare)
-        flow = bool(FLOW.match(line))
-        if held != NONE and indent <= held and not (flow and indent == held):
-            held = NONE
-        if held == NONE and flow:
-            held = indent
-        inside[block] = held != NONE
+        if line.lstrip()[:1] not in (b"", b";"):
+            held = _held_by(line, held)
+            inside[block] = held != NONE
     b.condition = held
     _judge(b, inside)
+
+
+def _held_by(line: bytes, held: int) -> int:
+    """The indentation of the condition in which a line stands, NONE for none. held: of the line
+    before."""
+    indent = len(line) - len(line.lstrip())
+    flow = bool(FLOW.match(line))
+    if held != NONE and indent <= held and not (flow and indent == held):
+        held = NONE
+    return indent if held == NONE and flow else held
 
 
 def _judge(b: Batch, inside: np.ndarray) -> None:

@@ -97,6 +97,33 @@ def bare(code: bytes, offset: int) -> tuple[str, str]:
     return f"the letter {chr(code[offset])} has no number", advice_at(code, offset)
 
 
+def _slash(code: bytes, offset: int) -> tuple[str, str]:
+    """A slash that is no block delete."""
+    if code[offset : offset + 2] == b"//":
+        return (
+            "'//' begins no remark on this control: it would read on behind it",
+            "begin the remark with ';', or take it out",
+        )
+    statement = STATEMENT.search(line_at(code, offset))
+    return (
+        "'/' is block delete only as the first character of a block, without a number",
+        ADVICE_EXPRESSION if statement else "put it first, or take it out",
+    )
+
+
+def _stored_as(text: bytes, offset: int) -> tuple[str, str] | None:
+    """Another way in which the file is stored; None: no sign of one here."""
+    if text[:3] == b"\xef\xbb\xbf" and offset < 3:
+        return (
+            "the program begins with a byte order mark (UTF-8)",
+            "save it as plain ASCII, or UTF-8 without the mark",
+        )
+    marked = text[:2] in (b"\xff\xfe", b"\xfe\xff") and offset < 4
+    if marked or (b"\0" in text[offset : offset + 2] and text[1::2][:8].count(0) > 6):
+        return "the program is stored as UTF-16, two bytes a character", "save it as plain ASCII"
+    return None
+
+
 def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) -> tuple[str, str]:
     """A character that belongs to no word: message and advice. `code` is `text` without its
     comments."""
@@ -109,20 +136,8 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
             ),
             "save the program with LF or CR LF line ends",
         )
-    if slash and code[offset : offset + 2] == b"//":
-        return (
-            "'//' begins no remark on this control: it would read on behind it",
-            "begin the remark with ';', or take it out",
-        )
     if slash:
-        return (
-            "'/' is block delete only as the first character of a block, without a number",
-            (
-                "put it first, or take it out"
-                if not STATEMENT.search(line_at(code, offset))
-                else ADVICE_EXPRESSION
-            ),
-        )
+        return _slash(code, offset)
     if in_number:
         return f"{character!r} does not belong to a number here", advice_at(code, offset)
     if character == "(" and code[offset - 1 : offset].isalnum() and ARGUMENTS.match(code, offset):
@@ -137,15 +152,8 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
         )
     if character == ")":
         return "')' closes a comment that was not opened", "open it with '(' or take it out"
-    if text[:3] == b"\xef\xbb\xbf" and offset < 3:
-        return (
-            "the program begins with a byte order mark (UTF-8)",
-            "save it as plain ASCII, or UTF-8 without the mark",
-        )
-    if (text[:2] in (b"\xff\xfe", b"\xfe\xff") and offset < 4) or (
-        b"\0" in text[offset : offset + 2] and text[1::2][:8].count(0) > 6
-    ):
-        return "the program is stored as UTF-16, two bytes a character", "save it as plain ASCII"
+    if stored := _stored_as(text, offset):
+        return stored
     if byte < 32:
         return (
             f"byte {byte} is not text: this looks like a binary file",

@@ -62,6 +62,16 @@ def _called(b: Batch, block: int) -> bool:
     return bool(b.dialect.is_hole[np.maximum(codes, 0)].any()) if codes else False
 
 
+def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tuple[str, bool]:
+    """The axis along which is drilled, and whether the cycle's code says it. first: its block."""
+    if letter := b.dialect.hole_axis.get(int(motion[first]), ""):
+        return letter, True
+    cycle = b.state.cycle
+    if cycle is not None and not _called(b, first):  # it goes on
+        return cycle.letter, False
+    return ACROSS.get(int(planes[first]), ""), False
+
+
 def in_cycle(
     b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
 ) -> InCycle | None:
@@ -71,13 +81,8 @@ def in_cycle(
     if not np.count_nonzero(mask):
         return None
     planes = np.broadcast_to(b.held("plane"), b.n)
-    cycle, first = b.state.cycle, int(np.argmax(mask))
-    letter = b.dialect.hole_axis.get(int(motion[first]), "")
-    of_lathe = bool(letter)
-    if not of_lathe:
-        letter = ACROSS.get(int(planes[first]), "")
-        if cycle is not None and not _called(b, first):  # it goes on
-            letter = cycle.letter
+    cycle = b.state.cycle
+    letter, of_lathe = _axis_of(b, int(np.argmax(mask)), motion, planes)
     if letter not in b.rows:
         b.blame(
             mask.nonzero()[0],
@@ -131,17 +136,11 @@ def in_cycle(
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
-    last = int(mask.nonzero()[0][-1])
     after = None
-    if mask[-1]:
-        after = Cycle(
-            letter,
-            int(level[last]) if has_level[last] else None,
-            int(bottom[last]) if has_bottom[last] else None,
-            cycle.initial,
-            cycle.known,
-            stored,
-        )
+    if mask[-1]:  # it goes on in the next batch
+        held = int(level[-1]) if has_level[-1] else None
+        deep = int(bottom[-1]) if has_bottom[-1] else None
+        after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored)
     return InCycle(
         letter=letter,
         row=row,

@@ -42,6 +42,7 @@ from postproc.nc.refusals import (
     idle_letters,
     m_codes,
     macros,
+    refuse_dwells,
     refuse_motions,
     refused_groups,
     single_commands,
@@ -85,7 +86,6 @@ class Interpreter:
             | set(dialect.letters)
             | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
         )
-
         letter = {row: u for u, row in self.increment_rows.items()}
         self.spellings = [
             (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x)))
@@ -187,14 +187,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         b.read_homing()
     if b.integers == "least increments":
         count_increments(b)
-    axis_words = {
-        x: (b.one_of(*absolute), b.one_of(*relative))
-        for x, absolute, relative in face.spellings(b, b.interpreter.spellings)
-    }
-    for pair in axis_words.values():
-        for place in pair:
-            if len(place):
-                b.has_axis[b.words.block[place]] = True
+    axis_words = _axis_words(b)
     single_codes(b, axis_words)
     if b.n:
         frames.event(b, axis_words)
@@ -209,21 +202,9 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     if b.dialect.conditions:
         conditionals(b)
     check_points(b)
-    centre_words = {c: b.one_of(*spellings) for c, spellings in CENTRES.items()}
-    centre_words = {c: place for c, place in centre_words.items() if len(place)}
-    motion = spread(b.held("motion"), b.n)
-    if b.dialect.stays:
-        left_as_they_are(b, motion)
-    if b.dialect.hole_axis:  # of a group of their own
-        cycle = spread(b.held("cycle"), b.n)
-        motion = np.where(b.dialect.is_hole[np.maximum(cycle, 0)], cycle, motion)
-    motion = as_motion(b, motion)
-    moving = b.has_axis & ~b.taken
-    if centre_words:
-        arc_code = (motion == 20) | (motion == 30)
-        for place in centre_words.values():
-            block = b.words.block[place]
-            moving[block] |= arc_code[block] & ~b.taken[block]
+    centre_words = {c: place for c, s in CENTRES.items() if len(place := b.one_of(*s))}
+    motion = as_motion(b, _motion(b))
+    moving = _moving(b, motion, centre_words)
     b.cycle = cycle_of(b, motion, axis_words)
     if b.cycle is not None:
         moving[b.cycle.mask] = False
@@ -233,14 +214,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     refuse_cycles(b, motion, moving)
     face.refuse_faces(b, motion, moving)
     if 40 in b.single:
-        turning = np.zeros(b.n, bool)
-        turning[[k for place in centre_words.values() for k in b.words.block[place]]] = True
-        both = b.single[40]
-        b.blame(
-            both[turning[both] & moving[both]],
-            "G4 and an arc in one block",
-            "write them in blocks of their own",
-        )
+        refuse_dwells(b, moving, centre_words)
     if b.dialect.one_command:
         single_commands(b)
     if b.dialect.letters:
@@ -251,6 +225,40 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         stray_words(b, centre_words, moving & ((motion == 0) | (motion == 10)))
     places = position(b, block := (moving | b.foreign).nonzero()[0], axis_words)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
+
+
+def _axis_words(b: Batch) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """The words of each axis, absolute and relative; sets b.has_axis."""
+    words = {
+        x: (b.one_of(*absolute), b.one_of(*relative))
+        for x, absolute, relative in face.spellings(b, b.interpreter.spellings)
+    }
+    for place in itertools.chain(*words.values()):
+        if len(place):
+            b.has_axis[b.words.block[place]] = True
+    return words
+
+
+def _motion(b: Batch) -> np.ndarray:
+    """(B,) the motion code in force, or a cycle's, where cycles are a group of their own."""
+    motion = spread(b.held("motion"), b.n)
+    if b.dialect.stays:
+        left_as_they_are(b, motion)
+    if not b.dialect.hole_axis:
+        return motion
+    cycle = spread(b.held("cycle"), b.n)
+    return np.where(b.dialect.is_hole[np.maximum(cycle, 0)], cycle, motion)
+
+
+def _moving(b: Batch, motion: np.ndarray, centre_words: dict[str, np.ndarray]) -> np.ndarray:
+    """(B,) bool: blocks that move; a full circle has its centre alone."""
+    moving = b.has_axis & ~b.taken
+    if centre_words:
+        arc_code = (motion == 20) | (motion == 30)
+        for place in centre_words.values():
+            block = b.words.block[place]
+            moving[block] |= arc_code[block] & ~b.taken[block]
+    return moving
 
 
 def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:

@@ -47,19 +47,24 @@ def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[in
     place = dict(stated_tool(b, "H", p) or {})
     if radius is not None:  # LinuxCNC: of the tool
         place["R"] = radius * int(np.broadcast_to(b.unit_scale("Z")[0], b.n)[0]) / TICKS_PER_MM
-    if line in (10, 11) and not b.dialect.extended_by_p:
+    by_place = line in (10, 11) and not b.dialect.extended_by_p
+    if by_place:
         note_presets(b, axis_words, values)
     for letter, (value, _) in values.items():
-        row = b.rows[letter]
-        # so that the axis stands at this coordinate
-        if line in (10, 11) and not b.dialect.extended_by_p:
-            if line == 10:
-                base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
-            else:  # in G59.3, without G92
-                base = ticks_of(b.setup, stated(b, "G59.3") or {})[row]
-            value = int(b.state.position[row]) - value - int(base)
+        if by_place:
+            value = _length_here(b, b.rows[letter], value, line)
         place[letter] = value / TICKS_PER_MM
     b.offsets = {**b.offsets, name: place}
+
+
+def _length_here(b: Batch, row: int, value: int, line: int) -> int:
+    """Ticks of a length with which the axis stands at the coordinate `value`: L10 in the work
+    offset in force, L11 in G59.3 without G92."""
+    if line == 10:
+        base = work_columns(b)[row, 0] + b.frame.shift[row] - b.frame.length[row]
+    else:
+        base = ticks_of(b.setup, stated(b, "G59.3") or {})[row]
+    return int(b.state.position[row]) - value - int(base)
 
 
 def lines_of_data(b: Batch) -> tuple[int, ...]:
@@ -84,6 +89,13 @@ def set_radius(b: Batch, p: int, line: int) -> None:
         b.offsets = {**b.offsets, f"D{p}": {}}
 
 
+def _not_stated(number: int) -> tuple[str, str]:
+    return (
+        f"the tool length H{number} is not stated",
+        f"say it in mm: --offset H{number}=Z0 or --offsets FILE with the control's tool table",
+    )
+
+
 def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
     """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the
     offset value of H0 is always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured):
@@ -100,18 +112,7 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
         place = {}
     length = None if place is None else sign * ticks_of(b.setup, place)
     if length is None:
-        reason = (
-            (
-                f"the tool length H{int(number)} is not stated",
-                (
-                    f"say it in mm: --offset H{int(number)}=Z0 "
-                    "or --offsets FILE with the control's tool table"
-                ),
-            )
-            if number > 0
-            else UNNAMED
-        )
-        b.frame = with_known(b.frame, "length", reason)
+        b.frame = with_known(b.frame, "length", _not_stated(int(number)) if number > 0 else UNNAMED)
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])
     length = b.frame.length + length if add else length

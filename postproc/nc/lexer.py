@@ -217,21 +217,22 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     return bytes(table)
 
 
-def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
-    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the
-    dialect's; `drop`: blocks that begin with "/" are not executed, so that it does not matter what
-    stands in them.
+def _blanked(text: bytes, grammar: Grammar) -> bytes:
+    """The text with its comments blanked."""
+    semicolon = grammar.semicolon
+    if b"(" not in text and not (semicolon == "comment" and b";" in text):
+        return text
+    if grammar.parentheses:
+        return COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
+    return AFTER_SEMICOLON.sub(_blank, text) if semicolon == "comment" else text
 
-    Never raises for bad text: the words before the first bad block come back with its `fault`.
-    """
-    code, semicolon = text, grammar.semicolon
-    comments = b"(" in text or (semicolon == "comment" and b";" in text)
-    if comments and grammar.parentheses:
-        code = COMMENTS[semicolon if b";" in text else "end of block"].sub(_blank, text)
-    elif comments and semicolon == "comment":
-        code = AFTER_SEMICOLON.sub(_blank, text)
+
+def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, bool]:
+    """The text, byte for byte as long, with comments and what block delete drops blanked and other
+    spellings brought to letter and number; and whether that was looked for. A newline ends it."""
+    code = _blanked(text, grammar)
     if drop and b"/" in code:
-        code = SKIPPED[semicolon].sub(_only_slash, code)
+        code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
     spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
     if spelled:
         from postproc.nc.spellings import respelled
@@ -239,8 +240,18 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         code = respelled(code, grammar)
     if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):
         code = LONE_RETURN.sub(bytes([LONE]), code)
-    if not code.endswith(b"\n"):
-        code += b"\n"
+    return code if code.endswith(b"\n") else code + b"\n", spelled
+
+
+def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
+    """Read a batch of whole lines; only its last line may lack the newline. `grammar` is the
+    dialect's; `drop`: blocks that begin with "/" are not executed, so that it does not matter what
+    stands in them.
+
+    Never raises for bad text: the words before the first bad block come back with its `fault`.
+    """
+    code, spelled = _without_comments(text, grammar, drop)
+    semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
     kind = np.frombuffer(
         code.translate(_classes(semicolon, spelled, grammar.block_end)), dtype=np.uint8

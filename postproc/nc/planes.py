@@ -19,7 +19,7 @@ from postproc.errors import Notice
 from postproc.nc.batch import Batch
 from postproc.nc.tips import PLANE, STATE_FRAME, lost
 from postproc.nc.zeros import number_of, values_of, with_known, work_columns
-from postproc.spaces import Space
+from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
 STANDS = 1e-4  # rad: closer to its normal a tool stands across the plane
@@ -52,24 +52,15 @@ def tilt(
     """From here on X Y Z are coordinates of the plane zero (3,) mm + turn (3, 3) w of the work
     offset's."""
     kinematics = b.setup.kinematics
-    if kinematics is None or kinematics.lacking or any(x not in b.rows for x in "XYZ"):
+    if kinematics is None or kinematics.lacking or not b.rows.keys() >= set("XYZ"):
         lacking = kinematics.lacking if kinematics is not None else None
         why = lacking or ("the machine has no rotary axes", "choose the right --machine")
         b.frame = with_known(
             b.frame, PLANE, (f"{word} (tilted plane) is in force, and {why[0]}", why[1])
         )
         return
-    lost = [x for x in kinematics.carrying if not b.state.known[b.rows[x]]]
-    away = [x for x in kinematics.carrying if b.state.position[b.rows[x]]]
     counts = kinematics.planes or b.dialect.plane_frame
-    if counts != "zero" and (lost or (away and not counts)):
-        reason = (
-            (
-                f"{word} while {' '.join(lost or away)} does not stand at zero: from which frame"
-                " the plane counts then differs"
-            ),
-            STATE_FRAME.replace("frame =", "planes ="),
-        )
+    reason = _frame_unknown(b, word, kinematics, counts) or reason
     rows, frame = [b.rows[x] for x in "XYZ"], b.frame
     shift = frame.local + frame.trans + (frame.preset if frame.preset_on else 0)
     work = (work_columns(b)[:, 0] + shift)[rows] / TICKS_PER_MM
@@ -98,6 +89,35 @@ def _say_other_way(b: Batch, word: str, rotary: Sequence[str], found: list[np.nd
         b.notices.append(Notice("G53.1", said, int(b.words.line[0])))
 
 
+def _frame_unknown(
+    b: Batch, word: str, kinematics: Kinematics, counts: str
+) -> tuple[str, str] | None:
+    """Why it is not known from which frame the plane counts; None: it is. counts: "zero", "call",
+    or "" where it differs."""
+    lost = [x for x in kinematics.carrying if not b.state.known[b.rows[x]]]
+    away = [x for x in kinematics.carrying if b.state.position[b.rows[x]]]
+    if counts == "zero" or not (lost or (away and not counts)):
+        return None
+    return (
+        f"{word} while {' '.join(lost or away)} does not stand at zero: from which frame the plane"
+        " counts then differs",
+        STATE_FRAME.replace("frame =", "planes ="),
+    )
+
+
+def _no_pose(word: str, rotary: Sequence[str], several: bool) -> tuple[str, str]:
+    """Why it is not known how the rotary axes turn."""
+    if several:
+        return (
+            f"{word} may turn the rotary axes in two ways, and where they stand is not known",
+            f"write {' '.join(rotary)} in a block before the plane",
+        )
+    return (
+        "no pose of the rotary axes within their travels turns the tool across the plane",
+        f"look at the angles before {word}",
+    )
+
+
 def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     """G53.1: the rotary axes turn the tool across the plane; the slides stay. Behind `tips.settle`.
     sign: that of the axis nearest to the tool, where the program says it, else 0."""
@@ -109,15 +129,7 @@ def plane_align(b: Batch, word: str, sign: float = 0.0) -> None:
     tilts = b.rows[kinematics.rotary[-1]]
     found = [pose for pose in found if pose[tilts] * sign >= 0] or found
     if not found or (len(found) > 1 and not known):
-        reason = (
-            "no pose of the rotary axes within their travels turns the tool across the plane",
-            f"look at the angles before {word}",
-        )
-        if found:
-            reason = (
-                f"{word} may turn the rotary axes in two ways, and where they stand is not known",
-                f"write {' '.join(kinematics.rotary)} in a block before the plane",
-            )
+        reason = _no_pose(word, kinematics.rotary, several=bool(found))
         b.frame = with_known(frame, PLANE, reason)
         return
     rotary = [b.rows[x] for x in kinematics.rotary]
@@ -181,6 +193,11 @@ def _slides(b: Batch, position: np.ndarray):
     return turned
 
 
+def _across(tool: np.ndarray, normal: np.ndarray) -> bool:
+    """Whether the tool's axis is the plane's normal, both (3,) of length 1."""
+    return not (np.linalg.norm(np.cross(tool, normal)) > STANDS or tool @ normal < 0)
+
+
 def refuse_planes(b: Batch, axis_words) -> None:
     """What can not be followed while X Y Z are coordinates of a plane."""
     kinematics, frame = b.setup.kinematics, b.frame
@@ -195,9 +212,8 @@ def refuse_planes(b: Batch, axis_words) -> None:
         )
     if frame.tip is not None:
         return
-    turning = np.concatenate(
-        [b.words.block[p] for x in kinematics.rotary for p in axis_words.get(x, ())] or [every[:0]]
-    )
+    words = [p for x in kinematics.rotary for p in axis_words.get(x, ())]
+    turning = b.words.block[np.concatenate([every[:0], *words])]
     if len(turning):
         b.blame(
             every[int(turning.min()) :],
@@ -207,11 +223,8 @@ def refuse_planes(b: Batch, axis_words) -> None:
     rotary = [b.rows[x] for x in kinematics.rotary]
     if not b.state.known[rotary].all() or not b.state.position[rotary].any():
         return
-    across = kinematics.tool_axis(b.state.position / TICKS_PER_MM)
-    if (
-        np.linalg.norm(np.cross(across, frame.plane.matrix[:, 2])) > STANDS
-        or across @ frame.plane.matrix[:, 2] < 0
-    ):
+    tool = kinematics.tool_axis(b.state.position / TICKS_PER_MM)
+    if not _across(tool, frame.plane.matrix[:, 2]):
         b.blame(
             every,
             "the tool does not stand across the tilted plane",

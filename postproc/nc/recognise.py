@@ -93,7 +93,8 @@ def recognise(text: bytes) -> list[tuple[str, list[str]]]:
     for each. Several with as much evidence as the first can not be told apart. Empty: this shows no
     program of any."""
     shown = Text(text)
-    if not shown.codes["G"] and not shown.codes["M"] and b"\0" in text[:HEAD]:
+    coded = bool(shown.codes["G"] or shown.codes["M"])
+    if not coded and b"\0" in text[:HEAD]:
         return []
     found = []
     for name in dialects.names():
@@ -101,22 +102,19 @@ def recognise(text: bytes) -> list[tuple[str, list[str]]]:
         evidence = [*_signs(shown, dialect), *_layout(shown, dialect)]
         found.append((len(evidence) - len(list(against(shown, dialect))), name, evidence))
     best = max(score for score, _, _ in found)
-    winners = [(name, evidence) for score, name, evidence in found if score == best]
-    if (
-        best <= 0
-        and not any(evidence for _, evidence in winners)
-        and not (shown.codes["G"] or shown.codes["M"])
-    ):
-        return []
-    winners.sort(key=lambda row: (-len(row[1]), row[0]))
+    winners = sorted(
+        ((name, evidence) for score, name, evidence in found if score == best),
+        key=lambda row: (-len(row[1]), row[0]),
+    )
     most = len(winners[0][1])
-    others = [
-        (score, name, evidence)
+    if best <= 0 and not most and not coded:
+        return []
+    found.sort(key=lambda row: (-row[0], row[1]))
+    return winners + [
+        (name, evidence)
         for score, name, evidence in found
         if 0 < score < best and len(evidence) < most
     ]
-    others.sort(key=lambda row: (-row[0], row[1]))
-    return winners + [(name, evidence) for _, name, evidence in others]
 
 
 def between(text: bytes) -> list[str]:
@@ -173,11 +171,8 @@ def against(shown: Text, dialect: Dialect) -> Iterator[str]:
     for number, at, word in shown.codes["G"]:
         if number not in has:
             yield f"it has no {word} (line {shown.line(at, shown.code)})"
-    strange = [
-        word
-        for number, _, word in shown.codes["M"]
-        if number // 10 not in dialect.m_codes and number // 10 not in dialect.m_refuses
-    ]
+    known = {*dialect.m_codes, *dialect.m_refuses}
+    strange = [word for number, _, word in shown.codes["M"] if number // 10 not in known]
     if len(strange) > FEW:
         yield f"it knows no {', '.join(strange[:MOST_NAMED])}"
     for pattern, what, speaks in (
@@ -193,6 +188,11 @@ def against(shown: Text, dialect: Dialect) -> Iterator[str]:
         if match:
             line = shown.line(match.start(), shown.code)
             yield f"{shown.quoted(match, line)} (line {line})"
+    yield from _against_grammar(shown, dialect)
+
+
+def _against_grammar(shown: Text, dialect: Dialect) -> Iterator[str]:
+    """Block ends and comments that are not the dialect's."""
     if dialect.block_end and not re.search(
         rf"{re.escape(dialect.block_end)}[ \t]*$", shown.code, re.MULTILINE
     ):

@@ -58,27 +58,33 @@ def _drop(b: Batch, numbers: Sequence[int], letters: list[str]) -> None:
     b.places = {letter: kept for letter, kept in b.places.items() if len(kept)}
 
 
+def _letter(written: str) -> str:
+    """The letter of an axis for which a code of the lexer's own stands; "" where it stands for no
+    letter."""
+    code = ord(written)
+    if (
+        code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING)
+        or code >= BARE
+        or code - RELATIVE in CENTRES
+        or code - ABSOLUTE in CENTRES
+    ):
+        return ""
+    if code >= RELATIVE:
+        return AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
+    return written
+
+
+AXES_OF_ANY = "ABCUVWXYZ"
+
+
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
-    strange = [letter for letter in b.places if letter not in b.interpreter.letters]
-    for letter in strange:
-        code, place = ord(letter), b.places[letter]
-        if (
-            code in (KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING)
-            or code >= BARE
-            or code - RELATIVE in CENTRES
-            or code - ABSOLUTE in CENTRES
-        ):
+    for written in (x for x in b.places if x not in b.interpreter.letters):
+        letter, place = _letter(written), b.places[written]
+        if not letter or letter in b.interpreter.letters:
             continue
-        if code >= RELATIVE:
-            letter = AXES[code - (ABSOLUTE if code >= ABSOLUTE else RELATIVE)]
-        if letter in b.interpreter.letters:
-            continue
-        if (
-            letter in "ABCUVWXYZ"
-            or letter in b.dialect.carried
-            or (letter == "E" and b.dialect.grammar.assigns)
-        ):
+        axes = {*AXES_OF_ANY, *b.dialect.carried, *("E" if b.dialect.grammar.assigns else "")}
+        if letter in axes:
             raise b.fault(place[0], f"the machine has no axis {letter}", _no_axis(b, letter, place))
         raise b.fault(
             place[0],
@@ -340,3 +346,16 @@ def stray_words(b: Batch, centre_words: dict[str, np.ndarray], straight: np.ndar
                 else "corner rounding and chamfers are not followed: write the corner out"
             ),
         )
+
+
+def refuse_dwells(b: Batch, moving: np.ndarray, centre_words: dict[str, np.ndarray]) -> None:
+    """G4 beside an arc: whose words are they?"""
+    turning = np.zeros(b.n, bool)
+    for place in centre_words.values():
+        turning[b.words.block[place]] = True
+    both = b.single[40]
+    b.blame(
+        both[turning[both] & moving[both]],
+        "G4 and an arc in one block",
+        "write them in blocks of their own",
+    )

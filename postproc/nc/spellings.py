@@ -55,6 +55,14 @@ MARKS = bytes(range(0x80, 0x100))
 REPLACED = bytes.maketrans(MARKS, b"\xff" * len(MARKS))
 
 
+def _assignments(code: bytes, grammar: Grammar) -> bytes:
+    """X=IC(5), AX[X]=5 and the like."""
+    code = NAMED.sub(_named, code)
+    for pattern, letter in _spelled(grammar):
+        code = pattern.sub(partial(_stands, letter), code)
+    return ASSIGNED.sub(_assigned, code)
+
+
 def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
     # the letters that stand for spellings are none of the program's own
@@ -76,10 +84,7 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
     if grammar.bare_letters:
         code = MOVELESS.sub(_without_bare, code)
     if grammar.assigns and b"=" in code:
-        code = NAMED.sub(_named, code)
-        for pattern, letter in _spelled(grammar):
-            code = pattern.sub(partial(_stands, letter), code)
-        code = ASSIGNED.sub(_assigned, code)
+        code = _assignments(code, grammar)
     words = _keywords(grammar.keywords)
     if words is not None:
         code = words[0].sub(lambda m: words[1][m[1].upper()].ljust(len(m[0])), code)

@@ -42,6 +42,18 @@ def tip_by_length(b: Batch, axis_words, word: str) -> None:
     tip_on(b, axis_words, word)
 
 
+def _stands_unknown(word: str, unknown: list[str]) -> tuple[str, str] | None:
+    """Why the frame of the table is not known; None: no axis stands at an unknown place."""
+    if not unknown:
+        return None
+    return (
+        f"{word} takes the frame of the table as it stands, and where {' '.join(unknown)} stands"
+        " is not known",
+        f"move {' '.join(unknown)} to an absolute position first, or say where it is: --start"
+        f" {','.join(f'{x}0' for x in unknown)}",
+    )
+
+
 def tip_on(b: Batch, axis_words, word: str) -> None:
     """TRAORI, M128: from here on X Y Z are places of the tip."""
     kinematics = b.setup.kinematics
@@ -63,19 +75,8 @@ def tip_on(b: Batch, axis_words, word: str) -> None:
             f"write {' '.join(named)} in a block before it",
         )
     elif frame == "call" and turned:
-        unknown = [x for x in turned if _stands(b, x) is None]
-        if unknown:
-            reason = (
-                (
-                    f"{word} takes the frame of the table as it stands, and where"
-                    f" {' '.join(unknown)} stands is not known"
-                ),
-                (
-                    f"move {' '.join(unknown)} to an absolute position first, or say where it is:"
-                    f" --start {','.join(f'{x}0' for x in unknown)}"
-                ),
-            )
-        else:
+        reason = _stands_unknown(word, [x for x in turned if _stands(b, x) is None])
+        if reason is None:
             space = kinematics.space_at(b.state.position / TICKS_PER_MM)
     elif not frame and turned:
         reason = (

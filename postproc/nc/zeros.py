@@ -42,6 +42,17 @@ def offset_columns(b: Batch) -> None:
         )  # fmt: skip
 
 
+def _work_offset(b: Batch, number: int) -> str:
+    """The work offset that a code calls, "" for none: G54.1, and some controls' G54, the additional
+    one in force."""
+    if number == NONE:
+        return ""
+    extended = b.frame.extended
+    if extended and (number == 541 or (extended.startswith("G54") and number == 540)):
+        return extended
+    return b.dialect.by_number[number].word
+
+
 def work_columns(b: Batch) -> np.ndarray:
     """(A, B) or (A, 1) ticks of work and tool offsets alone."""
     total = np.zeros((len(b.rows), 1), np.int64)
@@ -49,14 +60,7 @@ def work_columns(b: Batch) -> np.ndarray:
         total = total + offset_of(b, EXTERNAL, True)
     work = b.held("work offset")
     for number in [work] if isinstance(work, int) else sorted(set(work[changes(work)].tolist())):
-        name = "" if number == NONE else b.dialect.by_number[int(number)].word
-        if (
-            b.frame.extended
-            and number != NONE
-            and (number == 541 or (b.frame.extended.startswith("G54") and number == 540))
-        ):
-            name = b.frame.extended
-        total = total + offset_of(b, name, work == number)
+        total = total + offset_of(b, _work_offset(b, int(number)), work == number)
     tool_place = b.places.get("T") if b.dialect.tool_offsets else None
     if tool_place is None:
         return total + offset_of(b, b.tool, True)
