@@ -51,31 +51,23 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
     b.offsets."""
     begun = {int(column[0]) for column in b.given.values()}
     begun |= {number for number in b.single if begins_with(b, number)}
-    for number, does in b.dialect.frame_codes.items() if begun and b.live[0] else ():
-        if number in begun:
+    for number, does in b.dialect.frame_codes.items() if begun else ():
+        if number in begun and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
     _edge(b)
-    _plain_g54(b, axis_words)
+    if b.dialect.extended_by_p and b.given.get("work offset", (NONE,))[0] == 540 and b.live[0]:
+        if number_of(b, "P"):
+            _extended(b, axis_words, "G54")
+        else:  # a plain G54 takes the additional one back
+            b.frame = with_known(replace(b.frame, extended=""), "extended")
     tips.switched(b, axis_words)
     tips.settle(b)
     if not b.single:
         return
-    for number, does in b.dialect.frame_codes.items():
-        if does == "plane align" and b.live[0] and begins_with(b, number):
+    for number in (n for n, does in b.dialect.frame_codes.items() if does == "plane align"):
+        if b.live[0] and begins_with(b, number):
             planes.plane_align(b, b.dialect.by_number[number].word)
     _swivelled(b)
-
-
-def _plain_g54(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
-    """G54 P2, an additional work offset, and G54 alone, which takes it back."""
-    if not (b.dialect.extended_by_p and b.live[0]):
-        return
-    if b.given.get("work offset", (NONE,))[0] != 540:
-        return
-    if number_of(b, "P"):
-        _extended(b, axis_words, "G54")
-    else:
-        b.frame = with_known(replace(b.frame, extended=""), "extended")
     for number in (n for n, does in b.dialect.frame_codes.items() if does == "spatial"):
         if b.live[0] and begins_with(b, number):
             spatial.turned_in(b)
@@ -102,20 +94,6 @@ def begins_with(b: Batch, number: int) -> bool:
     return number in b.single and 0 in b.single[number][:1]
 
 
-def _stands_nowhere(b: Batch, word: str, missing: str) -> tuple[str, str]:
-    """What is said of a new zero of axes whose place is not known."""
-    stated = all(x in b.setup.start for x in missing)
-    say = (
-        "say where it stands before the program, mm, radius, machine coordinates: --start"
-        f" {','.join(x + '0' for x in missing)}"
-    )
-    return (
-        f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that is not"
-        " known",
-        LOST if stated else say,
-    )
-
-
 def _set(b: Batch, axis_words, word: str) -> None:
     """G92: the place where the axes stand gets these coordinates."""
     values = values_of(b, axis_words)
@@ -134,7 +112,20 @@ def _set(b: Batch, axis_words, word: str) -> None:
         preset[row] = int(b.state.position[row] - value - others[row])
         if not b.state.known[row]:
             missing += letter
-    reason = _stands_nowhere(b, word, missing) if missing else None
+    reason = None
+    if missing:
+        reason = (
+            (
+                f"{word} gives {', '.join(missing)} a new zero where the machine stands, and that"
+                " is not known"
+            ),
+            (
+                f"say where it stands before the program, mm, radius, machine coordinates: --start"
+                f" {','.join(x + '0' for x in missing)}"
+                if not all(x in b.setup.start for x in missing)
+                else LOST
+            ),
+        )
     b.frame = with_known(
         replace(frame, preset=changed(frame.preset, preset), preset_on=True), "preset", reason
     )
@@ -189,17 +180,14 @@ def _data(b: Batch, axis_words, word: str) -> None:
             ),
         )
         return
-    _write(b, axis_words, int(number), int(line or 0), values)
-
-
-def _write(b: Batch, axis_words, p: int, line: int, values) -> None:
-    """Offset P of the table that L names."""
+    p = int(number)
     if line in (12, 13):
-        set_radius(b, p, line)
-    elif line in (1, 10, 11):
-        set_tool(b, axis_words, p, line, values)
-    else:
-        _work_offset(b, axis_words, p, line, values)
+        set_radius(b, p, int(line))
+        return
+    if line in (1, 10, 11):
+        set_tool(b, axis_words, p, int(line), values)
+        return
+    _work_offset(b, axis_words, p, int(line), values)
 
 
 def _name(b: Batch, p: int, line: int) -> str:
@@ -214,22 +202,16 @@ def _name(b: Batch, p: int, line: int) -> str:
     return b.dialect.by_number[held].word if held != NONE else "G54"
 
 
-def _no_work_offset(b: Batch, p: int, name: str) -> tuple[str, str] | None:
-    """Why the block sets no work offset that is followed; None: it does."""
-    if not name:
-        return f"G10 P{p} names no work offset", "P1 is G54, P2 is G55 and so on"
-    turns = not b.dialect.tool_offsets and not b.dialect.extended_by_p
-    if turns and number_of(b, "R") is not None:
-        return "G10 R turns the coordinates", EXPAND
-    return None
-
-
 def _work_offset(b: Batch, axis_words, p: int, line: int, values) -> None:
     by_place = line == 20 and not b.dialect.extended_by_p
     name = _name(b, p, line)
-    refused = _no_work_offset(b, p, name)
-    if refused:
-        b.frame = with_known(b.frame, "data", refused)
+    if not name:
+        b.frame = with_known(
+            b.frame, "data", (f"G10 P{p} names no work offset", "P1 is G54, P2 is G55 and so on")
+        )
+        return
+    if number_of(b, "R") is not None and not b.dialect.tool_offsets and not b.dialect.extended_by_p:
+        b.frame = with_known(b.frame, "data", ("G10 R turns the coordinates", EXPAND))
         return
     also = _named_too(b, name, p)
     old = next((place for x in (name, *also) if (place := stated(b, x)) is not None), None)
