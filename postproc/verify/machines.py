@@ -58,7 +58,7 @@ class Machines:
         result = np.zeros_like(off)
         for machine, of in self.each(run, row):
             seen = machine if isinstance(machine, PolarMachine) else self.whole
-            rows = list(seen.corrected)
+            rows = np.array(seen.corrected, dtype=int)
             result[np.ix_(rows, of)] = off[np.ix_(rows, of)]
         return result
 
