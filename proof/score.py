@@ -3,8 +3,9 @@ nothing.
 
 A name is right when effect and axis are those of the truth; the axes of a pair in any order; an
 effect that belongs to no axis (light in the air, a late recorder, or a truth that names none:
-contract, "null where none applies") is right by its name. Truths that the generator's own oracle
-calls invisible in these recordings ask for nothing, and naming them is no mistake.
+contract, "null where none applies"; a beam along a diagonal) is right by its name. Truths that the
+generator's own oracle calls invisible in these recordings ask for nothing, and naming them is no
+mistake.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 NO_AXIS = {"laser_air", "dead_path", "delay", "clock_skew", "tool_size"}
+OF_BEAM = {"cosine"}  # of a beam along which several axes move it is of none of them
 # medians of these are stated
 VALUES = {"backlash": "size_um", "cyclic": "amplitude_um", "servo_lag": "tau_ms"}
 NARROWEST = 1e-9  # of the value: an interval that narrow is none
@@ -37,7 +39,8 @@ def key_of(effect: dict[str, Any]) -> str:
 def same(truth: str, name: str) -> bool:
     """Whether a name, written effect:axis, is the truth's."""
     (a, _, x), (b, _, y) = truth.partition(":"), name.partition(":")
-    return a == b and (sorted(x) == sorted(y) or a in NO_AXIS or not x)
+    of_none = a in NO_AXIS or not x or (a in OF_BEAM and not y)
+    return a == b and (sorted(x) == sorted(y) or of_none)
 
 
 def hit(truth: str, names: list[str]) -> bool:

@@ -24,6 +24,7 @@ from postproc.diagnose import (
     map_agreement,
     noise,
     nuisances,
+    part_place,
     plausibility,
     shared_jump,
     telegraph,
@@ -67,7 +68,7 @@ def diagnose(
     options.told("reading")
     recordings, left_out = plausibility.connected(recordings)
     usable = plausibility.checked(recordings, machine)
-    rows = of(usable.recordings, machine)
+    rows, stood = part_place.placed(of(usable.recordings, machine), machine)
     doubted = map_agreement.doubts(usable.recordings, rows, machine)
     rows, units, faults = _cleaned(rows)
     held, held_name = held_out.of(rows, options.held_out, recordings)
@@ -137,6 +138,7 @@ def diagnose(
         notices=[
             *left_out,
             *usable.notices,
+            *stood,
             *telegraph.notices(rows, units),
             *_notices(machine, state.fit, evidence),
             *_leaning(rows, evidence, found),

@@ -160,8 +160,19 @@ def blocks(rows: Rows) -> list[Block]:
                 if keep.all() and np.isfinite(columns).all():
                     found.append((shape, columns))
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
-            result += [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
+            made = [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
+            result += made if axis else [b for b in made if not _of_one_axis(b, result)]
     return result
+
+
+def _of_one_axis(block: Block, others: list[Block]) -> bool:
+    """Whether what is of no axis shows no more than the same of one axis."""
+    return any(
+        b.module is block.module
+        and b.shape == block.shape
+        and np.array_equal(b.columns, block.columns)
+        for b in others
+    )
 
 
 def _shapes(rows: Rows, name: str, module: ModuleType, axis: str) -> Iterator[dict[str, float]]:

@@ -9,12 +9,16 @@ PARAMETERS = {
     "size_um": "um, second Legendre polynomial over the travel",
     "across": "0, 1, 2: X, Y, Z, the direction of the error",
     "third_um": "um, the third",
-    "degree": "number of the highest polynomial, 2 or 3",
+    "degree": "number of the highest polynomial, 2 to 5",
+    "fourth_um": "um, the fourth",
+    "fifth_um": "um, the fifth",
 }
-OPTIONAL = {"third_um": 0.0, "degree": 3.0}
+OPTIONAL = {"third_um": 0.0, "degree": 3.0, "fourth_um": 0.0, "fifth_um": 0.0}
+# A bed on its supports, a clamped beam and a joint of two rails are more than a parabola.
+HIGHEST = (2.0, 3.0, 5.0)
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
 # beyond, it is something else
-PLAUSIBLE = {"size_um": (-1000.0, 1000.0), "third_um": (-1000.0, 1000.0)}
+PLAUSIBLE = dict.fromkeys(("size_um", "third_um", "fourth_um", "fifth_um"), (-1000.0, 1000.0))
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
@@ -25,7 +29,7 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ways = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
-    return [{"across": way, "degree": degree} for way in ways for degree in (2.0, 3.0)]
+    return [{"across": way, "degree": degree} for way in ways for degree in HIGHEST]
 
 
 def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.ndarray:
@@ -34,27 +38,29 @@ def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.n
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    third = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"size_um": float(coefficients[0]), "third_um": third} | {"degree": 3.0} | shape
+    values = [float(c) for c in coefficients] + [0.0] * (4 - len(coefficients))
+    names = ("size_um", "third_um", "fourth_um", "fifth_um")
+    return dict(zip(names, values, strict=True)) | {"degree": 3.0} | shape
 
 
 def coefficients(
-    size_um: float, across: float, third_um: float = 0.0, degree: float = 3.0
-) -> tuple[np.ndarray, dict[str, float]]:
-    value = [size_um, third_um][: int(degree) - 1]
-    return np.array(value), {"across": across, "degree": degree}
-
-
-def tables(
-    axis: str,
-    travel: tuple[float, float],
     size_um: float,
     across: float,
     third_um: float = 0.0,
     degree: float = 3.0,
-):
+    fourth_um: float = 0.0,
+    fifth_um: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
+    value = [size_um, third_um, fourth_um, fifth_um][: int(degree) - 1]
+    return np.array(value), {"across": across, "degree": degree}
+
+
+def tables(axis: str, travel: tuple[float, float], across: float, **named: float):
+    values, _ = coefficients(across=across, **named)
+
     def shape(p: np.ndarray) -> np.ndarray:
         u = 2 * (p - travel[0]) / (travel[1] - travel[0]) - 1
-        return size_um * legendre(u, 2) + third_um * legendre(u, 3)
+        terms = (c * legendre(u, d) for d, c in enumerate(values, 2))
+        return sum(terms, np.zeros(len(p)))
 
     return [one_way(axis, f"E{XYZ[int(across)]}", travel, 161, shape)]

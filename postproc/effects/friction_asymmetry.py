@@ -9,7 +9,7 @@ one (see viscous_friction).
 
 import numpy as np
 
-from postproc.effects import State, along, grid, sampled
+from postproc.effects import State, along, grid, reversal_spike, sampled
 
 PARAMETERS = {
     "size_um": "um, mean height of the excursion after a turn",
@@ -24,9 +24,11 @@ PARAMETERS = {
         "1, at rest the axis does not lag, and what it lags more in one direction shows; 0, it does"
     ),
     "power": "1, of the speed that its slopes go with: then um at 100 mm/s; below 1 for grease",
+    "length_mm": "mm, over which way it lasts, at any speed; 0, for a time, or as long as it moves",
 }
-OPTIONAL = {"released": 0.0, "power": 1.0}
-CONTINUOUS = {"tau_ms": (4.0, 600.0), "power": (0.3, 0.9)}
+OPTIONAL = {"released": 0.0, "power": 1.0, "length_mm": 0.0}
+CONTINUOUS = {"tau_ms": (4.0, 600.0), "power": (0.3, 0.9), "length_mm": (0.01, 4.0)}
+PLAUSIBLE = reversal_spike.PLAUSIBLE | {"difference_um": (-500.0, 500.0)}
 UNLIKE = 0.15
 # times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
 OPPOSES = 3.0
@@ -41,15 +43,27 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    found = [{"tau_ms": v, "released": 0.0} for v in grid(6.0, 400.0, 9)]
-    found += [{"tau_ms": 0.0, "released": 0.0, "power": power} for power in POWERS]
+    plain = {"tau_ms": 0.0} | OPTIONAL
+    found = [plain | {"tau_ms": v} for v in grid(6.0, 400.0, 9)]
+    found += [plain | {"power": power} for power in POWERS]
+    found += [plain | {"length_mm": v} for v in reversal_spike.ways(state, axis)]
     stands = np.any(sampled(state) & (state.velocity[axis] == 0))
-    return [*found, {"tau_ms": 0.0, "released": 1.0}] if stands else found
+    return [*found, plain | {"released": 1.0}] if stands else found
 
 
 def columns(
-    state: State, axis: str, tau_ms: float, released: float = 0.0, power: float = 1.0
+    state: State,
+    axis: str,
+    tau_ms: float,
+    released: float = 0.0,
+    power: float = 1.0,
+    length_mm: float = 0.0,
 ) -> np.ndarray:
+    s = state.approach[axis]
+    if length_mm > 0:
+        q = np.minimum(state.distance[axis] / length_mm, 50.0)
+        fade = np.exp(-q)
+        return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
     v = state.velocity[axis] / 100.0
     if tau_ms <= 0 and power != 1.0:
         v = np.sign(v) * np.abs(v) ** power
@@ -57,10 +71,9 @@ def columns(
         return along(axis, -np.sign(v), -np.sign(np.abs(v)))
     # how much more it lags in one direction whatever its speed is a zero that nobody knows
     if tau_ms <= 0:
-        return along(axis, -state.approach[axis] * sampled(state), -v, -np.abs(v))
+        return along(axis, -s * sampled(state), -v, -np.abs(v))
     q = state.since[axis] / (tau_ms * 1e-3)
     fade = np.where(v != 0, np.exp(-np.minimum(q, 50.0)), 0.0)
-    s = state.approach[axis]
     return along(axis, -fade * s, -q * fade * s, -fade, -q * fade)
 
 
@@ -71,11 +84,12 @@ def sensible(
     difference_slope_um: float,
     tau_ms: float,
     released: float = 0.0,
+    length_mm: float = 0.0,
     **other: float,
 ) -> bool:
     """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion
     in either of them."""
-    if tau_ms > 0:
+    if tau_ms > 0 or length_mm > 0:
         return True
     if released:
         return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
@@ -94,6 +108,7 @@ def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, f
         "tau_ms": shape["tau_ms"],
         "released": shape.get("released", 0.0),
         "power": shape.get("power", 1.0),
+        "length_mm": shape.get("length_mm", 0.0),
     }
 
 
@@ -105,8 +120,9 @@ def coefficients(
     tau_ms: float,
     released: float = 0.0,
     power: float = 1.0,
+    length_mm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     values = [size_um, slope_um, difference_um, difference_slope_um]
     few = [size_um, difference_um] if released else [*values[:2], values[3]]
-    shape = {"tau_ms": tau_ms, "released": released, "power": power}
-    return np.array(values if tau_ms > 0 else few), shape
+    shape = {"tau_ms": tau_ms, "released": released, "power": power, "length_mm": length_mm}
+    return np.array(values if tau_ms > 0 or length_mm > 0 else few), shape

@@ -34,9 +34,13 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     plain = {"rebounds": 0.0, "length_mm": 0.0}
     times = [plain | {"tau_ms": v, "rebounds": r} for r in (0.0, 1.0) for v in grid(6.0, 400.0, 9)]
+    return times + [plain | {"tau_ms": 0.0, "length_mm": v} for v in ways(state, axis)]
+
+
+def ways(state: State, axis: str) -> list[float]:
+    """mm: over which it may last, where some reading stands near enough to a turn to show it."""
     near = float(np.min(state.distance.get(axis, np.inf), initial=np.inf))
-    ways = [v for v in grid(0.02, 2.0, 9) if near < FADED * v]
-    return times + [plain | {"tau_ms": 0.0, "length_mm": v} for v in ways]
+    return [v for v in grid(0.02, 2.0, 9) if near < FADED * v]
 
 
 def columns(
