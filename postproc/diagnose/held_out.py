@@ -9,6 +9,8 @@ from postproc.diagnose.rows import Rows
 from postproc.errors import UsageError
 from postproc.recordings import Recording
 
+DRIVERS = ("force_", "load_", "spindle_rpm")
+
 
 def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray, str]:
     """(N,) which rows take no part, and what they are called."""
@@ -34,10 +36,26 @@ def of(rows: Rows, wanted: str, recordings: list[Recording]) -> tuple[np.ndarray
                 held |= again
                 said.append("the last reading of every feature")
         elif len(runs) >= 3:
-            # in the middle: heat and wear lie between what is known
-            held |= which & (rows.run == runs[len(runs) // 2])
+            held |= which & (rows.run == _between_others(rows, which, runs))
             said.append("the middle run of every recording that has three at least")
     return held, ", ".join(dict.fromkeys(said))
+
+
+def _between_others(rows: Rows, which: np.ndarray, runs: np.ndarray) -> float:
+    """The run of a recording (rows `which`) that the others foretell: in the middle, for heat and
+    wear lie there between what is known, and under no load or spindle speed that no other run
+    had."""
+    drivers = [v for name, v in rows.state.channels.items() if name.startswith(DRIVERS)]
+
+    def alone(run: float) -> bool:
+        own, others = which & (rows.run == run), which & (rows.run != run)
+        return any(
+            v[own].min() > v[others].max() or v[own].max() < v[others].min() for v in drivers
+        )
+
+    middle = len(runs) // 2
+    order = sorted(runs, key=lambda run: abs(int(np.searchsorted(runs, run)) - middle))
+    return next((run for run in order if not alone(run)), runs[middle])
 
 
 def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:
