@@ -220,11 +220,14 @@ def ballbar(
     plane = o["plane"] if "plane" in o else pick(r, flat)
     room = min(m.travel[a][1] - m.travel[a][0] for a in plane)
     radius = float(pick(r, [x for x in (20, 50, 100, 150, 300) if x < room * 0.45] or [20]))
+    radius = float(o.get("radius", radius))
     arc = 180.0 if held and r.random() < 0.5 else float(pick(r, [360, 360, 360, 220]))
+    arc = float(o.get("arc", arc))
     feed = float(o.get("feed", round(logu(r, 200, 5000))))
     senses = o.get("senses", pick(r, [[1, -1], [1, -1], [1, -1], [1], [-1]]))
     n = int(pick(r, [360, 500, 720, 1000, 1440]))
     centre, reps, first = inside(m, r, 0.47, 0.53), int(r.integers(1, 4)), r.uniform(0, 360)
+    centre, reps = o.get("centre", centre), int(o.get("reps", reps))
     t, rows, run = t0, [], 0
     speed = feed / 60
     for _ in range(reps):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import fresh_designs, sealed_designs
+from . import fresh_designs, sealed_designs, unseen_designs
 from .base import AX, Rec, Rng, pick
 from .designs import ballbar, diagonal, features, inside, targets
 from .machines import Machine, draw_machine
@@ -64,6 +64,8 @@ def experiment(
         kind = pick(r, ["mill", "router"])
     if family == "sealed":
         kind = sealed_designs.machine_kind(r, kind)
+    if family == "unseen":
+        kind = unseen_designs.machine_kind(r, kind)
     m = draw_machine(r, masked, kind, flat=plan == "features")
     drivers = {
         "load": suspect == "force_compliance" or r.random() < 0.15,
@@ -72,6 +74,8 @@ def experiment(
         "current": plan in ("trace_scale", "trace_tool") and r.random() < 0.4,
     }
     t, recs = float(np.round(r.uniform(0, 60), 1)), []
+    if family == "unseen":
+        return m, unseen_designs.campaign(r, m, plan, t), drivers, plan
     for i, kind in enumerate(files(r, plan)):
         made = draw(r, m, kind, t, f"r{i + 1}") if draw else None
         recs.append(made or one(r, m, kind, t, f"r{i + 1}", held, plan))

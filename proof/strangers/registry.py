@@ -1,9 +1,9 @@
 """Register of textbook forms: effect name -> list of (form, family, function).
 
-Four families of kinds: "open" to development; "held" back from it, until a trial has shown them;
-"fresh", whose cases were looked at after a trial; "sealed", which no run has used.  A case draws
-from its own family and from the open one.  Forms, noises and aliens of the last two bear numbers
-for names, so that the page of a trial does not give away what they are.
+Five families of kinds: "open" to development; "held" back from it, until a trial has shown them;
+"fresh" and "sealed", whose cases were looked at after a trial; "unseen", which no run has used.  A
+case draws from its own family and from the open one.  Forms, noises and aliens of the last three
+bear numbers for names, so that the page of a trial does not give away what they are.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from .world import World
 
 Form = Callable[[World, Rng, int], "Shape | None"]
 FORMS: dict[str, list[tuple[str, str, Form]]] = {}
-FAMILIES = ("open", "held", "fresh", "sealed")
-NUMBERED = ("fresh", "sealed")  # families whose kinds bear numbers
+FAMILIES = ("open", "held", "fresh", "sealed", "unseen")
+NUMBERED = ("fresh", "sealed", "unseen")  # families whose kinds bear numbers
 
 
 def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
@@ -39,6 +39,11 @@ def fresh(effect: str) -> Callable[[Form], Form]:
 def sealed(effect: str) -> Callable[[Form], Form]:
     """Decorator that files a form of the sealed family under its effect, numbered."""
     return numbered(effect, "sealed")
+
+
+def unseen(effect: str) -> Callable[[Form], Form]:
+    """Decorator that files a form of the unseen family under its effect, numbered."""
+    return numbered(effect, "unseen")
 
 
 def numbered(effect: str, family: str) -> Callable[[Form], Form]:

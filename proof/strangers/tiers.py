@@ -22,13 +22,19 @@ from . import (  # noqa: F401
     sealed_place,
     sealed_servo,
     sealed_time,
+    unseen_aliens,
+    unseen_motion,
+    unseen_noise,
+    unseen_place,
+    unseen_servo,
+    unseen_time,
 )
 from .base import AX, Case, Part, Rec, Rng, digest, observe, pick, stream
 from .hidden import ALIKE, Hidden, hide, hide_blind, peak_of, tell
 from .machines import draw_map_error, map_error, stated
 from .noise import LATER, Noise, draw_noise
 from .oracle import Oracle
-from .plans import EFFECTS, blind, experiment
+from .plans import EFFECTS, PLANS, blind, experiment
 from .registry import FAMILIES, FORMS
 from .world import World, draw_world
 from .write import machine_files, recording
@@ -61,8 +67,10 @@ MASKED = [
 ]
 
 
-def plan_names(r: Rng, tier: str, suspect: str, family: str) -> list[list[str]]:
-    """For each hidden effect the names to try in turn."""
+def plan_names(r: Rng, tier: str, suspect: str, family: str, plan: str) -> list[list[str]]:
+    """For each hidden effect the names to try in turn; `unseen` tries none that the experiment is
+    not made for."""
+    fits = [e for e in EFFECTS if family != "unseen" or plan in PLANS[e]]
 
     def tries(first: str | None, pool: list[str], n: int) -> list[str]:
         names = [first] * 4 if first and r.random() < 0.6 else []
@@ -71,31 +79,27 @@ def plan_names(r: Rng, tier: str, suspect: str, family: str) -> list[list[str]]:
     if tier in ("null", "adversarial"):
         return []
     if tier == "single":
-        return [tries(suspect, EFFECTS, 14)]
+        return [tries(suspect, fits, 14)]
     if tier == "masked":
-        return [tries(suspect, MASKED, 14)]
+        return [tries(suspect, [e for e in MASKED if e in fits], 14)]
     if tier == "withheld":
         return [[suspect] * 8 + [str(x) for x in r.permutation(sorted(HIDDEN) * 3)]]
     if tier == "alien":
         names = [n for n in FORMS if n.startswith("alien:")]
-        early, held, fresh, last = ([n for n in names if FORMS[n][0][1] == f] for f in FAMILIES)
-        pools = {
-            "open": [early],
-            "held": [held, held, early],
-            "fresh": [fresh],
-            "sealed": [last],
-        }[family]
+        of = {f: [n for n in names if FORMS[n][0][1] == f] for f in FAMILIES}
+        pools = [of[family]] + ([of["held"], of["open"]] if family == "held" else [])
         return [[pick(r, pick(r, pools)) for _ in range(25)]]
     count = 2 if tier == "pair" else 3
     if r.random() < 0.5:
-        mates = [b if a == suspect else a for a, b in ALIKE if suspect in (a, b)] or EFFECTS
+        mates = [b if a == suspect else a for a, b in ALIKE if suspect in (a, b)]
+        mates = [e for e in mates if e in fits] or fits
         out = [
-            [suspect] * 6 + tries(None, EFFECTS, 4),
-            [pick(r, mates) for _ in range(12)] + tries(None, EFFECTS, 4),
+            [suspect] * 6 + tries(None, fits, 4),
+            [pick(r, mates) for _ in range(12)] + tries(None, fits, 4),
         ]
     else:
-        out = [tries(suspect, EFFECTS, 10), tries(None, EFFECTS, 20)]
-    return out + [tries(None, EFFECTS, 20) for _ in range(count - 2)]
+        out = [tries(suspect, fits, 10), tries(None, fits, 20)]
+    return out + [tries(None, fits, 20) for _ in range(count - 2)]
 
 
 def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
@@ -105,7 +109,9 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     key = digest(seed, tier, number, family)
     rx, rn, rh, rt = (stream(key, k) for k in ("experiment", "noise", "hidden", "text"))
     later = family != "open"
-    pools = {"masked": MASKED, "withheld": sorted(HIDDEN), "alien": MASKED[:13]}
+    # circles and long tests show most of the last family's aliens
+    more = ["squareness"] * 4 + ["screw_heat"] * 3 if family == "unseen" else []
+    pools = {"masked": MASKED, "withheld": sorted(HIDDEN), "alien": MASKED[:13] + more}
     suspect = pick(rx, pools.get(tier, EFFECTS))
     spot, follow, info = "", [], {}
     if tier == "blind":
@@ -129,7 +135,7 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     if tier == "blind":
         found = hide_blind(rh, w, recs + follow, suspects, ax)
     else:
-        found = hide(rh, w, recs, oracle, plan_names(rh, tier, suspect, family), tier)
+        found = hide(rh, w, recs, oracle, plan_names(rh, tier, suspect, family, plan), tier)
     truth = tell(w, recs, oracle, found, key) if found else []
     if follow:
         after = Oracle(m, follow, noises[len(recs) :], factor)

@@ -136,9 +136,13 @@ def draw_world(r: Rng, m: Machine, recs: list[Rec], family: str, drivers: dict) 
     )
 
 
-def thermometer(r: Rng, true: Array, t: Array, held: bool) -> tuple[Array, dict]:
+THERMOMETERS = {"unseen": ["good", "lag", "lag", "lag", "offset", "coarse"]}  # of a family
+
+
+def thermometer(r: Rng, true: Array, t: Array, family: str) -> tuple[Array, dict]:
     """Readings (C) of a thermometer with offset, lag, noise, steps or a stuck stretch."""
-    kind = pick(r, ["good", "offset", "lag", "noise", "coarse", "stuck"])
+    kinds = ["good", "offset", "lag", "noise", "coarse", "stuck"]
+    kind = pick(r, THERMOMETERS.get(family, kinds))
     lag = r.uniform(60, 1200) if kind == "lag" else 5.0
     out = 20.0 + true.copy()
     if len(t) > 2:
