@@ -31,7 +31,7 @@ from postproc.diagnose.parts import (
     surprise,
 )
 
-# mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to
+# mm: the usual size of an effect, where it is largest (the recordings of ISO 230 tests show 1 to
 # 50 um)
 SLAB = 8e-3
 # a map's uncertainty is stated, or usual: a few terms do not overrule it
@@ -99,14 +99,14 @@ class Evidence:
 
     def add(self, blocks: list[Block], sd: float = 0.0) -> list[int]:
         """Let blocks in; their numbers. sd: stated standard deviation of each coefficient; 0:
-        learned, from that of which SLAB is what it explains at its largest reading."""
+        learned, from that of which SLAB is how large it is where it is largest."""
         begin = len(self.blocks)
         for b in blocks:
             self.first.append(self.width)
             self.width += b.columns.shape[1]
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
-        peak = [np.maximum(np.abs(b.columns).max(axis=0), 1e-12) for b in blocks]
+        peak = [b.largest for b in blocks]
         self.slab = np.concatenate(
             [self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)]
         )

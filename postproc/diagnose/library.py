@@ -4,7 +4,7 @@ enter linearly: blocks of columns as the readings would show them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from types import ModuleType
 
@@ -25,6 +25,7 @@ SIGNALS = {  # what an effect must be able to show in -> kinds of signals
 }
 MOST_STEPS, MOST_JUMPS, MOST_ABRUPT = 200, 60, 24
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
+NOTHING = 1e-12  # mm
 NEVER = 1e5  # s: an axis that has not turned back
 FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
@@ -33,13 +34,20 @@ FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of
 @dataclass(frozen=True)
 class Block:
     """One way to explain: an effect, its axis, its shape, and the (N, K) mm that it would add to
-    the readings."""
+    the readings. tool: (K,) mm, by how much the tool is off at most; none: as the readings show."""
 
     module: ModuleType
     axis: str
     shape: tuple[tuple[str, float], ...]
     columns: np.ndarray
     siblings: int = 1
+    tool: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def largest(self) -> np.ndarray:
+        """(K,) mm, where it is largest: a beam that is not along the error shows but a part."""
+        shown = np.abs(self.columns).max(axis=0, initial=0.0)
+        return np.maximum(np.maximum(shown, self.tool) if len(self.tool) else shown, NOTHING)
 
     @property
     def name(self) -> str:
@@ -105,10 +113,18 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
 
 def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: the columns of an effect as the readings show them."""
+    return shown(rows, module, axis, shape)[0]
+
+
+def shown(
+    rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N, K) mm: the columns of an effect as the readings show them, and (K,) mm: by how much the
+    tool is off at most."""
     value = module.columns(rows.state, axis, **shape)
     seen = visible(rows, module)
     if value.ndim == 2:
-        return np.where(seen, value, 0.0).T
+        return np.where(seen, value, 0.0).T, np.zeros(0)
     # The difference of two places; what comes with time or with the tool is in one of its walls.
     both = not {"part", "material", "time"} & set(module.NEEDS) or getattr(module, "WALLS", False)
     if rows.other and "part" in module.SEES and module.PER != "all" and both:
@@ -116,7 +132,8 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
         there = second_place(rows, part)
         value = value.copy()
         value[:, :, part] -= module.columns(there, axis, **shape)
-    return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)
+    off = np.sqrt(np.max((value[:, :, seen] ** 2).sum(axis=1), axis=1, initial=0.0))
+    return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0), off
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:
@@ -155,12 +172,14 @@ def blocks(rows: Rows) -> list[Block]:
             shapes = list(_shapes(rows, name, module, axis))
             found = []
             for shape in shapes:
-                columns = read(rows, module, axis, shape)
+                columns, tool = shown(rows, module, axis, shape)
                 keep = np.abs(columns).max(axis=0) > 1e-9
                 if keep.all() and np.isfinite(columns).all():
-                    found.append((shape, columns))
+                    found.append((shape, columns, tool))
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
-            made = [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
+            made = [
+                Block(module, axis, tuple(sorted(s.items())), c, number, t) for s, c, t in found
+            ]
             result += made if axis else [b for b in made if not _of_one_axis(b, result)]
     return result
 
@@ -263,10 +282,10 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
                 shapes = [{"period_mm": p} | module.PLAIN for p in peaks]
             for shape in shapes:
-                columns = read(rows, module, axis, shape)
-                columns = columns[:, swings(columns)]
+                columns, tool = shown(rows, module, axis, shape)
+                both = swings(columns)
+                columns, tool = columns[:, both], tool[both] if len(tool) else tool
                 if columns.shape[1]:
-                    result.append(
-                        Block(module, axis, tuple(sorted(shape.items())), columns, spectra.TRIED)
-                    )
+                    named = tuple(sorted(shape.items()))
+                    result.append(Block(module, axis, named, columns, spectra.TRIED, tool))
     return result

@@ -100,19 +100,10 @@ class Search:
             # what says the same stands in for a size that can not be
             found = [(w, s) for w, s in found if self._plausible(s)]
             most, best = max(found, key=lambda one: one[0])
-        # Names that the errors of form do not part are parted as they fit.
+        # errors of form say how many names there are; which, each at its own
         size, on = len(best.members), best.fit.on
-        alike = [
-            s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
-        ]
-        return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
-
-    def _as_it_fits(self, state: Found) -> float:
-        """What a set is worth without errors of form, its sizes learned to the end: scores on the
-        way there depend on the way."""
-        return self.sets.worth_of(
-            self.sets.evidence.learn(state.members, state.fit, state.fit.on, CONVERGED)
-        )
+        alike = [s for _, s in found if len(s.members) == size and s.fit.on == on]
+        return max(alike, key=lambda s: self.sets.at_own_form(s).score)
 
     def _grown(
         self, start: Found, children: Callable[[Found], list[Found]], ahead: int = 0

@@ -57,7 +57,7 @@ def worth(sets: Sets, fit: Fit, block: Block) -> float:
     a, b = sets.evidence.beside(fit, block.columns)
     best = -np.inf
     for scale in TRIED_SIZES:
-        slab = scale * SLAB / np.maximum(np.abs(block.columns).max(axis=0), 1e-12)
+        slab = scale * SLAB / block.largest
         scaled = a * np.outer(slab, slab) + np.eye(len(slab))
         value = np.linalg.solve(scaled, b * slab)
         if plausible(block, value * slab):
@@ -69,10 +69,10 @@ def worth(sets: Sets, fit: Fit, block: Block) -> float:
 
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     """The block in another shape; None where these readings do not show all of it."""
-    columns = library.read(sets.rows, block.module, block.axis, shape)
+    columns, tool = library.shown(sets.rows, block.module, block.axis, shape)
     if not (np.abs(columns).max(axis=0) > 1e-9).all():
         return None
-    return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
+    return replace(block, shape=tuple(sorted(shape.items())), columns=columns, tool=tool)
 
 
 def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:

@@ -76,11 +76,11 @@ def test_a_set_that_says_the_same_stands_in_for_one_that_can_not_be(next_best, c
         SimpleNamespace(
             key=name,
             members=(number,),
+            score=worth[name],
             least=np.zeros(1),
             fit=SimpleNamespace(chosen=name, on=frozenset()),
         )
         for number, name in enumerate(worth)
     ]
     search = Search(Sets())
-    search._as_it_fits = lambda state: worth[state.key]
     assert search._likeliest(states).key == chosen
