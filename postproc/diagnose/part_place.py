@@ -25,6 +25,7 @@ FEWEST = 2  # steps
 # 1 um)
 SIZE = 1e-3
 SURE = 3.0  # ln(20): by how much likelier a datum must be, beside the number of places tried
+FITS = 2.0  # times SIZE: what is off by more fits nowhere
 STEP = " step"  # the contract's kind, at the end of the name of a signal
 
 
@@ -56,17 +57,19 @@ def _datum(part: Rows, machine: Machine, x: str) -> float | None:
     if len(signals) < FEWEST or not np.isfinite(low + high) or last <= low:
         return None
 
-    def worth(rows: Rows) -> float:
-        """The logarithm of the likelihood of the steps' means, with long tails (Cauchy)."""
-        left = rows.y - predicted(rows, machine)
-        mean = np.bincount(of, left) / np.bincount(of)
-        return -float(np.log1p((mean / SIZE) ** 2).sum())
+    def off(rows: Rows) -> np.ndarray:
+        """Means of the steps' readings beside what the map says, times SIZE."""
+        return np.bincount(of, rows.y - predicted(rows, machine)) / np.bincount(of) / SIZE
 
     every = np.ones(len(part), bool)
     places = np.linspace(low, last, PLACES)
-    values = [worth(_moved(part, every, x, place)) for place in places]
-    best = int(np.argmax(values))
-    return float(places[best]) if values[best] > worth(part) + np.log(PLACES) + SURE else None
+    left = np.array([off(_moved(part, every, x, place)) for place in places])
+    # the logarithms of their likelihoods, with long tails (Cauchy)
+    worth = -np.log1p(left**2).sum(axis=1)
+    best = int(np.argmax(worth))
+    middle = -float(np.log1p(off(part) ** 2).sum())
+    likelier = worth[best] > middle + np.log(PLACES) + SURE
+    return float(places[best]) if likelier and np.median(np.abs(left[best])) < FITS else None
 
 
 def _moved(rows: Rows, own: np.ndarray, x: str, datum: float) -> Rows:
