@@ -100,9 +100,9 @@ class Search:
             # what says the same stands in for a size that can not be
             found = [(w, s) for w, s in found if self._plausible(s)]
             most, best = max(found, key=lambda one: one[0])
-        # errors of form say how many names there are; which, each at its own
+        # so many names at most; of such sets the likeliest, each at its own error of form
         size, on = len(best.members), best.fit.on
-        alike = [s for _, s in found if len(s.members) == size and s.fit.on == on]
+        alike = [s for _, s in found if len(s.members) <= size and s.fit.on <= on]
         return max(alike, key=lambda s: self.sets.at_own_form(s).score)
 
     def _grown(
