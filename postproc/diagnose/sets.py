@@ -17,7 +17,7 @@ from postproc.diagnose.library import Block
 from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
 
-MATERIAL = 7e-4  # mm
+MATERIAL = 1e-3  # mm: of less nobody can say that it comes back, slides repeat to 1 or 2 um
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
 FORM = 0.1  # of what an effect explains at most, a textbook form is wrong by in single readings
