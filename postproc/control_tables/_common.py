@@ -6,8 +6,9 @@ No control: it knows no format and no sign.
 
 from __future__ import annotations
 
+import csv
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -207,30 +208,36 @@ def even_nodes(
     `most` points, the smallest of 1, 2, 5, 10 ... that does not. Spacings are whole multiples of
     `multiple` mm. Raises TableError where the spacing asked for needs more points than there are.
     """
-    low, high = float(table.nodes[0]), float(table.nodes[-1])
-
-    def count(step: float) -> int:
-        return (
-            math.ceil((high - anchor) / step - 1e-6) - math.floor((low - anchor) / step + 1e-6) + 1
-        )
-
-    step = options.spacing
-    if step < 0 or (step and abs(step / multiple - round(step / multiple)) > 1e-6):
+    places, step = table.nodes - anchor, options.spacing
+    if step < 0 or abs(step / multiple - round(step / multiple)) > 1e-6:
         raise UsageError(f"a spacing of {step:g} mm is not a multiple of {multiple:g} mm")
-    least = (high - low) / max(1, most - 2)
-    if step and count(step) > most:
+    long = float(table.nodes[-1]) - float(table.nodes[0])
+    least = long / max(1, most - 2)
+    if step and (count := len(_covering(places, step))) > most:
         raise TableError(
-            f"{table.name}: {high - low:g} mm in steps of {step:g} mm are {count(step)} points,"
+            f"{table.name}: {long:g} mm in steps of {step:g} mm are {count} points,"
             f" and the control has {most}",
             f"--spacing {math.ceil(least):g} or more, or --set points=N if your control has more",
         )
-    step = step or _common_step(table.nodes - anchor, multiple)
-    if not step or count(step) > most:
-        if len(table.nodes) > 1:
-            least = max(least, float(np.diff(table.nodes).min()) / 4)
-        step = next(v for v in _nice(multiple) if v >= least - 1e-9 and count(v) <= most)
-    first = math.floor((low - anchor) / step + 1e-6)
-    return np.round(anchor + step * np.arange(first, first + count(step)), 9)
+    step = step or _common_step(places, multiple)
+    if not step or len(_covering(places, step)) > most:
+        step = _nice_step(places, multiple, most, least)
+    return np.round(anchor + step * np.array(_covering(places, step)), 9)
+
+
+def _nice_step(places: np.ndarray, multiple: float, most: int, least: float) -> float:
+    """mm: the smallest of 1, 2, 5, 10 ... with which `most` points cover the places, not below
+    `least` nor a quarter of the smallest gap."""
+    if len(places) > 1:
+        least = max(least, float(np.diff(places).min()) / 4)
+    wide = (v for v in _nice(multiple) if v >= least - 1e-9)
+    return next(v for v in wide if len(_covering(places, v)) <= most)
+
+
+def _covering(places: np.ndarray, step: float) -> range:
+    """The multiples of a step that cover ascending places."""
+    low, high = float(places[0]), float(places[-1])
+    return range(math.floor(low / step + 1e-6), math.ceil(high / step - 1e-6) + 1)
 
 
 def _nice(multiple: float) -> Iterable[float]:
@@ -334,6 +341,20 @@ def numbered(source: Source) -> list[Line]:
     if not source.data.strip():
         raise fault(source, 1, "the file is empty")
     return [Line(i, text, source) for i, text in enumerate(source.text.splitlines(), 1)]
+
+
+def csv_rows(lines: Iterable[Line]) -> Iterator[tuple[Line, list[str]]]:
+    """The rows of a list between commas, its heading first; `#` begins a comment line. Raises
+    TableError for a row with other columns than the heading."""
+    columns = 0
+    for at in lines:
+        if not at.text.strip() or at.text.startswith("#"):
+            continue
+        cells = [cell.strip() for cell in next(csv.reader([at.text]))]
+        columns = columns or len(cells)
+        if len(cells) != columns:
+            raise at.fault(f"{len(cells)} values under {columns} columns")
+        yield at, cells
 
 
 def fault(source: Source, line: int, message: str, advice: str = "", text: str = "") -> TableError:

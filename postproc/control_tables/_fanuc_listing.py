@@ -6,7 +6,6 @@ Knows numbers and where they stand; what they do is said in fanuc.py. No control
 
 from __future__ import annotations
 
-import csv
 import re
 from dataclasses import dataclass, field
 
@@ -32,6 +31,8 @@ ORDER = (3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627, 1851, 1852)
 PITCH = 10000  # N10051 is compensation number 51
 LAST = 1535
 WORD = re.compile(r"([A-Z])\s*([-+]?(?:\d+\.?\d*|\.\d+))")
+RECORD = re.compile(rf"(?=N)(?:{WORD.pattern}\s*)+")
+LETTERS = {True: ("P", "R"), False: ("A", "P")}  # axis and value, in a program and on a card
 EMPTY = re.compile(r"|%|[O:]\d+|M30|M02|M99|M2")  # a block without numbers to enter
 
 
@@ -101,24 +102,14 @@ def parse(source: Source, options: ExportOptions) -> Listing:
     return listing
 
 
-def _cells(lines: list[common.Line], header: list[str]) -> list[tuple[common.Line, list[str]]]:
-    rows = []
-    for at in lines:
-        if not at.text.strip() or at.text.startswith("#"):
-            continue
-        cells = [cell.strip() for cell in next(csv.reader([at.text]))]
-        if not header:
-            header += cells
-            continue
-        if len(cells) != len(header):
-            raise at.fault(f"{len(cells)} values under {len(header)} columns")
-        rows.append((at, cells))
-    return rows
+def _cells(lines: list[common.Line]) -> tuple[list[str], list[tuple[common.Line, list[str]]]]:
+    """The heading, and the rows below it."""
+    rows = list(common.csv_rows(lines))
+    return (rows[0][1] if rows else []), rows[1:]
 
 
 def _csv_pitch(listing: Listing, source: Source, lines: list[common.Line]) -> None:
-    header: list[str] = []
-    rows = _cells(lines, header)
+    header, rows = _cells(lines)
     if header != ["axis", "parameter_no", "value"]:
         raise common.fault(
             source, 1, f"the columns are {', '.join(header)}", "axis,parameter_no,value"
@@ -130,8 +121,7 @@ def _csv_pitch(listing: Listing, source: Source, lines: list[common.Line]) -> No
 
 
 def _csv_settings(listing: Listing, source: Source, lines: list[common.Line]) -> None:
-    header: list[str] = []
-    rows = _cells(lines, header)
+    header, rows = _cells(lines)
     axes = [name.upper() for name in header[2:]]
     known = header[:2] == ["parameter_no", "meaning"]
     if not known or not axes or not all(re.fullmatch("[A-Z]", a) for a in axes):
@@ -161,14 +151,12 @@ def _words(
         if program and re.fullmatch(r"G10\s*L(50|52)|G11", plain):
             entering = plain != "G11"
             continue
-        words = WORD.findall(plain)
-        numbered = [letter for letter, *_ in words[:1]] == ["N"]
-        if WORD.sub("", plain).strip() or not numbered or not entering:
+        if not entering or not RECORD.fullmatch(plain):
             raise at.fault(
                 f"this is no parameter or compensation number{' between G10 and G11' * program}",
                 "like N10051 R1 in G10 L50, or N10051 P1",
             )
-        _record(listing, at, words, ("P", "R") if program else ("A", "P"), axes)
+        _record(listing, at, WORD.findall(plain), LETTERS[program], axes)
     if program and entering:
         raise common.fault(source, lines[-1].number, "G11 is missing: the program is not whole")
 

@@ -15,6 +15,7 @@ from postproc.units import MM_PER_INCH
 ENTRIES = 256
 FACTOR = {"MM": 1.0, "INCH": MM_PER_INCH}
 UNIT = re.compile(r"\b(MM|INCH)\b")
+END = re.compile(r"\[END\]|END", re.IGNORECASE)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -23,21 +24,19 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     letter = options.extra.get("axis", "").upper() or _moving(source)
     lines = common.numbered(source)
     at, columns = layout(source.text, source.name)
-    said = UNIT.search(lines[0].text.upper()) if at else None
+    said = UNIT.search(lines[0].text.upper() * bool(at))
     unit = FACTOR[said[1]] if said else common.mm_per_unit(options)
     rows: list[dict[str, float]] = []
-    for line in lines[at + 1 :]:
-        if is_end(line.text):
-            break
+    end = end_of(source.text, at)
+    for line in lines[at + 1 : end]:
         rows.append(_entry(line, columns, rows))
-    else:
+    if end is None:
         raise common.fault(source, lines[-1].number, "[END] is missing: the file is not whole")
     if not rows or len(rows) > ENTRIES:
         raise common.fault(source, at + 1, f"{len(rows)} entries: a table has 1 to {ENTRIES}")
     tables = _tables(letter, {h: np.array([row[h] for row in rows]) * unit for h in rows[0]})
     if not tables:
-        heads = ", ".join(c for c, _ in columns)
-        raise common.fault(source, at + 1, f"no column of an axis: {heads}")
+        raise common.fault(source, at + 1, f"no column of an axis: {', '.join(dict(columns))}")
     return tables
 
 
@@ -90,8 +89,10 @@ def _check_after(at: common.Line, row: dict[str, float], rows: list[dict[str, fl
         raise at.fault("a value is missing that the first row has, or one too many")
 
 
-def is_end(line: str) -> bool:
-    return line.strip().upper().startswith(("[END]", "END"))
+def end_of(text: str, at: int) -> int | None:
+    """Index of the line [END] behind the one with the columns, None where there is none."""
+    lines = enumerate(text.splitlines())
+    return next((i for i, line in lines if i > at and END.match(line.strip())), None)
 
 
 def _tables(letter: str, column: dict[str, np.ndarray]) -> list[ErrorTable]:

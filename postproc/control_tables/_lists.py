@@ -3,8 +3,8 @@ reader. No control."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
+from itertools import islice
 
 from postproc.control_tables import _common as common
 from postproc.recordings import Source
@@ -39,19 +39,12 @@ def by_axis(
 
     The first of those columns ascends or descends steadily. Raises TableError with file and line.
     """
-    headed = False
+    lines = common.csv_rows(common.numbered(source))
+    for at, cells in islice(lines, 1):
+        if cells != list(columns):
+            raise at.fault(f"the columns are {', '.join(cells)}", ",".join(columns))
     result: dict[str, list[list[float]]] = {}
-    for at in common.numbered(source):
-        if not at.text.strip() or at.text.startswith("#"):
-            continue
-        cells = [cell.strip() for cell in next(csv.reader([at.text]))]
-        if not headed:
-            headed = True
-            if cells != list(columns):
-                raise at.fault(f"the columns are {', '.join(cells)}", ",".join(columns))
-            continue
-        if len(cells) != len(columns):
-            raise at.fault(f"{len(cells)} values under {len(columns)} columns")
+    for at, cells in lines:
         if not common.is_letter(cells[0]):
             raise at.fault(f"{cells[0]!r} is not an axis letter")
         row = _row(at, cells, columns, whole)

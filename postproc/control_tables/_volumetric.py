@@ -51,20 +51,18 @@ def plain(value: float) -> str:
     return str(np.format_float_positional(round(float(value), DECIMALS) + 0.0, trim="0"))
 
 
-def lines_of(source: Source) -> Iterator[tuple[int, str]]:
-    """Number and text of every line that holds more than a // comment."""
+def lines_of(source: Source) -> Iterator[common.Line]:
+    """Every line that holds more than a // comment, without it."""
     for at in common.numbered(source):
         if text := at.text.split("//", 1)[0].strip():
-            yield at.number, text
+            yield at._replace(text=text)
 
 
-def value_of(source: Source, line: int, word: str, text: str) -> float:
+def value_of(at: common.Line, word: str) -> float:
     """A number no larger than a machine. Raises TableError."""
-    value = common.finite(source, line, word, "the value", text)
+    value = at.finite(word, "the value")
     if abs(value) > LARGEST:
-        raise common.fault(
-            source, line, f"{word} is too large for a machine", "lengths are mm, angles rad", text
-        )
+        raise at.fault(f"{word} is too large for a machine", "lengths are mm, angles rad")
     return value
 
 

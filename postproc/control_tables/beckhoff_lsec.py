@@ -140,6 +140,15 @@ class List:
             raise common.fault(self.source, self.last, f"kw.{key} is missing")
         return usual
 
+    def column(self, name: str, count: int) -> np.ndarray:
+        """A column of the table. Raises TableError where one of its points is missing."""
+        points = self.cells[name]
+        for i in range(count):
+            if i not in points:
+                missing = f"table[{i}].{name} is missing, kw_nr_max is {count}"
+                raise common.fault(self.source, self.last, missing)
+        return np.array([points[i] for i in range(count)])
+
 
 def _entries(source: Source) -> List:
     """Line by line. Raises TableError for what is no entry, or stands twice."""
@@ -175,15 +184,11 @@ def _columns(told: List, count: int, gap: float) -> dict[str, np.ndarray]:
     needed = ["pos"] if gap else ["setpoint", "pos"]
     if told.number("ssfk.bilateral", 0):
         needed.append("neg")
-    if absent := [(i, c) for c in needed for i in range(count) if i not in told.cells[c]]:
-        i, column = absent[0]
-        raise common.fault(
-            told.source, told.last, f"table[{i}].{column} is missing, kw_nr_max is {count}"
-        )
+    columns = {c: told.column(c, count) * TENTH for c in needed}
     extra = [f"table[{i}].{c}" for c, points in told.cells.items() for i in points if i >= count]
     if extra:
         raise common.fault(told.source, told.last, f"{extra[0]} is beyond kw_nr_max {count}")
-    return {c: np.array([told.cells[c][i] for i in range(count)]) * TENTH for c in needed}
+    return columns
 
 
 def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTable:

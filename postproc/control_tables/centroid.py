@@ -97,7 +97,7 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
 
 
 def _sign(options: ExportOptions) -> float:
-    return -1.0 if common.setting(options, "sign", "-", ("+", "-")) == "-" else 1.0
+    return common.sign(options, "sign", "-")
 
 
 def _per_mm(options: ExportOptions) -> float:
@@ -129,18 +129,24 @@ def _counts(table: ErrorTable, home: float, sign: float, options: ExportOptions)
     return ("\r\n".join(rows) + "\r\n").encode()
 
 
+def _header(at: common.Line) -> tuple[int, float]:
+    """How many points, and the place of the last in counts. Raises TableError."""
+    words = at.text.split()
+    if len(words) != 2 or not words[0].isdecimal() or int(words[0]) < 2:
+        told = "number of points and place of the last, like 24 -1448819"
+        raise at.fault("not a header of version 1", told)
+    last = at.finite(words[1], "the place of the last point")
+    if not last:
+        raise at.fault("the last point stands at home")
+    return int(words[0]), last
+
+
 def _parsed_counts(
     source: Source, axis: str, home: float, sign: float, options: ExportOptions
 ) -> ErrorTable:
     per_mm = _per_mm(options)
     head, *lines = (at for at in common.numbered(source) if at.text.strip())
-    words = head.text.split()
-    if len(words) != 2 or not words[0].isdecimal() or int(words[0]) < 2:
-        told = "number of points and place of the last, like 24 -1448819"
-        raise head.fault("not a header of version 1", told)
-    count, last = int(words[0]), head.finite(words[1], "the place of the last point")
-    if not last:
-        raise head.fault("the last point stands at home")
+    count, last = _header(head)
     values = [at.finite(at.text, "the correction") for at in lines]
     if len(values) != count:
         end = (lines or [head])[-1].number

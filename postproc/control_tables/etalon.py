@@ -14,7 +14,7 @@ towards -Z.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -127,86 +127,78 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
 
     Raises TableError with file, line and reason for what is no such file.
     """
-    found = Collected(source)
-    name, header, last = "", 0, 1
+    reading = _Reading(Collected(source))
+    for at in volumetric.lines_of(source):
+        reading.take(at)
+    reading.end()
+    return reading.found.map(options)
+
+
+@dataclass
+class _Reading:
+    """A file up to a line. name, header: the section that is open, "" for none, and its line;
+    points: of its Gridpoints, None outside of them; last: the last line read."""
+
+    found: Collected
+    name: str = ""
+    header: int = 0
     points: list[tuple[float, float]] | None = None
-    for number, text in volumetric.lines_of(source):
-        last = number
-        section = re.fullmatch(r"\[(\w+)\]", text)
-        value = re.fullmatch(r"VALUE\s*=\s*(\S+)", text, re.IGNORECASE)
-        if points is not None and text == "}":
-            _keep(found, header, name, points)
-            name, points = "", None
-        elif points is not None:
-            points.append(_point(source, number, text, points))
-        elif section:
-            if name:
-                raise common.fault(
-                    source, number, f"[{name}] has neither VALUE nor Gridpoints", "", text
-                )
-            name, header = section[1], number
-            _check_name(source, number, name, text)
-            found.once(number, name)
-        elif not name:
-            raise common.fault(
-                source,
-                number,
-                "a line outside of a section",
-                "a parameter begins with its name: [EXY]",
-                text,
-            )
-        elif value:
-            _take_value(found, number, name, value[1], text)
-            name = ""
-        elif re.fullmatch(r"Gridpoints\s*=\s*\{", text, re.IGNORECASE):
-            points = []
+    last: int = 1
+
+    def take(self, at: common.Line) -> None:
+        """The next line. Raises TableError where it can not stand there."""
+        self.last = at.number
+        if self.points is not None:
+            self._point(at, self.points)
+        elif section := re.fullmatch(r"\[(\w+)\]", at.text):
+            self._begin(at, section[1])
+        elif not self.name:
+            advice = "a parameter begins with its name: [EXY]"
+            raise at.fault("a line outside of a section", advice)
+        elif value := re.fullmatch(r"VALUE\s*=\s*(\S+)", at.text, re.IGNORECASE):
+            if COMPONENT.fullmatch(self.name):
+                raise at.fault(f"{self.name} is one VALUE: a component needs Gridpoints")
+            self.found.location(self.name, volumetric.value_of(at, value[1]))
+            self.name = ""
+        elif re.fullmatch(r"Gridpoints\s*=\s*\{", at.text, re.IGNORECASE):
+            self.points = []
         else:
-            raise common.fault(source, number, "neither VALUE = .. nor Gridpoints = {", "", text)
-    if points is not None:
-        raise common.fault(
-            source, last, f"the file ends inside the Gridpoints of {name} (line {header})"
-        )
-    if name:
-        raise common.fault(source, header, f"[{name}] has neither VALUE nor Gridpoints")
-    if not found.seen:
-        raise common.fault(source, last, "no parameter stands in this file")
-    return found.map(options)
+            raise at.fault("neither VALUE = .. nor Gridpoints = {")
 
+    def _begin(self, at: common.Line, name: str) -> None:
+        """A section. Raises TableError for a name that is no parameter."""
+        if self.name:
+            raise at.fault(f"[{self.name}] has neither VALUE nor Gridpoints")
+        if not (COMPONENT.fullmatch(name) or LOCATION.fullmatch(name)):
+            raise at.fault(f"{name[:40]!r} is not a parameter", "EXX .. ECC, A0Z B0Z C0Y ..")
+        self.name, self.header = name, at.number
+        self.found.once(at.number, name)
 
-def _take_value(found: Collected, number: int, name: str, value: str, text: str) -> None:
-    """A location. Raises TableError where it is one of a component."""
-    if COMPONENT.fullmatch(name):
-        raise common.fault(
-            found.source, number, f"{name} is one VALUE: a component needs Gridpoints", "", text
-        )
-    found.location(name, volumetric.value_of(found.source, number, value, text))
+    def _point(self, at: common.Line, before: list[tuple[float, float]]) -> None:
+        """A point behind those before, or the end of them."""
+        if at.text == "}":
+            _keep(self.found, self.header, self.name, before)
+            self.name, self.points = "", None
+            return
+        cells = at.text.split()
+        if len(cells) != 2:
+            message = f"{len(cells)} words where an argument and its value must stand"
+            raise at.fault(message, "or a closing } is missing above")
+        argument, value = (volumetric.value_of(at, cell) for cell in cells)
+        if before and argument <= before[-1][0]:
+            raise at.fault(f"{argument:g} does not ascend after {before[-1][0]:g}")
+        before.append((argument, value))
 
-
-def _check_name(source: Source, number: int, name: str, text: str) -> None:
-    """Raises TableError for the name of a section that is no parameter."""
-    if not (COMPONENT.fullmatch(name) or LOCATION.fullmatch(name)):
-        raise common.fault(
-            source,
-            number,
-            f"{name[:40]!r} is not a parameter",
-            "EXX .. ECC, A0Z B0Z C0Y ..",
-            text,
-        )
-
-
-def _point(
-    source: Source, number: int, text: str, before: list[tuple[float, float]]
-) -> tuple[float, float]:
-    cells = text.split()
-    if len(cells) != 2:
-        message = f"{len(cells)} words where an argument and its value must stand"
-        raise common.fault(source, number, message, "or a closing } is missing above", text)
-    argument, value = (volumetric.value_of(source, number, cell, text) for cell in cells)
-    if before and argument <= before[-1][0]:
-        raise common.fault(
-            source, number, f"{argument:g} does not ascend after {before[-1][0]:g}", "", text
-        )
-    return argument, value
+    def end(self) -> None:
+        """Raises TableError where the file is not whole."""
+        source, name = self.found.source, self.name
+        if self.points is not None:
+            message = f"the file ends inside the Gridpoints of {name} (line {self.header})"
+            raise common.fault(source, self.last, message)
+        if name:
+            raise common.fault(source, self.header, f"[{name}] has neither VALUE nor Gridpoints")
+        if not self.found.seen:
+            raise common.fault(source, self.last, "no parameter stands in this file")
 
 
 def _keep(found: Collected, line: int, name: str, points: list[tuple[float, float]]) -> None:

@@ -107,69 +107,57 @@ def _axis(
     points = _points(table, options, both, notices)
     first = options.first.get(axis, free + points.below - 1)
     number = first - points.below + 1
-    low, high = number, number + len(points.up) - 1
-    if f"range_{axis}" in options.extra:
-        low, high = _range(axis, options, low, high)
-    elif axis not in options.first:
-        notices.append(
-            f"{axis}: numbers {low} to {high} were chosen, the reference is {first}: make sure they"
-            f" are free (--first {axis}={first})"
-        )
-    if low < 0 or high > LARGEST_NUMBER:
-        raise TableError(
-            f"{axis} needs the numbers {low} to {high}, and there are 0 to {LARGEST_NUMBER}",
-            f"--first {axis}=N for another reference number",
-        )
-    rest = (
-        {}
-        if options.extra.get("span", "range") == "map"
-        else dict.fromkeys(range(low, high + 1), 0)
-    )
-    numbers = rest | {number + i: int(k) for i, k in enumerate(points.up)}
-    interval = round(points.step / listings.increment(options))
+    low, high = _span(axis, options, first, range(number, number + len(points.up)), notices)
+    zeros = range(0) if options.extra.get("span", "range") == "map" else range(low, high + 1)
+    numbers = _numbered(zeros, number, points.up)
     known: dict[int, float] = {
         3620: first,
         3621: low,
         3622: high,
         3623: points.magnification,
-        3624: interval,
+        3624: round(points.step / listings.increment(options)),
         3625: 0,
+        1851: 0 if both else round(common.play(table) / options.step),
     }
-    known[1851] = 0 if both else round(common.play(table) / options.step)
     if both and (not np.array_equal(points.up, points.down) or points.opposite):
-        start = common.whole(options, f"negative_{axis}", high + 1, 0, LARGEST_NUMBER)
-        if start + high - low > LARGEST_NUMBER or low <= start <= high:
-            raise TableError(
-                f"{axis}: numbers from {start} on for travel in - overlap, or end beyond"
-                f" {LARGEST_NUMBER}",
-                f"--set negative_{axis}=N",
-            )
-        shift = start - low
-        numbers |= {n + shift: 0 for n in rest} | {
-            number + i + shift: int(k) for i, k in enumerate(points.down)
-        }
+        start = _reverse_start(axis, options, low, high)
+        numbers |= _numbered(zeros, number, points.down, start - low)
         known |= {3605: 1, 3626: start, 3627: points.opposite}
         if points.magnification > 1:
             notices.append(
                 f"unverified: 3627 of {axis} is written in detection units, not times 3623"
             )
-    if "rapid_backlash" in options.extra:
-        same = options.extra["rapid_backlash"] == "same"
-        known[1852] = (
-            known[1851] if same else common.whole(options, "rapid_backlash", 0, -9999, 9999)
-        )
+    if options.extra.get("rapid_backlash") == "same":
+        known[1852] = known[1851]
+    elif "rapid_backlash" in options.extra:
+        known[1852] = common.whole(options, "rapid_backlash", 0, -9999, 9999)
     return known, numbers, points.by
+
+
+def _numbered(zeros: range, number: int, increments: np.ndarray, shift: int = 0) -> dict[int, int]:
+    """Compensation numbers with their increments, the first at `number` + `shift`, and 0 elsewhere
+    in the range."""
+    filled = {number + shift + i: int(k) for i, k in enumerate(increments)}
+    return {n + shift: 0 for n in zeros} | filled
+
+
+def _reverse_start(axis: str, options: ExportOptions, low: int, high: int) -> int:
+    """3626. Raises TableError where the numbers for travel in - do not fit beside those for +."""
+    start = common.whole(options, f"negative_{axis}", high + 1, 0, LARGEST_NUMBER)
+    if start + high - low > LARGEST_NUMBER or low <= start <= high:
+        raise TableError(
+            f"{axis}: numbers from {start} on for travel in - overlap, or end beyond"
+            f" {LARGEST_NUMBER}",
+            f"--set negative_{axis}=N",
+        )
+    return start
 
 
 def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list[str]) -> _Points:
     """The axis on even points. Where no spacing is asked for, it is halved before a magnification
     is used: that halves the increments, and keeps the running sum within half a detection unit."""
     home = common.reference(table, options, notices)
-    way = (
-        (1.0 if common.setting(options, "return", "+", ("+", "-")) == "+" else -1.0)
-        if both
-        else 0.0
-    )
+    way = common.sign(options, "return", "+") if both else 0.0
     whole = common.sampled(table, np.union1d(table.nodes, [home]))
     chosen = whole if both else common.mean(whole)
     most = common.whole(options, "points", 128, 2, LARGEST_NUMBER)
@@ -182,19 +170,12 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
         )
         told: list[str] = []
         even, by = common.zeroed(even, home, way, told)
-        step = (
-            float(even.nodes[1] - even.nodes[0]) if len(even.nodes) > 1 else options.spacing or 20.0
-        )
+        step = _step(even, options)
         magnification, up, down = _increments(even, options, home, way)
-        fine = step / 2
-        if (
-            magnification == 1
-            or options.spacing
-            or 2 * len(up) > most
-            or abs(fine / small - round(fine / small)) > 1e-6
-        ):
+        spacing = step / 2
+        halves = abs(spacing / small - round(spacing / small)) <= 1e-6 and 2 * len(up) <= most
+        if magnification == 1 or options.spacing or not halves:
             break
-        spacing = fine
     notices += told
     if magnification > 1:
         notices.append(
@@ -204,16 +185,15 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
             " that, or a smaller --spacing"
         )
     below = round((home - float(even.nodes[0])) / step)
-    return _Points(
-        even,
-        by,
-        step,
-        below,
-        magnification,
-        up,
-        down,
-        _opposite(even, options, home, way) if both else 0,
-    )
+    opposite = _opposite(even, options, home, way)
+    return _Points(even, by, step, below, magnification, up, down, opposite)
+
+
+def _step(even: ErrorTable, options: ExportOptions) -> float:
+    """mm from point to point; of a lone one what was asked for."""
+    if len(even.nodes) > 1:
+        return float(even.nodes[1] - even.nodes[0])
+    return options.spacing or 20.0
 
 
 def _increments(
@@ -243,6 +223,27 @@ def _opposite(even: ErrorTable, options: ExportOptions, home: float, way: float)
     """3627 in detection units: what is added at the reference when it is reached from the other
     side."""
     return round(-float(even.at(np.array([home]), -way)[0]) / options.step)
+
+
+def _span(
+    axis: str, options: ExportOptions, first: int, needed: range, notices: list[str]
+) -> tuple[int, int]:
+    """3621 and 3622 of an axis that needs a range of numbers; first: 3620. Raises TableError where
+    there are none such."""
+    low, high = needed.start, needed.stop - 1
+    if f"range_{axis}" in options.extra:
+        low, high = _range(axis, options, low, high)
+    elif axis not in options.first:
+        notices.append(
+            f"{axis}: numbers {low} to {high} were chosen, the reference is {first}: make sure they"
+            f" are free (--first {axis}={first})"
+        )
+    if low < 0 or high > LARGEST_NUMBER:
+        raise TableError(
+            f"{axis} needs the numbers {low} to {high}, and there are 0 to {LARGEST_NUMBER}",
+            f"--first {axis}=N for another reference number",
+        )
+    return low, high
 
 
 def _range(axis: str, options: ExportOptions, low: int, high: int) -> tuple[int, int]:

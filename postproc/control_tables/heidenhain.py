@@ -23,7 +23,7 @@ import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
-from postproc.control_tables._heidenhain_reading import ENTRIES, UNIT, is_end, layout, read
+from postproc.control_tables._heidenhain_reading import ENTRIES, UNIT, end_of, layout, read
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -188,32 +188,37 @@ def _filled(
     template: str, name: str, letter: str, tables: list[ErrorTable], options: ExportOptions
 ) -> bytes:
     """The template with the rows of `tables` in its columns."""
-    heads = [t.along for t in tables]
-    if any(t.two_way for t in tables):
-        heads.append("BACKLASH")
+    heads = [t.along for t in tables] + ["BACKLASH"] * any(t.two_way for t in tables)
     template = template or _frame(name, heads, options)
     at, columns = layout(template, "the template")
     lines = template.splitlines()
-    said = UNIT.search(lines[0].upper())
+    _check_template(lines[0], dict(columns), heads, options)
+    rows = _rows(columns, _entries(letter, tables, options))
+    end = end_of(template, at)
+    if end is None:
+        raise TableError(
+            "the template has no line [END]", "export the whole table from the control"
+        )
+    newline = "\r\n" if "\r\n" in template else "\n"
+    return (newline.join([*lines[: at + 1], *rows, *lines[end:]]) + newline).encode()
+
+
+def _check_template(
+    head: str, columns: dict[str, int], wanted: list[str], options: ExportOptions
+) -> None:
+    """Raises UsageError for a template of another unit, TableError for one that lacks a column."""
+    said = UNIT.search(head.upper())
     if said and said[1] != NAMES[options.unit]:
         raise UsageError(
             f"the template is in {said[1]}, and the unit is {options.unit}",
             f"--unit {'mm' if said[1] == 'MM' else 'inch'}",
         )
-    known = [c for c, _ in columns]
-    if absent := [wanted for wanted in heads if wanted not in known]:
-        raise TableError(
-            f"the template has no column {absent[0]}: its columns are {', '.join(known)}",
-            "add the column at the control, and export again",
-        )
-    rows = _rows(columns, _entries(letter, tables, options))
-    ends = [i for i, line in enumerate(lines) if i > at and is_end(line)]
-    if not ends:
-        raise TableError(
-            "the template has no line [END]", "export the whole table from the control"
-        )
-    newline = "\r\n" if "\r\n" in template else "\n"
-    return (newline.join([*lines[: at + 1], *rows, *lines[ends[0] :]]) + newline).encode()
+    for name in wanted:
+        if name not in columns:
+            raise TableError(
+                f"the template has no column {name}: its columns are {', '.join(columns)}",
+                "add the column at the control, and export again",
+            )
 
 
 def _entries(letter: str, tables: list[ErrorTable], options: ExportOptions) -> list[dict[str, str]]:

@@ -16,6 +16,7 @@ workpiece_axes of it carry the workpiece, exactly as the surveyor counted them.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -138,25 +139,32 @@ def _groups(found: VolumetricMap) -> dict[tuple[str, str], list[int]]:
 
 def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[str]:
     letter, other = key
-    own = found.axes.get(letter)
     names = [COMPONENTS[row] + letter for row in rows]
-    if not other:
-        assert own is not None
-        heads, cells = [letter, *names], [own.nodes, *own.forward[rows]]
+    if other:
+        heads, cells = [other, letter, *names], _grid(found, letter, other, rows)
     else:
-        grids = [g for g in found.grids if g.letter == letter and g.other == other]
-        every = [g.nodes for g in (*grids, own) if g is not None]
-        # the second axis turns slowest, as in the manual's example
-        q, p = np.meshgrid(
-            np.unique(np.concatenate(every)), np.unique(np.concatenate([g.others for g in grids]))
-        )
-        q, p, none = q.ravel(), p.ravel(), np.zeros(q.size)
-        parts = [g.evaluate(q, p, none) for g in grids]
-        parts += [] if own is None else [own.evaluate(q, none)]
-        values = [sum((v for part in parts if (v := part[k]) is not None), none) for k in rows]
-        heads, cells = [other, letter, *names], [p, q, *values]
+        own = found.axes[letter]
+        heads, cells = [letter, *names], [own.nodes, *own.forward[rows]]
     lines = (" ".join(map(plain, row)) for row in zip(*cells, strict=True))
     return [" ".join(heads), *lines]
+
+
+def _grid(found: VolumetricMap, letter: str, other: str, rows: list[int]) -> list[np.ndarray]:
+    """Columns of a grid, its own table added: the second axis, which turns slowest, as in the
+    manual's example, the first, and the components of `rows`."""
+    grids = [g for g in found.grids if (g.letter, g.other) == (letter, other)]
+    own = [found.axes[letter]] if letter in found.axes else []
+    nodes = [g.nodes for g in grids] + [t.nodes for t in own]
+    first = np.unique(np.concatenate(nodes))
+    second = np.unique(np.concatenate([g.others for g in grids]))
+    q, p = np.tile(first, len(second)), np.repeat(second, len(first))
+    none = np.zeros(q.size)
+    parts = [g.evaluate(q, p, none) for g in grids] + [t.evaluate(q, none) for t in own]
+    return [p, q, *(_sum(parts, k, none) for k in rows)]
+
+
+def _sum(parts: Sequence[Sequence[np.ndarray | None]], k: int, none: np.ndarray) -> np.ndarray:
+    return sum((v for part in parts if (v := part[k]) is not None), none)
 
 
 # -- reading ---------------------------------------------------------------------------------------
@@ -164,12 +172,24 @@ def _table(found: VolumetricMap, key: tuple[str, str], rows: list[int]) -> list[
 
 @dataclass
 class _Block:
-    """One table: where its header stands, its columns, rows with their lines."""
+    """One table: the line of its header, its columns, rows with their lines."""
 
-    line: int
+    at: common.Line
     names: list[str]
     rows: list[list[float]] = field(default_factory=list)
-    lines: list[int] = field(default_factory=list)
+    lines: list[common.Line] = field(default_factory=list)
+
+    def fault(self, message: str, advice: str = "") -> TableError:
+        """What is wrong with the whole table."""
+        return common.fault(self.at.source, self.at.number, message, advice)
+
+    @property
+    def arguments(self) -> list[str]:
+        return [name for name in self.names if len(name) == 1]
+
+    @property
+    def column(self) -> dict[str, np.ndarray]:
+        return dict(zip(self.names, np.array(self.rows).T, strict=True))
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -186,125 +206,116 @@ def read_machine(source: Source, options: ExportOptions) -> VolumetricMap:
     """
     found = Collected(source)
     for block in _blocks(source):
-        data = np.array(block.rows)
-        arguments = [i for i, name in enumerate(block.names) if len(name) == 1]
-        for column, name in enumerate(block.names):
-            if column not in arguments:
-                found.once(block.line, name)
-                _parameter(found, block, name, data, arguments, column)
+        for name, values in block.column.items():
+            if name not in block.arguments:
+                found.once(block.at.number, name)
+                _parameter(found, block, name, values)
     return found.map(options)
 
 
 def _blocks(source: Source) -> list[_Block]:
     blocks: list[_Block] = []
     fresh = True
-    for number, text in volumetric.lines_of(source):
-        cells = text.split()
-        if text.startswith("#"):
-            if text.strip("#-=* "):
+    for at in volumetric.lines_of(source):
+        cells = at.text.split()
+        if at.text.startswith("#"):
+            if at.text.strip("#-=* "):
                 advice = "write the header on a line of its own"
-                raise common.fault(
-                    source, number, "text behind #, which begins a new table", advice, text
-                )
+                raise at.fault("text behind #, which begins a new table", advice)
             fresh = True
         elif fresh:
-            _check_header(source, number, cells, text)
-            blocks.append(_Block(number, cells))
+            _check_header(at, cells)
+            blocks.append(_Block(at, cells))
             fresh = False
         else:
             if len(cells) != len(blocks[-1].names):
                 message = f"{len(cells)} values under {len(blocks[-1].names)} columns"
-                raise common.fault(source, number, message, "blanks part the columns", text)
-            blocks[-1].rows.append(
-                [volumetric.value_of(source, number, cell, text) for cell in cells]
-            )
-            blocks[-1].lines.append(number)
+                raise at.fault(message, "blanks part the columns")
+            blocks[-1].rows.append([volumetric.value_of(at, cell) for cell in cells])
+            blocks[-1].lines.append(at)
     for block in blocks:
         if not block.rows:
-            raise common.fault(source, block.line, "a header without rows")
+            raise block.fault("a header without rows")
     if not blocks:
         raise common.fault(source, 1, "no table stands in this file")
     return blocks
 
 
-def _check_header(source: Source, line: int, names: list[str], text: str) -> None:
+def _check_header(at: common.Line, names: list[str]) -> None:
     for name in names:
         known = name in tuple(XYZ + ROTARY) or any(
             p.fullmatch(name) for p in (COMPONENT, LOCATION, OTHERS)
         )
         if not known:
             advice = "a table begins with a header: X Y Z A B C, EXX .. ECC, A0Z B0Z C0Y .."
-            raise common.fault(
-                source, line, f"{name[:40]!r} is not an argument or parameter", advice, text
-            )
+            raise at.fault(f"{name[:40]!r} is not an argument or parameter", advice)
         if names.count(name) > 1:
-            raise common.fault(source, line, f"{name} heads two columns", "", text)
+            raise at.fault(f"{name} heads two columns")
 
 
-def _parameter(
-    found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int
-) -> None:
+def _parameter(found: Collected, block: _Block, name: str, values: np.ndarray) -> None:
     component = COMPONENT.fullmatch(name)
     if component and component[2] in XYZ:
-        _component(found, block, name, data, arguments, column)
+        _component(found, block, name, values)
     elif component:
         found.notices.append(f"{name}: components of rotary axes are not read")
-    elif np.ptp(data[:, column]) > 0:
-        raise common.fault(
-            found.source,
-            block.line,
-            f"{name} changes from row to row: only a constant is known for it",
-        )
+    elif np.ptp(values) > 0:
+        raise block.fault(f"{name} changes from row to row: only a constant is known for it")
     else:
-        found.location(name, float(data[0, column]))
+        found.location(name, float(values[0]))
 
 
-def _component(
-    found: Collected, block: _Block, name: str, data: np.ndarray, arguments: list[int], column: int
-) -> None:
-    """One component over its arguments; an argument that never changes is none."""
-    letter, letters = name[2], [block.names[i] for i in arguments]
-
-    def fault(line: int, message: str, advice: str = "") -> TableError:
-        return common.fault(found.source, line, message, advice)
-
-    if letter not in letters:
-        raise fault(block.line, f"{name} stands without its argument {letter}")
-    own = arguments[letters.index(letter)]
-    others = []
-    for i in arguments:
-        if i != own and np.ptp(data[:, i]) > 0:
-            others.append(i)
-        elif i != own:
-            found.notices.append(
-                f"{name} is given at {block.names[i]} = {data[0, i]:g} only: taken for all"
-                f" {block.names[i]}"
-            )
-    if len(others) > 1 or (others and block.names[others[0]] in ROTARY):
-        by = " and ".join(block.names[i] for i in others)
-        raise fault(
-            block.line,
-            f"{name} depends on {by} beside {letter}: one more linear axis is known at most",
-        )
-    nodes, first = np.unique(data[:, own], return_inverse=True)
-    second, last = (
-        np.unique(data[:, others[0]], return_inverse=True)
-        if others
-        else (np.zeros(1), np.zeros(len(data), int))
-    )
-    values = np.full((len(nodes), len(second)), np.nan)
-    for row, at in enumerate(zip(first.ravel(), last.ravel(), strict=True)):
-        if not np.isnan(values[at]):
-            raise fault(block.lines[row], f"{name} stands twice at the same place")
-        values[at] = data[row, column]
-    if np.isnan(values).any():
-        message = f"{len(data)} rows are no grid of {len(nodes)} by {len(second)} places"
-        raise fault(block.line, message, "every place of the grid needs its row")
-    if others and len(nodes) == 1:
+def _component(found: Collected, block: _Block, name: str, column: np.ndarray) -> None:
+    """One component over its arguments."""
+    other = _second(found, block, name)
+    nodes, second, values = _placed(block, name, column, other)
+    if other and len(nodes) == 1:
         nodes, values = np.array([nodes[0] - LONE, nodes[0] + LONE]), np.repeat(values, 2, axis=0)
     if len(nodes) < 2:
-        raise fault(block.line, f"{name} has one row: a component needs two")
-    if others:
-        found.grid(name, block.names[others[0]], nodes, second, values)
+        raise block.fault(f"{name} has one row: a component needs two")
+    if other:
+        found.grid(name, other, nodes, second, values)
     else:
         found.component(name, nodes, values[:, 0])
+
+
+def _second(found: Collected, block: _Block, name: str) -> str:
+    """The argument beside its own on which a component depends, "" for none: one that never changes
+    is none. Raises TableError."""
+    letter = name[2]
+    if letter not in block.arguments:
+        raise block.fault(f"{name} stands without its argument {letter}")
+    others = []
+    for x in (x for x in block.arguments if x != letter):
+        if np.ptp(block.column[x]) > 0:
+            others.append(x)
+        else:
+            found.notices.append(
+                f"{name} is given at {x} = {block.column[x][0]:g} only: taken for all {x}"
+            )
+    if len(others) > 1 or set(others) & set(ROTARY):
+        raise block.fault(
+            f"{name} depends on {' and '.join(others)} beside {letter}: one more linear axis is"
+            " known at most"
+        )
+    return "".join(others)
+
+
+def _placed(
+    block: _Block, name: str, column: np.ndarray, other: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places of a component's own argument and of the other, [0] for none, and its values there.
+    Raises TableError where one is missing, or stands twice."""
+    nodes, first = np.unique(block.column[name[2]], return_inverse=True)
+    second, last = np.unique(block.column.get(other, 0 * column), return_inverse=True)
+    places = np.ravel(first) * len(second) + np.ravel(last)
+    once = np.unique(places, return_index=True)[1]
+    for row in np.setdiff1d(np.arange(len(places)), once)[:1]:
+        at = block.lines[row]
+        raise common.fault(at.source, at.number, f"{name} stands twice at the same place")
+    if len(places) < len(nodes) * len(second):
+        raise block.fault(
+            f"{len(places)} rows are no grid of {len(nodes)} by {len(second)} places",
+            "every place of the grid needs its row",
+        )
+    return nodes, second, column[np.argsort(places)].reshape(len(nodes), len(second))

@@ -129,14 +129,7 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
     lines = _lines(source)
     rows: list[list[float]] = []
     for at in lines:
-        words = at.text.split()
-        if len(words) < 3 or not all(_is_number(w) for w in words[:3]):
-            raise at.fault(
-                "not three numbers: LinuxCNC stops reading here and says nothing;"
-                f" {lines[-1].number - at.number} lines below are not loaded",
-                "take out comments, headings and blank lines",
-            )
-        row = [at.finite(w, "the entry") * unit for w in words[:3]]
+        row = _row(at, lines[-1].number - at.number, unit)
         if rows and row[0] <= rows[-1][0]:
             raise at.fault(
                 f"nominal {row[0] / unit:g} does not ascend after {rows[-1][0] / unit:g}",
@@ -153,6 +146,19 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
     if kind == "0":
         return ErrorTable(axis, axis, nominal, forward - nominal, reverse - nominal)
     return ErrorTable(axis, axis, nominal, -forward, -reverse)
+
+
+def _row(at: common.Line, below: int, unit: float) -> list[float]:
+    """Nominal, forward and reverse of a line, mm; below: how many lines follow. Raises
+    TableError."""
+    words = at.text.split()[:3]
+    if len(words) < 3 or not all(map(_is_number, words)):
+        raise at.fault(
+            "not three numbers: LinuxCNC stops reading here and says nothing;"
+            f" {below} lines below are not loaded",
+            "take out comments, headings and blank lines",
+        )
+    return [at.finite(w, "the entry") * unit for w in words]
 
 
 def _is_number(word: str) -> bool:

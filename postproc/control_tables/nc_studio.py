@@ -28,6 +28,7 @@ UNVERIFIED = "the sign"
 SIGN = "+deviation, unverified: by the manual's example of backlash"
 NAME = "axeserr.dat"
 DECIMALS = 4
+UNIT = re.compile(r";?\s*unit\s*=\s*(\S+)", re.IGNORECASE)  # the manual's example has the ;
 NOTICE = (
     "unverified: the sign, which follows from the manual's example of backlash only. Load one axis,"
     " move to a place with a large error and measure: it must be gone, not doubled"
@@ -70,27 +71,21 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     axis, unit, last = "", "", 1
     for at in common.numbered(source):
         text = at.text.strip()
-        # the manual's example has the ; before it
-        told = re.fullmatch(r";?\s*unit\s*=\s*(\S+)", text, re.IGNORECASE)
-        if not text or (text.startswith(";") and not told):
+        if told := UNIT.fullmatch(text):
+            unit = _unit(at, told[1])
+        elif re.fullmatch("|;.*", text):
             continue
-        last = at.number
-        section = re.fullmatch(r"\[\s*([XYZ])\s*\]", text, re.IGNORECASE)
-        if told:
-            if told[1].lower() != "mm":
-                raise at.fault(f"unit {told[1]}: only mm is supported")
-            unit = "mm"
-        elif section:
+        elif section := re.fullmatch(r"\[\s*([XYZ])\s*\]", text, re.IGNORECASE):
             axis = section[1].upper()
             if not unit or axis in rows:
-                raise at.fault(
-                    f"[{axis}] stands before the unit, or twice", "unit = mm comes first"
-                )
+                early = f"[{axis}] stands before the unit, or twice"
+                raise at.fault(early, "unit = mm comes first")
             rows[axis] = []
         elif not axis:
             raise at.fault("a row outside of an axis", "like [X]")
         else:
             rows[axis].append(_row(at, text, rows[axis]))
+        last = at.number
     if min(map(len, rows.values()), default=0) < 2:
         raise common.fault(source, last, "an axis needs two rows at least")
     return [_parsed(x, values, options) for x, values in rows.items()]
@@ -100,6 +95,12 @@ def _parsed(axis: str, rows: list[list[float]], options: ExportOptions) -> Error
     nominal, forward, reverse = np.array(rows).T
     home = options.reference.get(axis, 0.0)
     return ErrorTable(axis, axis, nominal + home, forward, reverse)
+
+
+def _unit(at: common.Line, word: str) -> str:
+    if word.lower() != "mm":
+        raise at.fault(f"unit {word}: only mm is supported")
+    return "mm"
 
 
 def _row(at: common.Line, text: str, above: list[list[float]]) -> list[float]:

@@ -13,12 +13,13 @@ tells, at a tenth of the weight, which is right.
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
-from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head
+from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head, statements
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -45,7 +46,6 @@ EXTRA = {
     "axis_Z": "the control's name of axis Z, AX and its number in XYZ",
 }
 WORD = re.compile(r"\$AN_CEC(_[A-Z_]+)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
-EMPTY = re.compile(r"|%.*|CHANDATA.*|M0", re.IGNORECASE)  # the frame of a file
 KEYS = (
     "_INPUT_AXIS",
     "_OUTPUT_AXIS",
@@ -174,40 +174,62 @@ def _advice(tables: list[ErrorTable], options: ExportOptions, most: int) -> list
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """One table per pair of axes. Raises TableError with the line for gaps, products, modulo, or
     tables that overlap."""
-    unit = common.mm_per_unit(options)
-    sign = _sign(options)
-    values: dict[int, dict[int, float]] = {}
-    heads: dict[int, dict[str, tuple[float, int]]] = {}
-    axes: dict[tuple[int, str], str] = {}
-    places: dict[int, int] = {}
-    ended, line = False, 1
-    for at in common.numbered(source):
-        plain = at.text.split(";")[0].strip()
-        if EMPTY.fullmatch(plain):
-            continue
-        if ended:
-            raise at.fault("text after M17, which ends the file")
-        if plain.upper() in ("M17", "M02", "M30"):
-            ended = True
-            continue
-        key, indices, word = _word(at, plain)
-        t = int(indices[0])
-        places[t] = at.number
-        if key.endswith("_AXIS"):
-            axes[t, key] = word.strip("()\"' ").upper()
-            continue
-        if not key and int(indices[1]) in values.setdefault(t, {}):
-            raise at.fault(f"point {indices[1]} of table {t} stands twice")
-        value = at.finite(word, "the value")
-        if key:
-            heads.setdefault(t, {})[key] = (value, at.number)
-        else:
-            values[t][int(indices[1])] = value * unit * sign
-    if not ended:
-        raise common.fault(source, line, "M17 is missing: the file is not whole")
-    if not values:
+    tables: dict[int, _Table] = {}
+    for at in statements(source):
+        key, (index, *point), word = _word(at, at.text)
+        tables.setdefault(int(index), _Table(source, f"table {index}")).take(at, key, point, word)
+    tables = {t: table for t, table in tables.items() if table.points}
+    if not tables:
         raise common.fault(source, 1, "there is no $AN_CEC[...] in this file")
-    return _joined(source, values, heads, axes, places, unit, options)
+    return _joined(list(tables.values()), options)
+
+
+@dataclass
+class _Table:
+    """What a file says of one table. points: index to value as it stands; head: key to its number
+    and line; axes: key to the control's name; line: the last that names the table."""
+
+    source: Source
+    name: str
+    points: dict[int, float] = field(default_factory=dict)
+    head: dict[str, tuple[float, int]] = field(default_factory=dict)
+    axes: dict[str, str] = field(default_factory=dict)
+    line: int = 1
+
+    def take(self, at: common.Line, key: str, point: list[str], word: str) -> None:
+        """A word of the file; key: "" for a value. Raises TableError."""
+        self.line = at.number
+        if key.endswith("_AXIS"):
+            self.axes[key] = word.strip("()\"' ").upper()
+        elif key:
+            self.head[key] = (at.finite(word, "the value"), at.number)
+        elif int(point[0]) in self.points:
+            raise at.fault(f"point {point[0]} of {self.name} stands twice")
+        else:
+            self.points[int(point[0])] = at.finite(word, "the value")
+
+    def fault(self, message: str, advice: str = "", key: str = "") -> TableError:
+        """What is wrong with the table, or with what stands under a key."""
+        line = self.head[key][1] if key else self.line
+        return common.fault(self.source, line, message, advice)
+
+    def letter(self, key: str, options: ExportOptions) -> str:
+        """The axis of a key. Raises TableError where it is missing or not known."""
+        if key not in self.axes:
+            raise self.fault(f"{key[1:]} of {self.name} is missing")
+        return _letter(self.source, self.axes[key], self.line, options)
+
+    def way(self) -> str:
+        """DIRECTION. Raises TableError for another than 0, 1, -1, and for a product."""
+        if self.head.get("_MULT_BY_TABLE", (0.0, 0))[0]:
+            raise self.fault(
+                f"{self.name} is multiplied by another: not read", key="_MULT_BY_TABLE"
+            )
+        way = f"{self.head.get('_DIRECTION', (0.0, 0))[0]:g}"
+        if way not in ("0", "1", "-1"):
+            message = f"DIRECTION of {self.name} is {way}, not 0, 1 or -1"
+            raise self.fault(message, key="_DIRECTION")
+        return way
 
 
 def _word(at: common.Line, plain: str) -> tuple[str, list[str], str]:
@@ -223,47 +245,26 @@ def _word(at: common.Line, plain: str) -> tuple[str, list[str], str]:
     return key, indices, found[3]
 
 
-def _joined(source, values, heads, axes, places, unit, options) -> list[ErrorTable]:
+def _joined(tables: list[_Table], options: ExportOptions) -> list[ErrorTable]:
     """Tables of the same two axes made one: DIRECTION 1 forward, -1 reverse, 0 both."""
+    unit, sign = common.mm_per_unit(options), _sign(options)
     columns: dict[tuple[str, str], dict[str, tuple[np.ndarray, np.ndarray]]] = {}
-    for t, points in values.items():
-        head, name = heads.get(t, {}), f"table {t}"
-        nodes = even_head(source, name, head, len(points), places[t], unit)
-        if sorted(points) != list(range(len(points))):
-            raise common.fault(
-                source, places[t], f"table {t} has a gap: the control keeps what stood there before"
-            )
-        way = _way(source, t, head)
-        pair = []
-        for key in ("_INPUT_AXIS", "_OUTPUT_AXIS"):
-            if (t, key) not in axes:
-                raise common.fault(source, places[t], f"{key[1:]} of table {t} is missing")
-            pair.append(_letter(source, axes[t, key], places[t], options))
-        known = columns.setdefault((pair[0], pair[1]), {})
-        if way in known or ("0" in known) or (way == "0" and known):
-            raise common.fault(
-                source,
-                places[t],
-                f"table {t} acts from {pair[0]} on {pair[1]} in a direction that another has"
+    for table in tables:
+        count = len(table.points)
+        nodes = even_head(table.source, table.name, table.head, count, table.line, unit)
+        if sorted(table.points) != list(range(count)):
+            raise table.fault(f"{table.name} has a gap: the control keeps what stood there before")
+        way = table.way()
+        moving, along = (table.letter(key, options) for key in ("_INPUT_AXIS", "_OUTPUT_AXIS"))
+        known = columns.setdefault((moving, along), {})
+        if way in known or "0" in known or (way == "0" and known):
+            raise table.fault(
+                f"{table.name} acts from {moving} on {along} in a direction that another has"
                 " already",
                 "give their sum",
             )
-        known[way] = nodes, np.array([points[i] for i in range(len(points))])
+        known[way] = nodes, np.array([table.points[i] for i in range(count)]) * unit * sign
     return [_of_ways(moving, along, ways) for (moving, along), ways in columns.items()]
-
-
-def _way(source, t: int, head: dict[str, tuple[float, int]]) -> str:
-    """DIRECTION of a table. Raises TableError for another than 0, 1, -1, and for a product."""
-    if head.get("_MULT_BY_TABLE", (0.0, 0))[0]:
-        raise common.fault(
-            source, head["_MULT_BY_TABLE"][1], f"table {t} is multiplied by another: not read"
-        )
-    way = f"{head.get('_DIRECTION', (0.0, 0))[0]:g}"
-    if way not in ("0", "1", "-1"):
-        raise common.fault(
-            source, head["_DIRECTION"][1], f"DIRECTION of table {t} is {way}, not 0, 1 or -1"
-        )
-    return way
 
 
 def _of_ways(moving: str, along: str, ways: dict[str, tuple[np.ndarray, np.ndarray]]) -> ErrorTable:

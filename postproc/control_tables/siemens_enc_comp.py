@@ -10,6 +10,7 @@ the reference point. Not direction dependent: the mean of both directions is wri
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -29,6 +30,7 @@ EXTRA = {
     "channel": "1",
 }
 DECIMALS = {"mm": 5, "inch": 7}
+FRAME = re.compile(r"|%.*|CHANDATA.*|M0", re.IGNORECASE)
 WORD = re.compile(
     r"\$AA_ENC_COMP(_STEP|_MIN|_MAX|_IS_MODULO)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE
 )
@@ -107,23 +109,31 @@ def _held(written: ErrorTable, notices: list[str]) -> None:
         )
 
 
+def statements(source: Source) -> Iterator[common.Line]:
+    """The lines between the frame of a file and its M17, without comments. Raises TableError where
+    M17 is missing or is not the end."""
+    ended = False
+    for at in common.numbered(source):
+        plain = at.text.split(";")[0].strip()
+        if FRAME.fullmatch(plain):
+            continue
+        if ended:
+            raise at.fault("text after M17, which ends the file")
+        ended = plain.upper() in ("M17", "M02", "M30")
+        if not ended:
+            yield at._replace(text=plain)
+    if not ended:
+        raise common.fault(source, at.number, "M17 is missing: the file is not whole")
+
+
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     """One table per axis. Raises TableError with the line for gaps, a STEP that does not fit,
     modulo tables or no M17."""
     unit = common.mm_per_unit(options)
     values: dict[str, dict[int, tuple[float, int]]] = {}
     heads: dict[str, dict[str, tuple[float, int]]] = {}
-    ended = False
-    for at in common.numbered(source):
-        plain = at.text.split(";")[0].strip()
-        if ended and plain:
-            raise at.fault("text after M17, which ends the file")
-        if not plain or plain.startswith("%") or plain.upper().startswith("CHANDATA"):
-            continue
-        if plain.upper() in ("M17", "M02", "M30"):
-            ended = True
-            continue
-        key, inside, value = _word(at, plain)
+    for at in statements(source):
+        key, inside, value = _word(at, at.text)
         name = inside[-1].upper()
         if key:
             heads.setdefault(name, {})[key] = (value, at.number)
@@ -134,10 +144,6 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
         if int(inside[1]) in points:
             raise at.fault(f"point {inside[1]} of {name} stands twice")
         points[int(inside[1])] = (value * unit, at.number)
-    if not ended:
-        raise common.fault(
-            source, len(common.numbered(source)), "M17 is missing: the file is not whole"
-        )
     if not values:
         raise common.fault(source, 1, "there is no $AA_ENC_COMP[...] in this file")
     return [

@@ -10,7 +10,7 @@ import csv
 import itertools
 import math
 import re
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -40,38 +40,49 @@ def read_columns(
     Blocks in which every cell is a number are read at once; a block with anything else in it is
     read cell by cell.
     """
-    texts = TEXTS if kind == "features" else set()
-    known = needed | texts | {n for n in names if OPTIONAL.fullmatch(n)}
-    if kind == "features":
-        return _columns(
-            names,
-            texts,
-            [
-                _cells_of_all(
-                    source, lines, top + 1, len(lines), names, needed, known, texts, strict
-                )
-            ],
-            lines,
-            source,
-        )
-    parts = []
-    for first in range(top + 1, len(lines), BLOCK):
-        stop = min(first + BLOCK, len(lines))
-        table = _all_numbers(lines[first:stop], names, needed)
-        part = (
-            (table, np.arange(first + 1, stop + 1), [], set(), [])
-            if table is not None
-            else _cells_of_all(source, lines, first, stop, names, needed, known, texts, strict)
-        )
-        if part[3]:  # a column of words is words in every block
-            parts = [
-                _cells_of_all(
-                    source, lines, top + 1, len(lines), names, needed, known, texts, strict
-                )
-            ]
+    table = _Table(source, lines, names, needed, TEXTS if kind == "features" else set(), strict)
+    whole = range(top + 1, len(lines))
+    if table.texts:
+        return _columns(table, [_cells_of_all(table, whole)])
+    parts: list[_Part] = []
+    for span in (whole[i : i + BLOCK] for i in range(0, len(whole), BLOCK)):
+        numbers = _all_numbers(lines[span.start : span.stop], names, needed)
+        if numbers is not None:
+            parts.append(_Part(numbers, np.arange(span.start + 1, span.stop + 1)))
+            continue
+        parts.append(_cells_of_all(table, span))
+        if parts[-1].words:  # a column of words is words in every block
+            parts = [_cells_of_all(table, whole)]
             break
-        parts.append(part)
-    return _columns(names, texts, parts, lines, source)
+    return _columns(table, parts)
+
+
+@dataclass(frozen=True)
+class _Table:
+    """The lines of a table. names: its columns; needed: those that every row must fill; texts:
+    those that are words; strict: whether a row that can not be used is an error."""
+
+    source: Source
+    lines: list[str]
+    names: list[str]
+    needed: set[str]
+    texts: set[str]
+    strict: bool
+
+    def is_known(self, name: str) -> bool:
+        return name in self.needed or name in self.texts or bool(OPTIONAL.fullmatch(name))
+
+
+@dataclass
+class _Part:
+    """Some rows. numbers: (N, C); at: (N,) their lines; faults: rows left out; words: columns that
+    turned out to be words; raw: the cells, of a part that was read cell by cell."""
+
+    numbers: np.ndarray
+    at: np.ndarray
+    faults: list[Fault] = field(default_factory=list)
+    words: set[str] = field(default_factory=set)
+    raw: list[list[str]] = field(default_factory=list)
 
 
 def _with_nan(text: str) -> str:
@@ -98,93 +109,97 @@ def _all_numbers(block: list[str], names: list[str], needed: set[str]) -> np.nda
     return None if np.isnan(table[:, wanted]).any() else table
 
 
-def _cells_of_all(source, lines, first, stop, names, needed, known, texts, strict):
-    """Of lines[first:stop], cell by cell: (N, C) numbers, their lines, rows left out, columns of
-    words, and the cells."""
-    words: set[str] = set()
-    raw: list[list[str]] = []
-    rows: list[list[Any]] = []
+def _cells_of_all(table: _Table, span: range) -> _Part:
+    """Some of a table's lines, cell by cell."""
+    part = _Part(np.zeros(0), np.zeros(0))
+    rows: list[list[float]] = []
     at: list[int] = []
-    faults: list[Fault] = []
-    for number in range(first + 1, stop + 1):
-        line = lines[number - 1]
+    for i in span:
+        line = table.lines[i]
         if not line.strip() or line.startswith("#"):
             continue
-        place = Place(source.name, number, line)
+        place = Place(table.source.name, i + 1, line)
         cells = [cell.strip() for cell in cells_of(line, place)]
-        if cells == names:
+        if cells == table.names:
             raise RecordingError(
                 "the header row stands here a second time: these are two recordings in one file",
                 "cut the file in two, and name both", place,
             )  # fmt: skip
-        wrong: Fault | None = None
-        if len(cells) != len(names):
-            wrong = Fault(number, "", f"{len(cells)} values under {len(names)} columns")
-            cells = (cells + [""] * len(names))[: len(names)]
-        row: list[float] = []
-        for name, cell in zip(names, cells, strict=True):
-            found = None if name in texts else text.number(cell)
-            row.append(math.nan if found is None else found)
-            if name in texts or found is not None:
-                continue
-            blank = cell.lower() in ("", "nan")
-            if not blank and name not in known:
-                words.add(name)
-            elif name in needed or not blank:
-                wrong = wrong or _no_number(number, name, cell)
-        if wrong is not None:
-            if strict:
-                raise RecordingError(
-                    wrong.message,
-                    "every row needs a number in every needed column; --lenient leaves such"
-                    " rows out",
-                    place,
-                )
-            faults.append(wrong)
-            continue
-        rows.append(row)
-        raw.append(cells)
-        at.append(number)
-    return (
-        np.array(rows, np.float64).reshape(len(rows), len(names)),
-        np.array(at, np.int64),
-        faults,
-        words,
-        raw,
-    )
+        row, wrong = _numbers(table, i + 1, cells, part.words)
+        if wrong is None:
+            rows.append(row)
+            part.raw.append(cells)
+            at.append(i + 1)
+        elif table.strict:
+            raise RecordingError(
+                wrong.message,
+                "every row needs a number in every needed column; --lenient leaves such rows out",
+                place,
+            )
+        else:
+            part.faults.append(wrong)
+    part.numbers = np.array(rows, np.float64).reshape(len(rows), len(table.names))
+    part.at = np.array(at, np.int64)
+    return part
 
 
-def _no_number(line: int, name: str, cell: str) -> Fault:
+def _numbers(
+    table: _Table, line: int, cells: list[str], words: set[str]
+) -> tuple[list[float], Fault | None]:
+    """The numbers of a row, NaN for a cell that is none, and what is wrong with it. Adds to `words`
+    the unknown columns in which it has a word."""
+    wrong: Fault | None = None
+    if len(cells) != len(table.names):
+        wrong = Fault(line, "", f"{len(cells)} values under {len(table.names)} columns")
+    row = []
+    for name, cell in itertools.zip_longest(table.names, cells[: len(table.names)], fillvalue=""):
+        found = text.number(cell)
+        row.append(math.nan if found is None else found)
+        if found is None:
+            wrong = wrong or _no_number(table, line, name, cell, words)
+    return row, wrong
+
+
+def _no_number(table: _Table, line: int, name: str, cell: str, words: set[str]) -> Fault | None:
+    """What is wrong with a cell that is no number."""
+    blank = cell.lower() in ("", "nan")
+    if name in table.texts or (blank and name not in table.needed):
+        return None
+    if not blank and not table.is_known(name):
+        words.add(name)
+        return None
     return Fault(line, name, f"{name} = {cell!r} is not a number" if cell else f"{name} is empty")
 
 
-def _no_row(source: Source, faults: list[Fault], lines: list[str]) -> RecordingError:
+def _no_row(table: _Table, faults: list[Fault]) -> RecordingError:
     """What is said where no row is left."""
     if not faults:
-        return source.fault(len(lines), "there are no rows")
+        return table.source.fault(len(table.lines), "there are no rows")
     line = faults[0].line
-    return source.fault(
+    return table.source.fault(
         line,
         f"no row can be used: {faults[0].message}, and all {len(faults)} rows are of that kind",
         "look at the columns and at how numbers are written",
-        lines[line - 1],
+        table.lines[line - 1],
     )
 
 
-def _columns(names, texts, parts, lines, source):
+def _columns(
+    table: _Table, parts: list[_Part]
+) -> tuple[dict[str, np.ndarray], np.ndarray, list[Fault]]:
     """The parts as columns. Raises RecordingError where no row is left."""
-    faults = list(itertools.chain.from_iterable(part[2] for part in parts))
-    at = np.concatenate([np.zeros(0, np.int64), *(part[1] for part in parts)]).astype(np.int64)
+    faults = list(itertools.chain.from_iterable(part.faults for part in parts))
+    at = np.concatenate([np.zeros(0, np.int64), *(part.at for part in parts)]).astype(np.int64)
     if not len(at):
-        raise _no_row(source, faults, lines)
-    words = set().union(*(part[3] for part in parts)) | texts
+        raise _no_row(table, faults)
+    words = table.texts.union(*(part.words for part in parts))
     columns = {
         name: (
-            np.array([row[i] for part in parts for row in part[4]], dtype=object)
+            np.array([row[i] for part in parts for row in part.raw], dtype=object)
             if name in words
-            else np.concatenate([part[0][:, i] for part in parts])
+            else np.concatenate([part.numbers[:, i] for part in parts])
         )
-        for i, name in enumerate(names)
+        for i, name in enumerate(table.names)
     }
     return columns, at, faults
 

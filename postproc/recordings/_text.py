@@ -28,26 +28,26 @@ THERE = {"fwd", "forward", "f", "go", "hin"}
 BACK = {"rev", "reverse", "return", "back", "backward", "bwd", "r", "her", "rück", "zurück"}
 
 
-def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, str]:
-    """The text and the encoding it was read in: UTF-8, UTF-16 with its mark, then `tries`.
+def decoded(source: Source, tries: Sequence[str] = ("cp1252",)) -> tuple[str, list[str]]:
+    """The text, of UTF-8, UTF-16 with its mark, then `tries`, and a notice where it took these.
 
     Raises RecordingError with the line of the first byte that is none of them.
     """
     for mark, name in BOMS.items():
         if source.data.startswith(mark):
             try:
-                return source.data.decode(name), name
+                return source.data.decode(name), []
             except UnicodeDecodeError:
                 raise source.fault(
                     1, "the file begins as UTF-16 and does not go on as it", "save it as UTF-8"
                 ) from None
     try:
-        return source.data.decode("utf-8-sig"), "utf-8"
+        return source.data.decode("utf-8-sig"), []
     except UnicodeDecodeError as error:
         first = error.start
     for name in tries:
         try:
-            return source.data.decode(name), name
+            return source.data.decode(name), [f"the text is not UTF-8: read as {name}"]
         except UnicodeDecodeError:
             continue
     line = source.data.count(b"\n", 0, first) + 1
@@ -85,25 +85,32 @@ def _sign_in(plain: str) -> str:
     return "point" if "." in plain and NUMBER.fullmatch(plain) else ""
 
 
-def decimal_of(cells: Iterable[str], told: str = "") -> tuple[str, str]:
+def decimal_of(
+    source: Source,
+    cells: Iterable[tuple[int, str]],
+    told: str,
+    advice: str = "say --set decimal=. or --set decimal=,",
+) -> tuple[str, list[str]]:
     """The decimal sign of a file's cells, "." or ",", and a notice where it had to be taken from
     little.
 
-    told: what the user says. Raises ValueError with both examples where a file has both.
+    cells: each with its line; told: what the user says. Raises RecordingError with both examples
+    where a file has both.
     """
     if told:
-        return told, ""
-    first: dict[str, str] = {}
-    for cell in cells:
+        return told, []
+    first: dict[str, tuple[int, str]] = {}
+    for line, cell in cells:
         plain = cell.strip().replace("\u2212", "-")
         if kind := _sign_in(plain):
-            first.setdefault(kind, plain)
-    comma = first.get("comma", first.get("thousands"))
+            first.setdefault(kind, (line, plain))
+    line, comma = first.get("comma", first.get("thousands", (1, "")))
     if comma and "point" in first:
-        raise ValueError(f"{comma} has a decimal comma and {first['point']} a decimal point")
+        both = f"{comma} has a decimal comma and {first['point'][1]} a decimal point"
+        raise source.fault(line, f"decimal commas and points are mixed: {both}", advice)
     if comma and "comma" not in first:
-        return ",", f"{comma} is read as {comma.replace(',', '.')}, with a decimal comma"
-    return ("," if comma else "."), ""
+        return ",", [f"{comma} is read as {comma.replace(',', '.')}, with a decimal comma"]
+    return ("," if comma else "."), []
 
 
 def direction(text: str) -> tuple[int, bool] | None:
@@ -164,9 +171,9 @@ def _moment(
         ) from None
 
 
-def wrong_run(run: float) -> str:
-    """What is wrong with the number of a run; "" where nothing is."""
-    right = run == int(run) and 1 <= run <= 1e6
+def wrong_run(run: float | None) -> str:
+    """What is wrong with the number of a run; "" where nothing is, and for None."""
+    right = run is None or (run == int(run) and 1 <= run <= 1e6)
     return "" if right else f"run {run:g} is not a whole number from 1 on"
 
 
@@ -214,7 +221,7 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     Raises RecordingError where no sign does, or where decimal commas and points are mixed.
     """
     lines = _filled_lines(source, text)
-    sign = delimiter or _delimiter([line for _, line in lines])
+    sign = delimiter or _delimiter(lines)
     if not sign:
         alike = "this is no table: no tab, semicolon, bar or comma splits its lines alike"
         raise source.fault(next((i for i, _ in lines), 1), alike, "save it as CSV")
@@ -222,8 +229,13 @@ def table(source: Source, text: str, decimal: str = "", delimiter: str = "") -> 
     rows = [(i, cells) for i, cells in every if any(cells)]
     if not rows:
         raise source.fault(1, "the table has no filled cell")
-    found, notice = _decimal(source, rows, decimal)
-    return Table(rows, sign, found, (notice,) if notice else ())
+    found, notices = decimal_of(
+        source,
+        ((i, cell) for i, cells in rows for cell in _numbers(cells)),
+        decimal,
+        "write all numbers alike; say --set decimal=. or --set decimal=,",
+    )
+    return Table(rows, sign, found, tuple(notices))
 
 
 def _filled_lines(source: Source, text: str) -> list[tuple[int, str]]:
@@ -234,18 +246,6 @@ def _filled_lines(source: Source, text: str) -> list[tuple[int, str]]:
         if len(line) > LONGEST_LINE:
             raise source.fault(i, f"a line of {len(line):,} characters is no row of a table")
     return lines
-
-
-def _decimal(source: Source, rows: list[tuple[int, list[str]]], told: str) -> tuple[str, str]:
-    """The decimal sign, and a notice. Raises RecordingError where both are used."""
-    try:
-        return decimal_of((cell for _, cells in rows for cell in _numbers(cells)), told)
-    except ValueError as error:
-        raise source.fault(
-            next((i for i, cells in rows if any(map(COMMA.fullmatch, cells))), 1),
-            f"decimal commas and points are mixed: {error}",
-            "write all numbers alike; say --set decimal=. or --set decimal=,",
-        ) from None
 
 
 def _numbers(cells: list[str]) -> list[str]:
@@ -259,11 +259,11 @@ def _numbers(cells: list[str]) -> list[str]:
     return alike if len(alike) > 1 else []
 
 
-def _delimiter(lines: list[str]) -> str:
+def _delimiter(lines: list[tuple[int, str]]) -> str:
     best, most = "", 0
     for sign in DELIMITERS:
         counts: Counter[int] = Counter()
-        for line in lines:
+        for _, line in lines:
             try:
                 counts[len(next(csv.reader([line], delimiter=sign)))] += 1
             except (csv.Error, StopIteration):

@@ -38,6 +38,7 @@ BROKEN = (  # what zipfile, zlib and the XML parser say of damage, and what a pa
     RuntimeError,
 )
 TIMES = {*range(14, 23), 45, 46, 47}
+LONG = re.compile(r"-?[0-9.]+[eE][-+]?[0-9]+|-?[0-9]+\.[0-9]{12,}")
 CELL = re.compile(r"([A-Z]{1,3})([0-9]{1,7})")
 
 
@@ -180,14 +181,16 @@ def _value(
     kind = cell.get("t", "n")
     if kind == "inlineStr":
         inline = cell.find(f"{MAIN}is")
-        return _joined(inline) if inline is not None else ""
-    value = cell.findtext(f"{MAIN}v") or ""
+        return "" if inline is None else _joined(inline)
+    value = cell.findtext(f"{MAIN}v", "")
     if kind == "s" and value:
         return strings[int(value)]
+    if kind != "n" or not value:
+        return value
     style = int(cell.get("s", "0"))
-    if kind == "n" and value and style < len(times) and times[style]:
+    if any(times[style : style + 1]):
         moment = first + datetime.timedelta(milliseconds=round(float(value) * 86_400_000))
         return moment.isoformat(timespec="milliseconds" if moment.microsecond else "auto")
-    if kind == "n" and re.fullmatch(r"-?[0-9.]+[eE][-+]?[0-9]+|-?[0-9]+\.[0-9]{12,}", value):
+    if LONG.fullmatch(value):
         return f"{float(value):.12g}"  # binary fractions are saved with all their digits
     return value

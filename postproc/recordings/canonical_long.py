@@ -78,11 +78,9 @@ def _components(rows: list[Row]) -> list[str]:
 
 def _rows(source: Source, options: ReadingOptions) -> tuple[list[Row], list[str]]:
     """The rows, checked; those that can not be used with their fault, where not strict."""
-    content, encoding = text.decoded(source)
+    content, odd = text.decoded(source)
     table = text.table(source, content, text.told_decimal(options.extra))
-    notices = list(table.notices)
-    if encoding == "cp1252":
-        notices.append("the text is not UTF-8: read as cp1252")
+    notices = [*table.notices, *odd]
     names = _names(source, table)
     rows = []
     for number, row in table.rows[1:]:

@@ -13,8 +13,8 @@ import re
 
 import numpy as np
 
-from postproc.errors import Place, UsageError
-from postproc.recordings import ReadingOptions, Recording, RecordingError, Source
+from postproc.errors import UsageError
+from postproc.recordings import ReadingOptions, Recording, Source
 from postproc.recordings import _text as text
 from postproc.recordings import _units as units
 from postproc.units import UM
@@ -25,6 +25,7 @@ EXTRA = {"joints": "letters of joints 0, 1, 2 ...: XYZ, or XZ on a lathe"}
 HEAD = re.compile(r"Sampling period is\s+([0-9]+)\s*ns\s*")
 VALUE = r"([^\s]+)\s+([-+]?[0-9]+(?:[.,][0-9]+)?)"
 PAIR = re.compile(rf"\s*{VALUE}(?=\s|$)")
+PAIRS = re.compile(rf"(?:{PAIR.pattern})+\s*")
 PINS = (
     ("joint.{}.pos-cmd", "joint.{}.pos-fb"),
     ("joint.{}.motor-pos-cmd", "joint.{}.motor-pos-fb"),
@@ -79,20 +80,17 @@ def _samples(
     names: list[str] = []
     values, at = [], []
     for number, line in lines:
+        if not PAIRS.fullmatch(line):
+            message = "this line is not pins and values by turns"
+            raise source.fault(number, message, "joint.0.pos-cmd +1.250", line)
         pairs = PAIR.findall(line)
-        place = Place(source.name, number, line)
-        if not pairs or PAIR.sub("", line).strip():
-            raise RecordingError(
-                "this line is not pins and values by turns", "joint.0.pos-cmd +1.250", place
-            )
         mine = [name for name, _ in pairs]
         names = names or mine
         if (number, mine) == (lines[-1][0], names[: len(mine)]) and len(mine) < len(names):
             break  # the log's last sample may stop short
         if mine != names:
-            raise RecordingError(
-                f"{len(mine)} pins here, and {len(names)} before: {', '.join(names)}", "", place
-            )
+            many = f"{len(mine)} pins here, and {len(names)} before: {', '.join(names)}"
+            raise source.fault(number, many, "", line)
         values.append([float(value.replace(",", ".")) for _, value in pairs])
         at.append(number)
     if len(values) < 2:
@@ -110,13 +108,18 @@ def _take_joints(found: dict[str, str], names: list[str], letters: str) -> None:
                 found.update({f"{x}_cmd_mm": pins[0], f"{x}_act_mm": pins[1]})
 
 
-def _mapped(source: Source, names: list[str], options: ReadingOptions) -> dict[str, str]:
-    """Column of the recording to pin: as the user says, else the joints' own pins."""
-    for column, pin in options.columns.items():
+def _check_columns(source: Source, names: list[str], columns: dict[str, str]) -> None:
+    """Raises UsageError for a column that no trace has, or a pin that the file has not."""
+    for column, pin in columns.items():
         if not COLUMN.fullmatch(column):
             raise UsageError(f"--column {column}=... is no column of a trace", "X_cmd_mm, X_act_mm")
         if pin not in names:
             raise UsageError(f"{source.name} has no pin {pin}", f"its pins: {', '.join(names)}")
+
+
+def _mapped(source: Source, names: list[str], options: ReadingOptions) -> dict[str, str]:
+    """Column of the recording to pin: as the user says, else the joints' own pins."""
+    _check_columns(source, names, options.columns)
     found = dict(options.columns)
     letters = options.extra.get("joints", "").upper()
     if letters and not re.fullmatch(r"[XYZABC]{1,6}", letters):

@@ -74,11 +74,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     are open."""
     if options.layout and options.layout not in LAYOUTS:
         raise UsageError(f"--layout {options.layout} is not known", f"one of {', '.join(LAYOUTS)}")
-    content, encoding = text.decoded(source)
+    content, odd = text.decoded(source)
     table = text.table(source, content, text.told_decimal(options.extra))
-    notices = list(table.notices)
-    if encoding == "cp1252":
-        notices.append("the text is not UTF-8: read as cp1252")
+    notices = [*table.notices, *odd]
     columns = _long(table)
     if options.layout == "long" or (columns is not None and not options.layout):
         return _read_long(source, options, table, columns, notices)
@@ -172,15 +170,15 @@ class Row:
 
 def _row(line: int, cells: list[str], at: dict[str, int], titles: list[str], decimal: str) -> Row:
     """One reading; titles: the headings."""
-    cell = {what: cells[j] if j < len(cells) else "" for what, j in at.items()}
-    numbers = {what: text.number(cell[what], decimal) for what in ("target", "run", "value")}
-    way = text.direction(cell["direction"]) if "direction" in at else (0, False)
+    cells = cells + [""] * len(titles)
+    cell = {what: cells[j] for what, j in at.items()}
+    target, run, value = (text.number(cell[what], decimal) for what in ("target", "run", "value"))
+    numbers = {"target": target, "run": run, "value": value}
+    way = text.direction(cell.get("direction", ""))
     column = next((what for what, number in numbers.items() if number is None), "")
     if column:
         wrong = f"{titles[at[column]]!r} is not a number"
-    else:
-        wrong = text.wrong_run(numbers["run"] or 0.0)
-    if not wrong and way is None:
+    elif not (wrong := text.wrong_run(run)) and way is None and "direction" in at:
         wrong = f"{cell['direction']!r} is no direction, like +, -, up, down, forward, reverse"
     return Row(line, numbers, *(way or (0, False)), cell.get("time", ""), wrong, column)
 

@@ -71,8 +71,7 @@ def _readings(found, scale: float, columns: dict[str, float]) -> targets.Reading
 def read(source: Source, options: ReadingOptions) -> Recording:
     """Raises RecordingError with the line for what is not a number, and where axis or unit are
     open."""
-    content, encoding = text.decoded(source)
-    notices = ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
+    content, notices = text.decoded(source)
     lines = text.lines_of(content)
     top = _top(source, lines)
     weather = next(
@@ -145,16 +144,21 @@ def _rows(source: Source, lines: list[str], top: int, end: int) -> list[tuple[in
     return rows
 
 
-def _decimal(cells: list[str], options, at: Place) -> tuple[str, str]:
-    """The decimal sign, and a notice. Raises RecordingError where both are used."""
-    try:
-        return text.decimal_of(cells, text.told_decimal(options.extra))
-    except ValueError as error:
+def _columns(headings: list[str], at: Place, notices: list[str]) -> list[_sheet.Column]:
+    """The columns of the runs. Raises RecordingError where there are none, or one twice."""
+    columns: dict[int, _sheet.Column] = {}
+    for j, title in enumerate(headings[1:], 1):
+        if RUN.match(title):
+            if _run(title) in columns:
+                raise RecordingError(f"RUN {_run(title)} heads two columns", "", at)
+            columns[_run(title)] = _sheet.Column(j, title, 0, False)
+        elif title and not AVERAGE.match(title):
+            notices.append(f"the column {title!r} is neither a run nor the average: left out")
+    if not columns:
         raise RecordingError(
-            f"decimal commas and points are mixed: {error}",
-            "say --set decimal=. or --set decimal=,",
-            at,
-        ) from None
+            "there is no column RUN 1", "the readings stand in columns RUN 1, RUN 2, ...", at
+        )
+    return list(columns.values())
 
 
 def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, text.Table]:
@@ -164,24 +168,12 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
     at = Place(source.name, top + 1, lines[top])
     if not body:
         raise RecordingError("there are no rows below Target Position", "", at)
-    decimal, notice = _decimal([c for _, r in body for c in r], options, at)
-    if notice:
-        notices.append(notice)
-    columns: list[_sheet.Column] = []
-    for j, title in enumerate(headings[1:], 1):
-        if run := RUN.match(title):
-            if any(_run(c.title) == int(run[1]) for c in columns):
-                raise RecordingError(f"RUN {run[1]} heads two columns", "", at)
-            columns.append(_sheet.Column(j, title, 0, False))
-        elif title and not AVERAGE.match(title):
-            notices.append(f"the column {title!r} is neither a run nor the average: left out")
-    if not columns:
-        raise RecordingError(
-            "there is no column RUN 1", "the readings stand in columns RUN 1, RUN 2, ...", at
-        )
-    return _sheet.Sheet(body, headings, 0, columns, [], [], top + 1), text.Table(
-        body, "\t", decimal
-    )
+    cells = ((line, cell) for line, row in body for cell in row)
+    decimal, more = text.decimal_of(source, cells, text.told_decimal(options.extra))
+    notices += more
+    columns = _columns(headings, at, notices)
+    sheet = _sheet.Sheet(body, headings, 0, columns, [], [], top + 1)
+    return sheet, text.Table(body, "\t", decimal)
 
 
 def _unit(source: Source, sheet: _sheet.Sheet, lines: list[str], top: int) -> units.Unit | None:
@@ -199,19 +191,26 @@ def _unit(source: Source, sheet: _sheet.Sheet, lines: list[str], top: int) -> un
     return next(iter(said.values()), None)
 
 
+def _means(found, runs: int) -> tuple[dict[int, float], float]:
+    """Line to the mean of its readings, of the rows that have one of each run; and the range of all
+    readings."""
+    own: dict[int, list[float]] = {}
+    for _, line, _, value in found:
+        own.setdefault(line, []).append(value)
+    spread = float(np.ptp([v for *_, v in found])) or 1.0
+    return {line: float(np.mean(v)) for line, v in own.items() if len(v) >= runs}, spread
+
+
 def _averages(source, sheet, table, found, notices) -> None:
     """The file's averages against its runs: where they differ, one of them is a slip."""
     at = next((j for j, h in enumerate(sheet.headings) if AVERAGE.match(h)), None)
     if at is None or not found:
         return
-    spread = float(np.ptp([v for *_, v in found])) or 1.0
+    whole, spread = _means(found, len(sheet.columns))
     for line, row in sheet.rows:
-        stated = text.number(row[at], table.decimal) if at < len(row) else None
-        own = [v for _, i, _, v in found if i == line]
-        if stated is None or len(own) < len(sheet.columns):
-            continue
-        if abs(stated - float(np.mean(own))) > SLIP * spread:
+        stated, mean = text.number("".join(row[at : at + 1]), table.decimal), whole.get(line)
+        if stated is not None and mean is not None and abs(stated - mean) > SLIP * spread:
             notices.append(
                 f"line {line}: the average stands as {stated:g}, and the mean of its runs is"
-                f" {np.mean(own):g}: is a number mistyped?"
+                f" {mean:g}: is a number mistyped?"
             )

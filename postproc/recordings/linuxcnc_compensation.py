@@ -109,8 +109,8 @@ def _rows(source: Source) -> list[tuple[int, float, float, float]]:
     lines = text.lines_of(content.rstrip())
     rows: list[tuple[int, float, float, float]] = []
     for i, line in enumerate(lines, 1):
-        values = [text.number(w) for w in line.split()[:3]]
-        if len(values) < 3 or None in values:
+        values = [v for v in map(text.number, line.split()[:3]) if v is not None]
+        if len(values) < 3:
             raise source.fault(
                 i,
                 f"this line has no three numbers: LinuxCNC stops reading here, and {len(lines) - i}"
@@ -118,7 +118,7 @@ def _rows(source: Source) -> list[tuple[int, float, float, float]]:
                 "take out headings, comments and blank lines",
                 line,
             )
-        nominal, forward, reverse = (float(v or 0.0) for v in values)
+        nominal, forward, reverse = values
         if rows and nominal <= rows[-1][1]:
             raise source.fault(
                 i,

@@ -69,14 +69,12 @@ def read(source: Source, options: ReadingOptions) -> Recording:
             f"{source.name}: no columns are named",
             "like --column Z_mm=Position --column reading_um=Deviation, or --column Z_mm=1",
         )
-    content, encoding = text.decoded(source)
+    content, odd = text.decoded(source)
     sign = options.extra.get("delimiter", "")
     if sign and sign not in DELIMITER:
         raise UsageError(f"--set delimiter={sign} is not known", f"one of {', '.join(DELIMITER)}")
     table = text.table(source, content, text.told_decimal(options.extra), DELIMITER.get(sign, ""))
-    notices = list(table.notices) + (
-        ["the text is not UTF-8: read as cp1252"] if encoding == "cp1252" else []
-    )
+    notices = [*table.notices, *odd]
     top, at = names.columns(source, table, mapping)
     if kinds.is_other(mapping):
         return kinds.read(source, options, table, top, at, notices)
@@ -95,7 +93,7 @@ def _targets(source, options, table, top, at, notices) -> Recording:
     rows, faults, relative = _rows(source, options, table, top, named)
     notices += _sheet.missing(faults)
     relative = relative or bool(named.ways)
-    readings = _readings(rows, named, own, unit, options.first or 1)
+    readings = _readings(rows, named, own, unit, options.first)
     if relative and not options.first:
         notices.append(
             "forward is taken as +, reverse as - (--first - if forward went towards minus)"
@@ -109,17 +107,17 @@ def _targets(source, options, table, top, at, notices) -> Recording:
 
 
 def _readings(
-    rows: list[Row], named: names.Named, own: str, unit: units.Unit, start: int
+    rows: list[Row], named: names.Named, own: str, unit: units.Unit, first: int
 ) -> targets.Readings:
-    """The readings of all rows; `own`: the position of the axis that moved; start: sign of
-    forward."""
+    """The readings of all rows; `own`: the position of the axis that moved; first: sign of
+    forward, 0: +."""
     per = _actual_factor(unit, own) if named.actual else None
     taken = [(row, name) for row in rows for name in named.readings if name in row.numbers]
 
     def reading(row: Row, name: str) -> tuple[int, float, float, int, int]:
         run, sign = int(row.numbers.get("run", 1)), row.sign
         if name in named.ways:
-            run, sign = named.run_of(name), named.sign_of(name) * start
+            run, sign = named.run_of(name), named.sign_of(name) * (first or 1)
         position, value = row.numbers[own] * named.factor(own), row.numbers[name]
         return run, position, value if per is None else value - position * per, row.line, sign
 
@@ -165,14 +163,7 @@ def _rows(
     faults: list[Fault] = []
     relative = False
     for line, cells in table.rows[top:]:
-        row = Row(line, cells)
-        for name, j in named.at.items():
-            cell = names.cell_of(cells, j)
-            if name == "direction":
-                wrong = _take_direction(row, cell, options.first or 1)
-            else:
-                wrong = _take_number(row, name, cell, table, name in named.readings)
-            row.wrong = row.wrong or wrong
+        row = _row(line, cells, options.first or 1, table, named)
         if row.wrong and options.strict:
             place = Place(source.name, line, table.delimiter.join(cells))
             raise RecordingError(row.wrong, "mend the row; --lenient leaves such rows out", place)
@@ -183,6 +174,19 @@ def _rows(
         else:
             rows.append(row)
     return rows, faults, relative
+
+
+def _row(line: int, cells: list[str], start: int, table: text.Table, named: names.Named) -> Row:
+    """One row; start: sign of forward."""
+    row = Row(line, cells)
+    for name, j in named.at.items():
+        cell = names.cell_of(cells, j)
+        if name == "direction":
+            wrong = _take_direction(row, cell, start)
+        else:
+            wrong = _take_number(row, name, cell, table, name in named.readings)
+        row.wrong = row.wrong or wrong
+    return row
 
 
 def _take_direction(row: Row, cell: str, start: int) -> str:

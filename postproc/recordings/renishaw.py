@@ -25,16 +25,18 @@ TAKES = ("axis", "component", "unit", "bidirectional", "first", "others", "machi
 EXTRA = {"decimal": ". or ,: the decimal sign, where the file has both"}
 ENCODINGS = ("gbk", "cp1252")
 SECTION = re.compile(r"([A-Z][A-Z -]*)::\s*")
+ROW = re.compile(r"([0-9]{1,6})\s+([0-9]{1,6})\s+(\S+)")
 KINDS = {"rtl": "displacement", "rta": "angle", "rts": "straightness"}
 WORDS = {"linear": "displacement", "angular": "angle", "straight": "straightness"}
 UNIT_OF = {"displacement": "um", "angle": "mm/m"}
 FLAGS = {"0 0 2 0": True, "0 1 2 0": False}  # as one public writer of such files has them
+LISTS = {("TARGET DATA", "targets"): "targets", ("DEVIATIONS", "run target data"): "rows"}
 MOST = 100_000  # runs or targets
 
 
 @dataclass
 class _File:
-    """What stands in the sections."""
+    """What stands in the sections. section, list_of: where the reading is, and in which list."""
 
     keys: dict[tuple[str, str], tuple[str, int]] = field(default_factory=dict)
     environment: list[tuple[str, str]] = field(default_factory=list)
@@ -42,6 +44,33 @@ class _File:
     rows: list[tuple[int, str]] = field(default_factory=list)
     sections: dict[str, int] = field(default_factory=dict)
     last: int = 1
+    section: str = ""
+    list_of: str = ""
+
+    def take(self, line: int, plain: str) -> None:
+        """A line that is not blank. Targets are collected up to the first line that is no numbers:
+        their count is not trusted."""
+        self.last = line
+        if heading := SECTION.fullmatch(plain):
+            self.section, self.list_of = heading[1].strip(), ""
+            self.sections.setdefault(self.section, line)
+        elif self.list_of == "targets" and ":" not in plain:
+            self.targets += [(word, line) for word in plain.split()]
+        elif self.list_of == "rows":
+            self.rows.append((line, plain))
+        elif ":" in plain:
+            self._take_key(line, *plain.split(":", 1))
+
+    def _take_key(self, line: int, key: str, value: str) -> None:
+        """A line of key: value, which may begin a list."""
+        name = " ".join(key.lower().split())
+        self.list_of = LISTS.get((self.section, name), "")
+        if self.list_of == "targets":
+            self.targets += [(word, line) for word in value.split()]
+        elif self.section == "ENVIRONMENT":
+            self.environment.append((key, value))
+        elif not self.list_of:
+            self.keys.setdefault((self.section, key.strip().lower()), (value.strip(), line))
 
     def key(self, section: str, name: str) -> str:
         return self.keys.get((section, name), ("", 0))[0]
@@ -58,7 +87,7 @@ def recognises(source: Source) -> bool:
 def read(source: Source, options: ReadingOptions) -> Recording:
     """Raises RecordingError for a file that is cut off or contradicts itself, and where unit or
     axis are open."""
-    content, encoding = text.decoded(source, ENCODINGS)
+    content, notices = text.decoded(source, ENCODINGS)
     found = _sections(content)
     for section in ("TARGET DATA", "DEVIATIONS"):
         if section not in found.sections:
@@ -67,9 +96,6 @@ def read(source: Source, options: ReadingOptions) -> Recording:
                 f"there is no section {section}::",
                 "is the file cut off, or of another kind?",
             )
-    notices: list[str] = []
-    if encoding not in ("utf-8", "utf-16"):
-        notices.append(f"the text is not UTF-8: read as {encoding}")
     if "EOF" not in found.sections:
         notices.append("there is no EOF:: at the end: the file may be cut off")
     decimal = _decimal(source, found, options, notices)
@@ -153,56 +179,19 @@ def _doubt_flags(found: _File, notices: list[str]) -> None:
 
 
 def _sections(content: str) -> _File:
-    """The lines by section. Targets are collected up to the first line that is no numbers: their
-    count is not trusted."""
-    found, section, state = _File(), "", ""
+    """The lines by section."""
+    found = _File()
     for i, line in enumerate(text.lines_of(content), 1):
-        plain = line.strip()
-        if not plain:
-            continue
-        found.last = i
-        if heading := SECTION.fullmatch(plain):
-            section, state = heading[1].strip(), ""
-            found.sections.setdefault(section, i)
-            continue
-        if state == "targets":
-            if ":" not in plain:
-                found.targets += [(word, i) for word in plain.split()]
-                continue
-            state = ""
-        if state == "rows":
-            found.rows.append((i, plain))
-            continue
-        key, colon, value = plain.partition(":")
-        if not colon:
-            continue
-        name = key.strip().lower()
-        if section == "TARGET DATA" and name == "targets":
-            state = "targets"
-            found.targets += [(word, i) for word in value.split()]
-        elif section == "DEVIATIONS" and " ".join(name.split()) == "run target data":
-            state = "rows"
-        elif section == "ENVIRONMENT":
-            found.environment.append((key, value))
-        else:
-            found.keys.setdefault((section, name), (value.strip(), i))
+        if plain := line.strip():
+            found.take(i, plain)
     return found
 
 
 def _decimal(source: Source, found: _File, options: ReadingOptions, notices: list[str]) -> str:
-    cells = [*found.targets, *((row.split()[-1], line) for line, row in found.rows)]
-    try:
-        decimal, notice = text.decimal_of(
-            (word for word, _ in cells), text.told_decimal(options.extra)
-        )
-    except ValueError as error:
-        raise source.fault(
-            next(line for word, line in cells if text.COMMA.fullmatch(word)),
-            f"decimal commas and points are mixed: {error}",
-            "say --set decimal=. or --set decimal=,",
-        ) from None
-    if notice:
-        notices.append(notice)
+    cells = [(line, word) for word, line in found.targets]
+    cells += [(line, row.split()[-1]) for line, row in found.rows]
+    decimal, more = text.decimal_of(source, cells, text.told_decimal(options.extra))
+    notices += more
     return decimal
 
 
@@ -247,22 +236,18 @@ def _rows(
     rows: dict[tuple[int, int], tuple[float, int]] = {}
     faults: list[Fault] = []
     for line, row in found.rows:
-        words = row.split()
-        value = text.number(words[2], decimal) if len(words) == 3 else None
-        if value is None or not all(re.fullmatch(r"[0-9]{1,6}", w) for w in words[:2]):
+        words = ROW.fullmatch(row)
+        value = text.number(words[3], decimal) if words else None
+        if words is None or value is None:
             wrong = f"{row[:60]!r} is not a run, a target's number and a deviation"
         else:
-            run, target = int(words[0]), int(words[1])
-            wrong = _wrong_place(run, target, runs, n_targets)
-            if not wrong and (run, target) in rows:
-                first = rows[(run, target)][1]
-                wrong = f"run {run} has target {target} twice: here and in line {first}"
-        if value is not None and not wrong:
-            rows[(run, target)] = (value, line)
-            continue
-        if options.strict:
+            place = int(words[1]), int(words[2])
+            wrong = _wrong_place(*place, runs, n_targets, rows)
+            if not wrong:
+                rows[place] = (value, line)
+        if wrong and options.strict:
             raise source.fault(line, wrong, "mend the row; --lenient leaves such rows out", row)
-        faults.append(Fault(line, "Run Target Data", wrong))
+        faults += [Fault(line, "Run Target Data", wrong)] * bool(wrong)
     if not rows:
         raise source.fault(
             found.line("DEVIATIONS"), "there are no deviations", "they stand below Run Target Data:"
@@ -270,13 +255,16 @@ def _rows(
     return rows, faults
 
 
-def _wrong_place(run: int, target: int, runs: int, n_targets: int) -> str:
+def _wrong_place(run: int, target: int, runs: int, n_targets: int, rows) -> str:
     """What is wrong with the numbers of a run and of a target; "": nothing. runs: 0 where the file
-    does not say."""
+    does not say; rows: those before."""
     if run < 1 or (runs and run > runs):
         return f"run {run}, and the runs are 1 to {runs or MOST}"
     if not 1 <= target <= n_targets:
         return f"target number {target}, and the targets are 1 to {n_targets}"
+    if (run, target) in rows:
+        first = rows[(run, target)][1]
+        return f"run {run} has target {target} twice: here and in line {first}"
     return ""
 
 
