@@ -267,17 +267,19 @@ class Trace:
         """The lines that are farthest off after correction, the worst first."""
         return list(self._worst.values())[:WORST]
 
+    def _wanted(self) -> np.ndarray:
+        """Lines of the program that are drawn or told."""
+        drawn = [p.plain for s in (self.before, self.after) for p in s.parts]
+        told = np.array([w.plain for w in self._worst.values()], int)
+        return np.unique(np.concatenate([*drawn, told]))
+
     def _texts(self, words: Words, pieces: Pieces, output: bytes, lines: np.ndarray) -> None:
         """Keep the text of lines that are drawn or told, and let go of those that no longer are."""
         batch = self._batch
         assert batch is not None
-        kept = [p.plain for s in (self.before, self.after) for p in s.parts] + [
-            np.array([w.plain for w in self._worst.values()], int)
-        ]
-        wanted = np.unique(np.concatenate(kept))
+        wanted = self._wanted()
         if len(self.text) > 4 * MOST:
-            keep = set(wanted.tolist())
-            self.text = {n: text for n, text in self.text.items() if n in keep}
+            self.text = {n: self.text[n] for n in wanted.tolist() if n in self.text}
         new = np.intersect1d(wanted, batch.plain)
         if not len(new):
             return

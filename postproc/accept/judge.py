@@ -101,13 +101,19 @@ def _changes(results: list[Result], tests: list[Positioning], line: bool) -> lis
         {p.name: p for p in r.parameters} | {LARGEST: _largest(r, t, line)}
         for r, t in zip(results, tests, strict=True)
     ]
-    names = [n for n in (*SHOWN, LARGEST) if n in both[0] and n in both[1]]
+    before, after = both
+    names = [n for n in (*SHOWN, LARGEST) if n in before.keys() & after.keys()]
+    return [_change(before[n], after[n]) for n in _judged(names, before, line)]
+
+
+def _judged(names: list[str], before: dict[str, Parameter], line: bool) -> list[str]:
+    """The parameters that set-up does not decide where a line is taken off, and those of one
+    direction where there are none of both."""
     if line:
-        names = [n for n in names if n not in ("A", "E")]
-    elif both[0].get("A", Parameter("A", None, "")).value is None:
-        one_way = [n for n in ("A+", "A-", "E+", "E-") if both[0][n].value is not None]
-        names = [*one_way, *names]
-    return [_change(both[0][n], both[1][n]) for n in names]
+        return [n for n in names if n not in ("A", "E")]
+    if "A" in before and before["A"].value is not None:
+        return names
+    return [n for n in ("A+", "A-", "E+", "E-") if before[n].value is not None] + names
 
 
 def _largest(result: Result, test: Positioning, line: bool) -> Parameter:
@@ -171,22 +177,25 @@ def _stated(motion: Motion, target: np.ndarray, machine: Machine) -> np.ndarray 
         return None
     if motion.test == "rotary":
         return _stated_turn(motion.axes, target, machine)
-    start = {x: float(motion.recording.position(x)[motion.position.argmin()]) for x in motion.axes}
-    position, approach = (np.zeros((len(machine.letters), len(target))) for _ in range(2))
-    way = target - motion.position.min()
+    position, approach = _commands(motion, target, machine)
+    along = motion.unit if motion.test == "diagonal" else {motion.subject[1]: 1.0}
+    rows = [(machine.letters.index(x), c) for x, c in along.items() if x in machine.letters]
+    off = [machine.deviation(position, sign * approach) for sign in (1.0, -1.0)]
+    return np.stack([sum((c * o[row] for row, c in rows), np.zeros(target.shape)) for o in off])
+
+
+def _commands(
+    motion: Motion, target: np.ndarray, machine: Machine
+) -> tuple[np.ndarray, np.ndarray]:
+    """(A, m) mm: where the axes stand at targets along a motion, and (A, m) their approach in +."""
+    position, approach = np.zeros((2, len(machine.letters), len(target)))
+    way, lowest = target - motion.position.min(), motion.position.argmin()
     for row, x in enumerate(machine.letters):
         position[row] = motion.at.get(x, 0.0)
         if x in motion.axes:
-            position[row] = start[x] + way * motion.unit[x]
+            position[row] = float(motion.recording.position(x)[lowest]) + way * motion.unit[x]
             approach[row] = np.sign(motion.unit[x])
-    along = motion.unit if motion.test == "diagonal" else {motion.subject[1]: 1.0}
-    out = []
-    for sign in (1.0, -1.0):
-        off = machine.deviation(position, sign * approach)
-        out.append(
-            sum(c * off[machine.letters.index(x)] for x, c in along.items() if x in machine.letters)
-        )
-    return np.stack([np.broadcast_to(o, target.shape) for o in out])
+    return position, approach
 
 
 def _notices(before: Motion, tests: list[Positioning]) -> list[str]:

@@ -97,9 +97,14 @@ def _vector(recording: Recording) -> str:
     return " ".join(f"{x}{v:+.4f}" for x, v in recording.sensitive.items() if v)
 
 
+def _positions(recording: Recording) -> np.ndarray:
+    """(N, A) mm: places of a recording's readings."""
+    return np.stack([recording.position(x) for x in recording.axes], axis=1)
+
+
 def _points(recording: Recording) -> np.ndarray:
     """(K, A) mm: places of a recording, each once."""
-    return np.unique(np.stack([recording.position(x) for x in recording.axes], axis=1), axis=0)
+    return np.unique(_positions(recording), axis=0)
 
 
 def _nominal(
@@ -110,20 +115,20 @@ def _nominal(
 
     Raises AcceptError where its targets are others.
     """
-    own = np.stack([recording.position(x) for x in recording.axes], axis=1)
+    own = _positions(recording)
     read = (recording.axes, recording.quantity)
     alike = [(r, p) for r, p in before if (r.axes, r.quantity) == read]
     nearest = _nearest(recording, own, alike)
     against = commanded or recording.head.get("against") == "commanded"
-    if nearest is None and alike and against:
-        raise AcceptError(
-            f"its readings are along {_vector(recording)}, and those before along"
-            f" {_vector(alike[0][0])}",
-            "measure along the same direction; of a corrected program gcomp simulate --nominal FILE"
-            " does",
-            Place(recording.file, 1),
-        )
     if nearest is None:
+        if alike and against:
+            raise AcceptError(
+                f"its readings are along {_vector(recording)}, and those before along"
+                f" {_vector(alike[0][0])}",
+                "measure along the same direction; of a corrected program gcomp simulate --nominal"
+                " FILE does",
+                Place(recording.file, 1),
+            )
         return recording  # another quantity: pairs() names it
     source, targets = nearest
     far = float(np.abs(own - targets).max())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import chain
 from typing import Any
 
 from postproc.accept import VERDICTS, Change, Outcome, Ratio
@@ -25,7 +26,7 @@ def _too_small(judged: list[tuple[Outcome, Ratio]]) -> list[str]:
 
 def verdict(outcomes: Sequence[Outcome], machine: str) -> list[str]:
     """What is to be done, the worst first."""
-    lines = [line for one in outcomes for line in _faults(one)]
+    lines = list(chain.from_iterable(map(_faults, outcomes)))
     judged = [(one, r) for one in outcomes for r in one.ratios]
     good = sum(r.verdict == "good" for _, r in judged)
     small = _too_small(judged)

@@ -64,17 +64,18 @@ def bring_together(
             continue
         optics[letter] = optic_of(list(mine.values()), letter, options)
         arm = [x for x in options.chain.arm(letter, optics[letter]) if x != letter]
-        moved = [c for c in mine.values() if not c.angle]
-        first = min(
-            moved, key=lambda c: c.name != f"E{letter}{letter}", default=next(iter(mine.values()))
-        )
+        first = min(mine.values(), key=lambda c: (c.angle, c.name != f"E{letter}{letter}"))
         measured[letter] = {x: first.rest.get(x, 0.0) + options.point[XYZ.index(x)] for x in arm}
-        unsaid = [x for x in arm if any(x not in c.rest for c in moved)]
-        told += [f"{letter}: the recordings do not say where {x} stood; taken as 0" for x in unsaid]
         brought, says = _brought(mine, first, arm, options)
         result |= brought
-        told += says
+        told += _unsaid(letter, arm, mine) + says
     return result, measured, optics, told
+
+
+def _unsaid(letter: str, arm: list[str], mine: dict[str, Component]) -> list[str]:
+    """What is said of axes of the arm whose place some translation's recording does not state."""
+    unsaid = [x for x in arm if any(x not in c.rest for c in mine.values() if not c.angle)]
+    return [f"{letter}: the recordings do not say where {x} stood; taken as 0" for x in unsaid]
 
 
 def _brought(
@@ -85,14 +86,19 @@ def _brought(
     result, told = {}, []
     beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
     for component in (c for c in mine.values() if not c.angle):
-        away = {x: first.rest.get(x, 0.0) - component.rest.get(x, 0.0) for x in arm}
-        away = {x: d for x, d in away.items() if abs(d) > SAME_PLACE}
+        away = _apart(first, component, arm)
         if away or beside:
             own = f"E{component.letter}{component.letter}"
             why = f"elsewhere than {own}" if away else "beside the carriage"
             result[component.name], says = _carried(component, beside | away, mine, why)
             told.append(says)
     return result, told
+
+
+def _apart(first: Component, component: Component, arm: list[str]) -> dict[str, float]:
+    """mm from where a component was measured to where `first` was, of the axes that differ."""
+    away = {x: first.rest.get(x, 0.0) - component.rest.get(x, 0.0) for x in arm}
+    return {x: d for x, d in away.items() if abs(d) > SAME_PLACE}
 
 
 def _carried(

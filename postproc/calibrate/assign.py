@@ -79,6 +79,10 @@ class Diagonal:
     rest: dict[str, float]
 
     @property
+    def axes(self) -> list[str]:
+        return [x for x in XYZ if x in self.path]
+
+    @property
     def name(self) -> str:
         return "".join(f"{'+' if c > 0 else '-'}{x}" for x, c in self.direction.items())
 
@@ -94,24 +98,11 @@ def assign(recording: Recording) -> Series | Diagonal:
             f"a {recording.kind} recording says nothing about one component alone",
             'calibration needs kind = "targets": captures at rest, one axis at a time',
         )
-    span = {x: float(np.ptp(recording.position(x))) for x in recording.axes}
-    moving = [x for x in recording.axes if span[x] > REST]
     vector = {x: v for x, v in recording.sensitive.items() if abs(v) > 1e-9}
-    if not moving:
-        raise refuse(
-            "no axis moves: " + ", ".join(f"{x} by {s:g}" for x, s in span.items()),
-            "a component is a deviation over the travel of one axis; what stands still is drift",
-        )
-    if len(moving) > 1:
-        return _diagonal(recording, moving, vector, refuse)
-    letter = moving[0]
-    direction = max(vector, key=lambda x: abs(vector[x]))
-    if abs(vector[direction]) < ALONG:
-        size = " ".join(f"{x} {v:+.3f}" for x, v in vector.items())
-        raise refuse(
-            f"{letter} moves and the reading is oblique (sensitive {size}): it mixes components",
-            "measure along one axis; across two, use diagonals with all their axes moving",
-        )
+    letter, *more = _moving(recording, refuse)
+    if more:
+        return _diagonal(recording, [letter, *more], vector, refuse)
+    direction = _along(letter, vector, refuse)
     component, told = _component(recording.quantity, direction, letter, refuse)
     if f"approach_{letter}" not in recording.columns:
         told += (
@@ -136,6 +127,30 @@ def assign(recording: Recording) -> Series | Diagonal:
         recording.columns,
         told + recording.notices,
     )
+
+
+def _moving(recording: Recording, refuse) -> list[str]:
+    """The axes that move, one at least. Raises CalibrationError."""
+    span = {x: float(np.ptp(recording.position(x))) for x in recording.axes}
+    moving = [x for x, s in span.items() if s > REST]
+    if not moving:
+        raise refuse(
+            "no axis moves: " + ", ".join(f"{x} by {s:g}" for x, s in span.items()),
+            "a component is a deviation over the travel of one axis; what stands still is drift",
+        )
+    return moving
+
+
+def _along(letter: str, vector: dict[str, float], refuse) -> str:
+    """The axis along which a reading is taken. Raises CalibrationError for an oblique one."""
+    direction = max(vector, key=lambda x: abs(vector[x]))
+    if abs(vector[direction]) < ALONG:
+        size = " ".join(f"{x} {v:+.3f}" for x, v in vector.items())
+        raise refuse(
+            f"{letter} moves and the reading is oblique (sensitive {size}): it mixes components",
+            "measure along one axis; across two, use diagonals with all their axes moving",
+        )
+    return direction
 
 
 def _component(kind: str, direction: str, letter: str, refuse) -> tuple[str, tuple[str, ...]]:

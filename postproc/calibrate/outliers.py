@@ -89,35 +89,32 @@ def _against_runs(series: Series, cells: Cells) -> list[Outlier]:
     return result
 
 
-def _shown_by(other: float, off: float) -> bool:
+def _shown_by(other: np.ndarray, off: np.ndarray) -> np.ndarray:
     """Whether the other direction shows half of it at least."""
-    return other * off > 0 and abs(other) > abs(off) / 2
+    return np.asarray((other * off > 0) & (np.abs(other) > np.abs(off) / 2))
 
 
 def _against_neighbours(series: Series, cells: Cells) -> list[Outlier]:
     """A target's mean against a parabola through its neighbours of the same direction, where the
     other direction shows nothing of the kind: what both directions show, the machine does."""
-    ways = [0, 1] if cells.two_way else [0]
-    off, spread, local = np.zeros((3, 2, len(cells.nodes)))
-    for way in ways:
-        off[way], spread[way], local[way] = _residuals(cells.nodes, cells.mean[way])
-    known = [way for way in ways if np.isfinite(spread[way]).any()]
-    if not known:
+    ways = slice(0, 2 if cells.two_way else 1)
+    off, spread, local = np.stack([_residuals(cells.nodes, m) for m in cells.mean[ways]], axis=1)
+    known = np.isfinite(spread)
+    if not known.any():
         return []
     usual = MAD * float(np.nanmedian(np.abs(off[known] / spread[known])))
+    runs, s = cells.n[ways], cells.s[ways]
+    noise = _floor(series) + np.where(runs > 1, s / np.sqrt(np.maximum(runs, 1)), 0.0)
+    scale = spread * np.maximum(np.maximum(usual, local), noise)
+    odd = known & (np.abs(off) > NEIGHBOURS * scale)
+    if cells.two_way:
+        odd &= ~_shown_by(off[::-1], off)
     result = []
-    for way in known:
-        for k in np.flatnonzero(np.isfinite(spread[way])):
-            runs = int(cells.n[way, k])
-            noise = _floor(series) + (cells.s[way, k] / np.sqrt(runs) if runs > 1 else 0.0)
-            scale = spread[way, k] * max(usual, float(local[way, k]), noise)
-            if abs(off[way, k]) <= NEIGHBOURS * scale:
-                continue
-            if cells.two_way and _shown_by(off[1 - way, k], off[way, k]):
-                continue
-            # the second direction's cells lie behind those of the first, way is 0 where one is all
-            mine = np.flatnonzero(cells.index == k + len(cells.nodes) * way)
-            result += [_outlier(series, int(row), off[way, k], scale, "neighbours") for row in mine]
+    for way, k in np.argwhere(odd):
+        # the second direction's cells lie behind those of the first, way is 0 where one is all
+        mine = np.flatnonzero(cells.index == k + len(cells.nodes) * way)
+        at = (off[way, k], scale[way, k], "neighbours")
+        result += [_outlier(series, int(row), *at) for row in mine]
     return result
 
 

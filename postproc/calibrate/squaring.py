@@ -175,27 +175,38 @@ def _straightness(calibration: Calibration, name: str) -> Squareness | None:
     `reference`, or all of them where the user asks for it. `reversed = true` in a head: the square
     lay turned over, and its own error drops out."""
     a, b = tuple(square.pair_of(name))
-    parts = [calibration.measured.get(f"E{a}{b}"), calibration.measured.get(f"E{b}{a}")]
+    one, other = calibration.measured.get(f"E{a}{b}"), calibration.measured.get(f"E{b}{a}")
     options = calibration.options
-    asked = options.squareness.get(name) == "straightness"
-    if parts[0] is None or parts[1] is None or options.keep_lines:
+    if one is None or other is None or options.keep_lines:
         return None
-    sums: dict[bool, list[float]] = {}
-    for one, other in itertools.product(parts[0].series, parts[1].series):
-        reference = one.head.get("reference")
-        same = bool(reference) and reference == other.head.get("reference")
-        turned = bool(one.head.get("reversed", False))
-        if (same or asked) and turned == bool(other.head.get("reversed", False)):
-            slopes = {s.component: _slope(calibration, s) for s in (one, other)}
-            sums.setdefault(turned, []).append(square.from_slopes(name, slopes))
-    if not sums:
+    both = (one, other)
+    means = _against_one_square(calibration, name, both)
+    if not means:
         return None
-    both = (parts[0], parts[1])
     arms = [opening.known_to(calibration, name, c.rest, c.letter) for c in both]
     scatter = float(np.sqrt(sum(_known(c) ** 2 for c in both) + sum(u**2 for u in arms)))
-    means = {turned: float(np.mean(values)) for turned, values in sums.items()}
     files = " and ".join(dict.fromkeys(c.file for c in both))
     return _with_the_square(name, means, scatter, files, options)
+
+
+def _against_one_square(
+    calibration: Calibration, name: str, both: tuple[Component, Component]
+) -> dict[bool, float]:
+    """rad, mean of what files of both components say that were read against one square, by whether
+    it lay turned over."""
+    asked = calibration.options.squareness.get(name) == "straightness"
+    found: dict[bool, list[float]] = {}
+    for pair in itertools.product(*(component.series for component in both)):
+        (reference, turned), (its, its_turned) = map(_square_of, pair)
+        if (asked or (reference and reference == its)) and turned == its_turned:
+            slopes = {s.component: _slope(calibration, s) for s in pair}
+            found.setdefault(turned, []).append(square.from_slopes(name, slopes))
+    return {turned: float(np.mean(values)) for turned, values in found.items()}
+
+
+def _square_of(series: Series) -> tuple[str, bool]:
+    """The reference that a file names, and whether it lay turned over."""
+    return series.head.get("reference", ""), bool(series.head.get("reversed", False))
 
 
 def _with_the_square(
@@ -248,9 +259,9 @@ def _diagonals(
         slopes.append(slope)
         directions.append(diagonal.direction)
         spread.append(u)
-        crossed = [x for x in XYZ if x in diagonal.path]
-        pairs += map("".join, itertools.combinations(crossed, 2))
-        if lacking := [f"E{x}{x}" for x in crossed if f"E{x}{x}" not in calibration.components]:
+        pairs += map("".join, itertools.combinations(diagonal.axes, 2))
+        own = (f"E{x}{x}" for x in diagonal.axes)
+        if lacking := [name for name in own if name not in calibration.components]:
             text = (
                 f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the"
                 " diagonal's scale contains it"

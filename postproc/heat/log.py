@@ -140,14 +140,19 @@ def _cells(name: str, data: bytes) -> tuple[list[int], list[str], list[list[str]
     mark = next((c for c in ("\t", ";") if c in lines[0][1]), ",")
     head, *cells = (_row(name, line, text, mark) for line, text in lines)
     head = [cell.strip() for cell in head]
-    for column in head:
-        if column and head.count(column) > 1:
+    _check_names(head, Place(name, lines[0][0]))
+    return [k for k, _ in lines], head, cells
+
+
+def _check_names(head: list[str], at: Place) -> None:
+    """Raises LogError for two columns of one name."""
+    for column in filter(None, head):
+        if head.count(column) > 1:
             raise LogError(
                 f"{head.count(column)} columns are called {column}",
                 "a name of its own for each thermometer",
-                Place(name, lines[0][0]),
+                at,
             )
-    return [k for k, _ in lines], head, cells
 
 
 def _columns(

@@ -136,6 +136,23 @@ def _along_axis(recording: Recording, letter: str, at: dict[str, float]) -> Moti
     )
 
 
+def _of_angle(
+    recording: Recording, letter: str, largest: str, cosine: float
+) -> tuple[str, str, float, str]:
+    """As `_kind`, of an angle; cosine: of its direction with the axis about which it is read."""
+    about = ROTARY[LINEAR.index(largest)] if largest in LINEAR else largest
+    if abs(cosine) < ALONG:
+        raise IsoError(
+            f"the angle is read about no axis: sensitive = {recording.sensitive}",
+            "one of X, Y, Z (or A, B, C)",
+            Place(recording.file, 1),
+        )
+    sign, moves = float(np.sign(cosine)), f"{letter} moves"
+    if letter in ROTARY and about == letter:
+        return "rotary", f"E{letter}{letter}", sign, f"{moves}, its own angle is read"
+    return "angle", f"E{about}{letter}", sign, f"{moves}, the angle about {largest} is read"
+
+
 def _kind(
     recording: Recording, letter: str, sensitive: dict[str, float]
 ) -> tuple[str, str, float, str]:
@@ -145,17 +162,7 @@ def _kind(
     place = Place(recording.file, 1)
     moves = f"{letter} moves"
     if recording.quantity == "angle":
-        about = ROTARY[LINEAR.index(largest)] if largest in LINEAR else largest
-        if abs(sensitive[largest]) < ALONG:
-            raise IsoError(
-                f"the angle is read about no axis: sensitive = {recording.sensitive}",
-                "one of X, Y, Z (or A, B, C)",
-                place,
-            )
-        sign = float(np.sign(sensitive[largest]))
-        if letter in ROTARY and about == letter:
-            return "rotary", f"E{letter}{letter}", sign, f"{moves}, its own angle is read"
-        return "angle", f"E{about}{letter}", sign, f"{moves}, the angle about {largest} is read"
+        return _of_angle(recording, letter, largest, sensitive[largest])
     if letter in ROTARY:
         raise IsoError(
             f"the rotary axis {letter} moves, but no angle is read",

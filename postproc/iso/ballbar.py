@@ -121,11 +121,8 @@ def result_of(recording: Recording, options: Options) -> Result:
     """The circular test of one file."""
     axes, found, notices = traces(recording)
     a, b = tuple(axes.lower())
-    senses = {
-        f"{a}{b}": [t for t in found if t.way > 0],
-        f"{b}{a}": [t for t in found if t.way < 0],
-    }
-    forth, back = senses.values()
+    forth, back = ([t for t in found if t.way * sense > 0] for sense in (1, -1))
+    senses = {f"{a}{b}": forth, f"{b}{a}": back}
     pairs = list(map(Pair, forth, back))
     if not pairs:
         notices.append("one sense only: G(b), H and D are not defined")

@@ -27,6 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -75,12 +76,11 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
     if len({t.way for t in told}) < 2:
         return None
     nominal = told[0].nominal
-    angle = np.concatenate([t.angle for t in told])
-    way = np.concatenate([np.full(len(t.angle), float(t.way)) for t in told])
-    y = np.concatenate([t.radial for t in told])
+    samples = [(t.angle, np.full(len(t.angle), float(t.way)), t.radial) for t in told]
+    angle, way, y = map(np.concatenate, zip(*samples, strict=True))
     setup = np.column_stack([np.cos(angle), np.sin(angle), np.ones(len(angle))])
     columns = _columns(angle, way, nominal)
-    names = list(_units(axes, feed_mm_min))
+    units = _units(axes, feed_mm_min)
     terms = np.hstack([columns, setup])
     solve = np.linalg.pinv(terms)
     found = solve @ y
@@ -91,24 +91,22 @@ def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None)
     u = np.sqrt((pulls**2).sum(axis=1) * SECTORS / free) * student(free)
     turns = [np.ptp(_columns(TURN, np.full(len(TURN), w), nominal), axis=0) for w in (1.0, -1.0)]
     unit_range = np.maximum(*turns)
-    ranges = np.abs(found[: len(names)]) * unit_range
-    rows = []
-    for k, name in enumerate(names):
-        unit, factor, positive = _units(axes, feed_mm_min)[name]
-        rows.append(
-            Cause(
-                name,
-                float(found[k] * factor),
-                float(u[k] * abs(factor)),
-                unit,
-                positive,
-                float(ranges[k]),
-                float(u[k] * unit_range[k]),
-                float(ranges[k] / max(ranges.sum(), 1e-12)),
-            )
+    ranges = np.abs(found[: len(units)]) * unit_range
+    rows = [
+        Cause(
+            name,
+            float(found[k] * factor),
+            float(u[k] * abs(factor)),
+            unit,
+            positive,
+            float(ranges[k]),
+            float(u[k] * unit_range[k]),
+            float(ranges[k] / max(ranges.sum(), 1e-12)),
         )
+        for k, (name, (unit, factor, positive)) in enumerate(units.items())
+    ]
     beside = y - setup @ np.linalg.lstsq(setup, y, rcond=None)[0]
-    ranked = tuple(sorted(rows, key=lambda c: -c.range))
+    ranked = tuple(sorted(rows, key=attrgetter("range"), reverse=True))
     return Causes(ranked, float(np.sqrt(np.mean(left**2))), float(np.sqrt(np.mean(beside**2))))
 
 

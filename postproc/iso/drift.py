@@ -71,27 +71,8 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
     d = _drift(recording)
     hours = (d.time[-1] - d.time[0]) / HOUR
     device = _device(recording, options)
-    U = 2 * np.sqrt(2) * device if device is not None else None
-
-    def of(name: str, value: float, means: str, at: str = "") -> Parameter:
-        return Parameter(name, value, means, at, U)
-
     head = f"d{d.letter}" if d.spindle else f"ETVE_{d.letter}"
-    whole, where = _range(d.time, d.reading)
-    parameters = [of(head, whole, f"range over {hours:.1f} h", where)]
-    if d.spindle:
-        early = d.time <= d.time[0] + HOUR
-        parameters.append(
-            of(
-                f"{head},60",
-                _range(d.time[early], d.reading[early])[0],
-                "range in the first 60 min",
-            )
-        )
-    if hours > 1:
-        size, at = _worst_hour(d.time, d.reading)
-        parameters.append(of(f"{head},1h", size, "largest range within any hour", at))
-    parameters.append(of("end", float(d.reading[-1] - d.reading[0]), "last reading less the first"))
+    parameters = _parameters(d, head, hours, None if device is None else 2 * np.sqrt(2) * device)
     terms: tuple[Term, ...] = ()
     if device is not None:
         said = f"{device / UM:.3g} um a reading, times the root of 2 for a difference"
@@ -122,6 +103,21 @@ def result_of(recording: Recording, options: Options) -> tuple[Drift, Result]:
         _noise(d.reading),
         detail=d,
     )
+
+
+def _parameters(d: Drift, head: str, hours: float, U: float | None) -> list[Parameter]:
+    """Ranges, and what is left at the end; head: the name of the first."""
+    whole, where = _range(d.time, d.reading)
+    found = [Parameter(head, whole, f"range over {hours:.1f} h", where, U)]
+    if d.spindle:
+        early = d.time <= d.time[0] + HOUR
+        first, _ = _range(d.time[early], d.reading[early])
+        found.append(Parameter(f"{head},60", first, "range in the first 60 min", "", U))
+    if hours > 1:
+        size, at = _worst_hour(d.time, d.reading)
+        found.append(Parameter(f"{head},1h", size, "largest range within any hour", at, U))
+    last = float(d.reading[-1] - d.reading[0])
+    return [*found, Parameter("end", last, "last reading less the first", "", U)]
 
 
 def _device(recording: Recording, options: Options) -> float | None:

@@ -255,6 +255,16 @@ def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits:
     )
 
 
+def _values(result: Result) -> str:
+    """The parameters but F, in um."""
+    digits = decimals(result)
+    return ";  ".join(
+        f"{p.name} {number(p.value / 1e-3, digits)}"
+        for p in result.parameters
+        if p.value is not None and p.name[0] != "F"
+    )
+
+
 def _circle(axes: Any, result: Result) -> None:
     """Circles about their least-squares centre (arcs as they stand), deviations magnified to fill
     half the radius."""
@@ -290,15 +300,9 @@ def _circle(axes: Any, result: Result) -> None:
         np.radians([0, 90, 180, 270]),
         [f"+{plane[0]}", f"+{plane[1]}", f"-{plane[0]}", f"-{plane[1]}"],
     )
-    digits = decimals(result)
-    told = [
-        f"{p.name} {number(p.value / 1e-3, digits)}"
-        for p in result.parameters
-        if p.value is not None and p.name[0] != "F"
-    ]
     axes.set_title(
         f"{result.subject}  ({result.standard})\nabout the least-squares centre, magnified"
-        f" {magnification:g} : 1, one ring {division * 1000:g} µm\n{';  '.join(told)}  (µm)",
+        f" {magnification:g} : 1, one ring {division * 1000:g} µm\n{_values(result)}  (µm)",
         fontsize=9,
     )
     axes.legend(loc="lower left", bbox_to_anchor=(1.02, 0.0), fontsize=8, frameon=False)

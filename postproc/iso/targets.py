@@ -55,13 +55,7 @@ def result_of(motion: Motion, options: Options) -> Result:
     notices = [*motion.recording.notices, *motion.notices, *_conditions(motion, test, options)]
     detail: Positioning | Straightness = test
     if motion.test == "straightness":
-        detail = straightness.evaluate(options.line, test)
-        if not any(detail.lines.values()):
-            raise IsoError(
-                "no direction of approach has two targets: there is no line to lay through one",
-                "a straightness needs two targets at least, approached in one direction",
-                Place(motion.recording.file, int(motion.recording.lines[0])),
-            )
+        detail = _line(motion, test, options)
         parameters = (*_straight(detail, terms), *parameters)
         notices.append(
             "E, M and B are of the readings as recorded, with the tilt of the reference in E and M"
@@ -85,6 +79,18 @@ def result_of(motion: Motion, options: Options) -> Result:
         _columns(test, angle, detail),
         detail,
     )
+
+
+def _line(motion: Motion, test: Positioning, options: Options) -> Straightness:
+    """Raises IsoError where no line can be laid through the means."""
+    line = straightness.evaluate(options.line, test)
+    if not any(line.lines.values()):
+        raise IsoError(
+            "no direction of approach has two targets: there is no line to lay through one",
+            "a straightness needs two targets at least, approached in one direction",
+            Place(motion.recording.file, int(motion.recording.lines[0])),
+        )
+    return line
 
 
 def subject(motion: Motion) -> str:
@@ -311,19 +317,23 @@ def _of_square(name: str, stated: float | None, results: tuple[Result, Result]) 
             yield Term(f"device, {result.subject}", u, of, "of the ends of the line")
 
 
+def _scatter(results: tuple[Result, Result]) -> float | None:
+    """rad: u of both slopes together, of the scatter of their runs; None where one is not known."""
+    lines = [r.detail for r in results]
+    runs = [straightness.from_runs(x.kind, x.test, x.best) for x in lines]
+    known = [r[1] for r in runs if r and r[1] is not None]
+    return math.hypot(*known) if len(known) == 2 else None
+
+
 def _square_of(
     motions: tuple[Motion, Motion], results: tuple[Result, Result], options: Options
 ) -> Result:
     """The squareness of two axes."""
     slopes = [line.slope for r in results if (line := _best(r)) is not None]
-    lines = [r.detail for r in results]
-    runs = [straightness.from_runs(x.kind, x.test, x.best) for x in lines]
-    known = [r[1] for r in runs if r and r[1] is not None]
     name, value = straightness.squareness(motions[0].axes, motions[1].axes, *slopes)
     stated = options.budget.square
     terms = tuple(_of_square(name, stated, results))
     words = "squareness, as a rotation about the third axis (ISO 841 signs)"
-    both = math.hypot(*known) if len(known) == 2 else None
     notices = [
         "holds only if both runs were read against one and the same square or optical square"
     ]
@@ -340,7 +350,7 @@ def _square_of(
         " along the other",
         "urad",
         (motions[0].recording.file, motions[1].recording.file),
-        (combined(Parameter(name, value, words), terms, both),),
+        (combined(Parameter(name, value, words), terms, _scatter(results)),),
         terms,
         tuple(notices),
         max(r.noise / r.detail.test.length for r in results),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from postproc.machine.chain import ROTARY, XYZ
-from postproc.machine.model import Machine
+from postproc.machine.model import Axis, Machine
 from postproc.machine.tables import COMPONENTS, GridTable
 
 
@@ -16,36 +18,42 @@ def contributions(
 ) -> list[tuple[str, np.ndarray]]:
     """Name and (A, N) mm of every part of the deviation by itself: components, squareness,
     effects."""
-    result = []
     bare = {x: axis.bare for x, axis in machine.axes.items()}
-
-    def add(name: str, x: str = "", square=None, effects=(), **errors) -> None:
-        axes = {**bare, x: replace(bare[x], **errors)} if x else bare
-        part = replace(machine, axes=axes, square=square or {}, effects=effects)
-        result.append((name, part.deviation(position, approach)))
-
+    without = replace(machine, axes=bare, square={}, effects=())
+    parts: list[tuple[str, Machine]] = []
     for x, axis in machine.axes.items():
-        for table in axis.tables:
-            for i in table.rows:
-                only = (np.arange(6) == i).reshape((6,) + (1,) * (table.forward.ndim - 1))
-                forward, reverse = (
-                    np.where(only, table.forward, 0.0),
-                    np.where(only, table.reverse, 0.0),
-                )
-                one = replace(table, forward=forward, reverse=reverse)
-                by = f" by {table.other}" if isinstance(table, GridTable) else ""
-                add(f"{COMPONENTS[i]}{x}{by}", x, **({"grids": (one,)} if by else {"table": one}))
-        if x in machine.expansions:
-            add(f"heat {x}", x, expansion=axis.expansion)
-        for i in map(int, np.flatnonzero(axis.location)):
-            add(
-                f"{(XYZ + ROTARY)[i]}0{x}",
-                x,
-                location=np.where(np.arange(6) == i, axis.location, 0.0),
-            )
+        heated = x in machine.expansions
+        for name, errors in (*_tables(x, axis), *_frame(x, axis, heated)):
+            parts.append((name, replace(without, axes={**bare, x: replace(bare[x], **errors)})))
     for x, lean in machine.square.items():
-        for i in map(int, np.flatnonzero(lean)):
-            add(f"{ROTARY[i]}0{x}", square={x: np.where(np.arange(3) == i, lean, 0.0)})
-    for term in machine.effects:
-        add(term.name, effects=(term,))
-    return result
+        for i, angle in _each(lean):
+            parts.append((f"{ROTARY[i]}0{x}", replace(without, square={x: angle})))
+    parts += [(term.name, replace(without, effects=(term,))) for term in machine.effects]
+    return [(name, part.deviation(position, approach)) for name, part in parts]
+
+
+def _tables(letter: str, axis: Axis) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Name and errors of every component of an axis."""
+    for table in axis.tables:
+        for i in table.rows:
+            only = (np.arange(6) == i).reshape((6,) + (1,) * (table.forward.ndim - 1))
+            forward, reverse = (np.where(only, v, 0.0) for v in (table.forward, table.reverse))
+            one = replace(table, forward=forward, reverse=reverse)
+            if isinstance(one, GridTable):
+                yield f"{COMPONENTS[i]}{letter} by {one.other}", {"grids": (one,)}
+            else:
+                yield f"{COMPONENTS[i]}{letter}", {"table": one}
+
+
+def _frame(letter: str, axis: Axis, heated: bool) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Name and errors of an axis' expansion, and of each part of its location."""
+    if heated:
+        yield f"heat {letter}", {"expansion": axis.expansion}
+    for i, part in _each(axis.location):
+        yield f"{(XYZ + ROTARY)[i]}0{letter}", {"location": part}
+
+
+def _each(values: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Index of each value that is not zero, and the values with the others zero."""
+    for i in map(int, np.flatnonzero(values)):
+        yield i, np.where(np.arange(len(values)) == i, values, 0.0)

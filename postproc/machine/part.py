@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from postproc.machine.axis import Axis
+from postproc.machine.axis import Axis, AxisUncertainty
 from postproc.machine.chain import LINEAR
 from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
@@ -53,8 +53,7 @@ def only(machine: Machine, wanted: Iterable[str]) -> Machine:
     chosen = set(wanted)
     chosen |= {f"{kind}:{x}" for x in machine.axes if f"E{x}{x}" in chosen for kind in ALONG}
     axes = {x: _axis(x, axis, chosen) for x, axis in machine.axes.items()}
-    kept = {x: np.array([f"{r}0{x}" in chosen for r in "ABC"]) for x in machine.square}
-    square = {x: np.where(kept[x], lean, 0.0) for x, lean in machine.square.items()}
+    square = {x: np.where(_of_square(x, chosen), lean, 0.0) for x, lean in machine.square.items()}
     digest = hashlib.sha256(f"{machine.digest} {sorted(chosen)}".encode()).hexdigest()[:8]
     return replace(
         machine,
@@ -86,22 +85,31 @@ def largest_left(machine: Machine, part: Machine) -> float:
     )
 
 
+def _of_square(letter: str, chosen: set[str]) -> np.ndarray:
+    """(3,) whether each of the three leans of an axis is chosen."""
+    return np.array([f"{turn}0{letter}" in chosen for turn in "ABC"])
+
+
 def _axis(letter: str, axis: Axis, chosen: set[str]) -> Axis:
     rows = [row for row in range(6) if f"{COMPONENTS[row]}{letter}" in chosen]
     stated_rows = axis.table.stated if axis.table is not None else ()
     gone = [f"{COMPONENTS[row]}{letter}" for row in sorted({*stated_rows} - {*rows})]
-    u = axis.uncertainty
-    if u is not None:
-        stated = tuple(row for row in u.stated if row in rows)
-        u = replace(u, table=_table(u.table, rows), stated=stated)
     return replace(
         axis,
         table=None if axis.table is None else _table(axis.table, rows),
         grids=tuple(_table(g, rows) for g in axis.grids),
         expansion=axis.expansion if f"heat:{letter}" in chosen else None,
-        uncertainty=u,
+        uncertainty=_uncertainty(axis, rows),
         left_out=(*axis.left_out, *gone),
     )
+
+
+def _uncertainty(axis: Axis, rows: list[int]) -> AxisUncertainty | None:
+    u = axis.uncertainty
+    if u is None:
+        return None
+    stated = tuple(row for row in u.stated if row in rows)
+    return replace(u, table=_table(u.table, rows), stated=stated)
 
 
 def _table(table: Table, rows: list[int]) -> Table:

@@ -24,6 +24,8 @@ from postproc.records import columns
 
 # determinant of the slides' directions: below, one slide does nearly what another does
 SINGULAR = 0.1
+Errors = tuple[np.ndarray | None, np.ndarray | None]  # (3, N) mm and rad; None: all zero
+State = tuple[np.ndarray, np.ndarray, np.ndarray]  # (3, N) tip mm, its deviation mm, its lean rad
 
 
 @columns
@@ -67,39 +69,53 @@ def carried(
     tip = np.repeat(g.tool[:, None].astype(float), n, axis=1)
     off, lean = np.zeros((3, n)), np.zeros((3, n))
     for letter in reversed(g.chain.axes):
-        moves, turns = _split(parts.get(letter), n)
-        q = position[letter]
-        stands = g.location.get(letter)
-        if letter in XYZ:
-            way = np.zeros((3, n))
-            way[XYZ.index(letter)] = q
-            if turns is not None:
-                own = (g.optic.get(letter) or g.chain.side(letter)) == "workpiece"
-                arm = tip + way if own else tip
-                off += np.cross(turns, arm - g.measured[letter][:, None], axis=0)
-                lean += turns
-            if moves is not None:
-                off += moves
-            if stands is not None:
-                off += np.cross(stands[3:, None], way, axis=0)
-            tip = tip + way
-            continue
-        centre = g.centre[letter][:, None]
-        carries_part = g.chain.side(letter) == "workpiece"
-        if carries_part:
-            off, lean = _added(off, lean, moves, turns, tip - centre - g.measured[letter][:, None])
-        turn = rotation(letter, np.radians(q))
-        if stands is not None:
-            off -= stands[:3, None] + np.cross(stands[3:, None], tip - centre, axis=0)
-            lean -= stands[3:, None]
-        tip = _turned(turn, tip - centre) + centre
-        off, lean = _turned(turn, off), _turned(turn, lean)
-        if stands is not None:
-            off += stands[:3, None] + np.cross(stands[3:, None], tip - centre, axis=0)
-            lean += stands[3:, None]
-        if not carries_part:
-            off, lean = _added(off, lean, moves, turns, tip - centre - g.measured[letter][:, None])
+        errors, step = _split(parts.get(letter), n), _slid if letter in XYZ else _swivelled
+        tip, off, lean = step(g, letter, errors, position[letter], tip, off, lean)
     return off, lean
+
+
+def _slid(g: Geometry, letter: str, errors: Errors, q: np.ndarray, tip, off, lean) -> State:
+    """The state beyond a slide at q (N,) mm."""
+    moves, turns = errors
+    way = np.zeros_like(tip)
+    way[XYZ.index(letter)] = q
+    if turns is not None:
+        own = (g.optic.get(letter) or g.chain.side(letter)) == "workpiece"
+        arm = tip + way if own else tip
+        off = off + np.cross(turns, arm - g.measured[letter][:, None], axis=0)
+        lean = lean + turns
+    if moves is not None:
+        off = off + moves
+    stands = g.location.get(letter)
+    if stands is not None:
+        off = off + np.cross(stands[3:, None], way, axis=0)
+    return tip + way, off, lean
+
+
+def _of_line(stands: np.ndarray | None, arm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """mm, rad: what a rotary axis' line beside its nominal one does at the end of an (3, N) arm."""
+    if stands is None:
+        return np.zeros((3, 1)), np.zeros((3, 1))
+    return stands[:3, None] + np.cross(stands[3:, None], arm, axis=0), stands[3:, None]
+
+
+def _swivelled(g: Geometry, letter: str, errors: Errors, q: np.ndarray, tip, off, lean) -> State:
+    """The state beyond a rotary axis at q (N,) degrees: its own errors act before it turns where it
+    carries the part, behind it where it carries the tool."""
+    centre, measured = g.centre[letter][:, None], g.measured[letter][:, None]
+    stands = g.location.get(letter)
+    carries_part = g.chain.side(letter) == "workpiece"
+    if carries_part:
+        off, lean = _added(off, lean, *errors, tip - centre - measured)
+    turn = rotation(letter, np.radians(q))
+    moved, leant = _of_line(stands, tip - centre)
+    tip = _turned(turn, tip - centre) + centre
+    off, lean = _turned(turn, off - moved), _turned(turn, lean - leant)
+    moved, leant = _of_line(stands, tip - centre)
+    off, lean = off + moved, lean + leant
+    if not carries_part:
+        off, lean = _added(off, lean, *errors, tip - centre - measured)
+    return tip, off, lean
 
 
 def rotation(letter: str, angle: np.ndarray) -> np.ndarray:

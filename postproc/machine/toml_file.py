@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -27,23 +29,27 @@ class TomlFile:
     def line(self, section: str, key: str, index: int = 0) -> int:
         """Line of `key` in `section` ("axes.Z"; in the index-th of several), as good as the layout
         lets us find it."""
-        here, count, fallback = "", -1, 0
+        fallback = 0
+        for number, here, count, name in self._entries():
+            if not name and here == f"{section}.{key}".lstrip("."):
+                return number
+            if (here, count) == (section, index):
+                if name == key:
+                    return number
+                fallback = fallback if name else number
+        outer, _, name = section.rpartition(".")
+        return fallback or (self.line(outer, name) if outer else 1)
+
+    def _entries(self) -> Iterator[tuple[int, str, int, str]]:
+        """Line, section, which of several of that name, and key ("" of the section itself)."""
+        here, counts = "", Counter({"": 1})
         for number, line in enumerate(self.text.splitlines(), 1):
             if header := re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line):
                 here = header[1].replace('"', "")
-                count += here == section
-                if here == section and count == index:
-                    fallback = number
-                if f"{section}.{key}".lstrip(".") == here:
-                    return number
-            elif (
-                re.match(rf'\s*"?{re.escape(key)}"?\s*=', line)
-                and here == section
-                and (count == index or not section)
-            ):
-                return number
-        outer, _, name = section.rpartition(".")
-        return fallback or (self.line(outer, name) if outer else 1)
+                counts[here] += 1
+                yield number, here, counts[here] - 1, ""
+            elif key := re.match(r'\s*"?(.+?)"?\s*=', line):
+                yield number, here, counts[here] - 1, key[1]
 
     def fault(
         self, section: str, key: str, message: str, advice: str = "", index: int = 0

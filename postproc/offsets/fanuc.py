@@ -27,6 +27,7 @@ M700V manuals, 12.7 (L2, L10 to L13, L20).
 from __future__ import annotations
 
 import re
+from collections.abc import Container
 from dataclasses import dataclass, field
 
 from postproc.offsets import AXES, ROTARY, Offsets, Source
@@ -44,6 +45,12 @@ REGISTERS = {
 WORK = {"2": range(7), "20": range(1, 301)}  # P of work offsets by L
 STEPS = {"U": "X", "V": "Y", "W": "Z", "C": "R"}  # of lathe offsets
 GEOMETRY = 10_000
+Form = tuple[str, str, Container[int]]  # kind of register, letters, numbers
+TURNING: Form = (
+    "",
+    "XYZR" + "".join(STEPS),
+    {*range(1, 1000), *range(GEOMETRY + 1, GEOMETRY + 1000)},
+)
 # the tape's mark, the program's number or name
 HEAD = re.compile(r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*")
 LAST = re.compile(r"M0*(2|30|99)\s*")
@@ -134,40 +141,48 @@ def _register(source: Source, number: int, words: dict[str, str], memory: Memory
         _check_lathe(source, number, n, words, memory)
         if n == 0:
             return
-        kind, allowed = "", "XYZR" + "".join(STEPS)
-        numbers = n % GEOMETRY in range(1, 1000) and n // GEOMETRY < 2
-    elif code in WORK:
-        kind, allowed, numbers = code, AXES, n in WORK[code]
-        if set(words) & set("UVW"):
-            raise source.fault(
-                number, "U V W may be axes, or steps of X Y Z", "state this offset one by one"
-            )
-    elif code in REGISTERS:
-        kind, allowed, numbers = REGISTERS[code], "R", n in range(1, 1000)
-        if "R" not in words:
-            raise source.fault(number, f"G10 L{code} needs R, the offset's value", ADVICE)
-    else:
-        raise source.fault(number, f"G10 L{code or 0} sets no offset", ADVICE)
-    if not numbers:
+    kind, allowed, numbers = TURNING if lathe else _form(source, number, code, words)
+    if n not in numbers:
         raise source.fault(
             number, f"there is no offset P{n} of G10{' L' * bool(code)}{code}", ADVICE
         )
     memory.place.setdefault((kind, n), {})
-    steps = STEPS if lathe else {}
     for letter, text in words.items():
         if letter not in allowed:
             raise source.fault(
                 number, f"{letter} does not belong into G10{' L' * bool(code)}{code}", ADVICE
             )
-        value = source.number(number, text)
-        memory.bare |= "." not in text and value != 0
-        if lathe or letter not in ROTARY:
-            value *= MM_PER_INCH if memory.inch else 1.0
-        step = letter in steps if lathe else memory.incremental
-        if not memory.write((kind, n), steps.get(letter, letter), value, step):
+        if not _take(memory, (kind, n), letter, text, source.number(number, text), lathe):
             raise source.fault(
                 number, f"{letter}{text} is a step from a value that the file does not have", ADVICE
             )
+
+
+def _form(source: Source, number: int, code: str, words: dict[str, str]) -> Form:
+    """What G10 L takes. Raises UsageError."""
+    if code in WORK:
+        if set(words) & set("UVW"):
+            raise source.fault(
+                number, "U V W may be axes, or steps of X Y Z", "state this offset one by one"
+            )
+        return code, AXES, WORK[code]
+    if code not in REGISTERS:
+        raise source.fault(number, f"G10 L{code or 0} sets no offset", ADVICE)
+    if "R" not in words:
+        raise source.fault(number, f"G10 L{code} needs R, the offset's value", ADVICE)
+    return REGISTERS[code], "R", range(1, 1000)
+
+
+def _take(
+    memory: Memory, key: tuple[str, int], letter: str, text: str, value: float, lathe: bool
+) -> bool:
+    """One word into a register; False where a step has nothing to step from."""
+    memory.bare |= "." not in text and value != 0
+    if lathe or letter not in ROTARY:
+        value *= MM_PER_INCH if memory.inch else 1.0
+    if lathe:
+        return memory.write(key, STEPS.get(letter, letter), value, letter in STEPS)
+    return memory.write(key, letter, value, memory.incremental)
 
 
 def _check_lathe(
@@ -197,16 +212,7 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
         )
     has = {kind for kind, _ in memory.place}
     diameter = _is_diameter(source, memory, "" in has, offsets)
-    shared = not has & {RADIUS, RADIUS_WEAR}
-    if has & {LENGTH, LENGTH_WEAR} and shared:
-        offsets.notices.append(
-            "no L12 or L13: offset memory A or B, where H and D of a number are the same"
-        )
-    if not shared:
-        offsets.notices.append(
-            "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas"
-            " setting 40)"
-        )
+    shared = _is_shared(has, offsets)
     for (kind, n), place in memory.place.items():
         if diameter and kind in ("", "2", "20") and "X" in place:
             place = {**place, "X": place["X"] / 2}
@@ -217,6 +223,21 @@ def _assembled(source: Source, memory: Memory) -> Offsets:
         else:
             _add_milling_tool(offsets, kind, n, place["R"], shared)
     return offsets
+
+
+def _is_shared(has: set[str], offsets: Offsets) -> bool:
+    """Whether H and D of a number are the same register, with a notice where there are any."""
+    if has & {RADIUS, RADIUS_WEAR}:
+        offsets.notices.append(
+            "R of L12 and L13 is read as a radius (on a Fanuc parameter 5004#2 ODI, on a Haas"
+            " setting 40)"
+        )
+        return False
+    if has & {LENGTH, LENGTH_WEAR}:
+        offsets.notices.append(
+            "no L12 or L13: offset memory A or B, where H and D of a number are the same"
+        )
+    return True
 
 
 def _work_offset(kind: str, n: int) -> str:

@@ -13,6 +13,7 @@ Source: GRBL 1.1, grbl/report.c (report_ngc_parameters, report_realtime_status),
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
 from postproc.offsets import AXES, ROTARY, Offsets, Source
 from postproc.units import MM_PER_INCH
@@ -20,7 +21,7 @@ from postproc.units import MM_PER_INCH
 TITLE = "GRBL's answer to $#"
 LOOK = re.compile(r"\[G5[4-9](\.[1-3])?:[^\]]*\]")
 ENTRY = re.compile(r"\[([A-Z][A-Z0-9.]*)(?::([^\]]*))?\]", re.IGNORECASE)
-WORK = re.compile(r"G5[4-9]|G59\.[1-3]|G92")
+WORK = re.compile(r"G5[4-9]|G59\.[1-3]|G92|TLO")
 TALK = re.compile(r"ok|>+|<.*>|>*\s*\$.*|Grbl .*", re.IGNORECASE)
 TOOL = "G43.1"
 ADVICE = "a line is like: [G54:0.000,0.000,0.000]"
@@ -38,14 +39,7 @@ def read(source: Source) -> Offsets:
     Raises UsageError.
     """
     offsets = Offsets()
-    entries: list[tuple[int, str, list[str]]] = []
-    for number, line in source.lines():
-        entry = ENTRY.fullmatch(line)
-        name = entry[1].upper() if entry else ""
-        if entry and (WORK.fullmatch(name) or name == "TLO"):
-            entries.append((number, name, (entry[2] or "").split(",")))
-        elif not entry and not TALK.fullmatch(line):
-            raise source.fault(number, "this is no line of GRBL's answer to $#", ADVICE)
+    entries = list(_entries(source))
     scale = _scale(source, [values[0] for *_, values in entries], offsets)
     for number, name, texts in entries:
         axes = "Z" if name == "TLO" and len(texts) == 1 else AXES
@@ -57,6 +51,16 @@ def read(source: Source) -> Offsets:
             )
         into[key] = place
     return offsets
+
+
+def _entries(source: Source) -> Iterator[tuple[int, str, list[str]]]:
+    """Line, name and values of every offset. Raises UsageError."""
+    for number, line in source.lines():
+        entry = ENTRY.fullmatch(line)
+        if entry and WORK.fullmatch(entry[1].upper()):
+            yield number, entry[1].upper(), (entry[2] or "").split(",")
+        elif not entry and not TALK.fullmatch(line):
+            raise source.fault(number, "this is no line of GRBL's answer to $#", ADVICE)
 
 
 def _place(

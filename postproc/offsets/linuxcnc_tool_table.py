@@ -55,16 +55,20 @@ def read(source: Source) -> Offsets:
         name = f"T{int(tool)}"
         if name in offsets.tools:
             raise source.fault(number, f"tool {name} stands twice", "keep the one that is true")
-        place = {
-            axis: source.number(number, values[axis]) * (1.0 if axis in ROTARY else source.scale())
-            for axis in AXES
-            if axis in values
-        }
-        if "D" in values:
-            place["R"] = source.number(number, values["D"]) * source.scale() / 2
-        for letter in "PIJ":
-            source.number(number, values.get(letter, "0"))
-        if orientation := source.number(number, values.get("Q", "0")):
-            place["Q"] = orientation
-        offsets.tools[name] = place
+        offsets.tools[name] = _place(source, number, values)
     return offsets
+
+
+def _place(source: Source, number: int, words: dict[str, str]) -> dict[str, float]:
+    """mm by axis, R and Q, of the words of a line. Raises UsageError."""
+    values = {letter: source.number(number, text) for letter, text in words.items()}
+    place = {
+        axis: values[axis] * (1.0 if axis in ROTARY else source.scale())
+        for axis in AXES
+        if axis in values
+    }
+    if "D" in values:
+        place["R"] = values["D"] * source.scale() / 2
+    if values.get("Q"):
+        place["Q"] = values["Q"]
+    return place

@@ -81,19 +81,14 @@ def read(source: Source) -> Offsets:
             _edge(source, number, int(found[1][5:]), found[2], found[3], edges)
         elif found:
             _frame(source, number, found[1], found[2], found[3], frames)
-        elif chandata and channel in ("", chandata[1]):
-            channel = chandata[1]
         elif chandata:
-            raise source.fault(
-                number, "offsets of a second channel begin here", "keep the lines of one channel"
-            )
+            if channel not in ("", chandata[1]):
+                second = "offsets of a second channel begin here"
+                raise source.fault(number, second, "keep the lines of one channel")
+            channel = chandata[1]
         elif text and not OTHER.fullmatch(text):
             raise source.fault(number, "this is no assignment of offsets", ADVICE)
     offsets = Offsets(notices=source.unit_notice())
-    if source.diameter and frames:
-        offsets.notices.append(
-            "X of frames is read as a radius; MD20360 makes a diameter of tool lengths only"
-        )
     _places(source, frames, offsets)
     _tools(source, edges, offsets)
     return offsets
@@ -159,17 +154,23 @@ def _pairs(source: Source, number: int, component: str, text: str) -> Iterator[t
         axis = words[i]
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", axis):
             raise source.fault(number, f"{axis[:40]!r} is not an axis", ADVICE)
-        alone = component == "MI" and (
-            i + 1 == len(words) or re.fullmatch(r"[A-Z].*", words[i + 1])
-        )
-        if not alone and i + 1 == len(words):
+        values = words[i + 1 : i + 2]
+        if component == "MI" and not (values and not re.match("[A-Z]", values[0])):
+            yield axis, 1.0
+            i += 1
+            continue
+        if not values:
             raise source.fault(number, f"the value of {axis} is missing", ADVICE)
-        yield axis, 1.0 if alone else _value(source, number, words[i + 1])
-        i += 1 if alone else 2
+        yield axis, _value(source, number, values[0])
+        i += 2
 
 
 def _places(source: Source, frames: dict[tuple[str, int], Frame], offsets: Offsets) -> None:
     """Frames to work offsets."""
+    if source.diameter and frames:
+        offsets.notices.append(
+            "X of frames is read as a radius; MD20360 makes a diameter of tool lengths only"
+        )
     for (variable, n), frame in frames.items():
         name = _name(variable, n)
         turn = frame.parts.get("RT", {}).get("Z", 0.0)

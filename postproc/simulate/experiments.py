@@ -27,7 +27,7 @@ def positioning(write: Writer, ask: Ask) -> Test:
     overrun = ask.of("overrun", OUTRUN)
     low, high = ranges(write.machine, overrun)[axis]
     at = targets(low, high, ask.of("step", (high - low) / 16), bool(ask.of("even", 0.0)))
-    rest = {x: v for x, v in middle(write.machine).items() if x != axis}
+    rest = middle(write.machine, axis)
     rest |= {x: ask.of(f"at_{x}", v) for x, v in rest.items()}
     feed, dwell = ask.of("feed", 2000.0), ask.of("dwell", 3.0)
     write.begin(f"positioning of {axis}")
@@ -50,7 +50,7 @@ def period(write: Writer, ask: Ask) -> Test:
     at = targets(begin, begin + way, min(ask.of("step", 1.0), way / 2), False)
     feed, dwell = ask.of("feed", 1000.0), ask.of("dwell", 2.0)
     write.begin(f"periods of {axis}")
-    write.rest({x: v for x, v in middle(write.machine).items() if x != axis}, feed)
+    write.rest(middle(write.machine, axis), feed)
     for _ in range(ask.count("runs", 2)):
         _there_and_back(write, axis, at, OUTRUN, feed, dwell)
     return Test(write.text(), "laser", {"dwell": f"{dwell:g}", "along": axis}, f"periods of {axis}")
@@ -86,12 +86,10 @@ def _there_and_back(
     reached."""
     write.go({axis: float(at[0]) - overrun}, feed)
     for place in at:
-        write.go({axis: float(place)}, feed)
-        write.wait(dwell)
+        write.stop({axis: float(place)}, feed, dwell)
     write.go({axis: float(at[-1]) + overrun}, feed)
     for place in at[::-1]:
-        write.go({axis: float(place)}, feed)
-        write.wait(dwell)
+        write.stop({axis: float(place)}, feed, dwell)
     write.go({axis: float(at[0]) - overrun}, feed)
 
 
@@ -122,25 +120,20 @@ def ballbar(write: Writer, ask: Ask) -> Test:
     room, centre = ranges(write.machine, OUTRUN), middle(write.machine)
     centre = {x: round(ask.of(f"at_{x}", v), 3) for x, v in centre.items()}
     reach = min(min(centre[x] - room[x][0], room[x][1] - centre[x]) for x in plane)
-    usual = (r for r in (300.0, 250.0, 150.0, 100.0, 75.0, 50.0, 25.0, 10.0) if r <= 0.9 * reach)
-    radius = ask.of("radius", next(usual, reach / 2))
-    if radius > reach:
-        raise UsageError(
-            f"a circle of {radius:g} mm does not fit: {reach:g} mm are left", "radius=... smaller"
-        )
+    radius = _radius(ask, reach)
     feed = ask.of("feed", 1000.0)
     first, second = plane[0], plane[1]
     lead = min(2.0, reach - radius)
     write.begin(f"ballbar in {first}{second}")
     write.lines.append(PLANES[plane][0])
-    write.rest({x: v for x, v in centre.items() if x not in plane}, feed)
+    write.rest({x: centre[x] for x in centre.keys() - {first, second}}, feed)
     write.go({first: centre[first] + radius + lead, second: centre[second]}, feed)
     other = {first: centre[first] - radius, second: centre[second]}
     here = {first: centre[first] + radius, second: centre[second]}
     number = ask.count("runs", 2) * 2
     speeds = [feed] * number + [ask.of("slow", feed)] * (number if "slow" in ask.given else 0)
     for k, speed in enumerate(speeds):
-        sense = 1 if k % 2 == 0 else -1
+        sense = (-1) ** k
         write.go(here, speed)
         for _ in range(2):
             write.arc(sense, plane, other, {first: -radius, second: 0.0}, speed)
@@ -156,6 +149,17 @@ def ballbar(write: Writer, ask: Ask) -> Test:
     )
 
 
+def _radius(ask: Ask, reach: float) -> float:
+    """mm: as asked for, or what ballbars are made for. Raises UsageError beyond `reach`."""
+    usual = (r for r in (300.0, 250.0, 150.0, 100.0, 75.0, 50.0, 25.0, 10.0) if r <= 0.9 * reach)
+    radius = ask.of("radius", next(usual, reach / 2))
+    if radius > reach:
+        raise UsageError(
+            f"a circle of {radius:g} mm does not fit: {reach:g} mm are left", "radius=... smaller"
+        )
+    return radius
+
+
 def staircase(write: Writer, ask: Ask) -> Test:
     """Reversals of growing length about one place: backlash and windup part (a windup grows with
     the way after the turn).
@@ -167,23 +171,19 @@ def staircase(write: Writer, ask: Ask) -> Test:
     longest = min(5.0, (high - low) / 4)
     runs = ask.count("runs", 3)
     write.begin(f"reversals of {axis}")
-    rest = {x: v for x, v in middle(write.machine).items() if x != axis}
-    write.rest(rest, feed)
+    write.rest(middle(write.machine, axis), feed)
     for _ in range(runs):
         for sign in (1.0, -1.0):
             write.go({axis: place - sign * 2 * longest}, feed)
-            write.go({axis: place}, feed)
-            write.wait(dwell)
+            write.stop({axis: place}, feed, dwell)
             for size in longest / 500.0 * 2.0 ** np.arange(10):
                 way = max(
                     round(float(min(size, longest)), write.places[axis]),
                     write.machine.axes[axis].least_increment,
                 )
-                write.go({axis: place - sign * way}, feed)
-                write.wait(dwell)
+                write.stop({axis: place - sign * way}, feed, dwell)
                 write.go({axis: place - sign * 2 * longest}, feed)
-                write.go({axis: place}, feed)
-                write.wait(dwell)
+                write.stop({axis: place}, feed, dwell)
     return Test(
         write.text(),
         "laser",
@@ -202,8 +202,7 @@ def feeds(write: Writer, ask: Ask) -> Test:
     way = min(ask.of("way", 40.0), high - low)
     place = (low + high - way) / 2
     write.begin(f"feeds of {axis}")
-    rest = {x: v for x, v in middle(write.machine).items() if x != axis}
-    write.rest(rest, 1000.0)
+    write.rest(middle(write.machine, axis), 1000.0)
     write.go({axis: place}, 1000.0)
     speeds = np.geomspace(
         ask.of("slowest", 60.0), ask.of("fastest", 3000.0), ask.count("number", 5)
@@ -226,16 +225,14 @@ def soak(write: Writer, ask: Ask) -> Test:
     feed, hours, period = ask.of("feed", 4000.0), ask.of("hours", 1.0), ask.of("period", 300.0)
     swings = max(1, round(period / (2 * (high - low) / feed * 60.0)))
     write.begin(f"warming of {axis}")
-    rest = {x: v for x, v in middle(write.machine).items() if x != axis}
-    write.rest(rest, feed)
+    write.rest(middle(write.machine, axis), feed)
     number = max(2, round(hours * 3600.0 / period))
     near, far = low + 0.05 * (high - low), high - 0.05 * (high - low)
     for runs in (True, False):
         for _ in range(number):
             write.go({axis: low}, feed)
             for place in (near, far):
-                write.go({axis: place}, feed)
-                write.wait(3.0)
+                write.stop({axis: place}, feed, 3.0)
             if runs:
                 for _ in range(swings):
                     write.go({axis: high}, feed)
@@ -263,20 +260,22 @@ def rest(write: Writer, ask: Ask) -> Test:
     )
 
 
-TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], int, tuple[str, ...]]] = {
-    "positioning": (positioning, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
-    "period": (period, 1, ("way", "step", "runs", "dwell", "feed", "at")),
-    "arms": (arms, 1, ("step", "runs", "dwell", "feed", "overrun")),
-    "straightness": (straightness, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
-    "angle": (angle, 1, ("step", "runs", "dwell", "feed", "overrun", "even")),
-    "diagonal": (diagonal, 2, ("number", "runs", "dwell", "feed", "overrun")),
-    "steps": (steps, 2, ("number", "runs", "dwell", "feed", "overrun")),
-    "ballbar": (ballbar, 2, ("radius", "feed", "runs", "dwell", "slow")),
-    "staircase": (staircase, 1, ("runs", "dwell", "feed", "at")),
-    "feeds": (feeds, 1, ("number", "slowest", "fastest", "way", "runs")),
-    "soak": (soak, 1, ("hours", "feed", "period")),
-    "volume": (volume, 2, ("number", "dwell", "feed")),
-    "rest": (rest, 1, ("hours", "period", "rpm")),
+ONE, PLANE, SEVERAL = range(1, 2), range(2, 3), range(2, 4)
+# how it is written, how many axes it takes, its settings
+TESTS: dict[str, tuple[Callable[[Writer, Ask], Test], range, tuple[str, ...]]] = {
+    "positioning": (positioning, ONE, ("step", "runs", "dwell", "feed", "overrun", "even")),
+    "period": (period, ONE, ("way", "step", "runs", "dwell", "feed", "at")),
+    "arms": (arms, ONE, ("step", "runs", "dwell", "feed", "overrun")),
+    "straightness": (straightness, ONE, ("step", "runs", "dwell", "feed", "overrun", "even")),
+    "angle": (angle, ONE, ("step", "runs", "dwell", "feed", "overrun", "even")),
+    "diagonal": (diagonal, SEVERAL, ("number", "runs", "dwell", "feed", "overrun")),
+    "steps": (steps, SEVERAL, ("number", "runs", "dwell", "feed", "overrun")),
+    "ballbar": (ballbar, PLANE, ("radius", "feed", "runs", "dwell", "slow")),
+    "staircase": (staircase, ONE, ("runs", "dwell", "feed", "at")),
+    "feeds": (feeds, ONE, ("number", "slowest", "fastest", "way", "runs")),
+    "soak": (soak, ONE, ("hours", "feed", "period")),
+    "volume": (volume, SEVERAL, ("number", "dwell", "feed")),
+    "rest": (rest, ONE, ("hours", "period", "rpm")),
 }
 
 
@@ -287,17 +286,13 @@ def write(test: str, machine: Machine, dialect: str) -> Test:
     name, _, axes = head.partition(":")
     if name not in TESTS:
         raise UsageError(f"there is no test {name!r}", f"tests: {', '.join(TESTS)}")
-    function, number, keys = TESTS[name]
-    slides = [x for x in machine.letters if x in XYZ]
-    good = len(set(axes)) == len(axes) and all(x in slides for x in axes)
-    if (
-        not good
-        or len(axes) < number
-        or (len(axes) > number and name not in ("diagonal", "steps", "volume"))
-    ):
+    function, numbers, keys = TESTS[name]
+    least = numbers[0]
+    slides = "".join(x for x in machine.letters if x in XYZ)
+    if len(set(axes) & set(slides)) != len(axes) or len(axes) not in numbers:
         raise UsageError(
-            f"{head!r} names no {'axis' if number == 1 else f'{number} axes'} of {machine.name}",
-            f"like {name}:{''.join(slides[:number])}; its axes are {' '.join(slides)}",
+            f"{head!r} names no {'axis' if least == 1 else f'{least} axes'} of {machine.name}",
+            f"like {name}:{slides[:least]}; its axes are {' '.join(slides)}",
         )
     known = (
         *keys,

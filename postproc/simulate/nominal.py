@@ -6,6 +6,7 @@ Captures belong together by their order, since a correction adds motions, and no
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from postproc.errors import GcompError
 from postproc.simulate.instruments import Settings, Signal
 
+PLACE = re.compile("run|.*_(mm|deg)|approach_.*")  # columns that say where and when
 FARTHEST = 1.0  # mm between a target and its command: twice the usual max_correction
 AIMS = {"displacement": "along", "straightness": "across", "angle": "about"}
 
@@ -48,11 +50,11 @@ def against(signal: Signal, nominal: Signal) -> Signal:
     columns = dict(signal.columns)
     reading = next(name for name in columns if name.startswith("reading_"))
     shift = _shift(signal, nominal)
-    for name in columns:
-        if name in nominal.columns and (
-            name == "run" or name[-3:] in ("_mm", "deg") or name.startswith("approach_")
-        ):
-            columns[name] = nominal.columns[name]
+    columns |= {
+        name: values
+        for name, values in nominal.columns.items()
+        if name in columns and PLACE.fullmatch(name)
+    }
     if signal.head["quantity"] != "angle":
         columns[reading] = columns[reading] + shift * 1e3
     return replace(signal, columns=columns)

@@ -110,30 +110,12 @@ class Reader:
             return
         line = words.line[motions.block] + lines + 1
         self._refuse(motions, line)
-        n = len(motions)
-        feed = motions.feed * pace.unit_of_feed(motions) / 60.0
-        feed = np.where(np.isnan(feed), self.feed, feed)
-        feed = np.where(motions.inverse, motions.feed / 60.0, feed)
-        mode = spindle.mode[motions.block] if n else np.zeros(0)
-        turning = spindle.rpm[motions.block] if n else np.zeros(0)
-        by_turn = (mode == pace.PER_TURN) & (motions.code != RAPID)
-        for k in np.flatnonzero(by_turn & ((turning == 0) | spindle.surface[motions.block]))[:1]:
-            raise self._fault(
-                line[k],
-                "feed per turn (G95), and the spindle's speed is not known",
-                "M3 and S in rpm before it, or G94",
-            )
-        feed = np.where(by_turn, feed * turning, feed)
-        wrong = (motions.code != RAPID) & ~(feed > 0)
-        for k in np.flatnonzero(wrong)[:1]:
-            raise self._fault(
-                line[k], "the motion has no feed", "an F above zero before it, or --feed"
-            )
+        n, a = len(motions), len(self.letters)
+        feed = self._feed(motions, spindle, line)
         arc = np.full(n, -1, np.int64)
         arc[motions.arcs.motion] = np.arange(len(motions.arcs)) + sum(map(len, self.arcs))
         self.arcs.append(motions.arcs)
         target = np.where(motions.target_known, motions.target / TICKS_PER_MM, np.nan)
-        a = len(self.letters)
         order = [3.0 * b + 1.0 for b in motions.block.tolist()]
         columns = {
             "end": target,
@@ -143,7 +125,7 @@ class Reader:
             "inverse": motions.inverse & (motions.code != RAPID),
             "stop": motions.stop > 0,
             "line": line,
-            "rpm": turning,
+            "rpm": spindle.rpm[motions.block],
             "arc": arc,
             "sent": motions.sent.any(axis=0),
             "length": motions.length / TICKS_PER_MM,
@@ -171,6 +153,26 @@ class Reader:
             }
         columns["part"] = np.full(len(columns["line"]), self.part)
         self.columns.append(columns)
+
+    def _feed(self, motions: Motions, spindle: pace.Spindle, line: np.ndarray) -> np.ndarray:
+        """(N,) mm/s, of inverse time 1/s. Raises GcompError for a motion without one."""
+        feed = motions.feed * pace.unit_of_feed(motions) / 60.0
+        feed = np.where(np.isnan(feed), self.feed, feed)
+        feed = np.where(motions.inverse, motions.feed / 60.0, feed)
+        turning, cuts = spindle.rpm[motions.block], motions.code != RAPID
+        by_turn = (spindle.mode[motions.block] == pace.PER_TURN) & cuts
+        for k in np.flatnonzero(by_turn & ((turning == 0) | spindle.surface[motions.block]))[:1]:
+            raise self._fault(
+                line[k],
+                "feed per turn (G95), and the spindle's speed is not known",
+                "M3 and S in rpm before it, or G94",
+            )
+        feed = np.where(by_turn, feed * turning, feed)
+        for k in np.flatnonzero(cuts & ~(feed > 0))[:1]:
+            raise self._fault(
+                line[k], "the motion has no feed", "an F above zero before it, or --feed"
+            )
+        return feed
 
     def _refuse(self, motions: Motions, line: np.ndarray) -> None:
         """What the slides do there is not what the words say."""

@@ -38,6 +38,11 @@ class Conditions:
     force: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
+def _by_axis(rows: dict[str, int], values: np.ndarray) -> dict[str, np.ndarray]:
+    """Axis to its row of values (A, K)."""
+    return {x: values[i] for x, i in rows.items()}
+
+
 @dataclass(frozen=True)
 class Timeline:
     """A program on a machine in time. Times are seconds since the program began."""
@@ -95,16 +100,13 @@ class Timeline:
         slides = {x: i for x, i in rows.items() if x in XYZ}
         gone = np.abs(place - self.path.begin[:, own])
         return State(
-            position={x: place[i] for x, i in rows.items()},
-            approach={x: turns.approach[i, own] for x, i in rows.items()},
+            position=_by_axis(rows, place),
+            approach=_by_axis(rows, turns.approach[:, own]),
             travel={x: self.machine.axes[x].travel for x in rows},
-            velocity={x: velocity[i] for x, i in rows.items()},
-            acceleration={x: acceleration[i] for x, i in rows.items()},
-            distance={
-                x: np.minimum(turns.distance[i, own] + gone[i], history.FAR)
-                for x, i in rows.items()
-            },
-            since={x: np.minimum(time - turns.since[i, own], history.FAR) for x, i in rows.items()},
+            velocity=_by_axis(rows, velocity),
+            acceleration=_by_axis(rows, acceleration),
+            distance=_by_axis(rows, np.minimum(turns.distance[:, own] + gone, history.FAR)),
+            since=_by_axis(rows, np.minimum(time - turns.since[:, own], history.FAR)),
             time=time + self.conditions.begin,
             run=run,
             channels=self._channels(time, own, run, slides),

@@ -85,6 +85,11 @@ class Writer:
             self.go(low, feed)
             self.go(place, feed)
 
+    def stop(self, place: Mapping[str, float], feed: float, seconds: float) -> None:
+        """To a place at which the machine rests."""
+        self.go(place, feed)
+        self.wait(seconds)
+
     def wait(self, seconds: float) -> None:
         self.lines.append(DWELL[self.kind].format(seconds))
 
@@ -154,6 +159,7 @@ def ranges(machine: Machine, overrun: float) -> dict[str, tuple[float, float]]:
     return result
 
 
-def middle(machine: Machine) -> dict[str, float]:
-    """Axis to mm: where it rests while others are measured."""
-    return {x: (low + high) / 2 for x, (low, high) in ranges(machine, OUTRUN).items()}
+def middle(machine: Machine, but: str = "") -> dict[str, float]:
+    """Axis to mm: where it rests while others, those of `but`, are measured."""
+    room = ranges(machine, OUTRUN)
+    return {x: (low + high) / 2 for x, (low, high) in room.items() if x not in but}

@@ -40,26 +40,35 @@ def check(calibration) -> Iterator[Finding]:
             yield from _compare(calibration, letter, angle, straight, sign)
 
 
-def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Finding]:
+def _paths(
+    calibration, letter: str, angle, straight, sign: float
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The straightness as it was read and as the angle makes it, mm, lines off both, in + and -
+    where both were measured so; none where too little was."""
     low, high = max(angle.nodes[0], straight.nodes[0]), min(angle.nodes[-1], straight.nodes[-1])
     nodes = np.unique(np.concatenate([angle.nodes, straight.nodes]))
     nodes = nodes[(nodes >= low) & (nodes <= high)]
     if len(nodes) < FEWEST or not np.any(angle.value) or not np.any(straight.value):
         return []
+    both = angle.two_way and straight.two_way
+    means = [c.value if both else [c.mean] for c in (angle, straight)]
     pairs = []
     on_table = calibration.options.chain.side(letter) == "workpiece"
     # of a point that stays on the table, whose path the rail makes
     stays = on_table and calibration.optics.get(letter) == "tool"
-    for way in (0, 1) if angle.two_way and straight.two_way else (-1,):
-        turn, read = (
-            np.interp(nodes, c.nodes, c.mean if way < 0 else c.value[way])
-            for c in (angle, straight)
-        )
-        if stays:
-            read = read - sign * turn * nodes
+    for turns, reads in zip(*means, strict=True):
+        turn, read = np.interp(nodes, angle.nodes, turns), np.interp(nodes, straight.nodes, reads)
+        read = read - stays * sign * turn * nodes
         path = np.concatenate([[0.0], np.cumsum((turn[1:] + turn[:-1]) / 2 * np.diff(nodes))])
         path *= -sign if on_table else sign
         pairs.append((_without_line(nodes, read), _without_line(nodes, path)))
+    return pairs
+
+
+def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Finding]:
+    pairs = _paths(calibration, letter, angle, straight, sign)
+    if not pairs:
+        return []
     measured, predicted = (max(float(np.ptp(p[i])) for p in pairs) for i in (0, 1))
     correlation = float(np.mean([_correlation(*p) for p in pairs]))
     numbers = {

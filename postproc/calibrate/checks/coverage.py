@@ -22,24 +22,27 @@ def check(calibration) -> Iterator[Finding]:
             f"nothing to correct of {', '.join(bare)}: written without a table",
         )
     for letter in calibration.axes():
-        low, high = calibration.travel(letter)
-        nodes = calibration.nodes(letter)
-        unit = place_name(letter)
-        if letter not in calibration.options.travel:
-            text = (
-                f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken"
-                " as from the first target to the last"
-            )
-            yield Finding("travel", "note", letter, text)
-        if outside := [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]:
-            text = (
-                f"{letter} was measured at {outside[0]:g} {unit}, outside its travel of {low:g} to"
-                f" {high:g}"
-            )
-            yield Finding("travel", "doubt", letter, text, {"at": float(outside[0])})
+        yield from _travel(calibration, letter)
         yield from _not_covered(calibration, letter)
         for component in calibration.of(letter):
-            yield from _held(calibration, component, low, high)
+            yield from _held(calibration, component, *calibration.travel(letter))
+
+
+def _travel(calibration, letter: str) -> Iterator[Finding]:
+    """A travel that was not said, and targets outside of it."""
+    (low, high), nodes = calibration.travel(letter), calibration.nodes(letter)
+    if letter not in calibration.options.travel:
+        text = (
+            f"travel of {letter} not said (--travel {letter}={nodes[0]:g},{nodes[-1]:g}): taken"
+            " as from the first target to the last"
+        )
+        yield Finding("travel", "note", letter, text)
+    if outside := [q for q in (nodes[0], nodes[-1]) if q < low - NEAR or q > high + NEAR]:
+        text = (
+            f"{letter} was measured at {outside[0]:g} {place_name(letter)}, outside its travel of"
+            f" {low:g} to {high:g}"
+        )
+        yield Finding("travel", "doubt", letter, text, {"at": float(outside[0])})
 
 
 def _not_covered(calibration, letter: str) -> Iterator[Finding]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,23 +12,24 @@ from postproc.calibrate.assign import unit_of
 
 
 def check(calibration) -> Iterator[Finding]:
-    silent = [n for n, c in calibration.measured.items() if all(s.u is None for s in c.series)]
-    single = [n for n, c in calibration.measured.items() if not c.cells.scatter.known]
-    both = [n for n in single if n in silent]
-    if unknown := both:
+    by_base: dict[tuple[bool, bool], list[str]] = defaultdict(list)
+    for name, component in calibration.measured.items():
+        stated = any(s.u is not None for s in component.series)
+        by_base[stated, bool(component.cells.scatter.known)].append(name)
+    if unknown := by_base[False, False]:
         text = (
             f"{', '.join(unknown)}: one run and no u_um in the head, so the uncertainty is not"
             " known, nor whether they stand out of it"
         )
         yield Finding("scatter", "doubt", "", text, {"components": len(unknown)})
-    for name in [n for n in single if n not in both]:
+    for name in by_base[True, False]:
         unit, one = unit_of(name)
         text = (
             f"{name}: one run, so u is the instrument's alone,"
             f" {calibration.measured[name].largest_u / one:.2g} {unit}"
         )
         yield Finding("scatter", "note", name, text)
-    if many := [n for n in silent if n not in single]:
+    if many := by_base[False, True]:
         text = (
             f"{', '.join(many)}: no u_um in the head, so u is the scatter of the runs alone,"
             " without the instrument's part"

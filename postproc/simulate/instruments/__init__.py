@@ -149,15 +149,27 @@ def recorded(
             columns[name] = (
                 np.round(columns[name] * unit / noise.resolution) * noise.resolution / unit
             )
+    columns |= _sensed(signal, noise, rng, without)
+    return Recording(signal.kind, _stated(signal, noise, head, zeros), columns)
+
+
+def _sensed(
+    signal: Signal, noise: Noise, rng: np.random.Generator, without: tuple[str, ...]
+) -> dict[str, np.ndarray]:
+    """The channels that were recorded; thermometers have their own noise."""
+    found = {}
     for channel in signal.channels:
         if channel not in without and channel in signal.state.channels:
-            value = signal.state.channels[channel]
-            columns[channel] = (
-                value + noise.sensors * rng.standard_normal(n)
-                if channel.startswith("T_")
-                else value
-            )
-    return Recording(signal.kind, _stated(signal, noise, head, zeros), columns)
+            found[channel] = signal.state.channels[channel]
+            if channel.startswith("T_"):
+                drawn = rng.standard_normal(len(found[channel]))
+                found[channel] = found[channel] + noise.sensors * drawn
+    return found
+
+
+def commands(state: State) -> dict[str, np.ndarray]:
+    """Columns of the commanded positions of all slides, mm."""
+    return {f"{x}_cmd_mm": p for x, p in state.position.items() if x in "XYZ"}
 
 
 def _stated(

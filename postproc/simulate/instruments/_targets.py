@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,7 @@ from postproc.effects import State
 from postproc.errors import GcompError
 from postproc.simulate.actual import Reality
 from postproc.simulate.instruments import Settings
+from postproc.simulate.path import Path
 
 XYZ = "XYZ"
 SETTINGS = {
@@ -53,22 +55,13 @@ def captures(reality: Reality, settings: Settings) -> Captures:
             f"its longest rest is {wait.max(initial=0.0):g} s: --set dwell=..., or G4 at every"
             " target",
         )
-    place = {
-        x: path.begin[i, piece] for i, x in enumerate(path.letters) if x in reality.machine.letters
-    }
-    moving = tuple(
-        sorted(
-            (x for x in place if x in XYZ and np.ptp(place[x]) > STILL),
-            key=lambda x: -np.ptp(place[x]),
-        )
-    )
+    moving = _moving(path, piece, reality.machine.letters)
     ignore = settings.number("ignore", 0.0)
     if moving and ignore > 0:
-        p = place[moving[0]]
+        p = path.begin[path.letters.index(moving[0]), piece]
         piece = piece[(p >= p.min() + ignore) & (p <= p.max() - ignore)]
         if not len(piece):
             raise GcompError(f"nothing is left when {ignore:g} mm are ignored at either end")
-        place = {x: path.begin[i, piece] for i, x in enumerate(path.letters) if x in place}
     time = plan.start[piece + 1]
     run: np.ndarray = np.ones(len(piece))
     if settings.text("runs"):
@@ -76,9 +69,16 @@ def captures(reality: Reality, settings: Settings) -> Captures:
         run = 1.0 + np.arange(len(piece)) * number // len(piece)
     elif moving:
         row = path.letters.index(moving[0])
-        run = _passages(place[moving[0]], timeline.turns.approach[row, piece])
+        run = _passages(path.begin[row, piece], timeline.turns.approach[row, piece])
     state = timeline.state(time, piece, run)
     return Captures(state, piece, moving, _feeds(reality, piece))
+
+
+def _moving(path: Path, piece: np.ndarray, letters: Sequence[str]) -> tuple[str, ...]:
+    """The slides that travel between rests in these pieces, the one with the longest way first."""
+    ways = {x: np.ptp(path.begin[i, piece]) for i, x in enumerate(path.letters)}
+    slides = [x for x, way in ways.items() if x in XYZ and x in letters and way > STILL]
+    return tuple(sorted(slides, key=ways.__getitem__, reverse=True))
 
 
 def _passages(place: np.ndarray, approach: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from postproc.errors import GcompError
 from postproc.simulate.actual import Reality
-from postproc.simulate.instruments import Settings, Signal
+from postproc.simulate.instruments import Settings, Signal, commands
 
 TITLE = "ballbar"
 SETTINGS = {
@@ -58,15 +58,8 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         )
     sense = np.where(first == rows[0], 1.0, -1.0) * np.sign(c.sweep)
     piece, sense, sweep = piece[keep], sense[keep], np.abs(c.sweep[keep])
-    run = np.cumsum(np.concatenate([[0], (np.diff(piece) != 1) | (np.diff(sense) != 0)]))
-    parts = []
     rate = settings.above_zero("rate", 250.0)
-    for k in range(int(run[-1]) + 1):
-        of = np.flatnonzero(run == k)
-        begin, end = _middle(timeline, piece[of], sweep[of])
-        t = begin + np.arange(int((end - begin) * rate) + 1) / rate
-        parts.append((t, np.full(len(t), k + 1.0), np.full(len(t), sense[of[0]])))
-    time, runs, senses = (np.concatenate(x) for x in zip(*parts, strict=True))
+    time, runs, senses = _samples(timeline, piece, sense, sweep, rate)
     where = plan.at(time)[0]
     state = timeline.state(time, None, runs)
     error = reality.error(state, ("tool",), where)
@@ -75,10 +68,8 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         state.position[x] + error["XYZ".index(x)] - centre[x] - off.get(x, 0.0) * 1e-3
         for x in plane
     ]
-    columns = {"run": runs, "t_s": state.time}
-    columns |= {
-        f"{x}_cmd_mm": p for x, p in state.position.items() if x in "XYZ"
-    }  # resting ones too: errors hang on them
+    # the commands of resting slides too: errors hang on them
+    columns = {"run": runs, "t_s": state.time, **commands(state)}
     columns |= {"radial_um": (np.hypot(*arm) - radius) * 1e3, "sense": senses}
     feed = timeline.steps.feed[path.step[piece]]
     head = {
@@ -86,6 +77,19 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         "feed_mm_min": float(np.round(np.nanmedian(feed) * 60.0, 6)), "rate_hz": rate,
     }  # fmt: skip
     return Signal("ballbar", head, columns, {"radial_um": 1.0}, state)
+
+
+def _samples(timeline, piece, sense, sweep, rate: float) -> list[np.ndarray]:
+    """(N,) s, run and sense of the samples of every run: pieces one after the other in one
+    sense."""
+    run = np.cumsum(np.concatenate([[0], (np.diff(piece) != 1) | (np.diff(sense) != 0)]))
+    parts = []
+    for k in range(int(run[-1]) + 1):
+        of = np.flatnonzero(run == k)
+        begin, end = _middle(timeline, piece[of], sweep[of])
+        t = begin + np.arange(int((end - begin) * rate) + 1) / rate
+        parts.append((t, np.full(len(t), k + 1.0), np.full(len(t), sense[of[0]])))
+    return [np.concatenate(x) for x in zip(*parts, strict=True)]
 
 
 def _turned(c, at: np.ndarray, names: list) -> np.ndarray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.simulate.actual import Reality
-from postproc.simulate.instruments import MOST, Settings, Signal, channel_names
+from postproc.simulate.instruments import MOST, Settings, Signal, channel_names, commands
 
 TITLE = "axis log"
 SETTINGS = {
@@ -45,10 +45,9 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     state = timeline.state(time, None, run)
     _, space = reality.reading(state, (sees, "trace"))
     error = reality.error(state, (sees,), piece, tables=sees == "tool") + space
-    slides = [x for x in state.position if x in "XYZ"]
-    columns = {"run": run, "t_s": state.time}
-    columns |= {f"{x}_cmd_mm": state.position[x] for x in slides}
-    columns |= {f"{x}_act_mm": state.position[x] + error["XYZ".index(x)] for x in slides}
+    commanded = commands(state)
+    actual = {f"{n[0]}_act_mm": p + error["XYZ".index(n[0])] for n, p in commanded.items()}
+    columns = {"run": run, "t_s": state.time, **commanded, **actual}
     columns["line"] = timeline.line(time).astype(float)
     head = {
         "instrument": "grid encoder" if sees == "tool" else TITLE,
@@ -56,6 +55,6 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         "rate_hz": rate,
     }
     return Signal(
-        "trace", head, columns, {f"{x}_act_mm": 1e3 for x in slides}, state,
+        "trace", head, columns, dict.fromkeys(actual, 1e3), state,
         tuple(c for c in channel_names(state) if not c.startswith("T_bed")),
     )  # fmt: skip

@@ -68,14 +68,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
 def _features(reality: Reality, text: str) -> list[tuple[str, str, float]]:
     found = []
     for item in filter(None, text.split(",")):
-        parts = [p.strip() for p in item.split(":")]
-        axis, kind, size = (
-            (parts[0], "centre_distance", parts[1]) if len(parts) == 2 else [*parts, "", ""][:3]
-        )
-        try:
-            nominal = float(size)
-        except ValueError:
-            nominal = -1.0
+        axis, kind, nominal = _parsed(item)
         if (
             axis not in reality.machine.letters
             or axis not in "XYZ"
@@ -94,6 +87,18 @@ def _features(reality: Reality, text: str) -> list[tuple[str, str, float]]:
     if not found:
         raise UsageError("which features?", "--set features=X:100,Y:80")
     return found
+
+
+def _parsed(item: str) -> tuple[str, str, float]:
+    """Axis, kind and mm of X:100 or X:pocket_size:40; -1 mm where there is no size."""
+    parts = [p.strip() for p in item.split(":")]
+    if len(parts) == 2:
+        parts.insert(1, "centre_distance")
+    axis, kind, size = [*parts, "", ""][:3]
+    try:
+        return axis, kind, float(size)
+    except ValueError:
+        return axis, kind, -1.0
 
 
 def _at(base: State, reality: Reality, axis: str, off: float, material: float) -> State:
