@@ -131,16 +131,21 @@ def _answered(argv: list[str] | None) -> int:
         _forget_output()
         return CLOSED_PIPE
     except OSError as error:
-        what = f"{error.filename}: " if error.filename else ""
-        full = (
-            "; the output is not complete, a file that stood there before still does"
-            if error.errno in (errno.ENOSPC, errno.EDQUOT)
-            else ""
-        )
         _forget_output()
-        return _complain(f"{what}{error.strerror or error}{full}", FAILED)
+        return _complain(_of_surroundings(error), FAILED)
     except MemoryError:
         return _complain("out of memory", FAILED)
+
+
+def _of_surroundings(error: OSError) -> str:
+    """What failed, and what that means for files."""
+    what = f"{error.filename}: " if error.filename else ""
+    full = (
+        "; the output is not complete, a file that stood there before still does"
+        if error.errno in (errno.ENOSPC, errno.EDQUOT)
+        else ""
+    )
+    return f"{what}{error.strerror or error}{full}"
 
 
 def _let_go(stream: TextIO | None) -> None:
@@ -177,26 +182,15 @@ def _keep_memory() -> None:
 
 
 def _run(argv: list[str]) -> int:
-    name = DEFAULT
     if "--version" in argv[: argv.index("--") if "--" in argv else None]:
         print(f"gcomp {__version__}")
         return 0
-    if argv and not argv[0].startswith("-") and argv[0] in commands():
-        name, argv = argv[0], argv[1:]
-    elif not argv or argv[0] in ("-h", "--help"):
+    if not argv or argv[0] in ("-h", "--help"):
         return _overview(argv)
-    else:
-        _no_slip(argv[0])
+    name, argv = _command(argv)
     module = _loaded(f"postproc.commands.{name}")
-    example = getattr(module, "EXAMPLE", "")
-    parser = _Parser(
-        prog="gcomp" if name == DEFAULT else f"gcomp {name}",
-        description=module.HELP,
-        epilog=f"example: {example}" if example else None,
-        formatter_class=colour.formatter(sys.stdout),
-    )
-    module.arguments(parser)
-    handed_on = None
+    parser = _parser(name, module)
+    handed_on: list[str] = []
     if hasattr(module, "HANDS_ON") and "--" in argv:  # what follows is for another command
         at = argv.index("--")
         argv, handed_on = argv[:at], argv[at + 1 :]
@@ -205,9 +199,29 @@ def _run(argv: list[str]) -> int:
     except SystemExit as end:
         return int(end.code or 0)
     if hasattr(module, "HANDS_ON"):
-        options.handed_on = handed_on or []
+        options.handed_on = handed_on
     standing.options(options)
     return module.run(options)
+
+
+def _command(argv: list[str]) -> tuple[str, list[str]]:
+    """The subcommand and its arguments. Raises UsageError for a word that is almost one."""
+    if not argv[0].startswith("-") and argv[0] in commands():
+        return argv[0], argv[1:]
+    _no_slip(argv[0])
+    return DEFAULT, argv
+
+
+def _parser(name: str, module: ModuleType) -> argparse.ArgumentParser:
+    example = getattr(module, "EXAMPLE", "")
+    parser = _Parser(
+        prog="gcomp" if name == DEFAULT else f"gcomp {name}",
+        description=module.HELP,
+        epilog=f"example: {example}" if example else None,
+        formatter_class=colour.formatter(sys.stdout),
+    )
+    module.arguments(parser)
+    return parser
 
 
 def _loaded(name: str) -> ModuleType:

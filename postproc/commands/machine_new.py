@@ -74,12 +74,18 @@ def _travel(options: argparse.Namespace, chain: chains.Chain) -> dict[str, tuple
     return reach
 
 
-def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
-    """The folder and its files. Raises UsageError naming what is missing."""
+def _ask(options: argparse.Namespace) -> None:
+    """What is missing, of a person at a terminal. Raises UsageError for a machine without a
+    name."""
     if sys.stdin is not None and sys.stdin.isatty():
         machine_questions.asked(options)
     if not options.name:
         raise UsageError("how is the machine called?", "gcomp machines new NAME --kind router ...")
+
+
+def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
+    """The folder and its files. Raises UsageError naming what is missing."""
+    _ask(options)
     kind = first.KINDS.get(options.kind or "")
     said, chain = _chain(options, kind)
     control = _control(options, kind)

@@ -64,21 +64,15 @@ def _show_all(options: argparse.Namespace, how: ReadingOptions) -> int:
     told: list[dict[str, Any]] = []
     status, out = 0, as_json.beside(options.json)
     for path in options.files:
-        name = None
-        if session.is_session(path):
-            recordings = read_files([path], options.format, how)
-        else:
-            source = Source(path, ports.read_whole(Path(path), intake.RECORDING))
-            try:
-                recordings = read_all(source, options.format, how)
-            except GcompError as error:
-                if len(options.files) == 1:
-                    raise
-                colour.fault(str(error))
-                told.append({"file": path, "fault": error.message, "advice": error.advice})
-                status = 2
-                continue
-            name = options.format or format_of(source, how)
+        try:
+            recordings, name = _read(path, options.format, how)
+        except GcompError as error:
+            if len(options.files) == 1 or session.is_session(path):
+                raise
+            colour.fault(str(error))
+            told.append({"file": path, "fault": error.message, "advice": error.advice})
+            status = 2
+            continue
         for recording in recordings:
             text = show(recording, name or f"as {path} says")
             print(("\n" if found else "") + text, file=out)
@@ -88,6 +82,14 @@ def _show_all(options: argparse.Namespace, how: ReadingOptions) -> int:
         print("\n" + _write(found, options.as_, options.files, options.force), file=out)
     as_json.put(options.json, {"format": FORMAT, "recordings": told})
     return status
+
+
+def _read(path: str, format: str, how: ReadingOptions) -> tuple[list[Recording], str | None]:
+    """What a file holds, and in which format; None of a session, which says it itself."""
+    if session.is_session(path):
+        return read_files([path], format, how), None
+    source = Source(path, ports.read_whole(Path(path), intake.RECORDING))
+    return read_all(source, format, how), format or format_of(source, how)
 
 
 def facts(recording: Recording, format: str | None) -> dict[str, Any]:

@@ -54,20 +54,17 @@ def run(options: argparse.Namespace) -> int:
     machine = reading.machine_of(options)
     text, name, own = _program(options, machine)
     _spares(options, text if own else b"()")
-    if own and options.program_out:
-        _write(options.program_out, text)
-        if not options.output:
-            as_json.put(options.json, _told(options, machine, name))
-            return 0
+    if own and _is_all(options, text):
+        as_json.put(options.json, _told(options, machine, name))
+        return 0
     instrument = _instrument(options, own)
     module = instruments.load(instrument)
     given = dict(options.settings)
     if given.pop("help", None):
-        print("\n".join(f"{key}: {meaning}" for key, meaning in module.SETTINGS.items()))
+        print("\n".join(map(": ".join, module.SETTINGS.items())))
         return 0
-    if own and own.instrument == instrument:
-        given = own.settings | given
-    settings = instruments.Settings(instrument, module.SETTINGS, given)
+    of_test = own.settings if own and own.instrument == instrument else {}
+    settings = instruments.Settings(instrument, module.SETTINGS, of_test | given)
     limits = bounds.of(machine, _stated(options.machine))
     run_, notices, corrected = _timeline(options, machine, limits, text, name)
     notices += _assumed(options, machine, limits, corrected)
@@ -89,13 +86,8 @@ def run(options: argparse.Namespace) -> int:
         signal, noise, head, simulate_named.without(options.without, signal.state.channels)
     )
     _write(options.output or "-", write(recording).encode())
-    if not options.quiet:
-        _say(notices)
-        print(
-            f"gcomp: {len(recording)} rows of {module.TITLE}, {run_.duration:.1f} s of machine"
-            " time",
-            file=sys.stderr,
-        )
+    rows = f"gcomp: {len(recording)} rows of {module.TITLE}"
+    _say(options, notices, f"{rows}, {run_.duration:.1f} s of machine time")
     found = {
         "instrument": instrument,
         "title": module.TITLE,
@@ -196,10 +188,14 @@ def _head(
     return head
 
 
-def _say(notices: list[Notice]) -> None:
+def _say(options: argparse.Namespace, notices: list[Notice], last: str) -> None:
+    """Notices and a last line for a person, unless --quiet."""
+    if options.quiet:
+        return
     for notice in notices:
         where = f" (line {notice.line})" if notice.line else ""
         print(f"gcomp: notice: {notice.message}{where}", file=sys.stderr)
+    print(last, file=sys.stderr)
 
 
 def _told(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
@@ -350,6 +346,13 @@ def _spares(options: argparse.Namespace, text: bytes) -> None:
     if options.program_out:
         comment = next(x for x in text.splitlines() if x[:1] in (b"(", b";"))
         standing.result(options.program_out, marks.comment(comment), "another name")
+
+
+def _is_all(options: argparse.Namespace, text: bytes) -> bool:
+    """Writes the program of a test where it is asked for; whether nothing else is."""
+    if options.program_out:
+        _write(options.program_out, text)
+    return bool(options.program_out) and not options.output
 
 
 def _write(name: str, data: bytes) -> None:

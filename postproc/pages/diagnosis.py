@@ -36,24 +36,25 @@ def page(d: Diagnosis, written: str = "") -> Page:
     rounds = list(circles.of_diagnosis(d))
     _first(made, d, drawn, rounds)
     _tiles(made, d)
-    if d.doubts:
-        made.section("In doubt")
-        made.listing([f"{text}." for text in d.doubts])
+    _listing(made, "In doubt", [f"{text}." for text in d.doubts])
     _found(made, d)
-    if d.places:
-        made.section("Where it stands out")
-        made.listing([f"{prose.where(d, place)}." for place in d.places])
+    _listing(made, "Where it stands out", [f"{prose.where(d, place)}." for place in d.places])
     _not_named(made, d)
     made.section("Shown on what took no part", f"{_upper(prose.held_out_words(d))}.")
     if d.held.any():
         made.figure(findings.held_out(d))
-    if steps := prose.next_steps(d, written):
-        made.section("What to do next")
-        made.listing([_upper(step) for step in steps])
+    _listing(made, "What to do next", list(map(_upper, prose.next_steps(d, written))))
     _written(made, d)
     _others(made, d, drawn[1:], rounds[1:])
     _limits(made, d)
     return made
+
+
+def _listing(made: Page, title: str, lines: list[str]) -> None:
+    """A section of lines, where there are any."""
+    if lines:
+        made.section(title)
+        made.listing(lines)
 
 
 def _upper(text: str) -> str:

@@ -210,13 +210,7 @@ def written(d: Diagnosis) -> list[charts.Figure]:
         at, part = places(machine, other, letter)
         place = np.stack([np.full(len(at), middles[x]) for x in machine.letters])
         place[machine.letters.index(letter)] = at
-        data = [
-            curve
-            for error, role in zip(slides, ("plus", "minus", "limit"), strict=False)
-            for side in (1.0, -1.0)
-            for curve in _pair((machine, other), place, side, error, role, charts.column(at, 3))
-        ]
-        if data:
+        if data := _curves((machine, other), place, slides, charts.column(at, 3)):
             figures.append(
                 charts.figure(
                     f"written-{letter}",
@@ -229,6 +223,18 @@ def written(d: Diagnosis) -> list[charts.Figure]:
                 )
             )
     return figures
+
+
+def _curves(
+    machines: tuple[Machine, Machine], place: np.ndarray, slides: list[str], x: list[float | None]
+) -> list[dict]:
+    """What changes of the deviation along each slide, approached from either side."""
+    return [
+        curve
+        for error, role in zip(slides, ("plus", "minus", "limit"), strict=False)
+        for side in (1.0, -1.0)
+        for curve in _pair(machines, place, side, error, role, x)
+    ]
 
 
 def _pair(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from postproc.iso.figure import round_down
@@ -51,16 +53,12 @@ def volume(result: Page, machine: Machine) -> None:
     slides = _slides(machine)
     if machine.is_zero or len(slides) < 2:
         return
-    across, up = ("Z", "X") if slides == ["X", "Z"] else (slides[0], slides[1])
-    third = next((x for x in slides if x not in (across, up)), None)
+    across, up, *more = ("Z", "X") if slides == ["X", "Z"] else slides
+    third = more[0] if more else None
     levels = np.linspace(*_reach(machine, third), SLICES) if third else np.zeros(1)
-    top = 0.0
-    drawn = []
-    for level in levels:
-        heat, tip, size = _slice(machine, across, up, third, float(level))
-        top = max(top, size)
-        drawn.append((heat, tip))
-    step = [_level(across, up, heat, tip, top) for heat, tip in drawn]
+    step = _levels(machine, across, up, third, levels)
+    domain: dict[str, Any] = {"constrain": "domain", "automargin": False}
+    one_scale = _alike(machine, across, up)
     figure = charts.figure(
         "volume",
         "Size of the deviation (mean of both directions of approach), and where the tool goes:"
@@ -70,12 +68,11 @@ def volume(result: Page, machine: Machine) -> None:
         f"{up}, mm",
         460,
         shape=float(np.ptp(_reach(machine, up)) / np.ptp(_reach(machine, across)))
-        if _alike(machine, across, up)
+        if one_scale
         else None,
-        xaxis={"constrain": "domain", "automargin": False},
+        xaxis=domain,
         showlegend=False,
-        yaxis={"constrain": "domain", "automargin": False}
-        | ({"scaleanchor": "x"} if _alike(machine, across, up) else {}),
+        yaxis=domain | ({"scaleanchor": "x"} if one_scale else {}),
     )
     if third:
         figure["steps"] = {
@@ -86,6 +83,15 @@ def volume(result: Page, machine: Machine) -> None:
         }
     result.section("In the working volume")
     result.figure(figure)
+
+
+def _levels(
+    machine: Machine, across: str, up: str, third: str | None, levels: np.ndarray
+) -> list[Any]:
+    """What is drawn of each level, all of them on one scale."""
+    drawn = [_slice(machine, across, up, third, float(level)) for level in levels]
+    top = max(size for *_, size in drawn)
+    return [_level(across, up, heat, tip, top) for heat, tip, _ in drawn]
 
 
 def _alike(machine: Machine, across: str, up: str) -> bool:

@@ -79,11 +79,15 @@ class Before:
         word, codes = dict(named), {value for name, value in named if name == "G"}
         commands = [value for name, value in named if name == "M"]
         self._feed(codes, word)
-        self.surface = (self.surface or 96 in codes) and 97 not in codes
-        if "S" in word and max(commands, default=0) <= 5 and codes.isdisjoint((4, 10, 50, 92)):
-            self.speed = f"S{word['S']:g}"
+        self._spindle(codes, word, max(commands, default=0))
         for value in commands:
             self._command(value)
+
+    def _spindle(self, codes: set[float], word: dict[str, float], command: float) -> None:
+        """Surface speed and S; command: the largest M of the block."""
+        self.surface = (self.surface or 96 in codes) and 97 not in codes
+        if "S" in word and command <= 5 and codes.isdisjoint((4, 10, 50, 92)):
+            self.speed = f"S{word['S']:g}"
 
     def _feed(self, codes: set[float], word: dict[str, float]) -> None:
         """Units, feed and path tolerance."""

@@ -39,14 +39,11 @@ class Compact:
         if not LINE.fullmatch(bare):
             self._forget()
             self.absolute = False
-            return bare if not text.startswith(b"$") else text
-        words = [(letter, number(value)) for letter, value in WORD.findall(bare) if letter != b"N"]
-        codes = [value for letter, value in words if letter == b"G"]
-        named = [c for c in codes if c in MOTIONS]
-        others = set(codes) - set(MOTIONS)
+            return text if text.startswith(b"$") else bare
+        words, named, others = _words(bare)
         plain = others <= HARMLESS and len(named) <= 1
         self._modes(others)
-        motion = [*named, self.motion][0] if plain and b"80" not in others else b""
+        motion = (named or [self.motion])[0] if plain and b"80" not in others else b""
         kept = self._kept(words, motion) if plain and not others else words
         self._remember(words, motion, plain)
         return b"".join(letter + value for letter, value in kept)
@@ -91,6 +88,13 @@ class Compact:
                 self.at[letter] = value
         if not self.absolute:
             self.at.clear()
+
+
+def _words(bare: bytes) -> tuple[list[tuple[bytes, bytes]], list[bytes], set[bytes]]:
+    """Letter and value of all words but N, the G codes of motions, and the other ones."""
+    words = [(letter, number(value)) for letter, value in WORD.findall(bare) if letter != b"N"]
+    codes = [value for letter, value in words if letter == b"G"]
+    return words, [c for c in codes if c in MOTIONS], set(codes) - set(MOTIONS)
 
 
 def number(text: bytes) -> bytes:

@@ -159,12 +159,14 @@ class Greeting:
         pattern = getattr(protocols.load(known[0]), "WHOLE", None) if known else None
         return bool(pattern and pattern.search(self.banner))
 
+    def _has_said_all(self, known: Sequence[str], now: float) -> bool:
+        quiet = SETTLED if self._is_whole(known) else QUIET
+        return bool(self.banner.strip()) and now - self._heard >= quiet
+
     def _listen(self, now: float) -> None:
         assert self._begun is not None
         known = protocols.recognised(self.banner) if self.auto else self.found
-        quiet = SETTLED if self._is_whole(known) else QUIET
-        said = self.banner.strip() and now - self._heard >= quiet
-        if known and (said or not self._pokes):
+        if known and (self._has_said_all(known, now) or not self._pokes):
             self.found = known
             self._choose(known[0], now)
         elif now - self._begun > self.listen:

@@ -104,19 +104,19 @@ class Path:
         return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= RUN_ON
 
     def _off(self, status: Status) -> tuple[float, WireLine] | None:
-        if status.state == REST:
-            return None
-        if status.state not in JUDGED:
+        if status.state != REST and status.state not in JUDGED:
             self.account.forget()
             return None
-        parts = self.account.running(status)
+        parts = [] if status.state == REST else self.account.running(status)
         if not parts or status.place is None or any(not part.places for part in parts):
             return None
-        n = len(parts[0].places[0])
-        rows = self.order or range(n)
-        seen = [k for k, row in enumerate(rows) if k < n and row < len(status.place)]
-        place = np.array([status.place[rows[k]] for k in seen])
-        return self._nearest(parts, seen, place)
+        return self._nearest(parts, *self._seen(status.place, len(parts[0].places[0])))
+
+    def _seen(self, place: tuple[float, ...], count: int) -> tuple[list[int], np.ndarray]:
+        """Which of so many axes a report has, and where it says that they are, mm."""
+        rows = list(self.order or range(count))[:count]
+        seen = [k for k, row in enumerate(rows) if row < len(place)]
+        return seen, np.array([place[rows[k]] for k in seen])
 
     def _nearest(
         self, parts: Sequence[Part], seen: list[int], place: np.ndarray

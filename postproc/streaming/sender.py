@@ -220,18 +220,18 @@ class Sender:
             self._insert(self.protocol.check_mode())
         if self.path.watched and self.status is None and now - self._moved < AGAIN:
             return  # where does it stand?
-        while self._queue and self.state == RUNNING and len(self.out) < BACKLOG:
-            if not self.protocol.ready(self._queue[0].text):
-                break
-            line = self._queue.popleft()
-            if not self._sent:
-                self._moved = now  # waiting begins with the first line that waits
-                self._idle_since = None
-            self._put(line, now)
+        while self.state == RUNNING and len(self.out) < BACKLOG and self._may_send():
+            self._put(self._queue.popleft(), now)
             self._drained, self._rests = None, 0
+
+    def _may_send(self) -> bool:
+        return bool(self._queue) and self.protocol.ready(self._queue[0].text)
 
     def _put(self, line: WireLine, now: float) -> None:
         """One line on its way."""
+        if not self._sent:
+            self._moved = now  # waiting begins with the first line that waits
+            self._idle_since = None
         data = self.protocol.send(line.number, line.text)
         answered = self.protocol.confirms != "nothing"
         if answered:

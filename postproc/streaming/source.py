@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -128,7 +130,7 @@ class Source:
             self.delivered = self._seen_lines()
             raise
         if not self._seen:  # "%": nothing a watcher sees
-            return self._lines(out.split(b"\n"), [first + 1] * (out.count(b"\n") + 1), None)
+            return self._lines(out.split(b"\n"), [first + 1] * (out.count(b"\n") + 1))
         return self._seen_lines()
 
     def _of_pass(
@@ -161,51 +163,37 @@ class Source:
         for i in range(len(pieces)):
             k = int(line[i])
             count[k] += not first[i]
-            slots[k, int(count[k])] = i
-        return self._lines(
-            texts, (source + before + 1).tolist(), (motions, pieces, slots, before + 1)
-        )
+            slots[k + before + 1, int(count[k])] = i
+        values = _Values(self, motions, pieces, slots) if slots else None
+        return self._lines(texts, (source + before + 1).tolist(), values)
 
-    def _lines(self, texts: list[bytes], source: list[int], motion) -> list[WireLine]:
+    def _lines(
+        self, texts: list[bytes], source: list[int], values: _Values | None = None
+    ) -> list[WireLine]:
         result = []
         previous, piece = 0, 0
-        values = _Values(self, motion[0], motion[1]) if motion and len(motion[1]) else None
         for text, k in zip(texts, source, strict=True):
             piece = piece + 1 if k == previous else 0
             previous = k
             if self.ended:
                 self.dropped += self._says(text)
-                continue
-            end, correction, length, seconds, points, straight = self._end, (), 0.0, 0.0, (), True
-            i = motion[2].get((k - motion[3], piece)) if values else None
-            if values and i is not None:
-                end, correction, length, seconds, points, straight = values.of(i)
-            wire = self._wire(text, k)
-            if not wire:
-                continue
-            if b"G" in wire or b"g" in wire or b"$" in wire:
-                if LOST.search(wire):
-                    end = ()
-                dwell = DWELL.search(wire)
-                seconds += float(dwell[1]) if dwell else 0.0
-            self._end = end
-            result.append(
-                WireLine(
-                    self.number,
-                    k,
-                    piece,
-                    wire,
-                    end,
-                    correction,
-                    length,
-                    seconds,
-                    points,
-                    straight=straight,
-                )
-            )
-            self.number += 1
-            self.ended = bool(self._ends and b"M" in wire.upper() and self._ends.search(wire))
+            elif wire := self._wire(text, k):
+                worth = {"end": self._end} | (values.of(k, piece) if values else {})
+                result.append(self._planned(WireLine(self.number, k, piece, wire, **worth)))
+                self._end = result[-1].end
+                self.number += 1
+                self.ended = bool(self._ends and b"M" in wire.upper() and self._ends.search(wire))
         return result
+
+    @staticmethod
+    def _planned(line: WireLine) -> WireLine:
+        """The line with the time that it waits, and without a place that is not known behind it."""
+        wire = line.text.upper()
+        if b"G" not in wire and b"$" not in wire:
+            return line
+        dwell = DWELL.search(wire)
+        seconds = line.seconds + (float(dwell[1]) if dwell else 0.0)
+        return replace(line, end=() if LOST.search(wire) else line.end, seconds=seconds)
 
     def _wire(self, text: bytes, source: int) -> bytes:
         """The line as it is sent. Raises Unsendable with its place."""
@@ -224,9 +212,10 @@ class Source:
 
 
 class _Values:
-    """What pieces are worth, worked out for a whole batch."""
+    """What pieces are worth, worked out for a whole batch. slots: source line and its piece to the
+    index of a piece of motion."""
 
-    def __init__(self, source: Source, motions: Motions, pieces: Pieces):
+    def __init__(self, source: Source, motions: Motions, pieces: Pieces, slots: dict):
         known = motions.target_known[:, pieces.motion]
         self.end = np.where(known, pieces.end / TICKS_PER_MM, np.nan)
         self.correction = np.where(known, (pieces.end - pieces.nominal) / TICKS_PER_MM, 0.0)
@@ -257,21 +246,25 @@ class _Values:
         known_code = motions.code[motion] != FOREIGN
         self.length, self.seconds = length, np.where(known_code, seconds, 0.0)
         self.end[:, ~known_code] = np.nan
-        self.source, self.motions, self.pieces = source, motions, pieces
+        self.source, self.motions, self.pieces, self.slots = source, motions, pieces, slots
         self.ends, self.corrections = self.end.T.tolist(), self.correction.T.tolist()
 
-    def of(self, i: int):
+    def of(self, line: int, piece: int) -> dict[str, Any]:
+        """What a wire line says of its motion; {} where it has none."""
+        i = self.slots.get((line, piece))
+        if i is None:
+            return {}
         arc = self.pieces.arc[i] >= 0
         points = self.points(i) if self.source.sampled and arc else ()
         straight = bool(self.source.sampled) if arc else int(self.pieces.code[i]) in LINES
-        return (
-            tuple(self.ends[i]),
-            tuple(self.corrections[i]),
-            float(self.length[i]),
-            float(self.seconds[i]),
-            points,
-            straight,
-        )
+        return {
+            "end": tuple(self.ends[i]),
+            "correction": tuple(self.corrections[i]),
+            "length": float(self.length[i]),
+            "seconds": float(self.seconds[i]),
+            "points": points,
+            "straight": straight,
+        }
 
     def points(self, i: int) -> tuple[tuple[float, ...], ...]:
         """Places on an arc between its ends."""

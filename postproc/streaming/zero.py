@@ -125,6 +125,13 @@ def within(controller: Controller) -> float:
     return NEAR_MM + 2 * coarsest_step(controller)
 
 
+def _of_unlocked(past: Past | None) -> str:
+    """Why homing moves the zero of a job."""
+    if past is None or past.head.get("zero") != UNLOCKED:
+        return ""
+    return "the job ran on a controller that was unlocked and not homed: homing moves its zero"
+
+
 def doubt(
     past: Past | None,
     live: Live,
@@ -139,12 +146,7 @@ def doubt(
     if past is not None and (words := moved(past.head.get("offsets", {}), live.work)):
         return words
     if done == HOMED:
-        lost = past is not None and past.head.get("zero") == UNLOCKED
-        return (
-            "the job ran on a controller that was unlocked and not homed: homing moves its zero"
-            if lost
-            else ""
-        )
+        return _of_unlocked(past)
     if restarted:
         return (
             "the controller has just restarted and was not homed since: it has forgotten where the"

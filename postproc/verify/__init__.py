@@ -37,6 +37,7 @@ from postproc.verify.machines import Machines
 
 STEP_MM = 2.0  # a sample at least every 2 mm
 MOST_SAMPLES = 20_000
+REPORT_IT = "this is an error of gcomp: please report the program"
 
 NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
 
@@ -78,6 +79,38 @@ class Verifier:
     ) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back
         or lost a motion."""
+        again, back = self._read_back(output, first_line)
+        for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
+            why = back.reasons[int(back.reason[i])][0]
+            raise GcompError(
+                f"the output can not be followed: {why}",
+                LIMIT if why == self.state.beside.fault else REPORT_IT,
+                self._near(words, motions, pieces, int(i), first_line),
+            )
+        if len(back) != len(pieces) or (back.code != pieces.code).any():
+            most = min(len(back), len(pieces))
+            differ = np.append(np.flatnonzero(back.code[:most] != pieces.code[:most]), most)
+            raise GcompError(
+                f"the output has {len(back)} motions where {len(pieces)} were planned",
+                REPORT_IT,
+                self._near(words, motions, pieces, int(differ[0]), first_line),
+            )
+        self.tips |= bool(motions.space.any())
+        self.warm.see(words, motions, again, back)
+        self.motions_in += len(motions)
+        self.motions_out += len(back)
+        if len(motions):
+            grid = motions.grid[list(self.machine.corrected)].max()
+            self.grid = max(self.grid, float(grid) / TICKS_PER_MM)
+            line = self._own(first_line + words.line[motions.block] + 1)
+            if self.trace:
+                self.trace.begin(words, motions, line, first_line)
+            self._measure_both(motions, back, pieces, line)
+            if self.trace:
+                self.trace.end(words, pieces, output, again.line[back.block])
+
+    def _read_back(self, output: bytes, first_line: int) -> tuple[Words, Motions]:
+        """Words and motions of the output. Raises GcompError."""
         again = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
         try:
             back, self.state, _ = self.interpreter.run(again, self.state)
@@ -88,78 +121,40 @@ class Verifier:
             shown = output.split(b"\n")[at].decode("latin-1")
             raise GcompError(
                 f"the output can not be read back: {fault.message}",
-                "this is an error of gcomp: please report the program",
+                REPORT_IT,
                 Place(self.name, int(self._own(np.array([first_line + 1]))[0]), shown),
             ) from None
-        for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
-            why = back.reasons[int(back.reason[i])][0]
-            raise GcompError(
-                f"the output can not be followed: {why}",
-                (
-                    LIMIT
-                    if why == self.state.beside.fault
-                    else "this is an error of gcomp: please report the program"
-                ),
-                self._near(words, motions, pieces, int(i), first_line),
-            )
-        if len(back) != len(pieces) or (back.code != pieces.code).any():
-            most = min(len(back), len(pieces))
-            differ = np.flatnonzero(back.code[:most] != pieces.code[:most])
-            raise GcompError(
-                f"the output has {len(back)} motions where {len(pieces)} were planned",
-                "this is an error of gcomp: please report the program",
-                self._near(
-                    words, motions, pieces, int(differ[0]) if len(differ) else most, first_line
-                ),
-            )
-        self.tips |= bool(motions.space.any())
-        self.warm.see(words, motions, again, back)
-        if len(motions):
-            self.grid = max(
-                self.grid, float(motions.grid[list(self.machine.corrected)].max()) / TICKS_PER_MM
-            )
-        self.motions_in += len(motions)
-        self.motions_out += len(back)
-        if len(motions):
-            line = self._own(first_line + words.line[motions.block] + 1)
-            every, one = np.arange(len(motions)), np.ones(len(motions))
-            if self.trace:
-                self.trace.begin(words, motions, line, first_line)
-            led, own = self.slides.run(back), self.nominal_slides.run(motions)
-            self._measure(
-                motions,
-                every,
-                0 * one,
-                one,
-                motions,
-                (own, own),
-                line,
-                self.uncorrected,
-                0 * every + PATH,
-            )
-            owner = pieces.motion
-            begin = np.cumsum(pieces.share) - pieces.share
-            first = np.concatenate([[True], owner[1:] != owner[:-1]])
-            begin -= begin[first][np.cumsum(first) - 1]
-            ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
-            counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
-            end, sense = begin + pieces.share, own.way(own.leg(every, one))
-            there = self.machines.slides(
-                motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0)
-            )
-            ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
-            followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
-            inside = (motions.cutter != FREE)[owner]
-            for into, of in (
-                (self.corrected, ~inside),
-                (self.at_contour, inside & ~followed[owner]),
-            ):
-                some = np.where(of, counts, NOTHING)
-                self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
-            self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
-            self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
-            if self.trace:
-                self.trace.end(words, pieces, output, again.line[back.block])
+        return again, back
+
+    def _measure_both(
+        self, motions: Motions, back: Motions, pieces: Pieces, line: np.ndarray
+    ) -> None:
+        """What is left of the deviation, and what there was of it in the nominal program."""
+        every, one = np.arange(len(motions)), np.ones(len(motions))
+        led, own = self.slides.run(back), self.nominal_slides.run(motions)
+        paths, slides = 0 * every + PATH, (own, own)
+        self._measure(motions, every, 0 * one, one, motions, slides, line, self.uncorrected, paths)
+        owner = pieces.motion
+        begin = np.cumsum(pieces.share) - pieces.share
+        first = np.concatenate([[True], owner[1:] != owner[:-1]])
+        begin -= begin[first][np.cumsum(first) - 1]
+        ends = np.where(self.slides.has_play(pieces.start, pieces.end), END, NOTHING)
+        counts = np.where(pieces.corrected, np.where(pieces.take_up, ends, PATH), NOTHING)
+        end, sense = begin + pieces.share, own.way(own.leg(every, one))
+        there = self.machines.slides(
+            motions, every, np.where(motions.target_known, motions.target / TICKS_PER_MM, 0.0)
+        )
+        ends = own.at(every, one, there, sense, motions.code == RAPID)[0]
+        followed = self.centre.check(motions, back, pieces, ends * self.follows, line)
+        inside = (motions.cutter != FREE)[owner]
+        for into, of in (
+            (self.corrected, ~inside),
+            (self.at_contour, inside & ~followed[owner]),
+        ):
+            some = np.where(of, counts, NOTHING)
+            self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
+        self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
+        self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
 
     def _near(
         self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int
@@ -285,19 +280,30 @@ class Verifier:
                 actual = command + self.machines.deviation(
                     run, (row, place), command, weight * self.follows
                 )
-                distance = self.machines.to_path(nominal, owner[row], t, actual)
-                turns = np.flatnonzero(~path[row])
-                # a take-up stands where the path turns: ahead or behind is off there too
-                if len(turns):
-                    there = points_of(nominal, nominal_curved, owner[row[turns]], t[turns])
-                    off = self.machines.told(nominal, owner[row[turns]], actual[:, turns] - there)
-                    distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
+                on_path = (nominal_curved, owner[row], t)
+                distance = self._distance(nominal, on_path, actual, path[row], bool(slides))
                 if self.trace and not slides:
                     nominal_at = points_of(nominal, nominal_curved, owner[row], t)
                     places = (nominal_at, command, actual, distance)
                     self._trace(run, row, (owner[row], t), places, weights[0], into, path[row])
                 worst = int(np.argmax(distance))
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
+
+    def _distance(
+        self, nominal: Motions, where, actual: np.ndarray, path: np.ndarray, slides: bool
+    ) -> np.ndarray:
+        """(K,) mm from actual points (A, K) to the nominal path. where: arcs, motions and t of
+        nominal motions; path (K,): False where a take-up stands, which counts for the slides
+        alone."""
+        curved, owner, t = where
+        distance = self.machines.to_path(nominal, owner, t, actual)
+        turns = np.flatnonzero(~path)
+        # a take-up stands where the path turns: ahead or behind is off there too
+        if len(turns):
+            there = points_of(nominal, curved, owner[turns], t[turns])
+            off = self.machines.told(nominal, owner[turns], actual[:, turns] - there)
+            distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
+        return distance
 
     def _trace(
         self, run: Motions, row, where, there, weight, into: Largest, path: np.ndarray

@@ -67,33 +67,48 @@ class CentreVerifier:
         followed = np.zeros(len(motions), bool)
         inside = np.flatnonzero(motions.cutter != FREE)
         first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
+        entry, radius = motions.cutter == ENTRY, motions.radius
+        enters = entry & (radius != 0) & np.isfinite(radius)
+        leaves = entry & (radius == 0)
         for i in inside.tolist():
-            if motions.cutter[i] == ENTRY and motions.radius[i] and np.isfinite(motions.radius[i]):
+            if enters[i]:
                 self._enter(motions, i, weights)
             if self.nominal is None or self.run is None:
                 continue
             followed[i] = True
             self.lines[self.count + i] = int(line[i])
-            try:
-                self._step(self.nominal.shifted, motions, i, motions, i)
-            except Gouge as gouge:
-                self.refused = self.refused or f"{gouge} (line {int(line[i])})"
-                self.nominal = self.run = None
-                continue
-            try:
-                for piece in range(int(first[i]), int(first[i + 1])):
-                    self._step(self.run.shifted, back, piece, motions, i)
-            except Gouge as gouge:
-                raise GcompError(
-                    f"the corrected contour of line {int(line[i])} is one that LinuxCNC refuses,"
-                    f" and the nominal is not: {gouge}",
-                    LIMIT,
-                ) from None
-            if motions.cutter[i] == ENTRY and not motions.radius[i]:
-                self.finish()
+            if self._step_nominal(self.nominal, motions, i, int(line[i])):
+                pieces_of = range(int(first[i]), int(first[i + 1]))
+                self._step_run(self.run, back, pieces_of, motions, i, int(line[i]))
+                if leaves[i]:
+                    self.finish()
         self._compare()
         self.count += len(motions)
         return followed
+
+    def _step_nominal(self, nominal: Contour, motions: Motions, i: int, line: int) -> bool:
+        """One motion of the nominal program; False where LinuxCNC refuses it."""
+        try:
+            self._step(nominal.shifted, motions, i, motions, i)
+        except Gouge as gouge:
+            self.refused = self.refused or f"{gouge} (line {line})"
+            self.nominal = self.run = None
+            return False
+        return True
+
+    def _step_run(
+        self, run: Contour, back: Motions, pieces: range, motions: Motions, i: int, line: int
+    ) -> None:
+        """The pieces of one motion. Raises GcompError where LinuxCNC refuses them."""
+        try:
+            for piece in pieces:
+                self._step(run.shifted, back, piece, motions, i)
+        except Gouge as gouge:
+            raise GcompError(
+                f"the corrected contour of line {line} is one that LinuxCNC refuses,"
+                f" and the nominal is not: {gouge}",
+                LIMIT,
+            ) from None
 
     def finish(self) -> None:
         """No more blocks of this contour."""
@@ -149,16 +164,24 @@ class CentreVerifier:
         self.nominal.take()
         self.run.take()
         waiting = self.nominal.shifted.queue
-        limit = self.count + 10**9 if last else (waiting[0].owner if waiting else self.count) - 1
-        ways = self.nominal.ways
-        for contour, into in ((self.run, self.corrected), (self.nominal, self.uncorrected)):
-            for way in (w for w in contour.ways if w.owner < limit and not w.measured):
-                near = [w for w in ways if abs(w.owner - way.owner) <= 1]
-                self._measure(contour, way, near, into)
+        limit = (waiting[0].owner if waiting else self.count) - 1
+        if last:
+            limit = self.count + 10**9
+        self._measure_until(limit, self.run, self.nominal.ways, self.corrected)
+        self._measure_until(limit, self.nominal, self.nominal.ways, self.uncorrected)
         self.run.ways = [w for w in self.run.ways if w.owner >= limit]
         for way in self.nominal.ways:
             way.measured = way.owner < limit
         self.nominal.ways = [w for w in self.nominal.ways if w.owner >= limit - 2]
+
+    def _measure_until(
+        self, limit: int, contour: Contour, nominal: list[Way], into: Largest
+    ) -> None:
+        """Ways of motions before `limit`, against those of the nominal path beside them."""
+        for way in contour.ways:
+            if way.owner < limit and not way.measured:
+                near = [w for w in nominal if abs(w.owner - way.owner) <= 1]
+                self._measure(contour, way, near, into)
 
     def _measure(self, contour: Contour, way: Way, near: list[Way], into: Largest) -> None:
         t = (

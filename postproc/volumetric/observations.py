@@ -230,8 +230,13 @@ def _angles(recording: Recording, base: Rows, moved: list[str]) -> list[Rows]:
     ]
 
 
+def _moved(recording: Recording) -> list[str]:
+    """The slides that move."""
+    return [x for x in XYZ if x in recording.axes and np.ptp(recording.position(x)) > SAME]
+
+
 def _lines(recording: Recording, machine: Machine, base: Rows) -> list[Rows]:
-    moved = [x for x in XYZ if x in recording.axes and np.ptp(recording.position(x)) > SAME]
+    moved = _moved(recording)
     along = np.array([recording.sensitive.get(x, 0.0) for x in XYZ])
     if recording.quantity == "angle":
         return _angles(recording, base, moved)

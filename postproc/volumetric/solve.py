@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import compress
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -93,21 +94,12 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
             "more readings in each set-up",
         )
     said = [not np.isnan(r.u) for r in rows]
-    rows = [r if s else replace(r, u=FIRST * unit_of(r)) for r, s in zip(rows, said, strict=True)]
-    fixed = [_Fixed.of(r, unknowns) for r in rows]
-    start = np.concatenate([np.zeros(unknowns.number), *(r.start for r in rows)])
-    kinds = sorted({r.kind for r, s in zip(rows, said, strict=True) if not s})
-    for _ in range(ROUNDS):
-        x, jacobian, residual = _solved(rows, fixed, unknowns, start)
-        inverse = _inverse(jacobian, rows, unknowns.number)
-        found = {k: _left_over(jacobian, inverse, residual, rows, said, k) for k in kinds}
-        if all(abs(chi - 1) < SETTLED for chi, _ in found.values()):
-            break
-        rows, start = _weighed_again(rows, said, found), x
+    one = _solution(rows, said, unknowns)
+    rows, found = one.rows, one.found
     _enough(rows, said, found)
-    left = np.split(residual[:number], np.cumsum([len(r) for r in rows])[:-1])
+    left = np.split(one.residual[:number], np.cumsum(list(map(len, rows)))[:-1])
     factor = max([1.0, *(_few(free) for _, free in found.values())])
-    chi, free = _left_over(jacobian, inverse, residual, rows, said, "")
+    chi, free = _left_over(one.jacobian, one.inverse, one.residual, rows, said, "")
     # Readings that scatter more than they say: what was found is known as much worse.
     widened = any(said) and chi > 1 + 3 * np.sqrt(2 / free)
     if widened:
@@ -116,8 +108,8 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
         chi, free = 1.0, sum(free for _, free in found.values())
     return Fit(
         unknowns,
-        x[: unknowns.number],
-        inverse[: unknowns.number, : unknowns.number] * factor,
+        one.x[: unknowns.number],
+        one.inverse[: unknowns.number, : unknowns.number] * factor,
         tuple(rows),
         tuple(part * r.counted for part, r in zip(left, rows, strict=True)),
         float(chi),
@@ -125,6 +117,36 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
         bool(widened),
         float(factor),
     )
+
+
+@dataclass(frozen=True)
+class _Solution:
+    """x: all unknowns, those of the set-ups behind the machine's; found: chi2 of each degree of
+    freedom, and these, by kind of reading that states no u; rows: with the u that was found."""
+
+    rows: list[Rows]
+    x: np.ndarray
+    jacobian: np.ndarray
+    inverse: np.ndarray
+    residual: np.ndarray
+    found: dict[str, tuple[float, float]]
+
+
+def _solution(rows: Sequence[Rows], said: list[bool], unknowns: Unknowns) -> _Solution:
+    """Least squares, the readings weighed again until their u is what is left of them."""
+    rows = [replace(r, u=FIRST * unit_of(r)) if np.isnan(r.u) else r for r in rows]
+    fixed = [_Fixed.of(r, unknowns) for r in rows]
+    start = np.concatenate([np.zeros(unknowns.number), *(r.start for r in rows)])
+    kinds = sorted({r.kind for r in compress(rows, np.logical_not(said))})
+    for _ in range(ROUNDS):
+        x, jacobian, residual = _solved(rows, fixed, unknowns, start)
+        inverse = _inverse(jacobian, rows, unknowns.number)
+        found = {k: _left_over(jacobian, inverse, residual, rows, said, k) for k in kinds}
+        one = _Solution(rows, x, jacobian, inverse, residual, found)
+        if all(abs(chi - 1) < SETTLED for chi, _ in found.values()):
+            break
+        rows, start = _weighed_again(rows, said, found), x
+    return one
 
 
 def _few(free: float) -> float:

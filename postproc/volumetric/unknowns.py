@@ -58,6 +58,13 @@ def _of_slide(machine: Machine, x: str, nodes: dict[str, np.ndarray]) -> Iterato
         yield Group(f"{name}{x}", x, row, at, free, unit)
 
 
+def _square_name(machine: Machine, a: str, b: str) -> str:
+    """The squareness of two slides, as the machine states it if it does."""
+    rotation = ROTARY[3 - XYZ.index(a) - XYZ.index(b)]  # about the third axis
+    names = (f"{rotation}0{a}", f"{rotation}0{b}")
+    return next((n for n in names if n in machine.square_stated), LEANS[a + b])
+
+
 def components(
     machine: Machine,
     nodes: dict[str, np.ndarray],
@@ -69,12 +76,8 @@ def components(
     where that has its own; zero: names that are taken as zero."""
     slides = [x for x in XYZ if x in nodes]
     found = [group for x in slides for group in _of_slide(machine, x, nodes)]
-    stated = {name for name in machine.square_stated if name[2] in slides}
     for a, b in combinations(slides, 2):
-        rotation = ROTARY[3 - XYZ.index(a) - XYZ.index(b)]  # about the third axis
-        name = next(
-            (n for n in (f"{rotation}0{a}", f"{rotation}0{b}") if n in stated), LEANS[a + b]
-        )
+        name = _square_name(machine, a, b)
         found.append(Group(name, name[2], ROTARY.index(name[0]), np.zeros(0), np.eye(1), SQUARE))
     for x in sorted(two_way & set(slides)):
         found.append(Group(f"B:{x}", x, XYZ.index(x), np.zeros(0), np.eye(1), LENGTH))

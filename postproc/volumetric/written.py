@@ -15,7 +15,7 @@ from postproc.machine.tables import COMPONENTS
 from postproc.machine.write import axis_table, machine_toml
 from postproc.units import UM, URAD
 from postproc.volumetric.identify import sentences, untold
-from postproc.volumetric.rows import unit_of
+from postproc.volumetric.rows import Rows, unit_of
 from postproc.volumetric.solve import Fit, corners
 from postproc.volumetric.unknowns import Group
 
@@ -50,20 +50,22 @@ def _size(fit: Fit, g: Group) -> str:
     )
 
 
+def _set_up(r: Rows, left: np.ndarray) -> str:
+    """What is left of one set-up's readings."""
+    one, name = unit_of(r), "urad" if r.kind == "angle" else "um"
+    return (
+        f"  {r.name}: {r.kind}, {len(r)} readings, u {r.u / one:.2g} {name}, left"
+        f" {float(np.sqrt((left**2).mean())) / one:.2g} {name} (rms)"
+    )
+
+
 def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
     """For a person: set-ups and what is left of them, the errors with u, what is not told."""
     out = [
         f"{sum(map(len, fit.rows))} readings, {fit.unknowns.number} numbers of"
         f" {len(fit.unknowns.groups)} errors"
     ]
-    for r, left in zip(fit.rows, fit.left, strict=True):
-        one = unit_of(r)
-        name = "urad" if r.kind == "angle" else "um"
-        out.append(
-            f"  {r.name}: {r.kind}, {len(r)} readings, u {r.u / one:.2g} {name}, left"
-            f" {float(np.sqrt((left**2).mean())) / one:.2g} {name} (rms)"
-        )
-    out.append("")
+    out += [*map(_set_up, fit.rows, fit.left), ""]
     hidden = open_names(fit)
     for g in fit.unknowns.groups:
         out.append(f"  {g.name:<5} {'not told' if g.name in hidden else _size(fit, g)}")
@@ -119,14 +121,19 @@ def _taken(stated: Mapping[str, Any], keys: Iterable[str]) -> dict[str, Any]:
     return {k: stated[k] for k in keys if k in stated}
 
 
+def _known(fit: Fit) -> list[Group]:
+    """The errors that the readings tell."""
+    hidden = open_names(fit)
+    return [g for g in fit.unknowns.groups if g.name not in hidden]
+
+
 def folder(
     fit: Fit, like: Mapping[str, Any], head: Mapping[str, Any], tool: np.ndarray, files: list[str]
 ) -> dict[str, str]:
     """File name to text of the machine that was found. like: machine.toml of the machine that was
     measured; head: name, title."""
     letters = fit.unknowns.bare.letters
-    hidden = open_names(fit)
-    known = [g for g in fit.unknowns.groups if g.name not in hidden]
+    known = _known(fit)
     data: dict[str, Any] = {
         "format": "gcomp-machine/1",
         **head,
@@ -137,7 +144,7 @@ def folder(
     comments = {"": "\n".join([top, *_not_told(fit)])}
     texts: dict[str, str] = {}
     data["axes"] = {x: _taken(like["axes"][x], KEPT) for x in letters}
-    for x in (x for x in letters if x in XYZ):
+    for x in sorted(set(letters) & set(XYZ), key=letters.index):
         if tables := _tables_of(fit, x, known):
             data["axes"][x]["table"] = f"{x}.csv"
             texts |= tables
@@ -145,7 +152,8 @@ def folder(
         data["squareness"] = square
         comments |= {f"squareness.u.{n}": "urad, U = 2 u, 95 %" for n in square["u"]}
     if tool.any():
-        data["tool"] = {x: float(tool[i]) for i, x in enumerate(XYZ) if x in letters}
+        length = zip(XYZ, tool.tolist(), strict=True)
+        data["tool"] = {x: v for x, v in length if x in letters}
         point = "the point that was measured: change it to where your tool ends"
         comments |= dict.fromkeys((f"tool.{x}" for x in XYZ), point)
     return {"machine.toml": machine_toml(data, comments), **texts}
@@ -229,24 +237,30 @@ def _tables_of(fit: Fit, x: str, known: list[Group]) -> dict[str, str]:
     )
 
 
+def _on_nodes(fit: Fit, group: Group | None, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(K,) an error and its u; zero where it is not among the unknowns."""
+    if group is None:
+        return np.zeros(len(nodes)), np.zeros(len(nodes))
+    # between two nodes u is theirs by shares at most
+    value, u = (np.interp(nodes, group.nodes, v) for v in fit.values(group))
+    return value, u
+
+
 def _tables(fit: Fit, letter: str, own: list[Group], turned: Group | None) -> tuple[str, str]:
     """The axis table and the table of its U."""
     travel = np.array(fit.unknowns.bare.axes[letter].travel)
     nodes = np.unique(np.concatenate([g.nodes for g in own])) if own else travel
-    half = fit.values(turned)[0][0] / 2 if turned else 0.0
-    half_u = fit.values(turned)[1][0] / 2 if turned else 0.0
     along = f"E{letter}{letter}"
+    groups: dict[str, Group | None] = {g.name: g for g in own}
+    if turned:
+        groups.setdefault(along, None)
     values: dict[str, np.ndarray] = {}
     known: dict[str, np.ndarray] = {}
-    for name in [f"{c}{letter}" for c in COMPONENTS]:
-        group = next((g for g in own if g.name == name), None)
-        if group is None and not (turned and name == along):
-            continue
-        value = u = np.zeros(len(nodes))
-        if group:  # between two nodes u is theirs by shares at most
-            value, u = (np.interp(nodes, group.nodes, v) for v in fit.values(group))
+    for name in sorted(groups, key=lambda n: COMPONENTS.index(n[:2])):
+        value, u = _on_nodes(fit, groups[name], nodes)
         unit, one = ("urad", URAD) if COMPONENTS.index(name[:2]) >= 3 else ("um", UM)
         if turned and name == along:
+            half, half_u = (float(v[0]) / 2 for v in fit.values(turned))
             both = np.hypot(u, half_u)
             values |= {
                 f"{name}_um_fwd": (value + half) / one,

@@ -166,12 +166,18 @@ class Job:
         return Precheck(controller, self.letters, order, self.name, self.is_grbl, sent)
 
     def _take_notices(self) -> None:
-        """Those of the filters that read the program, each once."""
+        """Those of the filters that read the program, each once, and what is not sent of it."""
         told = {notice.message for notice in self.notices}
         for notice in (notice for source in self.sources for notice in source.filter.notices):
             if notice.message not in told:
                 self.notices.append(notice)
             told.add(notice.message)
+        if dropped := max(source.dropped for source in self.sources):
+            behind = (
+                f"{dropped} lines behind the end of the program are not sent: the controller would"
+                " execute them"
+            )
+            self.notices.append(Notice("behind", behind))
 
     def precheck(self, rate: float) -> Load:
         """The whole program before its first byte leaves. Raises what is wrong with it."""
@@ -190,12 +196,6 @@ class Job:
             pace.end()
             self.pace, load.expected = pace, pace.total
         self._take_notices()
-        if dropped := max(source.dropped for source in self.sources):
-            behind = (
-                f"{dropped} lines behind the end of the program are not sent: the controller would"
-                " execute them"
-            )
-            self.notices.append(Notice("behind", behind))
         return load
 
     def look_again(self, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 import threading
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -152,38 +152,38 @@ def lines(job: Job, answers: Answers | None, bare: bool) -> Iterator[list[WireLi
     """All of a job. answers: of the controller, None: before the job, with the zeros of now. bare:
     without macros and pauses, as in the controller's check mode. Raises ProgramError,
     UsageError."""
-    assert job.macros is not None
-    number, begin, live, preamble = (
-        1,
-        job.begin,
-        job.live,
-        tuple(M6.sub(b"M0", x) for x in job.preamble),
-    )
-    longer = Longer(25.4 if job.protocol.controller.inches else 1.0)
-    while True:
-        change = None
-        for batch in job.leg(job.fresh(live), begin, preamble, number):
-            kept, change = _cut(batch, job)
-            if kept:
-                number = kept[-1].number + 1
-                yield kept
-            if change is not None:
-                break
+    number, begin, live = 1, job.begin, job.live
+    preamble: tuple[bytes, ...] | None = tuple(M6.sub(b"M0", x) for x in job.preamble)
+    longer = Longer(job.protocol.controller.unit)
+    asks = None if bare else answers
+    while preamble is not None:
+        legs = job.leg(job.fresh(live), begin, preamble, number)
+        change, number = yield from _until_change(legs, job, number)
         if change is None:
             return
         if not bare:
             for line in _changed(job, change, number, answers, longer):
                 number = line.number + 1
                 yield [line]
-        live = answers.wait() if answers is not None and not bare else live
+        live = asks.wait() if asks is not None else live
         begin = change.source + 1
-        filter_ = job.fresh(live)
-        behind = _behind(job, filter_, begin, live)
-        if behind is None:
-            return
-        preamble = behind
-        if answers is not None and not bare:
+        preamble = _behind(job, job.fresh(live), begin, live)
+        if asks is not None and preamble is not None:
             job.look_again(live, begin, preamble)
+
+
+def _until_change(
+    legs: Iterator[list[WireLine]], job: Job, number: int
+) -> Generator[list[WireLine], None, tuple[WireLine | None, int]]:
+    """What comes before a tool change; returns its line, and the number of the next one."""
+    for batch in legs:
+        kept, change = _cut(batch, job)
+        if kept:
+            number = kept[-1].number + 1
+            yield kept
+        if change is not None:
+            return change, number
+    return None, number
 
 
 def _cut(batch: list[WireLine], job: Job) -> tuple[list[WireLine], WireLine | None]:

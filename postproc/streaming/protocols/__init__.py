@@ -33,6 +33,7 @@ from typing import Protocol as Interface
 
 from postproc.errors import UsageError
 from postproc.streaming.events import Event
+from postproc.units import MM_PER_INCH
 
 UNLIMITED = 1 << 30
 
@@ -65,6 +66,11 @@ class Controller:
     homing: bool | None = None
     flags: str = ""
     compensates: list[str] = field(default_factory=list)
+
+    @property
+    def unit(self) -> float:
+        """mm of a unit of length of its reports."""
+        return MM_PER_INCH if self.inches else 1.0
 
 
 class Protocol(Interface):

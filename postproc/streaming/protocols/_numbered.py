@@ -275,6 +275,9 @@ class Numbered(Protocol):
             return events + self._ok_of(int(found[1]), text)
         if self._numbers and self._started and found[2] is not None:
             return [*events, *self._ok_of_bare(text)]
+        return self._ok_without_number(text, events)
+
+    def _ok_without_number(self, text: str, events: list[Event]) -> list[Event]:
         told = [*events, Told(text)]
         frame = self._waiting[0] if self._waiting else None
         if self._numbers and frame is not None and frame.n is not None:

@@ -27,7 +27,6 @@ from postproc.streaming.events import (
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import Controller, Protocol
 from postproc.streaming.protocols._grbl_meanings import ALARMS, ERRORS
-from postproc.units import MM_PER_INCH
 
 TITLE = "GRBL 1.1"
 POKE = b"?"
@@ -94,6 +93,15 @@ def recognises(banner: str) -> bool:
     ):
         return False
     return bool(BANNER.search(banner) or STATUS.search(banner) or re.search(r"\[VER:1\.1", banner))
+
+
+def _fields(text: str) -> dict[str, list[float]]:
+    """Numbers of a report by name; {} of one that was cut or damaged on the way."""
+    parts = (part.partition(":") for part in text.split("|"))
+    try:
+        return {n: [float(v) for v in s.split(",")] for n, _, s in parts if n in FIELDS}
+    except ValueError:
+        return {}
 
 
 class Grbl(Protocol):
@@ -270,26 +278,21 @@ class Grbl(Protocol):
         return Told(text)
 
     def _status(self, text: str, found: re.Match[str]) -> Event:
-        state = found[1].lower()
-        parts = (part.partition(":") for part in found[3].split("|"))
-        try:
-            fields = {n: [float(v) for v in s.split(",")] for n, _, s in parts if n in FIELDS}
-        except ValueError:
-            return Told(text)  # cut or damaged on the way
+        state, fields = found[1].lower(), _fields(found[3])
         if state not in STATES or fields.keys().isdisjoint(("MPos", "WPos")):
             return Told(text)
-        per = MM_PER_INCH if self.controller.inches else 1.0
+        per = self.controller.unit
         if "WCO" in fields:
             self._shift = tuple(v * per for v in fields["WCO"])
-        speed, *spindle = fields.get("FS", fields.get("F", [None]))
-        planner, *free = map(int, fields.get("Bf", ())) if len(fields.get("Bf", ())) == 2 else (0,)
+        feed, speed = (*fields.get("FS", fields.get("F", ())), None, None)[:2]
+        planner, room = ([int(v) for v in fields.get("Bf", ())] + [0, 0])[:2]
         return Status(
             state,
             found[2] or "",
             self._machine_place(fields, per),
-            None if speed is None else speed * per,
-            spindle[0] if spindle else None,
-            (planner, free[0]) if free else None,
+            None if feed is None else feed * per,
+            speed,
+            (planner, room) if len(fields.get("Bf", ())) == 2 else None,
             int(fields["Ln"][0]) if "Ln" in fields else None,
             tuple(fields.get("Ov", ())),
             self._shift,
