@@ -35,6 +35,7 @@ HELPERS = (
     "machine_shown",
     "machine_values",
     "option_text",
+    "outcome",
     "port_options",
     "reading",
     "reading_options",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import io
 import os
 import shutil
 import sys
@@ -192,6 +193,16 @@ def writable(path: Path) -> None:
             pass
     except OSError as error:
         raise UsageError(f"{path} can not be written: {error.strerror}") from None
+
+
+def write_new(path: str | Path, data: bytes, overwrite: bool) -> Path:
+    """Put data in a file, whole or not at all. Raises UsageError where one stands and `overwrite`
+    is not set."""
+    target = Path(path)
+    if target.exists() and not overwrite:
+        raise UsageError(f"{target} exists", "overwrite=True replaces it")
+    replace_file(target, io.BytesIO(data), backup=False)
+    return target
 
 
 def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:

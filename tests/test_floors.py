@@ -175,3 +175,55 @@ def test_the_slow_tests_are_named_as_they_are():
     for name in slow_tests.listed():
         file, _, function = name.partition("::")
         assert re.search(rf"^def {function}\(", (root / file).read_text(), re.MULTILINE), name
+
+
+TOGETHER = {  # circles that are left, by their modules
+    ("nc.klartext", "nc.lexer", "nc.spellings"),  # which words Klartext is respelled into
+}
+
+
+def needed(path: Path, known: dict[str, Path]) -> set[str]:
+    """Modules of the package that a module imports, in its functions too; what is imported for
+    annotations alone is none of them."""
+    tree = ast.parse(path.read_text("utf-8"))
+    typing_only = [
+        n
+        for n in ast.walk(tree)
+        if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)
+    ]
+    skip = {id(child) for n in typing_only for child in ast.walk(n)}
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and id(node) not in skip:
+            above = (node.module or "").partition("postproc")[2].lstrip(".")
+            names = {f"{above}.{alias.name}".lstrip(".") for alias in node.names}
+            found |= {name if name in known else above for name in names}
+    return found & known.keys()
+
+
+def test_no_module_needs_itself():
+    """A data type lies below what works on it, so that every module is read after those it
+    needs."""
+    known = {
+        ".".join(p.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__"): p
+        for p in modules()
+    }
+    needs = {name: needed(path, known) - {name} for name, path in known.items()}
+    reach = {}
+
+    def all_of(name):
+        """What a module needs at any remove."""
+        if name not in reach:
+            reach[name], waiting = set(), [name]
+            while waiting:
+                new = needs[waiting.pop()] - reach[name]
+                reach[name] |= new
+                waiting += new
+        return reach[name]
+
+    circles = {
+        tuple(sorted({name} | {other for other in all_of(name) if name in all_of(other)}))
+        for name in known
+        if name in all_of(name)
+    }
+    assert circles == TOGETHER

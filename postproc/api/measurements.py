@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from postproc import intake, ports
-from postproc.api import results
 from postproc.api.machines import machine_of
+from postproc.commands import as_json
 from postproc.errors import UsageError
 from postproc.machine.model import Machine
 from postproc.recordings import ReadingOptions, Recording, Source, read_all
@@ -61,7 +61,7 @@ class Evaluated:
 
     def to_json(self) -> str:
         """As JSON, format gcomp-iso/1."""
-        return results.as_text(self.data)
+        return as_json.text(self.data)
 
 
 def evaluate(
@@ -92,13 +92,13 @@ class Diagnosed:
 
     def to_json(self) -> str:
         """As JSON, format gcomp-diagnosis/1 (docs/DIAGNOSIS.md)."""
-        return results.as_text(self.data)
+        return as_json.text(self.data)
 
     def save_report(self, path: str | Path, overwrite: bool = False) -> Path:
         """Write the page with figures that `gcomp diagnose --report` writes."""
         from postproc.pages import diagnosis
 
-        return results.write(path, diagnosis.html(self.details).encode("utf-8"), overwrite)
+        return ports.write_new(path, diagnosis.html(self.details).encode("utf-8"), overwrite)
 
 
 def diagnose(
@@ -147,7 +147,7 @@ class Calibrated:
 
     def to_json(self) -> str:
         """As JSON, format gcomp-calibration/1."""
-        return results.as_text(self.data)
+        return as_json.text(self.data)
 
     def save(self, folder: str | Path, overwrite: bool = False) -> Path:
         """Write the machine's folder in one step, read again before it has its name; the old one

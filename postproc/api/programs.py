@@ -5,22 +5,17 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterable
 from contextlib import closing
-from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, BinaryIO, TypedDict, Unpack
 
 from postproc import intake, ports
-from postproc.api import results
 from postproc.api.machines import machine_of
-from postproc.commands import attempts, reading, values
+from postproc.commands import attempts, outcome, reading, values
 from postproc.commands import compensate as command
-from postproc.errors import Notice, UsageError
+from postproc.commands.outcome import Compensated, Verified
+from postproc.errors import UsageError
 from postproc.filter import Filter
 from postproc.machine.model import Machine
-from postproc.units import UM
-from postproc.verify import Verifier
-
-FORMAT = "gcomp-program/1"
 
 
 class Settings(TypedDict, total=False):
@@ -67,99 +62,6 @@ class Settings(TypedDict, total=False):
     hold_temperature: bool
 
 
-@dataclass(frozen=True)
-class Verified:
-    """The corrected program, replayed on the machine's model. All lengths in um.
-
-    deviation_um, deviation_line: the largest distance from the nominal path, and the line where;
-    uncorrected_um,
-    uncorrected_line: the same of the program as it was; lost_motion_um: the same with every slide
-    in its play;
-    tolerance_um: what was asked; allowed_um: what is let pass (tolerance, hysteresis, half an
-    increment); map_u_um: how well the map itself is known on the path (95 %), None where its folder
-    does not say; not_stated: errors of the map whose uncertainty nobody states; report: all of it
-    as a sentence.
-    """
-
-    passed: bool
-    deviation_um: float
-    deviation_line: int
-    uncorrected_um: float
-    uncorrected_line: int
-    lost_motion_um: float
-    tolerance_um: float
-    allowed_um: float
-    map_u_um: float | None
-    not_stated: tuple[str, ...]
-    motions_in: int
-    motions_out: int
-    report: str
-
-    def to_json(self) -> str:
-        """As JSON, the keys as the fields here."""
-        return results.as_text(asdict(self))
-
-
-@dataclass(frozen=True)
-class Compensated:
-    """A corrected program and what was done.
-
-    program: its bytes; name: of the program in messages; machine, map: the machine's name and the
-    digest of its map;
-    dialect: in which it was read; changed, added: motions changed, blocks put in;
-    largest_correction_um: of one axis;
-    written_out: why the program was written out as plain blocks without being asked, "" where it
-    was not; notices: what a person should know; verified: None unless asked for.
-    """
-
-    program: bytes = field(repr=False)
-    name: str
-    machine: str
-    map: str
-    dialect: str
-    lines: int
-    motions: int
-    changed: int
-    added: int
-    largest_correction_um: float
-    tolerance_um: float
-    written_out: str
-    notices: tuple[Notice, ...]
-    summary: str
-    verified: Verified | None = None
-
-    @property
-    def text(self) -> str:
-        """The program as text: UTF-8, with bytes that are none kept as surrogates (PEP 383)."""
-        return self.program.decode("utf-8", "surrogateescape")
-
-    def save(self, path: str | Path, overwrite: bool = False) -> Path:
-        """Write the program, whole or not at all. Raises UsageError where a file stands and
-        `overwrite` is not set."""
-        return results.write(path, self.program, overwrite)
-
-    def to_json(self) -> str:
-        """As JSON (format gcomp-program/1), all but the program itself."""
-        return results.as_text(self.as_dict())
-
-    def as_dict(self) -> dict[str, Any]:
-        """What `to_json` writes."""
-        own = {
-            f.name: getattr(self, f.name)
-            for f in fields(self)
-            if f.name not in ("program", "notices", "verified")
-        }
-        told = [
-            {"code": n.code, "message": n.message, "line": n.line or None} for n in self.notices
-        ]
-        return {
-            "format": FORMAT,
-            **own,
-            "notices": told,
-            "verified": asdict(self.verified) if self.verified else None,
-        }
-
-
 def compensate(
     program: str | bytes | Path | Iterable[str | bytes],
     machine: Machine | str | Path,
@@ -180,7 +82,7 @@ def compensate(
     done = attempt(program, machine_of(machine), options)
     with closing(done.spool) as spool:
         spool.seek(0)
-        return result(done, spool.read())
+        return outcome.of(done, spool.read())
 
 
 def verify(
@@ -215,48 +117,6 @@ def attempt(program: Any, machine: Machine, options: argparse.Namespace) -> atte
         head = source.read(ports.HEAD)
         source.seek(0)
         return attempts.best(options, machine, _kept(source), "<program>", head, lambda size: None)
-
-
-def result(done: attempts.Attempt, program: bytes) -> Compensated:
-    """What a finished attempt says."""
-    filter_, summary = done.filter, done.filter.summary
-    return Compensated(
-        program,
-        filter_.name,
-        filter_.machine.name,
-        filter_.machine.digest,
-        filter_.dialect.name,
-        summary.lines,
-        summary.motions,
-        summary.changed,
-        summary.added,
-        summary.largest / UM,
-        filter_.compensator.tolerance / UM,
-        done.why,
-        tuple(filter_.notices),
-        command.summary(filter_),
-        verified_by(done.verifier) if done.verifier else None,
-    )
-
-
-def verified_by(verifier: Verifier) -> Verified:
-    """What a verifier has measured."""
-    after, before, known = verifier.corrected, verifier.uncorrected, verifier.map.known
-    return Verified(
-        verifier.passed,
-        after.deviation / UM,
-        after.line,
-        before.deviation / UM,
-        before.line,
-        after.slide / UM,
-        verifier.tolerance / UM,
-        verifier.allowed / UM,
-        verifier.map.largest / UM if known.parts else None,
-        known.missing,
-        verifier.motions_in,
-        verifier.motions_out,
-        verifier.report(),
-    )
 
 
 def defaults() -> argparse.Namespace:

@@ -49,6 +49,7 @@ def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
 
 def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     from postproc.api import programs
+    from postproc.commands import outcome
 
     own = copy.copy(options)
     own.file, own.machine = job.program, job.machine
@@ -72,7 +73,7 @@ def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     return {
         "status": DONE,
         "sha256": sha.hexdigest(),
-        "result": programs.result(done, b"").as_dict(),
+        "result": outcome.of(done, b"").as_dict(),
     }
 
 

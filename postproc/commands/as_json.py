@@ -18,14 +18,19 @@ def beside(path: str | None) -> TextIO:
     return sys.stderr if path == "-" else sys.stdout
 
 
+def text(data: dict[str, Any]) -> str:
+    """JSON as every command writes it: what is not defined is null, never NaN."""
+    import json
+
+    return json.dumps(data, indent=1, allow_nan=False)
+
+
 def put(path: str | None, data: dict[str, Any]) -> None:
     """Write it, whole or not at all; nothing where none was asked for."""
     if not path:
         return
-    import json
-
-    text = (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+    written = (text(data) + "\n").encode()
     if path == "-":
-        ports.write_standard(text)
+        ports.write_standard(written)
     else:
-        ports.replace_file(Path(path), io.BytesIO(text), backup=False)
+        ports.replace_file(Path(path), io.BytesIO(written), backup=False)

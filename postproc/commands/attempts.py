@@ -46,6 +46,21 @@ class Attempt:
     lines: int = 0  # of the plain program, where it was written out
     spool: BinaryIO = field(default_factory=ports.spool)
 
+    @property
+    def summary(self) -> str:
+        """What was done, in one line."""
+        filter_, s = self.filter, self.filter.summary
+        if filter_.machine.is_zero:
+            return (
+                f"{s.lines} lines, {s.motions} motions; the map of {filter_.machine.name} is zero:"
+                " nothing to change"
+            )
+        return (
+            f"{s.changed} of {s.motions} motions changed, {s.added} blocks added, largest"
+            f" correction {s.largest * 1000:.1f} um, tolerance"
+            f" {filter_.compensator.tolerance * 1000:g} um"
+        )
+
     @classmethod
     def fresh(
         cls, options: argparse.Namespace, machine: Machine, name: str, head: bytes = b""

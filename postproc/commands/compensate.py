@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
     if not options.quiet:
         _say(done.filter.notices)
         if not options.dry_run:
-            print(f"gcomp: {summary(done.filter)}", file=sys.stderr)
+            print(f"gcomp: {done.summary}", file=sys.stderr)
     return 0
 
 
@@ -156,7 +156,7 @@ def _put(done: attempts.Attempt, options: argparse.Namespace) -> None:
     """Everything is accepted: write it."""
     with contextlib.closing(done.spool) as spool:
         if options.dry_run:
-            print(summary(done.filter))
+            print(done.summary)
         elif options.in_place:
             kept = ports.replace_file(Path(options.file), spool, backup=True)
             if not options.quiet:
@@ -176,10 +176,9 @@ def _put_page(done: attempts.Attempt, name: str) -> None:
 
 
 def _put_json(done: attempts.Attempt, name: str) -> None:
-    from postproc.api.programs import result
-    from postproc.commands import as_json
+    from postproc.commands import as_json, outcome
 
-    as_json.put(name, result(done, b"").as_dict())
+    as_json.put(name, outcome.of(done, b"").as_dict())
 
 
 def warn_of_nothing(filter_: Filter, name: str) -> None:
@@ -188,20 +187,6 @@ def warn_of_nothing(filter_: Filter, name: str) -> None:
         return
     what = "no axis moves in it: nothing to correct" if filter_.summary.lines else "it is empty"
     print(f"gcomp: warning: {name}: {what}", file=sys.stderr)
-
-
-def summary(filter_: Filter) -> str:
-    """What was done, in one line."""
-    s = filter_.summary
-    if filter_.machine.is_zero:
-        return (
-            f"{s.lines} lines, {s.motions} motions; the map of {filter_.machine.name} is zero:"
-            " nothing to change"
-        )
-    return (
-        f"{s.changed} of {s.motions} motions changed, {s.added} blocks added, largest correction"
-        f" {s.largest * 1000:.1f} um, tolerance {filter_.compensator.tolerance * 1000:g} um"
-    )
 
 
 def _say(notices: list[Notice]) -> None:

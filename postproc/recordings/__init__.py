@@ -206,8 +206,9 @@ def opened(source: Source, options: ReadingOptions) -> Source:
     that is not there."""
     from postproc.recordings import _xlsx
 
-    if _xlsx.is_workbook(source):
-        return _xlsx.as_text(source, options.sheet)
+    if _xlsx.is_workbook(source.data):
+        text = _xlsx.as_text(source.data, source.name, options.sheet, RecordingError)
+        return Source(source.name, text.encode())
     if options.sheet:
         raise UsageError(
             f"{source.name} is no workbook, and --sheet {options.sheet} names a sheet of one",

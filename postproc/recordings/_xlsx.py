@@ -17,8 +17,7 @@ from collections.abc import Iterator
 from xml.etree import ElementTree
 
 from postproc import intake
-from postproc.errors import Place, UsageError
-from postproc.recordings import RecordingError, Source
+from postproc.errors import GcompError, Place, UsageError
 
 MAGIC = b"PK\x03\x04"
 MOST_ROWS = 1 << 20  # rows of a sheet, by the format
@@ -42,43 +41,40 @@ LONG = re.compile(r"-?[0-9.]+[eE][-+]?[0-9]+|-?[0-9]+\.[0-9]{12,}")
 CELL = re.compile(r"([A-Z]{1,3})([0-9]{1,7})")
 
 
-def is_workbook(source: Source) -> bool:
+def is_workbook(data: bytes) -> bool:
     """Whether the bytes are a zip archive that names parts of a workbook."""
-    return source.data.startswith(MAGIC) and b"xl/" in source.data
+    return data.startswith(MAGIC) and b"xl/" in data
 
 
-def as_text(source: Source, sheet: str = "") -> Source:
-    """The sheet of a name, or the only one that holds numbers. Raises RecordingError,
-    UsageError."""
-    place = Place(source.name, 1)
+def as_text(data: bytes, name: str, sheet: str, error: type[GcompError]) -> str:
+    """The sheet that is named, or the only one that holds numbers. name: of the file, in messages.
+    Raises `error` for damage, UsageError for a sheet that is not there."""
     try:
-        with zipfile.ZipFile(io.BytesIO(source.data)) as book:
+        with zipfile.ZipFile(io.BytesIO(data)) as book:
             every = _sheets(book)
             if sheet and sheet not in every:
                 raise UsageError(
-                    f"{source.name} has no sheet {sheet!r}", f"its sheets: {', '.join(every)}"
+                    f"{name} has no sheet {sheet!r}", f"its sheets: {', '.join(every)}"
                 )
             parts = {sheet: every[sheet]} if sheet else every
             strings, times, first = _strings(book), _times(book), _first_day(book)
-            texts = {name: _text(book, part, strings, times, first) for name, part in parts.items()}
-    except BROKEN as error:
-        raise RecordingError(
-            f"this is no workbook that can be read ({error})",
+            texts = {k: _text(book, part, strings, times, first) for k, part in parts.items()}
+    except BROKEN as fault:
+        raise error(
+            f"this is no workbook that can be read ({fault})",
             "save it as .xlsx again, or as CSV",
-            place,
+            Place(name, 1),
         ) from None
-    text = texts[sheet] if sheet else _only_filled(texts, place)
-    return Source(source.name, text.encode())
+    return texts[sheet] if sheet else _only_filled(texts, name, error)
 
 
-def _only_filled(texts: dict[str, str], place: Place) -> str:
-    """The one sheet that holds numbers. Raises RecordingError for none, or several."""
+def _only_filled(texts: dict[str, str], name: str, error: type[GcompError]) -> str:
+    """The one sheet that holds numbers. Raises `error` for none, or several."""
     filled = {name: t for name, t in texts.items() if re.search(r"(?m)(^|\t)-?[0-9.]+(\t|$)", t)}
     if len(filled) != 1:
         what = "no sheet holds numbers" if not filled else f"{len(filled)} sheets hold numbers"
-        raise RecordingError(
-            what, f"say which: --sheet {next(iter(filled or texts))!r}" if texts else "", place
-        )
+        advice = f"say which: --sheet {next(iter(filled or texts))!r}" if texts else ""
+        raise error(what, advice, Place(name, 1))
     return next(iter(filled.values()))
 
 
