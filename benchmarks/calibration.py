@@ -18,7 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from postproc.calibrate import Options
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from tests.calibrate.simulation import coverage, three_axes, two_axes
 

@@ -178,7 +178,7 @@ def calibrate(
     naming what is missing, GcompError for recordings that fit nothing.
     """
     from postproc.calibrate import folder, report
-    from postproc.calibrate.calibration import calibrate as reckoned
+    from postproc.calibrate.run import calibrate as reckoned
     from postproc.commands import calibrate as command
 
     said = _defaults(command)

@@ -14,7 +14,8 @@ from typing import Any
 
 from postproc import intake, ports, standing
 from postproc.calibrate import CalibrationError, Options, figure, folder, report
-from postproc.calibrate.calibration import Calibration, calibrate
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.run import calibrate
 from postproc.commands import as_json, session
 from postproc.commands.calibrate_options import arguments, datum_of
 from postproc.commands.recording_files import files_of, read_files, reading_options

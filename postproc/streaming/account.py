@@ -18,7 +18,7 @@ from collections import deque
 
 from postproc.streaming.events import Status
 from postproc.streaming.line_estimate import LineEstimate
-from postproc.streaming.lines import WireLine
+from postproc.streaming.lines import Part, WireLine
 from postproc.streaming.protocols import Controller
 
 REST = "idle"
@@ -44,18 +44,6 @@ def per_mm(controller: Controller) -> list[float]:
 def _stays(start: tuple[float, ...], end: tuple[float, ...]) -> bool:
     """Whether both are the same place; unknown is like unknown."""
     return all(a == b or (a != a and b != b) for a, b in zip(start, end, strict=True))
-
-
-class Part:
-    """One line that may move: its places, () where anything may happen; whether it was answered,
-    and surely makes a block.
-    upto: number of the last line behind it that is over when it is."""
-
-    __slots__ = ("answered", "block", "line", "places", "seconds", "upto")
-
-    def __init__(self, line: WireLine, places: tuple[tuple[float, ...], ...], block: bool):
-        self.line, self.places, self.block = line, places, block
-        self.answered, self.upto, self.seconds = False, line.number, line.seconds
 
 
 class Account:

@@ -11,14 +11,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.streaming.events import Status
-
-if TYPE_CHECKING:
-    from postproc.streaming.account import Part
+from postproc.streaming.lines import Part
 
 
 class LineEstimate:

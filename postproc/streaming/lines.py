@@ -44,3 +44,15 @@ class WireLine:
         part = f", piece {self.piece + 1} of it" if self.piece else ""
         of = f" of {self.file}" if self.file else ""
         return f"source line {self.source}{of}{part}, sent as wire line {self.number}: {text}"
+
+
+class Part:
+    """One line that may move: its places, () where anything may happen; whether it was answered,
+    and surely makes a block.
+    upto: number of the last line behind it that is over when it is."""
+
+    __slots__ = ("answered", "block", "line", "places", "seconds", "upto")
+
+    def __init__(self, line: WireLine, places: tuple[tuple[float, ...], ...], block: bool):
+        self.line, self.places, self.block = line, places, block
+        self.answered, self.upto, self.seconds = False, line.number, line.seconds

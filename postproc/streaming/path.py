@@ -17,10 +17,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from postproc.streaming.account import REST, Account, Part, per_mm
+from postproc.streaming.account import REST, Account, per_mm
 from postproc.streaming.events import Status
 from postproc.streaming.limits import Limits
-from postproc.streaming.lines import WireLine
+from postproc.streaming.lines import Part, WireLine
 from postproc.streaming.protocols import Controller
 
 JUDGED = {"run", "hold"}

@@ -10,7 +10,7 @@ from pytest import approx
 
 from postproc.calibrate import CalibrationError, Options
 from postproc.calibrate.assign import Diagonal, assign
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from postproc.recordings import Recording
 

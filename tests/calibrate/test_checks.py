@@ -10,7 +10,8 @@ import pytest
 from pytest import approx
 
 from postproc.calibrate import CalibrationError, Options
-from postproc.calibrate.calibration import Calibration, calibrate
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from tests.calibrate import seed
 from tests.calibrate.simulation import Slide, recording, slide

@@ -10,7 +10,7 @@ import pytest
 from pytest import approx
 
 from postproc.calibrate import CalibrationError, Options, circles, square
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import XYZ, parse
 from postproc.recordings import Recording
 from tests.calibrate.test_places import CHAINS, SQUARE, UM, URAD, measured, truth

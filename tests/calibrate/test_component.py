@@ -11,8 +11,8 @@ from pytest import approx
 
 from postproc.calibrate import CalibrationError, Options
 from postproc.calibrate.assign import assign
-from postproc.calibrate.calibration import calibrate
 from postproc.calibrate.component import build
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from postproc.recordings import Recording
 from tests.calibrate import seed

@@ -11,7 +11,7 @@ import pytest
 from pytest import approx
 
 from postproc.calibrate import Options
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from tests.calibrate.simulation import coverage, everything, three_axes, two_axes
 

@@ -11,7 +11,7 @@ import pytest
 from pytest import approx
 
 from postproc.calibrate import Options, opening
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ, parse
 from postproc.machine.model import Limits, Machine

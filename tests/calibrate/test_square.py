@@ -8,7 +8,7 @@ import pytest
 from pytest import approx
 
 from postproc.calibrate import CalibrationError, Options, square
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.machine.chain import parse
 from postproc.recordings import Recording
 from tests.calibrate.simulation import everything, recording, three_axes, two_axes

@@ -8,7 +8,7 @@ from pytest import approx
 
 from postproc.calibrate import Options, outliers
 from postproc.calibrate.assign import assign
-from postproc.calibrate.calibration import calibrate
+from postproc.calibrate.run import calibrate
 from postproc.calibrate.statistics import cells_of, chi_squared, nodes_of, t_factor
 from postproc.machine.chain import parse
 from postproc.units import UM
