@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes .venv with gcomp in it; `sh setup.sh test` adds what the tests need. For a fresh Debian 12 with python3 as well as
-# for a machine that has everything: what is there already is used as it is.
+# Makes .venv with gcomp in it; `sh setup.sh test` adds what the tests need. For a fresh Debian 12
+# with python3 as well as for a machine that has everything: what is there already is used as it is.
 set -eu
 cd "$(dirname "$0")"
 extra=${1:+"[$1]"}
@@ -16,12 +16,15 @@ if ! [ -x .venv/bin/pip ]; then
         rm -rf .venv
         if [ "$(id -u)" = 0 ]; then sudo=; else sudo=sudo; fi
         if [ -n "$sudo" ] && ! command -v sudo >/dev/null; then
-            echo "python3 has no venv module here, and this user may not install it: ask for 'apt-get install python3-venv'" >&2
+            echo "python3 has no venv module here, and this user may not install it:" \
+                "ask for 'apt-get install python3-venv'" >&2
             exit 1
         fi
-        echo "setup.sh: python3 has no venv module here: installing Debian's python3-venv${sudo:+ (sudo asks for your password)}" >&2
+        echo "setup.sh: python3 has no venv module here: installing Debian's" \
+            "python3-venv${sudo:+ (sudo asks for your password)}" >&2
         $sudo apt-get update -qq >/dev/null
-        $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq python3-venv >/dev/null 2>&1 || {
+        $sudo env DEBIAN_FRONTEND=noninteractive \
+            apt-get install -y -qq python3-venv >/dev/null 2>&1 || {
             echo "python3-venv could not be installed: try '$sudo apt-get install python3-venv'" >&2
             exit 1
         }

@@ -3,8 +3,9 @@
 #
 #   tests/linuxcnc/fetch.sh [DIR]      default: ${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/linuxcnc
 #
-# Two Debian packages (22 MB) are downloaded with apt and 4 MB of them unpacked into DIR. Nothing is
-# installed; nothing outside DIR changes (apt's package lists may be refreshed). Does nothing if DIR is complete.
+# Two Debian packages (22 MB) are downloaded with apt and 4 MB of them unpacked into DIR. Nothing
+# is installed; nothing outside DIR changes (apt's package lists may be refreshed). Does nothing
+# if DIR is complete.
 set -eu
 
 dir=${1:-${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/linuxcnc}

@@ -1,10 +1,13 @@
 #!/bin/sh
-# Fetch LinuxCNC itself (task, motion, HAL; no display), to be a receiver in the tests that runs programs in auto mode.
+# Fetch LinuxCNC itself (task, motion, HAL; no display), to be a receiver in the tests that runs
+# programs in auto mode.
 #
-#   tests/linuxcnc/fetch_headless.sh [DIR]      default: ${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/linuxcnc-headless
+# tests/linuxcnc/fetch_headless.sh [DIR]      default:
+# ${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/linuxcnc-headless
 #
-# Two or three Debian packages (22 MB) are downloaded with apt and the parts without a display unpacked into DIR. Nothing is installed;
-# nothing outside DIR changes (apt's package lists may be refreshed). Does nothing if DIR is complete.
+# Two or three Debian packages (22 MB) are downloaded with apt and the parts without a display
+# unpacked into DIR. Nothing is installed; nothing outside DIR changes (apt's package lists may be
+# refreshed). Does nothing if DIR is complete.
 set -eu
 
 dir=${1:-${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/linuxcnc-headless}
@@ -49,7 +52,8 @@ for file in $wanted; do
     [ -n "$found" ] || fail "the packages hold no $file: LinuxCNC 2.9 for Python 3.11 (Debian 12) is needed"
 done
 
-# Libraries that the system lacks are only unpacked too; libepoxy belongs to the preview in the Python module, and is never called.
+# Libraries that the system lacks are only unpacked too; libepoxy belongs to the preview in the
+# Python module, and is never called.
 for library in $(missing); do
     case $library in
         libepoxy.so.*)      download libepoxy0 ;;

@@ -1,4 +1,5 @@
-# Debian's packages without installing them: read by fetch.sh and fetch_headless.sh, which set $work (a folder with debs/ and tree/) and fail().
+# Debian's packages without installing them: read by fetch.sh and fetch_headless.sh, which set
+# $work (a folder with debs/ and tree/) and fail().
 
 download() {    # package ...: into $work/debs, refreshing apt's lists only if they do not know a package
     cd "$work/debs"

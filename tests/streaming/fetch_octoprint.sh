@@ -1,10 +1,12 @@
 #!/bin/sh
 # Fetch OctoPrint, whose virtual printer is a receiver in the tests that nobody here wrote.
 #
-#   tests/streaming/fetch_octoprint.sh [DIR]      default: ${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/octoprint
+# tests/streaming/fetch_octoprint.sh [DIR]      default:
+# ${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/octoprint
 #
-# An environment of its own is made in DIR and filled from PyPI (about 200 MB; OctoPrint is AGPL and runs there as a process of its
-# own, nothing of it is imported here). Does nothing if DIR is complete; nothing outside DIR changes.
+# An environment of its own is made in DIR and filled from PyPI (about 200 MB; OctoPrint is AGPL
+# and runs there as a process of its own, nothing of it is imported here). Does nothing if DIR is
+# complete; nothing outside DIR changes.
 set -eu
 
 dir=${1:-${XDG_CACHE_HOME:-$HOME/.cache}/gcomp/octoprint}
