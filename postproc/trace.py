@@ -270,8 +270,8 @@ class Trace:
     def _wanted(self) -> np.ndarray:
         """Lines of the program that are drawn or told."""
         drawn = [p.plain for s in (self.before, self.after) for p in s.parts]
-        told = np.array([w.plain for w in self._worst.values()], int)
-        return np.unique(np.concatenate([*drawn, told]))
+        named = np.array([w.plain for w in self._worst.values()], int)
+        return np.unique(np.concatenate([*drawn, named]))
 
     def _texts(self, words: Words, pieces: Pieces, output: bytes, lines: np.ndarray) -> None:
         """Keep the text of lines that are drawn or told, and let go of those that no longer are."""

@@ -39,9 +39,9 @@ def ratios(before: Positioning, after: Positioning, line: bool) -> list[Ratio]:
             terms = np.vander(before.target[used] / max(before.length, 1e-9), order)
             b, a = (_about(m[way][used], terms) for m in (before.mean, after.mean))
             out.append(_ratio(WAYS[way], b, a, ub[way][used], ua[way][used], dof, terms.shape[1]))
-    told = {r.verdict for r in out} - {"undecided", "between"}
+    verdicts = {r.verdict for r in out} - {"undecided", "between"}
     used = before.both & after.both
-    if before.two_way and after.two_way and len(told) < 2 and used.any():
+    if before.two_way and after.two_way and len(verdicts) < 2 and used.any():
         b, a = before.reversal[used], after.reversal[used]
         u = np.sqrt((np.stack([ub, ua])[:, :, used] ** 2).sum(axis=1))
         out.append(_ratio(REVERSAL, b, a, u[0], u[1], dof, 0))

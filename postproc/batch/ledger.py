@@ -84,9 +84,11 @@ class Ledger:
         one of this run."""
         self._put({"result_of": self._name(output), "status": "begun"})
 
-    def write(self, key: str, told: dict[str, Any]) -> None:
+    def write(self, key: str, result: dict[str, Any]) -> None:
         """Remember a job; on the disk when this returns."""
-        self._put({"format": FORMAT, "result_of": self._name(told["output"]), "key": key, **told})
+        self._put(
+            {"format": FORMAT, "result_of": self._name(result["output"]), "key": key, **result}
+        )
         os.fsync(self._file.fileno())
 
     def _name(self, output: str) -> str:

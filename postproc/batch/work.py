@@ -22,18 +22,18 @@ DONE, REFUSED, FAILED = "done", "refused", "failed"
 def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
     """Correct a program and write it whole, or not at all. Never raises for what a program or a
     file is: that is told."""
-    begun = time.monotonic()
-    told: dict[str, Any] = {
+    started = time.monotonic()
+    result: dict[str, Any] = {
         "program": job.program,
         "machine": job.machine,
         "output": job.output,
         "pid": os.getpid(),
     }
     try:
-        told |= _corrected(job, options)
+        result |= _corrected(job, options)
     except GcompError as error:
         place = error.place
-        told |= {
+        result |= {
             "status": REFUSED, "message": error.message, "advice": error.advice,
             "line": place.line if place else None, "text": str(error),
         }  # fmt: skip
@@ -42,9 +42,9 @@ def work(job: Job, options: argparse.Namespace) -> dict[str, Any]:
             f"{getattr(error, 'filename', '') or job.program}:"
             f" {getattr(error, 'strerror', '') or 'out of memory'}"
         )
-        told |= {"status": FAILED, "message": what, "text": what}
-    told["seconds"] = round(time.monotonic() - begun, 3)
-    return told
+        result |= {"status": FAILED, "message": what, "text": what}
+    result["seconds"] = round(time.monotonic() - started, 3)
+    return result
 
 
 def _corrected(job: Job, options: argparse.Namespace) -> dict[str, Any]:

@@ -57,7 +57,7 @@ def bring_together(
     result = dict(components)
     measured: dict[str, dict[str, float]] = {}
     optics: dict[str, str] = {}
-    told: list[str] = []
+    notices: list[str] = []
     for letter in options.chain.axes:
         mine = {n: c for n, c in components.items() if c.letter == letter}
         if not mine:
@@ -68,8 +68,8 @@ def bring_together(
         measured[letter] = {x: first.rest.get(x, 0.0) + options.point[XYZ.index(x)] for x in arm}
         brought, says = _brought(mine, first, arm, options)
         result |= brought
-        told += _unsaid(letter, arm, mine) + says
-    return result, measured, optics, told
+        notices += _unsaid(letter, arm, mine) + says
+    return result, measured, optics, notices
 
 
 def _unsaid(letter: str, arm: list[str], mine: dict[str, Component]) -> list[str]:
@@ -83,7 +83,7 @@ def _brought(
 ) -> tuple[dict[str, Component], list[str]]:
     """The translations of an axis that were measured elsewhere than `first`, as they are there, and
     what is said of each. mine: the components of the axis; arm: the axes whose places count."""
-    result, told = {}, []
+    result, notices = {}, []
     beside = {x: -p for x, p in zip(XYZ, options.point, strict=True) if p and x not in arm}
     for component in (c for c in mine.values() if not c.angle):
         away = _apart(first, component, arm)
@@ -91,8 +91,8 @@ def _brought(
             own = f"E{component.letter}{component.letter}"
             why = f"elsewhere than {own}" if away else "beside the carriage"
             result[component.name], says = _carried(component, beside | away, mine, why)
-            told.append(says)
-    return result, told
+            notices.append(says)
+    return result, notices
 
 
 def _apart(first: Component, component: Component, arm: list[str]) -> dict[str, float]:

@@ -46,7 +46,7 @@ class Series:
     u: float | None
     head: dict[str, Any] = field(default_factory=dict)
     columns: dict[str, np.ndarray] = field(default_factory=dict)
-    told: tuple[str, ...] = ()
+    notices: tuple[str, ...] = ()
 
     @property
     def angle(self) -> bool:
@@ -103,9 +103,9 @@ def assign(recording: Recording) -> Series | Diagonal:
     if more:
         return _diagonal(recording, [letter, *more], vector, refuse)
     direction = _along(letter, vector, refuse)
-    component, told = _component(recording.quantity, direction, letter, refuse)
+    component, notices = _component(recording.quantity, direction, letter, refuse)
     if f"approach_{letter}" not in recording.columns:
-        told += (
+        notices += (
             (
                 f"no column approach_{letter}: taken as measured in one direction, its reversal is"
                 " not known"
@@ -125,7 +125,7 @@ def assign(recording: Recording) -> Series | Diagonal:
         recording.u,
         recording.head,
         recording.columns,
-        told + recording.notices,
+        notices + recording.notices,
     )
 
 

@@ -105,10 +105,13 @@ class Component:
             return "noise"
         return ""
 
-    def moved(self, extra: np.ndarray, u_extra: np.ndarray, told: str) -> Component:
+    def moved(self, extra: np.ndarray, u_extra: np.ndarray, remark: str) -> Component:
         """The same with (2, K) added, and its uncertainty."""
         return replace(
-            self, value=self.value + extra, u=np.hypot(self.u, u_extra), shifts=(*self.shifts, told)
+            self,
+            value=self.value + extra,
+            u=np.hypot(self.u, u_extra),
+            shifts=(*self.shifts, remark),
         )
 
 

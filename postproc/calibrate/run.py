@@ -30,7 +30,7 @@ class Sorted:
     diagonals: list[Diagonal] = field(default_factory=list)
     refused: list[GcompError] = field(default_factory=list)
     outliers: list[Outlier] = field(default_factory=list)
-    told: list[Finding] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
 
     def take(self, recording: Recording, options: Options) -> None:
         """Puts a recording where it belongs."""
@@ -52,8 +52,9 @@ class Sorted:
 
     def _heard(self, one: Series, options: Options) -> Series:
         """A series after what there is to say of it, without its outliers where they are to go."""
-        self.told += [
-            Finding("assignment", "note", one.component, f"{one.file}: {text}") for text in one.told
+        self.findings += [
+            Finding("assignment", "note", one.component, f"{one.file}: {text}")
+            for text in one.notices
         ]
         mine = outliers.find(one, cells_of(one.position, one.approach, one.reading))
         self.outliers += mine
@@ -66,7 +67,7 @@ class Sorted:
                 " they are not used"
             )
             found = Finding("assignment", "doubt", one.component, text, {"readings": unknown})
-            self.told.append(found)
+            self.findings.append(found)
         return one
 
 
@@ -84,7 +85,7 @@ def _of_chain(one: Series | Diagonal, recording: Recording, options: Options) ->
 def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     """All of it. Raises CalibrationError where no recording fits a component, or one that does can
     not be used."""
-    got = Sorted(told=_state(recordings))
+    got = Sorted(findings=_state(recordings))
     round_ = [r for r in recordings if r.kind == "ballbar"]
     for recording in recordings:
         if recording.kind != "ballbar":
@@ -94,13 +95,13 @@ def calibrate(recordings: Sequence[Recording], options: Options) -> Calibration:
     measured = {name: build(parts, options) for name, parts in got.series.items()}
     left_out, kept = _standing_out(measured, options)
     kept, measured_at, optics, carried = bring_together(kept, options)
-    told = got.told + [Finding("measured-at", "note", "", text) for text in carried]
+    findings = got.findings + [Finding("measured-at", "note", "", text) for text in carried]
     result = Calibration(
         options, kept, left_out, got.refused, got.outliers, got.diagonals, measured_at, optics,
         round_,
     )  # fmt: skip
     square, says = squaring.determine(result)
-    result = replace(result, squareness=square, findings=told + says)
+    result = replace(result, squareness=square, findings=findings + says)
     return replace(result, findings=result.findings + _checked(result))
 
 

@@ -29,7 +29,7 @@ class Squareness:
     value: float
     u: float | None
     source: str
-    told: str = ""
+    remark: str = ""
 
 
 def pair_of(name: str) -> str:

@@ -33,22 +33,22 @@ def determine(calibration: Calibration) -> tuple[dict[str, Squareness], list[Fin
     """Squareness by name. Raises CalibrationError for a source that is asked for and not there."""
     options = calibration.options
     axes = tuple(x for x in options.chain.axes if x in XYZ)
-    found, told = _found(calibration, axes)
+    found, findings = _found(calibration, axes)
     result: dict[str, Squareness] = {}
     for name, wanted in options.squareness.items():
         if not isinstance(wanted, str):
             result[name] = _stated(calibration, name, wanted)
-            told += _nowhere(calibration, result[name])
+            findings += _nowhere(calibration, result[name])
         else:
             result[name] = _wanted(name, wanted, found.get(name, {}))
     for name, sources in found.items():
         if name not in result:
             best = min(sources.values(), key=lambda s: np.inf if s.u is None else s.u)
             result[name] = best
-        told += _compare(result[name], sources)
+        findings += _compare(result[name], sources)
     if options.keep_lines:
-        told += _counted_twice(calibration, result)
-    return result, told
+        findings += _counted_twice(calibration, result)
+    return result, findings
 
 
 def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | None]) -> Squareness:
@@ -60,7 +60,7 @@ def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | No
     opened = opening.opened(calibration, name, at)
     known = [opening.known_to(calibration, name, at, x) for x in square.pair_of(name)]
     where = ", ".join(f"{x} = {v:g}" for x, v in at.items())
-    told = (
+    remark = (
         f"{value / URAD:+.1f} urad was measured at {where}, where the axes' own angles make"
         f" {opened / URAD:+.1f} of it"
     )
@@ -69,7 +69,7 @@ def _stated(calibration: Calibration, name: str, wanted: tuple[float, float | No
         value - opened,
         None if u is None else float(np.hypot(u, np.linalg.norm(known))),
         "stated",
-        told,
+        remark,
     )
 
 
@@ -90,8 +90,8 @@ def _nowhere(calibration: Calibration, one: Squareness) -> list[Finding]:
 
 def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> Iterator[Finding]:
     """What the other sources say."""
-    if chosen.told:
-        yield Finding("squareness", "note", chosen.name, f"{chosen.name}: {chosen.told}")
+    if chosen.remark:
+        yield Finding("squareness", "note", chosen.name, f"{chosen.name}: {chosen.remark}")
     for other in sources.values():
         if other is chosen:
             continue
@@ -149,13 +149,13 @@ def _found(
     pairs = ("".join(p) for p in itertools.combinations([x for x in XYZ if x in axes], 2))
     names = (square.name_for(p, calibration.options.squareness, axes) for p in pairs)
     straight = [_straightness(calibration, name) for name in names]
-    across, told = _diagonals(calibration, axes) if calibration.diagonals else ([], [])
+    across, findings = _diagonals(calibration, axes) if calibration.diagonals else ([], [])
     circles, says = _circles(calibration, axes)
     found: dict[str, dict[str, Squareness]] = {}
     for source, many in (("straightness", straight), ("diagonals", across), ("ballbar", circles)):
         for one in filter(None, many):
             found.setdefault(one.name, {})[source] = one
-    return found, [*told, *says]
+    return found, [*findings, *says]
 
 
 def _wanted(name: str, source: str, found: dict[str, Squareness]) -> Squareness:
@@ -215,7 +215,7 @@ def _with_the_square(
     """What the square's own error makes of it. means: rad, by whether it lay turned over."""
     if len(means) == 2:
         own = -square.sign(name) * (means[True] - means[False]) / 2
-        told = (
+        remark = (
             f"the square turned over: its own angle is 90 degrees {own / URAD:+.1f} urad, and"
             " dropped out"
         )
@@ -224,7 +224,7 @@ def _with_the_square(
             sum(means.values()) / 2,
             scatter / np.sqrt(2),
             f"two straightnesses, {files}",
-            told,
+            remark,
         )
     value = next(iter(means.values()))
     if options.square_error is not None:
@@ -235,11 +235,11 @@ def _with_the_square(
             float(np.hypot(scatter, u)),
             f"two straightnesses, {files}",
         )
-    told = (
+    remark = (
         "the square's own error is in it: turn the square over (reversed = true) or state it with"
         " --square-error"
     )
-    return Squareness(name, value, None, f"two straightnesses, {files}", told)
+    return Squareness(name, value, None, f"two straightnesses, {files}", remark)
 
 
 def _known(component: Component) -> float:
@@ -252,7 +252,7 @@ def _diagonals(
     """Squareness of all pairs that the diagonals cross, from what the measured components do not
     explain."""
     options = calibration.options
-    slopes, directions, spread, told = [], [], [], []
+    slopes, directions, spread, findings = [], [], [], []
     pairs: list[str] = []
     for diagonal in calibration.diagonals:
         slope, u = _leftover(calibration, diagonal)
@@ -266,15 +266,15 @@ def _diagonals(
                 f"{diagonal.file}: {' and '.join(lacking)} is not among the components, so the"
                 " diagonal's scale contains it"
             )
-            told.append(Finding("diagonal", "note", diagonal.name, text))
+            findings.append(Finding("diagonal", "note", diagonal.name, text))
     names = [square.name_for(pair, options.squareness, axes) for pair in dict.fromkeys(pairs)]
     try:
         values, u_of, scale = square.from_diagonals(slopes, directions, spread, names)
     except CalibrationError as error:
-        return [], [*told, Finding("diagonal", "note", "", f"{error.message}: {error.advice}")]
-    told.append(_of_scale(scale, spread))
+        return [], [*findings, Finding("diagonal", "note", "", f"{error.message}: {error.advice}")]
+    findings.append(_of_scale(scale, spread))
     files = " and ".join(dict.fromkeys(d.file for d in calibration.diagonals))
-    return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], told
+    return [Squareness(n, values[n], u_of[n], f"diagonals, {files}") for n in names], findings
 
 
 def _of_scale(scale: float, spread: list[float]) -> Finding:
@@ -294,7 +294,7 @@ def _circles(
     """Squareness of each plane in which a ballbar went round, from what the measured components do
     not explain."""
     planes: dict[str, list[Recording]] = {}
-    found, told = [], []
+    found, findings = [], []
     for recording in calibration.circles:
         plane = circles.axes_of(recording)
         if not all(x in axes for x in plane):
@@ -319,7 +319,7 @@ def _circles(
                 f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u ="
                 f" {u / UM:.2f})"
             )
-            told.append(
+            findings.append(
                 Finding(
                     "ballbar",
                     level,
@@ -334,8 +334,8 @@ def _circles(
             " rms are left; of both alike a bar of unknown length says nothing"
         )
         level = "doubt" if abs(one.scale) > max(2 * one.u["scale"], 2 * URAD) else "note"
-        told.append(Finding("ballbar", level, "", text, {"scale_um_per_m": one.scale / URAD}))
-    return found, told
+        findings.append(Finding("ballbar", level, "", text, {"scale_um_per_m": one.scale / URAD}))
+    return found, findings
 
 
 def _round(calibration: Calibration, recording: Recording, plane: str) -> np.ndarray:

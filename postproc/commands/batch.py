@@ -77,18 +77,18 @@ def run(options: argparse.Namespace) -> int:
     todo = jobs(
         options.programs, list(dict.fromkeys(options.machine)), folder, options.pattern or PATTERNS
     )
-    told: list[dict[str, Any]] = []
+    results: list[dict[str, Any]] = []
     with contextlib.closing(Ledger(folder)) as ledger, _progress(len(todo), options) as step:
         try:
             for one in _results(todo, options, ledger):
-                told.append(one)
+                results.append(one)
                 step(one)
                 if one.get("result", {}).get("motions") == 0 and not one.get("before"):
                     print(f"gcomp: warning: {one['program']}: no axis moves in it", file=sys.stderr)
         finally:
-            told.sort(key=lambda one: one["number"])
-            _table(folder / TABLE, told)
-    return _report(told, folder, options)
+            results.sort(key=lambda one: one["number"])
+            _table(folder / TABLE, results)
+    return _report(results, folder, options)
 
 
 def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[str, Any]]:
@@ -129,17 +129,17 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
                 ledger.begin(job.output)
                 yield job
 
-    for job, told in _pool(pool, open_jobs(), options):
+    for job, outcome in _pool(pool, open_jobs(), options):
         yield from _drained(standing)
         own = todo[job.number]  # as it was named here
-        told |= {
+        outcome |= {
             "program": own.program,
             "machine": own.machine,
             "output": own.output,
             "number": job.number,
         }
-        ledger.write(keys[job.number], {k: v for k, v in told.items() if k != "number"})
-        yield told
+        ledger.write(keys[job.number], {k: v for k, v in outcome.items() if k != "number"})
+        yield outcome
     yield from _drained(standing)
 
 
@@ -186,9 +186,9 @@ def _refused(job, text: str) -> dict[str, Any]:
     }
 
 
-def _drained(told: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    while told:
-        yield told.pop(0)
+def _drained(results: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    while results:
+        yield results.pop(0)
 
 
 def _count(word: str) -> int:
@@ -200,50 +200,50 @@ def _count(word: str) -> int:
 # -- what is said ----------------------------------------------------------------------------------
 
 
-def row(told: dict[str, Any]) -> tuple[str, ...]:
+def row(outcome: dict[str, Any]) -> tuple[str, ...]:
     """One job as a row of the table; what is not known is empty."""
-    result = told.get("result") or {}
+    result = outcome.get("result") or {}
     verified = result.get("verified") or {}
 
     def number(value: float | None, digits: int) -> str:
         return "" if value is None else f"{value:.{digits}f}"
 
     return (
-        told["program"],
-        Path(told["machine"]).name,
-        told["status"],
+        outcome["program"],
+        Path(outcome["machine"]).name,
+        outcome["status"],
         str(result.get("changed", "")),
         str(result.get("added", "")),
         number(result.get("largest_correction_um"), 1),
         number(verified.get("uncorrected_um"), 2),
         number(verified.get("deviation_um"), 2),
-        number(told.get("seconds"), 2),
-        told.get("message", ""),
+        number(outcome.get("seconds"), 2),
+        outcome.get("message", ""),
     )
 
 
-def _table(path: Path, told: list[dict[str, Any]]) -> None:
+def _table(path: Path, results: list[dict[str, Any]]) -> None:
     import csv
 
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([COLUMNS, *map(row, told)])
+    csv.writer(text, lineterminator="\n").writerows([COLUMNS, *map(row, results)])
     ports.replace_file(path, io.BytesIO(text.getvalue().encode("utf-8")), backup=False)
 
 
-def _report(told: list[dict[str, Any]], folder: Path, options: argparse.Namespace) -> int:
+def _report(results: list[dict[str, Any]], folder: Path, options: argparse.Namespace) -> int:
     """The table and the sum; returns the exit status: 0 all done, 2 some refused, 1 some failed for
     another reason."""
-    counts = {s: sum(one["status"] == s for one in told) for s in ("done", "refused", "failed")}
+    counts = {s: sum(one["status"] == s for one in results) for s in ("done", "refused", "failed")}
     out = as_json.beside(options.json)
-    wrong = [one for one in told if one["status"] != "done"]
-    rows = _rows(told if len(told) <= SHOWN else wrong)
+    wrong = [one for one in results if one["status"] != "done"]
+    rows = _rows(results if len(results) <= SHOWN else wrong)
     if not options.quiet:
         print("\n".join([*rows, ""]), end="", file=out)
     for one in wrong:
         colour.fault(one["text"])
     if not options.quiet:
-        print(f"{_sum(told, counts)}; all in {folder / TABLE}", file=out)
-    programs = [_public(one) for one in told]
+        print(f"{_sum(results, counts)}; all in {folder / TABLE}", file=out)
+    programs = [_public(one) for one in results]
     as_json.put(options.json, {"format": FORMAT, "counts": counts, "programs": programs})
     return _status(counts)
 
@@ -274,11 +274,11 @@ def _rows(shown: list[dict[str, Any]]) -> list[str]:
     ]
 
 
-def _sum(told: list[dict[str, Any]], counts: dict[str, int]) -> str:
-    before = sum(bool(one.get("before")) for one in told)
+def _sum(results: list[dict[str, Any]], counts: dict[str, int]) -> str:
+    before = sum(bool(one.get("before")) for one in results)
     earlier = f" ({before} of them in an earlier run)" if before else ""
     others = "".join(f", {n} {name}" for name, n in counts.items() if n and name != "done")
-    return f"{counts['done']} of {len(told)} corrected{earlier}{others}"
+    return f"{counts['done']} of {len(results)} corrected{earlier}{others}"
 
 
 @contextlib.contextmanager
@@ -286,7 +286,7 @@ def _progress(count: int, options: argparse.Namespace):
     """A callable that takes what came of a job: a bar with the time left on a terminal, a line for
     each tenth elsewhere."""
     if options.quiet:
-        yield lambda told: None
+        yield lambda outcome: None
         return
     if sys.stderr.isatty():
         from rich.console import Console
@@ -309,20 +309,20 @@ def _progress(count: int, options: argparse.Namespace):
         with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("correcting", total=count)
 
-            def advance(told: dict[str, Any]) -> None:
-                bar.update(task, advance=1, description=Path(told["program"]).name[:30])
+            def advance(outcome: dict[str, Any]) -> None:
+                bar.update(task, advance=1, description=Path(outcome["program"]).name[:30])
 
             yield advance
         return
-    begun, done, said = time.monotonic(), 0, 0
+    started, done, said = time.monotonic(), 0, 0
 
-    def tell(told: dict[str, Any]) -> None:
+    def tell(outcome: dict[str, Any]) -> None:
         nonlocal done, said
         done += 1
         tenth = done * 10 // count
         if tenth > said and count >= 20:
             said = tenth
-            left = (time.monotonic() - begun) / done * (count - done)
+            left = (time.monotonic() - started) / done * (count - done)
             print(f"gcomp: {done} of {count}, about {left:.0f} s left", file=sys.stderr, flush=True)
 
     yield tell

@@ -48,41 +48,41 @@ def run(options: argparse.Namespace) -> int:
         _figure(options.figure, calibration)
     if options.report:
         _page(options.report, calibration, texts, str(head["name"]))
-    told = as_json.beside(options.json)
-    print(report.table(calibration), file=told)
+    out = as_json.beside(options.json)
+    print(report.table(calibration), file=out)
     for fault in [f"{r.file}:{f.line}: left out: {f.message}" for r in read for f in r.faults]:
-        print(fault, file=told)
+        print(fault, file=out)
     for text in _not_taken(like):
-        print(f"\nnot taken from {options.like}: {text}", file=told)
+        print(f"\nnot taken from {options.like}: {text}", file=out)
     if options.output:
         backup = write_folder(Path(options.output), texts, options.force)
         print(
             f"\nwritten: {options.output}" + (f" (the old one is {backup})" if backup else ""),
-            file=told,
+            file=out,
         )
     else:
-        print("\nnothing is written: -o machines/NAME names the folder", file=told)
+        print("\nnothing is written: -o machines/NAME names the folder", file=out)
     as_json.put(options.json, report.data(calibration) | {"sha256": digests})
     return 0
 
 
 def _not_taken(like: dict[str, Any]) -> list[str]:
     """What of the machine that is copied is its own."""
-    told = [f"{key}: {why}" for key, why in ITS_OWN.items() if key in like]
+    left = [f"{key}: {why}" for key, why in ITS_OWN.items() if key in like]
     if warm := [x for x, section in like.get("axes", {}).items() if "heat" in section]:
-        told.append(f"heat of {', '.join(warm)}: growth and temperatures are its own")
+        left.append(f"heat of {', '.join(warm)}: growth and temperatures are its own")
     if like.get("effect"):
         names = ", ".join(f"{e.get('name')} of {e.get('axis')}" for e in like["effect"])
-        told.append(
+        left.append(
             f"effects ({names}): they were found against its own tables, and a two-way table has"
             " the play in it"
         )
     if "control_table" in like:
-        told.append(
+        left.append(
             "control_table: state anew which of the control's tables work, and in which state this"
             " was measured"
         )
-    return told
+    return left
 
 
 # -- what is read ----------------------------------------------------------------------------------

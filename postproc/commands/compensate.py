@@ -215,14 +215,14 @@ def progress(size: int, options: argparse.Namespace):
     if options.quiet or not sys.stderr.isatty():
         yield lambda n: None
         return
-    begun = time.monotonic()
+    started = time.monotonic()
     bar = None
     seen = 0
 
     def step(n: int) -> None:
         nonlocal bar, seen
         seen += n
-        if bar is None and time.monotonic() - begun > 1.0:
+        if bar is None and time.monotonic() - started > 1.0:
             from rich.console import Console
             from rich.progress import Progress
 

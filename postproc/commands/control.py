@@ -61,7 +61,7 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
     """The order, to its end; the state behind it is told."""
     from postproc.commands.stream import loop
     from postproc.streaming.greeting import Greeting
-    from postproc.streaming.orders import Order, told
+    from postproc.streaming.orders import Order, in_words
 
     greeting = Greeting(options.protocol, state_only=True, port=url)
     loop.greet(port, greeting)
@@ -69,7 +69,7 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
     out = as_json.beside(options.json)
     if options.order is None:
         print(
-            told(greeting.status, url)
+            in_words(greeting.status, url)
             if greeting.status
             else "this controller does not report its state",
             file=out,
@@ -93,16 +93,16 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
     if order.fault:
         print(f"gcomp: the controller refused it: {order.fault}", file=sys.stderr)
         if order.status:
-            print(f"gcomp: {told(order.status, url)}", file=sys.stderr)
+            print(f"gcomp: {in_words(order.status, url)}", file=sys.stderr)
         return REFUSED
     if order.status:
-        print(told(order.status, url), file=out)
+        print(in_words(order.status, url), file=out)
     return 0
 
 
 def _found(options: argparse.Namespace, url: str, status: Status | None) -> dict[str, Any]:
     """An order, and the controller's state behind it."""
-    from postproc.streaming.orders import told
+    from postproc.streaming.orders import in_words
 
     found: dict[str, Any] = {"format": FORMAT, "port": url, "order": options.order}
     found |= {"words": options.words, "said": [], "fault": None, "state": None}
@@ -113,7 +113,7 @@ def _found(options: argparse.Namespace, url: str, status: Status | None) -> dict
             "detail": status.detail,
             "place_mm": place,
             "feed_mm_min": status.feed,
-            "text": told(status, url),
+            "text": in_words(status, url),
         }
     return found
 
@@ -123,8 +123,8 @@ def _loop(port, order) -> None:
     from postproc.commands.stream.loop import WAIT
     from postproc.commands.stream.port import Lost
 
-    begun = time.monotonic()
-    order.begin(begun)
+    started = time.monotonic()
+    order.begin(started)
     try:
         while not (order.done or order.fault):
             now = time.monotonic()
@@ -133,7 +133,7 @@ def _loop(port, order) -> None:
             while data:
                 data = data[port.write(data) :]
             order.receive(port.read(WAIT), time.monotonic())
-            if now - begun > LONGEST:
+            if now - started > LONGEST:
                 raise UsageError(
                     f"the controller has not finished within {LONGEST:g} s", "look at the machine"
                 )

@@ -54,22 +54,22 @@ def run(options: argparse.Namespace) -> int:
         standing.kept(options.write_machine, options.force)
     sources = [_source(path) for path in options.recordings]
     lenient = formats.ReadingOptions(strict=False)
-    told = _Progress(options.quiet)
+    progress = _Progress(options.quiet)
     read = []
     try:
         for source in sources:
-            told(f"reading {source.name}")
+            progress(f"reading {source.name}")
             read.append(formats.read(source, options=lenient))
         left = corrected(read, options.compensated)
         found = diagnose(
             read,
             without_errors(machine) if left else machine,
-            Options(held_out=options.holdout, told=told),
+            Options(held_out=options.holdout, told=progress),
         )
     finally:
-        told("")  # a refusal has its line to itself
+        progress("")  # a refusal has its line to itself
     answer = report.of_sources(found, sources)
-    _write_files(options, found, told)
+    _write_files(options, found, progress)
     if options.json:
         as_json.put(options.json, answer)
     else:
@@ -95,7 +95,7 @@ def _source(path: str) -> Source:
     return Source(path, ports.read_whole(file, intake.RECORDING))
 
 
-def _write_files(options: argparse.Namespace, found: Diagnosis, told: _Progress) -> None:
+def _write_files(options: argparse.Namespace, found: Diagnosis, progress: _Progress) -> None:
     """Residuals, machine and page, where they are asked for."""
     from postproc.diagnose import report
 
@@ -106,9 +106,9 @@ def _write_files(options: argparse.Namespace, found: Diagnosis, told: _Progress)
     if options.report:
         from postproc.pages import diagnosis
 
-        told("drawing")
+        progress("drawing")
         _write(options.report, diagnosis.html(found, options.write_machine or ""))
-        told("")
+        progress("")
 
 
 def _write_machine(options: argparse.Namespace, found: Diagnosis) -> None:

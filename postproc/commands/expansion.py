@@ -86,7 +86,7 @@ def is_way_out(error: GcompError) -> bool:
 def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
     """The corrected text of the plain blocks, in portions; errors and notices name the program's
     own lines."""
-    told = len(filter_.notices)
+    count = len(filter_.notices)
     try:
         for portion in _portions(written):
             try:
@@ -101,9 +101,9 @@ def through(filter_: Filter, written: Written, step) -> Iterator[bytes]:
             raise _by_source(error, written) from None
         yield text
     finally:
-        filter_.notices[told:] = [
+        filter_.notices[count:] = [
             replace(n, line=written.source(n.line)[0]) if n.line else n
-            for n in filter_.notices[told:]
+            for n in filter_.notices[count:]
         ]
         # of a block that stays a cycle both tell the same
         known = {notice.code for notice in filter_.notices}

@@ -59,12 +59,12 @@ def run(options: argparse.Namespace) -> int:
         if options.expand:
             written = expansion.written_out(filter_, source, options)
             lines = (line for portion in written for line in portion.splitlines(keepends=True))
-        told = []
+        kept = []
         for number, line in enumerate(lines, 1):
             one = {"line": number, **_explained(filter_, known, seen, line)}
             seen.clear()
             if options.json:
-                told.append(one)
+                kept.append(one)
             if options.json != "-":
                 _print(one)
         compensate.warn_of_nothing(filter_, name)
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
                 "program": name,
                 "machine": machine.name,
                 "map": machine.digest,
-                "lines": told,
+                "lines": kept,
             },
         )
     return 0

@@ -21,9 +21,9 @@ from postproc.commands.export_files import (
     listing,
     of_control,
     of_tables,
-    parted,
     places_of,
     report,
+    split_notices,
     write_files,
 )
 from postproc.commands.export_options import arguments as arguments
@@ -80,11 +80,11 @@ def _takes_whole(options: argparse.Namespace, module: Any) -> bool:
 def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
     """A map as the control's table, with what it leaves and its U where they are asked for."""
     tables, notices = _chosen(options, machine)
-    told = told_of(options, module, machine)
+    how = what_to_write(options, module, machine)
     whole = _takes_whole(options, module)
-    export = module.write_machine(machine, told) if whole else module.write(tables, told)
+    export = module.write_machine(machine, how) if whole else module.write(tables, how)
     if options.residual:
-        rest = residual.held(options.control, machine, export, told, tables)
+        rest = residual.held(options.control, machine, export, how, tables)
     beside = _uncertainty(options, machine, [t for t in tables if whole or held(t, export)])
     paths = places_of(
         export.files, Path(options.output), options.force, options.output.endswith(("/", "\\"))
@@ -107,7 +107,7 @@ def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
     if whole:  # it is not written component by component
         tables, notices = [], []
     doubts = overshoot.found(machine, "".join(t.moving for t in tables))
-    loud, said = parted(module, [*doubts, *notices, *export.notices])
+    loud, said = split_notices(module, [*doubts, *notices, *export.notices])
     rows = components(tables, export, {t.name: known_of(machine, t) for t in tables})
     out = as_json.beside(options.json)
     text = report(options.control, module, machine, rows, said, loud, list(paths))
@@ -228,7 +228,7 @@ def _extra(options: argparse.Namespace, module: Any, machine: Machine | None) ->
     return extra
 
 
-def told_of(
+def what_to_write(
     options: argparse.Namespace, module: Any, machine: Machine | None = None
 ) -> ExportOptions:
     """What the command line says, for the control's module. Raises UsageError for a --set that the
@@ -287,9 +287,9 @@ def _read(options: argparse.Namespace, module: Any) -> int:
         print("\n".join(f"wrote {path}" for path in paths), file=out)
     else:
         print("\n".join(found.values()), end="", file=out)
-    told = {**of_control(options.control, module), "read": options.read}
-    told |= {"tables": of_tables(tables), "written": [str(path) for path in paths]}
-    as_json.put(options.json, {"format": FORMAT, **told})
+    how = {**of_control(options.control, module), "read": options.read}
+    how |= {"tables": of_tables(tables), "written": [str(path) for path in paths]}
+    as_json.put(options.json, {"format": FORMAT, **how})
     return 0
 
 
@@ -297,7 +297,7 @@ def read(options: argparse.Namespace, module: Any) -> list[ErrorTable]:
     """What a control's table takes out. Raises UsageError where it is nothing that was asked
     for."""
     source = Source(options.read, ports.read_whole(Path(options.read), intake.CONTROL_TABLE))
-    tables = _asked(options, module.read(source, told_of(options, module)))
+    tables = _asked(options, module.read(source, what_to_write(options, module)))
     if not tables:
         raise UsageError(
             f"{options.read} has no table of"

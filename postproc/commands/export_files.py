@@ -119,7 +119,7 @@ def components(
     return rows
 
 
-def parted(module: Any, notices: list[str]) -> tuple[list[str], list[str]]:
+def split_notices(module: Any, notices: list[str]) -> tuple[list[str], list[str]]:
     """What is not verified, and the other notices."""
     loud = [n for n in notices if n.startswith("unverified")]
     said = [n for n in notices if n not in loud]

@@ -63,9 +63,9 @@ def run(options: argparse.Namespace) -> int:
             path.chmod(path.stat().st_mode | 0o111)
         print(f"gcomp: written: {path}", file=sys.stderr)
     print(installed.setting, file=as_json.beside(options.json))
-    told: dict[str, Any] = {**_fact(module.__name__.rpartition(".")[2]), "machine": call.machine}
-    told |= {"options": list(call.options), "written": [str(path) for path in installed.files]}
-    as_json.put(options.json, {"format": FORMAT, **told, "setting": installed.setting})
+    facts: dict[str, Any] = {**_fact(module.__name__.rpartition(".")[2]), "machine": call.machine}
+    facts |= {"options": list(call.options), "written": [str(path) for path in installed.files]}
+    as_json.put(options.json, {"format": FORMAT, **facts, "setting": installed.setting})
     return 0
 
 

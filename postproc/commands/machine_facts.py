@@ -9,9 +9,9 @@ import numpy as np
 
 from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR, ROTARY
-from postproc.machine.doubts import doubts
 from postproc.machine.lacks import lacks
 from postproc.machine.model import Machine
+from postproc.machine.plausibility import implausible
 from postproc.machine.tables import COMPONENTS
 from postproc.machine.uncertainty import MapUncertainty, micrometres, unstated
 from postproc.units import UM, URAD
@@ -45,7 +45,7 @@ def of(machine: Machine) -> dict[str, Any]:
         "offsets_mm": {name: dict(zero) for name, zero in machine.offsets.items()},
         "largest_deviation_um": 0.0 if machine.is_zero else largest(machine) / UM,
         "U_um": largest_u(machine) / UM if found.parts else None,
-        "in_doubt": list(doubts(machine)),
+        "in_doubt": list(implausible(machine)),
         "not_in_map": list(lacks(machine)),
     }
 

@@ -9,9 +9,9 @@ import numpy as np
 from postproc.commands import machine_facts
 from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ
-from postproc.machine.doubts import doubts
 from postproc.machine.lacks import lacks
 from postproc.machine.model import Machine
+from postproc.machine.plausibility import implausible
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.machine.uncertainty import micrometres
 from postproc.units import UM, URAD
@@ -25,7 +25,7 @@ def show(machine: Machine) -> str:
         lines += _axis(machine, letter, axis)
     lines += [*_squareness(machine), *_effects(machine), *_control(machine), *_limits(machine)]
     lines.append(machine_facts.known(machine))
-    lines += [f"in doubt: {text}" for text in doubts(machine)]
+    lines += [f"in doubt: {text}" for text in implausible(machine)]
     lines += [f"not in this map: {text}" for text in lacks(machine)]
     return "\n".join(lines)
 

@@ -12,10 +12,10 @@ from postproc.commands import as_json, machine_facts, machine_new, option_text
 from postproc.commands.machine_shown import show
 from postproc.errors import GcompError, UsageError
 from postproc.machine import places
-from postproc.machine.doubts import doubts
 from postproc.machine.file import read_machine
 from postproc.machine.lacks import lacks
 from postproc.machine.model import Machine
+from postproc.machine.plausibility import implausible
 
 HELP = "list the machines, show one, make a new one, or check one: gcomp machines show NAME"
 EXAMPLE = (
@@ -105,7 +105,7 @@ def _check(machine: Machine, options: argparse.Namespace) -> int:
     """What is doubtful, then what nobody measured. Returns DOUBTFUL where something is in doubt."""
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     out = as_json.beside(options.json)
-    doubtful = doubts(machine)
+    doubtful = implausible(machine)
     for text in doubtful:
         print(f"in doubt: {text}", file=out)
     for text in lacks(machine):

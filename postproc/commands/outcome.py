@@ -99,13 +99,13 @@ class Compensated:
             for f in fields(self)
             if f.name not in ("program", "notices", "verified")
         }
-        told = [
+        notices = [
             {"code": n.code, "message": n.message, "line": n.line or None} for n in self.notices
         ]
         return {
             "format": FORMAT,
             **own,
-            "notices": told,
+            "notices": notices,
             "verified": asdict(self.verified) if self.verified else None,
         }
 

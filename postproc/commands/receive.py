@@ -110,7 +110,7 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
     from postproc.commands.stream.outlets import Outlet
 
     out, err = Outlet(sys.stdout), Outlet(sys.stderr)
-    heard, told = time.monotonic(), 0.0
+    heard, last_said = time.monotonic(), 0.0
     if not options.quiet:
         err.say(
             f"gcomp: {options.port}, {options.baud} baud: waiting for the control; start the output"
@@ -123,8 +123,8 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
         reception.receive(data)
         if now - heard > SILENCE:
             reception.silent(options.until_silence)
-        if now - told > TELL and not options.quiet and not (out.stalls() or err.stalls()):
-            told = now
+        if now - last_said > TELL and not options.quiet and not (out.stalls() or err.stalls()):
+            last_said = now
             _say_progress(reception, out, err, options.json == "-")
     out.close()
     err.close()
@@ -132,7 +132,7 @@ def _take(port, reception: Reception, options: argparse.Namespace) -> None:
 
 def _say_progress(reception: Reception, out: Outlet, err: Outlet, taken: bool) -> None:
     """To a terminal for a person, else as JSON; taken: standard output is for another document."""
-    state = "receiving" if reception.begun else "waiting"
+    state = "receiving" if reception.started else "waiting"
     if sys.stderr is not None and sys.stderr.isatty():
         err.say(f"gcomp: {state}, {reception.size} bytes, {reception.lines} lines")
     elif not taken:

@@ -61,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
 def _show_all(options: argparse.Namespace, how: ReadingOptions) -> int:
     """What the files hold, and with --as all of it as one file."""
     found: list[Recording] = []
-    told: list[dict[str, Any]] = []
+    results: list[dict[str, Any]] = []
     status, out = 0, as_json.beside(options.json)
     for path in options.files:
         try:
@@ -70,17 +70,17 @@ def _show_all(options: argparse.Namespace, how: ReadingOptions) -> int:
             if len(options.files) == 1 or session.is_session(path):
                 raise
             colour.fault(str(error))
-            told.append({"file": path, "fault": error.message, "advice": error.advice})
+            results.append({"file": path, "fault": error.message, "advice": error.advice})
             status = 2
             continue
         for recording in recordings:
             text = show(recording, name or f"as {path} says")
             print(("\n" if found else "") + text, file=out)
             found.append(recording)
-            told.append(facts(recording, name))
+            results.append(facts(recording, name))
     if options.as_ and not status:
         print("\n" + _write(found, options.as_, options.files, options.force), file=out)
-    as_json.put(options.json, {"format": FORMAT, "recordings": told})
+    as_json.put(options.json, {"format": FORMAT, "recordings": results})
     return status
 
 
@@ -288,8 +288,8 @@ def _reading(recording: Recording) -> str:
     )
     said = recording.head.get("unit_in_file", "")
     file = f" (in {said} in the file)" if said and said != base else ""
-    told = any(text.startswith("the readings range over") for text in recording.notices)
-    remark = "plausible" if not odd else "NOT PLAUSIBLE" if told else f"NOT PLAUSIBLE: {odd}"
+    results = any(text.startswith("the readings range over") for text in recording.notices)
+    remark = "plausible" if not odd else "NOT PLAUSIBLE" if results else f"NOT PLAUSIBLE: {odd}"
     return f"{len(value)}, {_range(value)} {base}{file}, {remark}"
 
 

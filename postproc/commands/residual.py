@@ -34,7 +34,7 @@ Held = tuple[list[tuple[dict[str, Any], list[ErrorTable]]], list[str]]
 
 
 def held(
-    control: str, machine: Machine, export: Export, told: ExportOptions, tables: list[ErrorTable]
+    control: str, machine: Machine, export: Export, how: ExportOptions, tables: list[ErrorTable]
 ) -> Held:
     """What the files hold. Raises UsageError where they do not read back, before anything is
     written."""
@@ -43,7 +43,7 @@ def held(
             f"{machine.name} states tables of its control already",
             "export from the machine without [[control_table]]",
         )
-    sections = _sections(control, export, told, machine)
+    sections = _sections(control, export, how, machine)
     return sections, _compare(control, sections, export, tables)
 
 
@@ -91,11 +91,11 @@ def _settings(control: str, more: dict[str, str]) -> dict[str, dict[str, str]]:
 
 
 def _sections(
-    control: str, export: Export, told: ExportOptions, machine: Machine
+    control: str, export: Export, how: ExportOptions, machine: Machine
 ) -> list[tuple[dict[str, Any], list[ErrorTable]]]:
     """A section for each file that is a table, and what it holds."""
     module = control_tables.load(control)
-    more = dict(told.extra)
+    more = dict(how.extra)
     for of_export in ("template", "settings", "settings_name"):
         more.pop(of_export, None)
     settings = _settings(control, more)

@@ -254,9 +254,9 @@ def merged(
     parser.session = named[0]
     words = _words_of(_opened(named[0]))
     arguments(parser)
-    told = parser.parse_args([*words, named[0]])
+    defaults = parser.parse_args([*words, named[0]])
     result = argparse.Namespace(**vars(options))
-    for key, value in vars(told).items():
+    for key, value in vars(defaults).items():
         mine, usual = getattr(options, key), parser.get_default(key)
         if key == "recordings":
             continue

@@ -39,9 +39,9 @@ def _parameters(word: str, module: ModuleType, text: str) -> dict[str, float]:
     for item in filter(None, text.split(",")):
         key, _, value = item.partition("=")
         if key not in module.PARAMETERS:
-            told = "; ".join(f"{k} ({v})" for k, v in module.PARAMETERS.items())
+            settings = "; ".join(f"{k} ({v})" for k, v in module.PARAMETERS.items())
             name = word.partition(":")[0]
-            raise UsageError(f"--with {word}: {name} has no {key!r}", f"its parameters: {told}")
+            raise UsageError(f"--with {word}: {name} has no {key!r}", f"its parameters: {settings}")
         parameters[key] = values.number(value)
     if missing := [key for key in module.PARAMETERS if key not in parameters]:
         raise UsageError(f"--with {word}: {missing[0]} is missing", module.PARAMETERS[missing[0]])

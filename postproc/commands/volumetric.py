@@ -62,10 +62,10 @@ def run(options: argparse.Namespace) -> int:
     groups = tuple(g for g in every if g.name not in zero)
     base = _slides(machine) if turned else known
     fit = solve.fit(rows, Unknowns(groups, known, base))
-    told = as_json.beside(options.json)
-    print(written.report(fit, rows[0].tool, frozenset(zero)), file=told)
-    print(*_notices(read), sep="", end="", file=told)
-    print(_write(options, fit, turned, read), file=told)
+    out = as_json.beside(options.json)
+    print(written.report(fit, rows[0].tool, frozenset(zero)), file=out)
+    print(*_notices(read), sep="", end="", file=out)
+    print(_write(options, fit, turned, read), file=out)
     as_json.put(options.json, written.as_json(fit))
     return 0
 
@@ -98,8 +98,8 @@ def _errors(options: argparse.Namespace, machine: Machine, rows, known, turned: 
 
 def _notices(read) -> list[str]:
     """A line for each notice of the recordings."""
-    told = dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices)
-    return [f"notice: {text}\n" for text in told]
+    out = dict.fromkeys(f"{r.file}: {n}" for r in read for n in r.notices)
+    return [f"notice: {text}\n" for text in out]
 
 
 def _turned(machine: Machine, rows) -> bool:

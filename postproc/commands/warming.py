@@ -91,7 +91,7 @@ def _begin(read: log.Log, said: str | None, live: bool) -> float:
 def _told_by_then(read: log.Log, used: list[str], begin: float) -> None:
     """Raises UsageError where a column has no reading yet when the program begins."""
     for column in used:
-        first = float(read.told(column)[0])
+        first = float(read.recorded(column)[0])
         if begin < first:
             raise UsageError(
                 f"{column} of {read.name} begins {first - begin:g} s after the program does",
@@ -123,7 +123,7 @@ def _fresh(name: str, first: log.Log, used: list[str]) -> Callable[[], log.Log]:
         read = log.read(name, text)
         log.follow(read, held, now - since, used)
         for column in used:
-            silent = float(read.time[-1] - read.told(column)[-1])
+            silent = float(read.time[-1] - read.recorded(column)[-1])
             if silent > GAP:
                 raise log.LogError(
                     f"{column} holds no number for {silent:.0f} s", SILENT, read.place(-1)

@@ -178,38 +178,38 @@ def _entries(source: Source) -> List:
     return result
 
 
-def _columns(told: List, count: int, gap: float) -> dict[str, np.ndarray]:
+def _columns(entries: List, count: int, gap: float) -> dict[str, np.ndarray]:
     """mm of each column that the list must have. Raises TableError where a point is missing, or one
     too many."""
     needed = ["pos"] if gap else ["setpoint", "pos"]
-    if told.number("ssfk.bilateral", 0):
+    if entries.number("ssfk.bilateral", 0):
         needed.append("neg")
-    columns = {c: told.column(c, count) * TENTH for c in needed}
-    extra = [f"table[{i}].{c}" for c, points in told.cells.items() for i in points if i >= count]
+    columns = {c: entries.column(c, count) * TENTH for c in needed}
+    extra = [f"table[{i}].{c}" for c, points in entries.cells.items() for i in points if i >= count]
     if extra:
-        raise common.fault(told.source, told.last, f"{extra[0]} is beyond kw_nr_max {count}")
+        raise common.fault(entries.source, entries.last, f"{extra[0]} is beyond kw_nr_max {count}")
     return columns
 
 
 def _parsed(source: Source, options: ExportOptions, letter: str = "") -> ErrorTable:
-    told = _entries(source)
-    if told.number("ssfk.unit") != 1:
-        raise told.fault(
+    entries = _entries(source)
+    if entries.number("ssfk.unit") != 1:
+        raise entries.fault(
             "ssfk.unit", "unit 0: lengths are encoder increments", "only unit 1, 0.1 um, is read"
         )
-    if told.number("ssfk.modulo", 0):
-        raise told.fault("ssfk.modulo", "a modulo axis: tables of rotary axes are not read")
-    count, gap = int(told.number("ssfk.kw_nr_max")), told.number("ssfk.interval", 0)
+    if entries.number("ssfk.modulo", 0):
+        raise entries.fault("ssfk.modulo", "a modulo axis: tables of rotary axes are not read")
+    count, gap = int(entries.number("ssfk.kw_nr_max")), entries.number("ssfk.interval", 0)
     if count < 2:
-        raise told.fault("ssfk.kw_nr_max", f"kw_nr_max is {count}: a table needs two points")
-    column = _columns(told, count, gap)
+        raise entries.fault("ssfk.kw_nr_max", f"kw_nr_max is {count}: a table needs two points")
+    column = _columns(entries, count, gap)
     if gap:
-        nodes = (told.number("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH
+        nodes = (entries.number("ssfk.kw_startpos", 0) + gap * np.arange(count)) * TENTH
     else:
         nodes = column["setpoint"]
     if np.any(np.diff(nodes) <= 0):
-        raise common.fault(source, told.last, "the setpoints do not ascend")
-    name = told.head.get("log_achs_name", (1, ""))[1]
+        raise common.fault(source, entries.last, "the setpoints do not ascend")
+    name = entries.head.get("log_achs_name", (1, ""))[1]
     axis = letter or common.letter_of(name, options)
     if axis not in tuple("XYZ"):
         raise common.fault(

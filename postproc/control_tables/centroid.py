@@ -133,8 +133,8 @@ def _header(at: common.Line) -> tuple[int, float]:
     """How many points, and the place of the last in counts. Raises TableError."""
     words = at.text.split()
     if len(words) != 2 or not words[0].isdecimal() or int(words[0]) < 2:
-        told = "number of points and place of the last, like 24 -1448819"
-        raise at.fault("not a header of version 1", told)
+        advice = "number of points and place of the last, like 24 -1448819"
+        raise at.fault("not a header of version 1", advice)
     last = at.finite(words[1], "the place of the last point")
     if not last:
         raise at.fault("the last point stands at home")

@@ -168,15 +168,15 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
             chosen,
             common.even_nodes(chosen, replace(options, spacing=spacing), home, most + 1, small),
         )
-        told: list[str] = []
-        even, by = common.zeroed(even, home, way, told)
+        noticed: list[str] = []
+        even, by = common.zeroed(even, home, way, noticed)
         step = _step(even, options)
         magnification, up, down = _increments(even, options, home, way)
         spacing = step / 2
         halves = abs(spacing / small - round(spacing / small)) <= 1e-6 and 2 * len(up) <= most
         if magnification == 1 or options.spacing or not halves:
             break
-    notices += told
+    notices += noticed
     if magnification > 1:
         notices.append(
             f"{even.name}: 3623 = {magnification} keeps the increments within"
@@ -278,10 +278,10 @@ def _files(
     )
     if form == "csv":
         files = listings.csv_files(settings, pitch, name)
-        told = replace(
+        noticed = replace(
             options, extra={**options.extra, "settings": files[f"{name}_settings.csv"].decode()}
         )
-        return files, read(Source(f"{name}_pitch.csv", files[f"{name}_pitch.csv"]), told)
+        return files, read(Source(f"{name}_pitch.csv", files[f"{name}_pitch.csv"]), noticed)
     if missing := [axis for axis in settings if axis not in listings.axis_order(options)]:
         raise UsageError(
             f"which axis number has {missing[0]}?",

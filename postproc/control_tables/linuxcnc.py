@@ -140,8 +140,8 @@ def _parsed(source: Source, axis: str, kind: str, unit: float) -> ErrorTable:
         _check_screw(at, row, kind)
         rows.append(row)
     if not rows:
-        told = "three numbers a line: nominal, forward, reverse"
-        raise common.fault(source, 1, "there are no numbers in it", told)
+        advice = "three numbers a line: nominal, forward, reverse"
+        raise common.fault(source, 1, "there are no numbers in it", advice)
     nominal, forward, reverse = np.array(rows).T
     if kind == "0":
         return ErrorTable(axis, axis, nominal, forward - nominal, reverse - nominal)

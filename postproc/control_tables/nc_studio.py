@@ -71,8 +71,8 @@ def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
     axis, unit, last = "", "", 1
     for at in common.numbered(source):
         text = at.text.strip()
-        if told := UNIT.fullmatch(text):
-            unit = _unit(at, told[1])
+        if stated := UNIT.fullmatch(text):
+            unit = _unit(at, stated[1])
         elif re.fullmatch("|;.*", text):
             continue
         elif section := re.fullmatch(r"\[\s*([XYZ])\s*\]", text, re.IGNORECASE):

@@ -89,7 +89,7 @@ class Heat:
             max(a, self._moved(x, values)) for x, a in zip(self.letters, before.most, strict=True)
         )
         after = replace(after, most=most)
-        notices += [Notice("heat", self.told(after), size=1.0 + after.ticking.now)]
+        notices += [Notice("heat", self.sentence(after), size=1.0 + after.ticking.now)]
         notices += self._stops(after.ticking.stops) + self._unlimited(after.ticking.unlimited)
         return replace(motions, heat=steps, spells=spells), after, notices
 
@@ -194,7 +194,7 @@ class Heat:
             return
         ends = times.end * self.pace / clock.MICRO
         for driver in (d for d in self.drivers if d.column):
-            left = float(self.log.told(driver.column)[-1]) - self.begin
+            left = float(self.log.recorded(driver.column)[-1]) - self.begin
             late = np.flatnonzero(ends > left)
             if len(late):
                 k = int(late[0])
@@ -206,7 +206,7 @@ class Heat:
                     " its last reading",
                 )
 
-    def told(self, warmth: Warmth) -> str:
+    def sentence(self, warmth: Warmth) -> str:
         """How long the program takes, and what the heat did, for a person."""
         lasts = warmth.ticking.now * self.pace / clock.MICRO
         moved = ", ".join(

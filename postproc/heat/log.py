@@ -50,14 +50,14 @@ class Log:
     known: dict[str, np.ndarray] = field(default_factory=dict)
     lines: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
 
-    def told(self, column: str) -> np.ndarray:
+    def recorded(self, column: str) -> np.ndarray:
         """(K,) s at which a column holds a number."""
         rows = self.known.get(column)
         return self.time if rows is None else self.time[rows]
 
     def widest(self, column: str) -> float:
         """s, the longest time between two numbers of a column."""
-        return float(np.diff(self.told(column)).max(initial=0.0))
+        return float(np.diff(self.recorded(column)).max(initial=0.0))
 
     def place(self, row: int) -> Place:
         """Where a row stands."""

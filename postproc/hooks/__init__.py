@@ -52,8 +52,8 @@ def names() -> list[str]:
 def load(name: str) -> ModuleType:
     """The hook of a program, by its name or the begin of it. Raises UsageError with those that
     there are."""
-    begun = [known for known in names() if name and known.startswith(name)]
-    name = begun[0] if len(begun) == 1 else name
+    started = [known for known in names() if name and known.startswith(name)]
+    name = started[0] if len(started) == 1 else name
     if name not in names():
         raise UsageError(
             f"there is no hook for {name!r}",

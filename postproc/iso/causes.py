@@ -72,11 +72,11 @@ class Causes:
 def causes(axes: str, traces: Sequence[Trace], feed_mm_min: float | None = None) -> Causes | None:
     """The causes of full circles in both senses; None where one sense is missing or a circle is not
     full."""
-    told = [t for t in traces if t.full and len(t.angle) >= FEWEST]
-    if len({t.way for t in told}) < 2:
+    whole = [t for t in traces if t.full and len(t.angle) >= FEWEST]
+    if len({t.way for t in whole}) < 2:
         return None
-    nominal = told[0].nominal
-    samples = [(t.angle, np.full(len(t.angle), float(t.way)), t.radial) for t in told]
+    nominal = whole[0].nominal
+    samples = [(t.angle, np.full(len(t.angle), float(t.way)), t.radial) for t in whole]
     angle, way, y = map(np.concatenate, zip(*samples, strict=True))
     setup = np.column_stack([np.cos(angle), np.sin(angle), np.ones(len(angle))])
     columns = _columns(angle, way, nominal)

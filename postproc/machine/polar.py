@@ -54,13 +54,13 @@ class PolarMachine(TipMachine):
     ) -> np.ndarray:
         """(A, N) mm: actual - commanded, at commands (A, N) of the face."""
         slides = self.slides(position)
-        told = poses.turned(self.space.matrix.T, self.base.carried(slides, approach)[0])
+        off = poses.turned(self.space.matrix.T, self.base.carried(slides, approach)[0])
         if "Y" in self.letters:  # the control takes it to stand on C's line
             aside = slides[self.letters.index("Y")] - self.space.across
             x, c = (position[self.letters.index(letter)] for letter in "XC")
-            told[:2] += aside * np.stack([-c, x]) / np.hypot(x, c)
+            off[:2] += aside * np.stack([-c, x]) / np.hypot(x, c)
         result = np.zeros(position.shape)
-        for letter, row in zip("XCZ", told, strict=True):
+        for letter, row in zip("XCZ", off, strict=True):
             if letter in self.letters:
                 result[self.letters.index(letter)] = row
         return result

@@ -22,8 +22,8 @@ def seen_in(machine: Machine, length: np.ndarray, space: Space | None, oriented:
     if space is None:
         return base
     given = {f.name: getattr(base, f.name) for f in fields(Machine)}
-    told = (*XYZ, "C") if space.polar else tuple(XYZ)
-    travel = {x: (-np.inf, np.inf) if x in told else a.travel for x, a in base.axes.items()}
+    letters = (*XYZ, "C") if space.polar else tuple(XYZ)
+    travel = {x: (-np.inf, np.inf) if x in letters else a.travel for x, a in base.axes.items()}
     axes = {x: replace(a.bare, travel=travel[x], uncertainty=None) for x, a in base.axes.items()}
     given |= {"axes": axes, "square": {}, "effects": ()}
     given |= {"base": base, "anchor": machine.tool, "space": space}

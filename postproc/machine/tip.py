@@ -109,8 +109,8 @@ class TipMachine(Machine):
         each = np.stack([_across(tool, way) for way in ways], axis=1)  # (3, R, N)
         left, size, right = np.linalg.svd(each.transpose(2, 0, 1), full_matrices=False)
         gain = size / np.maximum(size, SOFT) ** 2
-        told: np.ndarray = np.einsum("nij,in->nj", left, _across(tool, lean)) * gain
-        return np.einsum("nji,nj->in", right, told)
+        turn: np.ndarray = np.einsum("nij,in->nj", left, _across(tool, lean)) * gain
+        return np.einsum("nji,nj->in", right, turn)
 
 
 def _across(tool: np.ndarray, vectors: np.ndarray) -> np.ndarray:

@@ -152,10 +152,10 @@ def _curves(k: int, one: Outcome) -> charts.Figure:
 def _bars(k: int, one: Outcome) -> charts.Figure:
     """Parameters before and after, with U."""
     unit = report.unit_of(one)
-    told = [c for c in one.changes if c.before.value is not None and c.after.value is not None]
+    shown = [c for c in one.changes if c.before.value is not None and c.after.value is not None]
     data = [
-        _with_u([(c, c.before) for c in told], "before", unit),
-        _with_u([(c, c.after) for c in told], "after", unit),
+        _with_u([(c, c.before) for c in shown], "before", unit),
+        _with_u([(c, c.after) for c in shown], "after", unit),
     ]
     return charts.figure(
         f"parameters-{k}",
@@ -168,11 +168,11 @@ def _bars(k: int, one: Outcome) -> charts.Figure:
     )
 
 
-def _with_u(told: list[tuple[Change, Parameter]], role: str, unit: float) -> charts.Trace:
-    u = [0.0 if p.U is None else p.U / unit for _, p in told]
+def _with_u(shown: list[tuple[Change, Parameter]], role: str, unit: float) -> charts.Trace:
+    u = [0.0 if p.U is None else p.U / unit for _, p in shown]
     return charts.bars(
-        [c.before.name for c, _ in told],
-        charts.column([(p.value or 0.0) / unit for _, p in told], 3),
+        [c.before.name for c, _ in shown],
+        charts.column([(p.value or 0.0) / unit for _, p in shown], 3),
         role,
         role,
         error_y=charts.limits(charts.column(u, 3)),

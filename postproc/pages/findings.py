@@ -76,11 +76,11 @@ def shares(d: Diagnosis) -> charts.Figure:
 
 def names(d: Diagnosis) -> charts.Figure | None:
     """How probable each name is, where more than one explains the readings."""
-    told = [f for f in d.findings if len(f.names) > 1]
-    if not told:
+    shown = [f for f in d.findings if len(f.names) > 1]
+    if not shown:
         return None
     labels, sizes = [], []
-    for f in told:
+    for f in shown:
         of = words.named(f.block.key)
         for name, p in f.names.items():
             if p >= SHOWN:

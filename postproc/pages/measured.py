@@ -88,20 +88,20 @@ def _parameters(made: Page, result: Result) -> None:
 
 def _causes(made: Page, causes: Causes, name: str) -> None:
     """What makes a circle out of round, ranked."""
-    told = [c for c in causes.ranked if c.share >= LEAST]
+    shown = [c for c in causes.ranked if c.share >= LEAST]
     said = (
         f"{causes.whole / UM:.2f} um rms beside the set-up, {causes.left / UM:.2f} um rms that none"
         " of these explains"
     )
-    roles = ["@command" if c.range > c.U_range else "@still" for c in told]
+    roles = ["@command" if c.range > c.U_range else "@still" for c in shown]
     bars = charts.lying(
         name,
         "What makes it out of round, of each cause alone, with U (95 %); grey: not told from zero;"
         f" {said}.",
-        [c.name for c in told],
-        [("range round the circle", "command", [c.range / UM for c in told])],
+        [c.name for c in shown],
+        [("range round the circle", "command", [c.range / UM for c in shown])],
         "um",
-        error_x=charts.limits(charts.um([c.U_range for c in told], 2)),
+        error_x=charts.limits(charts.um([c.U_range for c in shown], 2)),
         marker={"color": roles},
         text=None,
     )

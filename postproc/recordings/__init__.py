@@ -262,7 +262,7 @@ def read(source: Source, format: str = "", options: ReadingOptions | None = None
     source = opened(source, options)
     module = _module(source, format, options)
     recording: Recording = module.read(source, options)
-    return _told(recording, module, options)
+    return _with_unused(recording, module, options)
 
 
 def read_all(
@@ -277,7 +277,7 @@ def read_all(
         if hasattr(module, "read_all")
         else [module.read(source, options)]
     )
-    return [_told(recording, module, options) for recording in every]
+    return [_with_unused(recording, module, options) for recording in every]
 
 
 def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
@@ -301,7 +301,7 @@ def _module(source: Source, format: str, options: ReadingOptions) -> ModuleType:
     return module
 
 
-def _told(recording: Recording, module: ModuleType, options: ReadingOptions) -> Recording:
+def _with_unused(recording: Recording, module: ModuleType, options: ReadingOptions) -> Recording:
     """The recording with a notice for every option that its format did not heed."""
     idle = [
         f"--{OPTION.get(n, n)}" for n in options.given() if n not in getattr(module, "TAKES", ())

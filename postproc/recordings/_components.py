@@ -164,13 +164,14 @@ def unit_for(
     one of this component.
     """
     kind = QUANTITY_OF[component.quantity]
-    told = units.named(options.unit) if options.unit else None
-    if told and said and told.factor != said.factor:
+    stated = units.named(options.unit) if options.unit else None
+    if stated and said and stated.factor != said.factor:
         raise UsageError(
-            f"{source.name} says that its readings are in {said.name}, and --unit says {told.name}",
+            f"{source.name} says that its readings are in {said.name}, and --unit says"
+            f" {stated.name}",
             "leave --unit out, or mend the file where it is wrong",
         )
-    unit = told or said
+    unit = stated or said
     if unit is None:
         raise source.fault(
             where,
@@ -181,7 +182,7 @@ def unit_for(
         what = article(component.quantity)
         of = "angles" if unit.quantity == ANGLE else "lengths"
         text = f"{component.name} is {what}, and {unit.name} is a unit of {of}"
-        if told:
+        if stated:
             raise UsageError(text, "another --unit, or another --component")
         raise source.fault(where, text, "say what was measured: --component")
     return unit

@@ -194,9 +194,9 @@ def position_factor(
 ) -> float:
     """mm (degrees of a rotary axis) of one unit of the targets: as their heading says, or --set
     position_unit."""
-    told = options.extra.get("position_unit", "")
+    said = options.extra.get("position_unit", "")
     usual = "deg" if rotary else "mm"
-    unit = units.named(told, "--set position_unit") if told else units.in_heading(heading)
+    unit = units.named(said, "--set position_unit") if said else units.in_heading(heading)
     if unit is None:
         notices.append(
             f"the unit of the targets is not in the file: taken as {usual} (--set"
@@ -207,7 +207,7 @@ def position_factor(
         text_ = (
             f"the targets are in {unit.name}, and the axis is {'rotary' if rotary else 'linear'}"
         )
-        if told:
+        if said:
             raise UsageError(text_, f"--set position_unit={usual}")
         raise source.fault(line, text_, "another --axis or --component")
     return POSITION[unit.name]

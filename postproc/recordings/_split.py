@@ -17,7 +17,9 @@ DRAWN = 400
 CLEARLY = 4.0  # another split must leave so many times less of the squares
 
 
-def doubt(run: np.ndarray, target: np.ndarray, value: np.ndarray, sign: np.ndarray) -> str | None:
+def better_split(
+    run: np.ndarray, target: np.ndarray, value: np.ndarray, sign: np.ndarray
+) -> str | None:
     """A sentence where another split of the runs explains the readings far better than their
     directions do, or None.
 

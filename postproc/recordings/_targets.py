@@ -106,34 +106,36 @@ def recording(
     Raises RecordingError for a target that stands twice in a run, a number that no machine has, or
     no readings at all.
     """
-    told = list(notices)
+    noticed = list(notices)
     if not len(readings.value):
         raise source.fault(max([f.line for f in faults], default=1), "there are no readings")
     run = np.array(readings.run, np.int64)
     target = np.array(readings.target, np.float64)
     raw = np.array(readings.value, np.float64)
     line = np.array(readings.line, np.int64)
-    sign = signs(run, np.array(readings.sign or np.zeros(len(run)), np.int64), options, told, first)
+    sign = signs(
+        run, np.array(readings.sign or np.zeros(len(run)), np.int64), options, noticed, first
+    )
     value = raw * unit.factor
     _finite(source, target, value, unit, line)
     _once(source, run, target, sign, line)
     if readings.t is None:
         order = _order(run, target, sign, line)
         t = np.arange(len(run), dtype=np.float64)
-        told.append(
+        noticed.append(
             "the file has no times: t_s is made up, 1 s from reading to reading, run by run"
         )
     else:
         order = np.argsort(np.array(readings.t), kind="stable")
         t = np.array(readings.t, np.float64)[order]
     columns: dict[str, np.ndarray] = {"run": run[order].astype(np.float64), "t_s": t}
-    columns |= _positions(component, options, target[order], readings, order, told)
+    columns |= _positions(component, options, target[order], readings, order, noticed)
     columns[f"approach_{component.axis}"] = sign[order].astype(np.float64)
     columns[f"reading_{unit.base}"] = value[order]
     columns |= {
         n: np.array(c, np.float64)[order] for n, c in readings.columns.items() if n not in columns
     }
-    told += _doubts(target, raw, value, run, sign, unit)
+    noticed += _implausible(target, raw, value, run, sign, unit)
     keys: dict[str, Any] = {"machine": options.machine} if options.machine else {}
     keys |= {k: v for k, v in head.items() if v not in ("", None)} | keys
     keys |= {
@@ -142,7 +144,9 @@ def recording(
         "component": component.name,
     }
     keys |= {"unit_in_file": unit.name, **options.head}
-    return Recording("targets", keys, columns, source.name, line[order], tuple(faults), tuple(told))
+    return Recording(
+        "targets", keys, columns, source.name, line[order], tuple(faults), tuple(noticed)
+    )
 
 
 def _order(run: np.ndarray, target: np.ndarray, sign: np.ndarray, line: np.ndarray) -> np.ndarray:
@@ -159,7 +163,7 @@ def _order(run: np.ndarray, target: np.ndarray, sign: np.ndarray, line: np.ndarr
     return np.lexsort((target * sign, second, run))
 
 
-def _positions(component, options, target, readings, order, told) -> dict[str, np.ndarray]:
+def _positions(component, options, target, readings, order, noticed) -> dict[str, np.ndarray]:
     """The position of the axis that moved, and of the others where they are known."""
     places = {component.position: target}
     named = {n for n in readings.columns if re.fullmatch(r"[XYZ]_mm|[ABC]_deg", n)}
@@ -178,7 +182,7 @@ def _positions(component, options, target, readings, order, told) -> dict[str, n
     for name in named - set(places):
         places[name] = np.array(readings.columns[name], np.float64)[order]
     if len(places) == 1:
-        told.append(
+        noticed.append(
             "where the other axes stood is not in the file (--others X=0,Y=0): lever arms can not"
             " be taken from it"
         )
@@ -226,7 +230,7 @@ def _follows(target: np.ndarray, raw: np.ndarray) -> Iterator[str]:
         )
 
 
-def _doubts(target, raw, value, run, sign, unit) -> Iterator[str]:
+def _implausible(target, raw, value, run, sign, unit) -> Iterator[str]:
     """What looks like a slip: the unit, positions for deviations, runs of nothing but zeros, the
     direction of runs."""
     odd = units.outside(float(np.ptp(value)), unit.quantity, unit) if len(value) > 1 else None
@@ -240,5 +244,5 @@ def _doubts(target, raw, value, run, sign, unit) -> Iterator[str]:
             f"all readings of run {', '.join(map(str, zero))} are 0: was it measured?"
             " (--bidirectional no if one way only)"
         )
-    if doubt := split.doubt(run, target, value, sign):
-        yield doubt
+    if better := split.better_split(run, target, value, sign):
+        yield better

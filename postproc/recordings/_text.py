@@ -88,7 +88,7 @@ def _sign_in(plain: str) -> str:
 def decimal_of(
     source: Source,
     cells: Iterable[tuple[int, str]],
-    told: str,
+    stated: str,
     advice: str = "say --set decimal=. or --set decimal=,",
 ) -> tuple[str, list[str]]:
     """The decimal sign of a file's cells, "." or ",", and a notice where it had to be taken from
@@ -97,8 +97,8 @@ def decimal_of(
     cells: each with its line; told: what the user says. Raises RecordingError with both examples
     where a file has both.
     """
-    if told:
-        return told, []
+    if stated:
+        return stated, []
     first: dict[str, tuple[int, str]] = {}
     for line, cell in cells:
         plain = cell.strip().replace("\u2212", "-")
@@ -177,7 +177,7 @@ def wrong_run(run: float | None) -> str:
     return "" if right else f"run {run:g} is not a whole number from 1 on"
 
 
-def told_decimal(extra: Mapping[str, str]) -> str:
+def stated_decimal(extra: Mapping[str, str]) -> str:
     """The decimal sign that --set decimal says; "" where it says none. Raises UsageError for
     another sign."""
     sign = extra.get("decimal", "")

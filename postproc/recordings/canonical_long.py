@@ -79,7 +79,7 @@ def _components(rows: list[Row]) -> list[str]:
 def _rows(source: Source, options: ReadingOptions) -> tuple[list[Row], list[str]]:
     """The rows, checked; those that can not be used with their fault, where not strict."""
     content, odd = text.decoded(source)
-    table = text.table(source, content, text.told_decimal(options.extra))
+    table = text.table(source, content, text.stated_decimal(options.extra))
     notices = [*table.notices, *odd]
     names = _names(source, table)
     rows = []

@@ -55,9 +55,11 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     for column, pin in wanted.items():
         factor = unit.factor * UM if column.endswith("_mm") else 1.0
         columns[column] = values[:, names.index(pin)] * factor
-    told = {"sees": "scale", "sampling_period_ns": int(head[1]), "instrument": "halscope"}
-    told |= {"machine": options.machine} if options.machine else {}
-    return Recording("trace", told | options.head, columns, source.name, at, (), tuple(notices))
+    described = {"sees": "scale", "sampling_period_ns": int(head[1]), "instrument": "halscope"}
+    described |= {"machine": options.machine} if options.machine else {}
+    return Recording(
+        "trace", described | options.head, columns, source.name, at, (), tuple(notices)
+    )
 
 
 def _unit(options: ReadingOptions) -> tuple[units.Unit, list[str]]:

@@ -75,7 +75,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     if options.layout and options.layout not in LAYOUTS:
         raise UsageError(f"--layout {options.layout} is not known", f"one of {', '.join(LAYOUTS)}")
     content, odd = text.decoded(source)
-    table = text.table(source, content, text.told_decimal(options.extra))
+    table = text.table(source, content, text.stated_decimal(options.extra))
     notices = [*table.notices, *odd]
     columns = _long(table)
     if options.layout == "long" or (columns is not None and not options.layout):

@@ -169,7 +169,7 @@ def _table(source, lines, top, end, options, notices) -> tuple[_sheet.Sheet, tex
     if not body:
         raise RecordingError("there are no rows below Target Position", "", at)
     cells = ((line, cell) for line, row in body for cell in row)
-    decimal, more = text.decimal_of(source, cells, text.told_decimal(options.extra))
+    decimal, more = text.decimal_of(source, cells, text.stated_decimal(options.extra))
     notices += more
     columns = _columns(headings, at, notices)
     sheet = _sheet.Sheet(body, headings, 0, columns, [], [], top + 1)

@@ -73,7 +73,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     sign = options.extra.get("delimiter", "")
     if sign and sign not in DELIMITER:
         raise UsageError(f"--set delimiter={sign} is not known", f"one of {', '.join(DELIMITER)}")
-    table = text.table(source, content, text.told_decimal(options.extra), DELIMITER.get(sign, ""))
+    table = text.table(source, content, text.stated_decimal(options.extra), DELIMITER.get(sign, ""))
     notices = [*table.notices, *odd]
     top, at = names.columns(source, table, mapping)
     if kinds.is_other(mapping):

@@ -116,7 +116,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     unit = components.unit_for(options, source, component, said, found.line("DEVIATIONS"))
     columns, noted, more = environment.taken(found.environment)
     if options.bidirectional is None and runs != 1:
-        _doubt_flags(found, notices)
+        _notice_flags(found, notices)
     readings = _readings(rows, places, columns)
     head = {
         "machine": found.key("USER-TEXT", "machine"),
@@ -168,7 +168,7 @@ def _readings(
     )
 
 
-def _doubt_flags(found: _File, notices: list[str]) -> None:
+def _notice_flags(found: _File, notices: list[str]) -> None:
     """A notice where the flags mean one direction."""
     flags = " ".join(found.key("TARGET DATA", "flags").split())
     if FLAGS.get(flags) is False:
@@ -190,7 +190,7 @@ def _sections(content: str) -> _File:
 def _decimal(source: Source, found: _File, options: ReadingOptions, notices: list[str]) -> str:
     cells = [(line, word) for word, line in found.targets]
     cells += [(line, row.split()[-1]) for line, row in found.rows]
-    decimal, more = text.decimal_of(source, cells, text.told_decimal(options.extra))
+    decimal, more = text.decimal_of(source, cells, text.stated_decimal(options.extra))
     notices += more
     return decimal
 

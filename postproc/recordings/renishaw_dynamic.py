@@ -115,13 +115,13 @@ def read(source: Source, options: ReadingOptions) -> Recording:
         "date": said.get("date"),
     }
     kept = {k: v for k, v in head.items() if v}
-    told = {"sees": "tool", "sample_rate_hz": rate, "unit_in_file": options.unit}
+    described = {"sees": "tool", "sample_rate_hz": rate, "unit_in_file": options.unit}
     # the commanded position has no line of its own in a binary file
     at_line = np.full(len(samples), at.line)
     for x in options.others.keys() - {axis}:
         columns |= {f"{x}_{c}_mm": np.full(len(samples), options.others[x]) for c in ("cmd", "act")}
     return Recording(
-        "trace", kept | told | options.head, columns, source.name, at_line, (), tuple(notices)
+        "trace", kept | described | options.head, columns, source.name, at_line, (), tuple(notices)
     )
 
 

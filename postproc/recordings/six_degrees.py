@@ -144,7 +144,7 @@ def _table(
     RecordingError with the line."""
     content, _ = text.decoded(source)
     kept = "\n".join("" if line.startswith("#") else line for line in content.splitlines())
-    table = text.table(source, kept, text.told_decimal(options.extra))
+    table = text.table(source, kept, text.stated_decimal(options.extra))
     head_line, names = table.rows[0]
     rows, lines = [], []
     for number, cells in table.rows[1:]:

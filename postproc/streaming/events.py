@@ -61,7 +61,7 @@ class Status:
 
 
 @dataclass(frozen=True)
-class Told:
+class Message:
     """Anything else in words. Never counted as an answer."""
 
     text: str
@@ -97,4 +97,4 @@ class Write:
     data: bytes
 
 
-Event = Accepted | Rejected | Alarm | Restarted | Status | Told | Stray | Altered | Busy | Write
+Event = Accepted | Rejected | Alarm | Restarted | Status | Message | Stray | Altered | Busy | Write

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from postproc.errors import GcompError
 from postproc.streaming import protocols
-from postproc.streaming.events import Accepted, Alarm, Event, Rejected, Restarted, Status, Told
+from postproc.streaming.events import Accepted, Alarm, Event, Message, Rejected, Restarted, Status
 from postproc.streaming.orders import fact, way_out
 from postproc.streaming.protocols import Protocol
 
@@ -55,7 +55,7 @@ class Greeting:
         self.banner = ""
         self.restarted = False  # it greeted as one that has just started
         self._out = b""
-        self._begun: float | None = None
+        self._started: float | None = None
         self._heard = 0.0
         self._pokes = (
             protocols.pokes()
@@ -100,7 +100,7 @@ class Greeting:
             self.fault = why
 
     def _take(self, event: Event, protocol: Protocol, now: float) -> None:
-        if isinstance(event, Told):
+        if isinstance(event, Message):
             self._answers.append(event.text)
         elif isinstance(event, Status):
             self._reported(event, protocol)
@@ -122,8 +122,8 @@ class Greeting:
     def tick(self, now: float) -> None:
         if self.done or self.fault:
             return
-        if self._begun is None:
-            self._begun = self._heard = self._poked = now
+        if self._started is None:
+            self._started = self._heard = self._poked = now
         if self.protocol is None:
             self._listen(now)
         elif self._settles:
@@ -164,12 +164,12 @@ class Greeting:
         return bool(self.banner.strip()) and now - self._heard >= quiet
 
     def _listen(self, now: float) -> None:
-        assert self._begun is not None
+        assert self._started is not None
         known = protocols.recognised(self.banner) if self.auto else self.found
         if known and (self._has_said_all(known, now) or not self._pokes):
             self.found = known
             self._choose(known[0], now)
-        elif now - self._begun > self.listen:
+        elif now - self._started > self.listen:
             heard = " ".join(self.banner.split())[:120]
             unknown = f"this is no controller that gcomp knows: {heard!r}"
             self._fail(*((unknown, "say --protocol, and check --baud") if heard else NOBODY))

@@ -159,7 +159,7 @@ def read(data: bytes, name: str) -> Past:
         try:
             entry = _entry(line)
             if past is None:
-                past = _begun(entry, name)
+                past = _started(entry, name)
             else:
                 _taken(past, entry, recent)
         except (ValueError, TypeError, KeyError, RecursionError, OverflowError):
@@ -185,7 +185,7 @@ def _entry(line: bytes) -> dict[str, Any]:
     return entry
 
 
-def _begun(entry: dict[str, Any], name: str) -> Past:
+def _started(entry: dict[str, Any], name: str) -> Past:
     """The first line."""
     if entry.get("format") != FORMAT:
         raise UsageError(

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 
 from postproc.errors import UsageError
-from postproc.streaming.events import Accepted, Alarm, Rejected, Restarted, Status, Told
+from postproc.streaming.events import Accepted, Alarm, Message, Rejected, Restarted, Status
 from postproc.streaming.protocols import Protocol
 
 RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND = (
@@ -83,7 +83,7 @@ def way_out(status: Status, port: str) -> str:
     return f"{way}{does}"
 
 
-def told(status: Status, port: str) -> str:
+def in_words(status: Status, port: str) -> str:
     """A state in words, with the commands that help, where it is not idle."""
     if status.state == "idle":
         return "idle: it stands, and takes a job"
@@ -158,7 +158,7 @@ class Order:
         self.status, self.said, self.fault, self.done = status, list[str](), "", False
         self._out = b""
         self._answered = self._fresh = False
-        self._asked, self._begun, self._rests = -1.0, -1.0, 0
+        self._asked, self._started, self._rests = -1.0, -1.0, 0
         self._fits(status)
 
     def _fits(self, status: Status | None) -> None:
@@ -168,7 +168,8 @@ class Order:
         state, what, way = status.state, fact(status), way_out(status, self.port)
         if self.order == RESUME and state not in ("hold", "door", "tool"):
             raise UsageError(
-                f"there is nothing to resume: the controller is {state}", told(status, self.port)
+                f"there is nothing to resume: the controller is {state}",
+                in_words(status, self.port),
             )
         if (
             self.order in (JOG, ZERO, SEND)
@@ -180,7 +181,7 @@ class Order:
             raise UsageError(f"a jog needs an idle controller. {what}", way)
 
     def begin(self, now: float) -> None:
-        self._begun = now
+        self._started = now
         if self.order in (RESET, RESUME):
             data = self.protocol.urgent("stop" if self.order == RESET else "resume")
             if not data:
@@ -209,7 +210,7 @@ class Order:
                 self._answered = True
             elif isinstance(event, Rejected) or (isinstance(event, Alarm) and self.order != RESET):
                 self.fault = f"{event.code}" + (f" ({event.meaning})" if event.meaning else "")
-            elif isinstance(event, Told):
+            elif isinstance(event, Message):
                 self.said.append(event.text)
             elif isinstance(event, Restarted):
                 self.said.append(event.text.strip())

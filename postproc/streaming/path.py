@@ -48,7 +48,7 @@ class Path:
     """judge() for every report, which also goes to the account. order: where each axis of a line's
     `end` stands in the reports, (): in the same order. limit: mm. watched: False: nobody looks.
     distance, nearest: mm beside the path, and the line that is nearest, as they were seen last;
-    doubts: how often."""
+    off_path: how often."""
 
     def __init__(
         self,
@@ -61,7 +61,7 @@ class Path:
         self.account = Account(controller, order)
         self.limit = limit + 2 * coarsest_step(controller)
         self._lost = not watched
-        self.doubts = 0
+        self.off_path = 0
         self.distance = 0.0
         self._beside: tuple[float, ...] | None = None  # the place that was seen beside it last
         self.nearest: WireLine | None = None
@@ -86,13 +86,13 @@ class Path:
         found = None if self._lost else self._off(status)
         if found is not None:
             self.distance, self.nearest = found
-            self.doubts += 1
+            self.off_path += 1
             before, self._beside = self._beside, status.place
-            return LOOK if self.doubts == 1 else OFF if self._same(before, status.place) else ""
-        if self.doubts and (
+            return LOOK if self.off_path == 1 else OFF if self._same(before, status.place) else ""
+        if self.off_path and (
             status.state == REST or (status.state in JUDGED and status.detail == "0")
         ):
-            self.doubts, self._beside = 0, None
+            self.off_path, self._beside = 0, None
             return CLEAR
         return ""
 

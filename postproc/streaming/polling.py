@@ -17,7 +17,9 @@ class Poll:
     asked: float = -math.inf
     waits: bool = False
 
-    def due(self, now: float, limits: Limits, watched: bool, doubts: bool, answered: float) -> bool:
+    def due(
+        self, now: float, limits: Limits, watched: bool, off_path: bool, answered: float
+    ) -> bool:
         """watched: whether the path is; doubts: whether a report was beside it; answered: when a
         line was answered last."""
         # a motion takes longer than those before: where does it go?
@@ -26,7 +28,7 @@ class Poll:
             limits.poll
             if not watched
             else limits.soon
-            if doubts or self.asked < late < now
+            if off_path or self.asked < late < now
             else limits.watch
         )
         return now - self.asked >= (AGAIN if self.waits else pause)

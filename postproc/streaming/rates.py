@@ -93,7 +93,7 @@ class Clock:
     programmed."""
 
     expected: float
-    begun: float
+    started: float
     pace: Pace | None = None
     done: float = 0.0
     held: float = 0.0
@@ -110,7 +110,7 @@ class Clock:
 
     def left(self, now: float) -> float:
         """s to the end, as far as can be said."""
-        spent = now - self.begun - self.held
+        spent = now - self.started - self.held
         rest = max(0.0, self.expected - self.done) / max(self.rate, 0.1)
         if self.done > 5.0 and spent > 5.0:  # the machine's own pace, once there is enough of it
             return rest * max(0.5, min(4.0, spent * self.rate / self.done))

@@ -25,7 +25,7 @@ class Reception:
 
     def __init__(self, seven: bool = True, parity: str = "N"):
         self.seven, self.parity = seven, parity
-        self.begun = self.done = False
+        self.started = self.done = False
         self.fault = ""
         self._text = bytearray()
 
@@ -53,18 +53,18 @@ class Reception:
         """What a plug makes, and a tape's leader. wrong: its parity is."""
         if letter in SKIPPED or letter in (0x0D, DC4):
             return True
-        return not self.begun and (wrong or not 0x20 < letter < 0x7F)
+        return not self.started and (wrong or not 0x20 < letter < 0x7F)
 
     def _take(self, value: int) -> None:
         here = f"line {self.lines + 1} of what came in"
         wrong = self.parity != "N" and ODD[value] != (self.parity == "O")
         letter = value & 0x7F if self.seven else value
-        if wrong and self.begun:
+        if wrong and self.started:
             self.fault = (
                 f"{here}: a byte with a wrong parity ({value:#04x}): it was damaged on the way, or"
                 " the frame is another"
             )
-        elif letter == DC4 and self.begun:
+        elif letter == DC4 and self.started:
             self._closed("DC4")
         elif self._is_nothing(letter, wrong):
             return
@@ -77,7 +77,7 @@ class Reception:
             self._add(letter)
 
     def _add(self, value: int) -> None:
-        self.begun = True
+        self.started = True
         self._text.append(value)
         if len(self._text) > intake.RECEIVED:
             self.fault = (
@@ -107,7 +107,7 @@ class Reception:
 
     def silent(self, anyhow: bool) -> None:
         """Nothing came for a while. anyhow: that is how this control ends."""
-        if not self.begun or self.done or self.fault:
+        if not self.started or self.done or self.fault:
             return
         if anyhow:
             self._whole()

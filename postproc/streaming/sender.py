@@ -78,7 +78,7 @@ class Sender:
         self._deadline = math.inf
         self._pending: Outcome | None = None
         self._hold = Hold()
-        self._ended = self._begun = self._check_off = False
+        self._ended = self._started = self._check_off = False
         # that it has stopped; it is held to see whether it stands on the path
         self._confirmed = self._looks = False
         for text in (*protocol.opening, *[protocol.check_mode()] * check):
@@ -179,8 +179,8 @@ class Sender:
         50 ms."""
         if self.outcome is not None:
             return
-        if not self._begun:
-            self._begun, self._heard, self._moved = True, now, now
+        if not self._started:
+            self._started, self._heard, self._moved = True, now, now
             self._ticked = now
         self._missed(now)
         self._fill(now)
@@ -260,7 +260,7 @@ class Sender:
         request = self.protocol.urgent("status")
         watched = self.path.watched and self.state in (RUNNING, HELD)
         if request and self._reports.due(
-            now, self.limits, watched, self.path.doubts > 0, self._moved
+            now, self.limits, watched, self.path.off_path > 0, self._moved
         ):
             self.out.urgent += request
             self._reports.ask(now)
@@ -346,7 +346,7 @@ class Sender:
             if "paused" in event.text and not self._hold.foreign:
                 self._hold.foreign = True
                 self.log.append(("hold", holds.PAUSED, now))
-        elif isinstance(event, events.Told):
+        elif isinstance(event, events.Message):
             self.log.append(("told", event.text, now))
 
     def _answered(self, number: int, now: float) -> None:

@@ -132,7 +132,7 @@ def _of_unlocked(past: Past | None) -> str:
     return "the job ran on a controller that was unlocked and not homed: homing moves its zero"
 
 
-def doubt(
+def zero_lost(
     past: Past | None,
     live: Live,
     letters: tuple[str, ...],

@@ -301,7 +301,7 @@ class Verifier:
         # a take-up stands where the path turns: ahead or behind is off there too
         if len(turns):
             there = points_of(nominal, curved, owner[turns], t[turns])
-            off = self.machines.told(nominal, owner[turns], actual[:, turns] - there)
+            off = self.machines.corrected_part(nominal, owner[turns], actual[:, turns] - there)
             distance[turns] = np.linalg.norm(off, axis=0) if slides else 0.0
         return distance
 

@@ -47,13 +47,13 @@ class Machines:
             np.concatenate([run.length, run.space[None]])[:, row], axis=1, return_inverse=True
         )
         for k, key in enumerate(every.T):
-            told = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
-            if told not in self._seen:
+            corrected_part = (id(whole), run.spaces[int(key[-1])], tuple(key[:-1].tolist()))
+            if corrected_part not in self._seen:
                 long = key[:-1] / TICKS_PER_MM
-                self._seen[told] = seen_in(whole, long, told[1], self.oriented)
-            yield self._seen[told], which.ravel() == k
+                self._seen[corrected_part] = seen_in(whole, long, corrected_part[1], self.oriented)
+            yield self._seen[corrected_part], which.ravel() == k
 
-    def told(self, run: Motions, row: np.ndarray, off: np.ndarray) -> np.ndarray:
+    def corrected_part(self, run: Motions, row: np.ndarray, off: np.ndarray) -> np.ndarray:
         """(A, K) mm: what of deviations (A, K) of motions `row` lies along corrected axes."""
         result = np.zeros_like(off)
         for machine, of in self.each(run, row):

@@ -19,7 +19,7 @@ UNTOLD = 0.1
 TIED = 0.05  # of a direction
 
 
-def untold(fit: Fit) -> list[list[str]]:
+def undetermined(fit: Fit) -> list[list[str]]:
     """Names of errors that can not be parted, in sets; a set of one can not be told at all, at some
     of its nodes at least."""
     prior = fit.unknowns.prior
@@ -46,15 +46,15 @@ def untold(fit: Fit) -> list[list[str]]:
 
 def sentences(sets: list[list[str]]) -> list[str]:
     """The same in words."""
-    told = []
+    texts = []
     for names in sets:
         if len(names) == 1:
-            told.append(f"these readings do not tell {names[0]}")
+            texts.append(f"these readings do not tell {names[0]}")
         elif len(names) == 2:
-            told.append(f"these readings can not part {names[0]} from {names[1]}")
+            texts.append(f"these readings can not part {names[0]} from {names[1]}")
         else:
-            told.append(
+            texts.append(
                 f"these readings can not part {', '.join(names[:-1])} and {names[-1]} from each"
                 " other"
             )
-    return told
+    return texts

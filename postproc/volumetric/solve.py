@@ -289,7 +289,7 @@ def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.nd
         size = np.linalg.norm(block, axis=0)
         least = np.linalg.svd(block / np.maximum(size, FLAT), compute_uv=False)[-1]
         if (size < FLAT).any() or least < FLAT**2:
-            raise _untold(r)
+            raise _too_few(r)
         at, first = own.stop, first + len(r)
     size = np.linalg.norm(jacobian, axis=0)
     scaled = jacobian / size
@@ -297,7 +297,7 @@ def _inverse(jacobian: np.ndarray, rows: Sequence[Rows], unknowns: int) -> np.nd
     return found
 
 
-def _untold(r: Rows) -> VolumetricError:
+def _too_few(r: Rows) -> VolumetricError:
     ways = {
         "length": "columns station_X_mm station_Y_mm station_Z_mm with the station's place, or"
         " lengths at other places too: off the plane through the station",

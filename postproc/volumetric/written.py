@@ -14,7 +14,7 @@ from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
 from postproc.machine.write import axis_table, machine_toml
 from postproc.units import UM, URAD
-from postproc.volumetric.identify import sentences, untold
+from postproc.volumetric.identify import sentences, undetermined
 from postproc.volumetric.rows import Rows, unit_of
 from postproc.volumetric.solve import Fit, corners
 from postproc.volumetric.unknowns import Group
@@ -24,7 +24,7 @@ KEPT = ("travel", "least_increment", "max_velocity", "max_acceleration", "max_je
 
 def open_names(fit: Fit) -> set[str]:
     """Names of errors that are not written."""
-    return {name for names in untold(fit) for name in names}
+    return {name for names in undetermined(fit) for name in names}
 
 
 def _one(group: Group) -> tuple[str, float]:
@@ -33,7 +33,7 @@ def _one(group: Group) -> tuple[str, float]:
     return ("urad", URAD) if angle else ("um", UM)
 
 
-def _told(group: Group) -> bool:
+def _has_own_section(group: Group) -> bool:
     """A location of the table stands under its own section of machine.toml."""
     return group.letter in ROTARY
 
@@ -72,7 +72,7 @@ def report(fit: Fit, tool: np.ndarray, zero: frozenset[str]) -> str:
     if zero:
         out.append(f"  taken as zero: {', '.join(sorted(zero))}")
     out.append("")
-    for names, text in zip(untold(fit), sentences(untold(fit)), strict=True):
+    for names, text in zip(undetermined(fit), sentences(undetermined(fit)), strict=True):
         way = (
             "; they are not written. Another place, tool length or line may tell them, --zero"
             f" {names[-1]} takes it as zero"
@@ -112,7 +112,7 @@ def as_json(fit: Fit) -> dict[str, Any]:
             "unit": unit, "told": g.name not in hidden, "nodes_mm": g.nodes.tolist(),
             "value": (value / one).tolist(), "u": (u / one).tolist(),
         }  # fmt: skip
-    found["not_parted"] = untold(fit)
+    found["not_parted"] = undetermined(fit)
     return found
 
 
@@ -141,7 +141,7 @@ def folder(
     }
     data |= {"source": f"gcomp volumetric from {', '.join(files)}", "signs": "unverified"}
     top = "Written by gcomp volumetric. Deviation = actual - commanded, tool against workpiece."
-    comments = {"": "\n".join([top, *_not_told(fit)])}
+    comments = {"": "\n".join([top, *_of_undetermined(fit)])}
     texts: dict[str, str] = {}
     data["axes"] = {x: _taken(like["axes"][x], KEPT) for x in letters}
     for x in sorted(set(letters) & set(XYZ), key=letters.index):
@@ -192,7 +192,9 @@ def turned(
     square = dict(like.get("squareness", {}))
     square_u, location = dict(square.pop("u", {})), dict(like.get("location", {}))
     comments = {
-        "": "\n".join(["How the rotary axes lie was found by gcomp volumetric.", *_not_told(fit)])
+        "": "\n".join(
+            ["How the rotary axes lie was found by gcomp volumetric.", *_of_undetermined(fit)]
+        )
     }
     for g in fit.unknowns.groups:
         if g.name in hidden:
@@ -210,9 +212,9 @@ def turned(
     return {"machine.toml": machine_toml(data, comments), **tables}
 
 
-def _not_told(fit: Fit) -> list[str]:
+def _of_undetermined(fit: Fit) -> list[str]:
     lost = _without_lost_motion(fit)
-    return [f"Not in this map: {text}." for text in sentences(untold(fit))] + (
+    return [f"Not in this map: {text}." for text in sentences(undetermined(fit))] + (
         [f"Not in this map: lost motion of {', '.join(lost)}."] if lost else []
     )
 

@@ -58,7 +58,7 @@ def test_a_reading_along_the_negative_direction_is_turned_round():
 def test_a_displacement_across_the_axis_is_a_straightness_and_said_so():
     series = assign(targets({"X": Q}, {"Z": 1.0}, "displacement"))
     assert series.component == "EZX"
-    assert "straightness" in series.told[0]
+    assert "straightness" in series.notices[0]
 
 
 def test_a_rotary_axis_has_components_too():

@@ -200,4 +200,4 @@ def test_the_opening_by_hand():
     assert opening.opened(found, "B0X", {"Z": 400.0}) == approx(20 * URAD, abs=1e-12)
     assert opening.opened(found, "B0X", {"Z": 0.0, "X": 300.0}) == approx(0.0, abs=1e-12)
     assert found.squareness["B0X"].value == approx(80 * URAD, abs=1e-12)
-    assert "the axes' own angles make +20.0 of it" in found.squareness["B0X"].told
+    assert "the axes' own angles make +20.0 of it" in found.squareness["B0X"].remark

@@ -214,7 +214,7 @@ def test_a_square_that_is_turned_over_drops_out():
     )
     both = calibrate(first + second, Options(GRINDER)).squareness["B0X"]
     assert both.value / URAD == approx(120.0, abs=2.0)
-    assert "+35" in both.told or "+34" in both.told or "+36" in both.told
+    assert "+35" in both.remark or "+34" in both.remark or "+36" in both.remark
     alone = calibrate(first, Options(GRINDER)).squareness["B0X"]
     assert alone.u is None
     assert alone.value / URAD == approx(120.0 - 35.0, abs=3.0)

@@ -80,11 +80,11 @@ def run(
     if ready:  # the greeting has been heard before
         model.advance(now := now + 1.0)
         model.read(now)
-    begun = now
+    started = now
     lines, actions, late, logged = iter(lines), list(actions), [], 0
     more = True
     while sender.outcome is None:
-        if now - begun > limit:
+        if now - started > limit:
             raise AssertionError(
                 f"no outcome within {limit} s: {sender.state} {sender.status} {sender.waiting[:2]}"
             )
@@ -95,36 +95,36 @@ def run(
                 more = False
             else:
                 sender.give([line])
-        while actions and now - begun >= actions[0][0]:
+        while actions and now - started >= actions[0][0]:
             actions.pop(0)[1](sender, now)
-        if now - begun >= faults.asleep[0]:
+        if now - started >= faults.asleep[0]:
             now, faults.asleep = now + faults.asleep[1], (math.inf, 0.0)
         sender.tick(now)
         while data := sender.bytes_out():
             model.write(faults.pass_on("to", data), now)
         now += tick
-        if now - begun >= faults.reset:
+        if now - started >= faults.reset:
             model.advance(now)
             model.restart()
             faults.reset = float("inf")
-        if now - begun >= faults.power:
+        if now - started >= faults.power:
             model.advance(now)
             model.power()
             faults.power = float("inf")
-        if now - begun >= faults.cut:
+        if now - started >= faults.cut:
             sender.lost("the port was closed", now)
         model.advance(now)
         data = faults.pass_on("back", model.read(now))
         if data:
             late.append((now + faults.lag, data))
-        stalled = faults.stall[0] <= now - begun < faults.stall[0] + faults.stall[1]
+        stalled = faults.stall[0] <= now - started < faults.stall[0] + faults.stall[1]
         while late and late[0][0] <= now and not stalled:
             sender.receive(late.pop(0)[1], now)
         if kept is not None:
             executed = sender.account.executed
             kept += [journal.record(*entry, executed) for entry in sender.log[logged:]]
             logged = len(sender.log)
-    return now - begun
+    return now - started
 
 
 def new_sender(

@@ -115,16 +115,16 @@ class MarlinModel(Receiver):
         if not self._ring:
             return NEVER
         code, words = self._code(self._ring[0])
-        begun = self._since if self._since is not None else max(self._free, self.now)
+        started = self._since if self._since is not None else max(self._free, self.now)
         if self._paused:
             return NEVER
         if code in ("M400", "G92", "G28"):
-            return self.moves.rest_at(begun) + (3.0 if code == "G28" else 0.0)
+            return self.moves.rest_at(started) + (3.0 if code == "G28" else 0.0)
         if code == "G4":
-            return self.moves.rest_at(begun) + words.get("P", 0.0) / 1000 + words.get("S", 0.0)
+            return self.moves.rest_at(started) + words.get("P", 0.0) / 1000 + words.get("S", 0.0)
         if code in ("G0", "G1", "G2", "G3"):
-            return max(begun + PARSE, self.moves.room_at(self.now))
-        return begun + PARSE
+            return max(started + PARSE, self.moves.room_at(self.now))
+        return started + PARSE
 
     def _next(self) -> float:
         if self._ring and self._since is None:

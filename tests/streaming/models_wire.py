@@ -101,11 +101,11 @@ def run(
     if model.now == 0.0:  # its greeting has been heard before
         model.advance(1.0)
         model.read(1.0)
-    now = begun = model.now
+    now = started = model.now
     lines, actions, late = iter(lines), sorted(actions, key=lambda a: a[0]), []
     more = True
     while sender.outcome is None:
-        if now - begun > limit:
+        if now - started > limit:
             raise AssertionError(
                 f"no outcome within {limit} s: {sender.state} {sender.status} {sender.waiting[:2]}"
             )
@@ -116,7 +116,7 @@ def run(
                 more = False
             else:
                 sender.give([line])
-        while actions and now - begun >= actions[0][0]:
+        while actions and now - started >= actions[0][0]:
             actions.pop(0)[1](sender, now)
         sender.tick(now)
         if sender.protocol.release() >= UNLIMITED:
@@ -126,26 +126,26 @@ def run(
             model.write(faults.pass_on("to", sender.bytes_out()), now)
         now += tick
         model.advance(now)
-        if now - begun >= faults.reset:
+        if now - started >= faults.reset:
             model.restart()
             faults.reset = NEVER
-        if now - begun >= faults.cut:
+        if now - started >= faults.cut:
             sender.lost("the port was closed", now)
         data = faults.pass_on("back", model.read(now))
         if data:
             late.append((now + faults.lag, data))
-        stalled = faults.stall[0] <= now - begun < faults.stall[0] + faults.stall[1]
+        stalled = faults.stall[0] <= now - started < faults.stall[0] + faults.stall[1]
         while late and late[0][0] <= now and not stalled:
             sender.receive(late.pop(0)[1], now)
-    return now - begun
+    return now - started
 
 
 def greet(greeting, model, limit: float = 60.0, tick: float = 0.01):
     """The talk before a job, to its end."""
     now = model.now
-    begun = now
+    started = now
     while not greeting.done and greeting.fault is None:
-        assert now - begun < limit
+        assert now - started < limit
         greeting.tick(now)
         model.write(greeting.bytes_out(), now)
         now += tick

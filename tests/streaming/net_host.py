@@ -70,7 +70,7 @@ class NetHost:
             else None
         )
         peer.settimeout(0.002)
-        begun = time.monotonic()
+        started = time.monotonic()
         while not self._stop:
             data = None
             with contextlib.suppress(TimeoutError):
@@ -79,12 +79,12 @@ class NetHost:
                 break
             if self.hang_up_after and len(self.model.received) >= self.hang_up_after:
                 return
-            now = (time.monotonic() - begun) * self.speed
+            now = (time.monotonic() - started) * self.speed
             self.model.write(b"".join(manager.filter(data or b"")) if manager else data or b"", now)
             self.model.advance(now)
             back = self.model.read(now)
             if back:
                 peer.sendall(b"".join(manager.escape(back)) if manager else back)
         while not self._stop:  # nobody is there any more; what has arrived is done all the same
-            self.model.advance((time.monotonic() - begun) * self.speed)
+            self.model.advance((time.monotonic() - started) * self.speed)
             time.sleep(0.002)

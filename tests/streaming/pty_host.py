@@ -83,12 +83,12 @@ class PtyHost:
         self._pressed += data
 
     def _run(self) -> None:
-        begun = heard = time.monotonic()
+        started = heard = time.monotonic()
         while True:
             ready = select.select([self.master], [], [], 0.001)[0]
             if self._stop and not ready and time.monotonic() - heard > LAST_BYTES:
                 return
-            now = (time.monotonic() - begun) * self.speed
+            now = (time.monotonic() - started) * self.speed
             if ready:
                 heard = time.monotonic()
                 try:

@@ -143,7 +143,7 @@ def test_orders_that_are_none(order, words):
 
 def test_every_state_names_a_way():
     for state in (*orders.STATES, "idle", "strange"):
-        words = orders.told(Status(state), "P")
+        words = orders.in_words(Status(state), "P")
         helps = bool(orders.STATES.get(state, orders.STRANGE)[2]) and state != "idle"
         assert words.startswith(state) and ("gcomp control --port P" in words) == helps
 

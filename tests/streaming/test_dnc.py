@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 from postproc.streaming import protocols
-from postproc.streaming.events import Alarm, Told
+from postproc.streaming.events import Alarm, Message
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols.dnc import DC1, DC3, DC4, Dnc
 from postproc.streaming.protocols.dnc_haas import DncHaas
@@ -153,7 +153,7 @@ def test_what_the_control_says():
     # parity bit left in by the port
     assert protocol.receive(bytes((DC3 | 0x80,))) == [] and protocol.release() == 0
     assert protocol.receive(bytes((DC1 | 0x80,))) == [] and protocol.release() == 16
-    assert protocol.receive(b"hi\r\n") == [Told("hi")]
+    assert protocol.receive(b"hi\r\n") == [Message("hi")]
     assert isinstance(protocol.receive(bytes((DC4,)))[0], Alarm)
     protocol.send(-1, b"%")
     protocol.send(-2, b"%")

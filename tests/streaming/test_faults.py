@@ -167,7 +167,7 @@ def way_back(kept: bytes, model: GrblModel, sender, want: list[str]) -> tuple[st
     place = dict(zip("XYZ", model.place, strict=True))
     controller = sender.protocol.controller
     controller.modal = ["G1", f"F{model.rate:g}"]
-    doubt = zero.doubt(past, Live({}, {}, place, ()), ("X", "Y", "Z"), controller, False, "")
+    doubt = zero.zero_lost(past, Live({}, {}, place, ()), ("X", "Y", "Z"), controller, False, "")
     if any(model.lost) and not doubt:
         return "its zero is lost, and nothing says so", 0
     if doubt:

@@ -121,10 +121,10 @@ def test_nobody_waits_for_a_disk_that_hangs_in_a_write(tmp_path, monkeypatch):
     monkeypatch.setattr(
         journal_file.os, "write", lambda file, data: go.wait(60) and real(file, data)
     )
-    begun = time.monotonic()
+    started = time.monotonic()
     for i in range(20):
         journal.write(b"%d\n" % i)
-    assert time.monotonic() - begun < 20 * journal_file.TAKEN + 5.0
+    assert time.monotonic() - started < 20 * journal_file.TAKEN + 5.0
     go.set()
     journal.close()
     assert (tmp_path / "j").read_bytes() == b"head\n" + b"".join(b"%d\n" % i for i in range(20))

@@ -21,7 +21,7 @@ REAL = (pytest.mark.real, pytest.mark.skipif(bool(WHY), reason=str(WHY)))
 LINES = [b"G21 G90", b"G1 X1 F600", b"G1 X2", b"M5", b"G0 X2", b"M2"]
 
 
-def begun(n: int = len(LINES)) -> linuxcnc.Linuxcnc:
+def started(n: int = len(LINES)) -> linuxcnc.Linuxcnc:
     """A connection on which a program runs."""
     protocol = linuxcnc.PROTOCOL()
     protocol.hand_over("job.ngc")
@@ -54,7 +54,7 @@ def test_the_file_keeps_the_numbers_of_the_wire():
 def test_lines_are_over_when_the_line_in_execution_is_behind_them():
     """The first report behind the order may still say the last line of the program before: the
     lower one of two counts."""
-    protocol = begun()
+    protocol = started()
     assert report(protocol, 104) == []
     assert report(protocol, 3) == [Accepted(1)]
     assert report(protocol, 4) == []
@@ -63,7 +63,7 @@ def test_lines_are_over_when_the_line_in_execution_is_behind_them():
 
 
 def test_a_program_that_was_ended_at_the_panel_is_never_done():
-    protocol = begun()
+    protocol = started()
     report(protocol, 3)
     report(protocol, 3)
     assert report(protocol, 104, "IDLE") == []
@@ -72,23 +72,23 @@ def test_a_program_that_was_ended_at_the_panel_is_never_done():
 
 
 def test_where_another_panel_takes_the_message_the_last_motion_must_have_been_seen():
-    protocol = begun()
+    protocol = started()
     report(protocol, 6)
     report(protocol, 6)
     assert report(protocol, 8, "IDLE")[-1] == Accepted(6)
 
 
 def test_what_it_refuses_is_told_with_the_line_where_it_says_one():
-    events = report(begun(), 3, error="Linear move on line 4 would exceed X's positive limit")
+    events = report(started(), 3, error="Linear move on line 4 would exceed X's positive limit")
     assert [type(e) for e in events] == [Rejected] and events[0].number == 3
-    events = report(begun(), 3, error="Unknown word starting with r")
+    events = report(started(), 3, error="Unknown word starting with r")
     assert [type(e) for e in events] == [Alarm] and "Unknown word" in events[0].meaning
-    events = report(begun(), 3, machine="OFF")
+    events = report(started(), 3, machine="OFF")
     assert [type(e) for e in events] == [Alarm] and events[0].code == "off"
 
 
 def test_an_abort_that_gcomp_ordered_is_no_alarm():
-    protocol = begun()
+    protocol = started()
     report(protocol, 3)
     assert [type(e) for e in protocol.receive(b"SET ABORT ACK\n\r")] == [Restarted]
     assert report(protocol, 104, "IDLE") == [] and report(protocol, 104, "IDLE") == []

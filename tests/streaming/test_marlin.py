@@ -13,10 +13,10 @@ from postproc.streaming.events import (
     Alarm,
     Altered,
     Busy,
+    Message,
     Rejected,
     Restarted,
     Stray,
-    Told,
     Write,
 )
 from postproc.streaming.greeting import Greeting, unfit
@@ -179,7 +179,7 @@ def test_A13_a_number_that_can_not_be_meant_is_not_followed(said):
 def test_A13_requests_in_a_row_are_bounded():
     _, events = heard(b"Error:checksum mismatch, Last Line: 2\nResend: 3\nok\n" * 11)
     assert len([e for e in events[0] if isinstance(e, Write)]) == 10
-    assert isinstance(events[0][-1], Told | Altered) and [
+    assert isinstance(events[0][-1], Message | Altered) and [
         e for e in events[0] if isinstance(e, Altered)
     ]
 

@@ -228,7 +228,7 @@ def test_seen_twice_is_off_and_seen_once_is_clear():
         path.judge(at(5.0, 1.0)) == LOOK
         and path.judge(at(5.0, 1.0, state="hold", detail="0")) == OFF
     )
-    path.doubts = 0
+    path.off_path = 0
     assert (
         path.judge(at(5.0, 1.0)) == LOOK
         and path.judge(at(6.0, 0.0, state="hold", detail="1")) == ""

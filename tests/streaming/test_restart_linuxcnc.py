@@ -172,7 +172,7 @@ def runs(text: str, line: int, preamble: list[str]) -> tuple[str, str]:
     return (head.removeprefix("%\n") if opens else head) + body, "\n".join(preamble) + "\n" + body
 
 
-def of_rest(motions: list, begun: int) -> list[tuple]:
+def of_rest(motions: list, started: int) -> list[tuple]:
     """What happens from a line on, without lengths of nothing."""
     return [
         (
@@ -183,7 +183,7 @@ def of_rest(motions: list, begun: int) -> list[tuple]:
             m.seconds and round(m.seconds, 5),
         )
         for m in motions
-        if m.line > begun
+        if m.line > started
     ]
 
 

@@ -13,10 +13,10 @@ from postproc.streaming.events import (
     Alarm,
     Altered,
     Busy,
+    Message,
     Rejected,
     Restarted,
     Status,
-    Told,
 )
 from postproc.streaming.greeting import Greeting, unfit
 from postproc.streaming.lines import Unsendable
@@ -163,7 +163,9 @@ def test_A4_what_answers_mean(said, meant):
 )
 def test_A4_what_is_no_answer_counts_for_none(said):
     protocol, events = heard(said)
-    assert protocol.outstanding() == [1, 2] and not [e for e in events if not isinstance(e, Told)]
+    assert protocol.outstanding() == [1, 2] and not [
+        e for e in events if not isinstance(e, Message)
+    ]
 
 
 @given(st.lists(st.integers(1, 9), max_size=60))

@@ -80,10 +80,10 @@ def measure(n: int, folder: Path, *options: str) -> tuple[float, float, int]:
     where it did not end well."""
     with open(folder / "job.nc", "w") as file:
         file.writelines(rows(n))
-    begun = time.monotonic()
+    started = time.monotonic()
     with YesHost() as host:
         peak = send(host, folder, *options)
-        return peak, time.monotonic() - begun, host.lines
+        return peak, time.monotonic() - started, host.lines
 
 
 def send(host: YesHost, folder: Path, *options: str) -> float:

@@ -82,7 +82,7 @@ def test_one_circle_does_not_part_scales_from_the_bars_length():
     """Both scales and a longer bar make the same circle larger; where only one of them is asked
     for, that is told."""
     error = circle(lambda x, y, a, b: (20e-3 * x, 0 * y))
-    assert {"EXX", "EYY"} <= set(identify.untold(fit_of(error))[0])
+    assert {"EXX", "EYY"} <= set(identify.undetermined(fit_of(error))[0])
     fit = fit_of(error, keep=("EXX",))
     assert value(fit, "EXX") * 1e3 == pytest.approx(20e-3 * np.linspace(-R, R, 5), abs=0.02)
 

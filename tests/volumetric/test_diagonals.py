@@ -38,14 +38,14 @@ def test_what_diagonals_tell_by_hand():
         line(part, truth, rng, (low, high, -200), (high, low, -200), (h, -h, 0), "d2"),
     ]
     fit = solve.fit(two, part)
-    told = identify.untold(fit)
+    told = identify.undetermined(fit)
     assert ["EXX", "EYY"] in told  # their sum is told, by both diagonals alike
     assert not any("C0Y" in s for s in told)
     value, s = fit.values(next(g for g in part.groups if g.name == "C0Y"))
     k = [g.name for g in part.groups].index("C0Y")
     assert abs(value[0] - truth[part.slices[k]][0]) < 3 * s[0] < 1e-5
     # One diagonal alone parts nothing.
-    one = identify.untold(solve.fit(two[:1], part))
+    one = identify.undetermined(solve.fit(two[:1], part))
     assert {"C0Y", "EXX", "EYY"} == {n for s in one for n in s}
     assert "these readings can not part" in identify.sentences(one)[0]
 

@@ -111,7 +111,7 @@ def test_an_r_test_tells_the_same():
         )
         rows.append(Rows("shift", q, 0 * q, read, 3e-4, FIVE.tool, np.zeros(3), "r", np.zeros(3)))
     fit = solve.fit(rows, u)
-    assert not identify.untold(fit)
+    assert not identify.undetermined(fit)
     truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
     for group in u.groups:
         value, s = fit.values(group)
@@ -147,7 +147,7 @@ def test_a_ballbar_beside_a_turning_table_tells_the_same():
                 Recording("lengths", {"u_um": 0.3}, columns, "b.csv", np.arange(60)), u.bare, {}
             )
     fit = solve.fit(rows, u)
-    assert not identify.untold(fit)
+    assert not identify.undetermined(fit)
     truth = {"Y0A": 9, "Z0A": -12, "X0C": 7, "Y0C": -6, "B0A": 14, "C0A": -9, "A0C": 11, "B0C": -16}
     for group in u.groups:
         value, s = fit.values(group)

@@ -126,4 +126,4 @@ def test_angles_of_two_set_ups_have_a_zero_each(tmp_path):
     value, s = together.values(u.groups[0])
     assert value == pytest.approx(apart.values(u.groups[0])[0], abs=1e-12)
     assert np.abs(value - truth).max() < 3e-6 and s.max() < 1.5e-6
-    assert not identify.untold(together)
+    assert not identify.undetermined(together)

@@ -87,7 +87,7 @@ def test_what_four_stairs_tell():
     rows = [r for c, lean in zip(CORNERS, leans, strict=True) for r in read(u, truth, c, rng, lean)]
     assert {r.kind for r in rows} == {"stair"} and {len(r.start) for r in rows} == {3}
     fit = solve.fit(rows, u)
-    assert identify.untold(fit) == [["EXX", "EYY", "EZZ"]]
+    assert identify.undetermined(fit) == [["EXX", "EYY", "EZZ"]]
     _held(fit, truth)
     # What the mirror does is its own, whatever it is.
     still = np.random.default_rng(4)
@@ -110,11 +110,11 @@ def test_scales_part_by_a_laser_along_each_axis_or_a_mirror_that_is_known():
         start[i], end[i] = ends[i]
         rows.append(line(u, truth, rng, start, end, np.eye(3)[i], x))
     fit = solve.fit(rows, u)
-    assert not identify.untold(fit)
+    assert not identify.undetermined(fit)
     _held(fit, truth)
     known = [r for c in CORNERS for r in read(u, truth, c, rng, mirror_u_urad=1.0)]
     fit = solve.fit(known, u)
-    assert not identify.untold(fit)
+    assert not identify.undetermined(fit)
     _held(fit, truth)
 
 

@@ -50,7 +50,7 @@ def one_fit(k: int, rng) -> list[bool]:
         for s in (stations if k % 2 else [None])
     ]
     fit = solve.fit([r for one in read for r in rows_of(one, u.bare, {})], u)
-    assert not identify.untold(fit), (k, identify.sentences(identify.untold(fit)))
+    assert not identify.undetermined(fit), (k, identify.sentences(identify.undetermined(fit)))
     assert not fit.widened or fit.chi < 1.3
     return held(fit, u, truth)
 
@@ -98,12 +98,12 @@ def test_a_turn_about_the_line_through_two_reflectors_is_not_told():
         for t in TOOLS[:2]
         for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})
     ]
-    (names,) = identify.untold(solve.fit(rows, u))
+    (names,) = identify.undetermined(solve.fit(rows, u))
     assert {"EAZ", "ECZ"} <= set(names) and "EBZ" not in names  # b - a is (60, 0, -80)
     three = [
         r for t in TOOLS for r in rows_of(recording(u, drawn(u, rng), rng, "points", t), u.bare, {})
     ]
-    assert not identify.untold(solve.fit(three, u))
+    assert not identify.undetermined(solve.fit(three, u))
 
 
 def test_from_clouds_to_a_corrected_program(tmp_path, capsys):

@@ -34,14 +34,14 @@ EXAMPLE = "gcomp stream job.nc --machine my-router --port /dev/ttyUSB0"
 
 def run(options: argparse.Namespace) -> int:
     from postproc.commands.stream import job as jobs
-    from postproc.commands.stream import ports_found, told
+    from postproc.commands.stream import ports_found, report
     from postproc.commands.stream.port import Port
     from postproc.commands.stream.signals import Interrupted, Signals
 
     if options.list_ports:
         print(ports_found.listed())
         return 0
-    told.refuse(options)
+    report.refuse(options)
     bits = frame(options)
     refuse(options, jobs.is_file(options.file))
     machine = reading.machine_of(options)
@@ -249,7 +249,7 @@ def _tell(
     fault: Exception | None,
 ) -> None:
     """How it ended, on the terminal and in the report. fault: of reading the program."""
-    from postproc.commands.stream import told
+    from postproc.commands.stream import report
 
     dry = _is_dry(options)
     ends = not dry or outcome.exit_status != 0  # behind a pass that finds nothing the job runs
@@ -268,7 +268,7 @@ def _tell(
     if (options.report or options.json) and ends:
         fields = show.report(outcome, time.monotonic(), _about(machine, job))
         fields["message"] = before + fields["message"]
-        told.write(options, fields, show.history, before + outcome.text())
+        report.write(options, fields, show.history, before + outcome.text())
 
 
 def _about(machine: Machine, job: Job) -> dict[str, str | None]:

@@ -167,11 +167,11 @@ class Job:
 
     def _take_notices(self) -> None:
         """Those of the filters that read the program, each once, and what is not sent of it."""
-        told = {notice.message for notice in self.notices}
+        known = {notice.message for notice in self.notices}
         for notice in (notice for source in self.sources for notice in source.filter.notices):
-            if notice.message not in told:
+            if notice.message not in known:
                 self.notices.append(notice)
-            told.add(notice.message)
+            known.add(notice.message)
         if dropped := max(source.dropped for source in self.sources):
             behind = (
                 f"{dropped} lines behind the end of the program are not sent: the controller would"
@@ -319,7 +319,7 @@ def zero_is_certain(job: Job, line: int, past: journals.Past | None, restarted: 
         return line
     letters, controller = job.fresh().machine.letters, job.protocol.controller
     zero.refuse(
-        zero.doubt(past, job.live, letters, controller, restarted, zero_done(job.options)),
+        zero.zero_lost(past, job.live, letters, controller, restarted, zero_done(job.options)),
         controller,
     )
     if past is None or zero_done(job.options) or job.options.resume_from.isdigit():

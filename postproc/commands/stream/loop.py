@@ -106,7 +106,7 @@ class Run:
             signals,
         )
         self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
-        self.begun = time.monotonic()
+        self.started = time.monotonic()
         self._pressed, self._resumed, self._stopped = (
             signals.presses,
             signals.resumes,
@@ -139,7 +139,7 @@ class Run:
                     kind=ends.ERROR,
                     message=f"the program ended there, because of: {fault}",
                 )
-            self.journal.write(journals.end(outcome, time.monotonic() - self.begun))
+            self.journal.write(journals.end(outcome, time.monotonic() - self.started))
             self.journal.close()
             self._fault("journal", self.journal.fault)
         return self.sender.outcome
@@ -345,7 +345,7 @@ class Run:
             answer = self.answers is not None and self.answers.hears(kind, what)
             if self.journal is not None:
                 out.append(
-                    journals.record(kind, what, t - self.begun, self.sender.account.executed)
+                    journals.record(kind, what, t - self.started, self.sender.account.executed)
                 )
             if self.trace is not None:
                 self._traced(kind, what, t)
@@ -372,7 +372,7 @@ class Run:
         elif isinstance(what, Status) and what.place:
             order = self.sender.order
             place = tuple(what.place[i] for i in order) if order else what.place
-            if row := self.trace.row(place, t - self.begun):
+            if row := self.trace.row(place, t - self.started):
                 self.record.say(row.rstrip("\n"))
 
     def _fault(self, which: str, why: str) -> None:

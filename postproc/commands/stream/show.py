@@ -10,7 +10,7 @@ from typing import Any
 
 from postproc.commands.stream.keys import IN_REFUSAL
 from postproc.commands.stream.outlets import Outlet
-from postproc.commands.stream.told import History
+from postproc.commands.stream.report import History
 from postproc.streaming.events import Status
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.rates import Clock
@@ -36,7 +36,7 @@ class Show:
         self.terminal = sys.stderr is not None and sys.stderr.isatty()
         self.quiet, self.keys = quiet, keys
         self._next = 0.0
-        self._begun: float | None = None
+        self._started: float | None = None
         self._looked = 0.0
         self._rates: tuple[float, ...] = ()
         self._live: Any = None
@@ -60,8 +60,8 @@ class Show:
 
     def _look(self, now: float) -> None:
         """Keep the time in which the job is held, and the newest overrides."""
-        if self._begun is None:
-            self._begun = self._looked = now
+        if self._started is None:
+            self._started = self._looked = now
         if self.clock is not None and (self.sender.held or self._waits()):
             self.clock.held += now - self._looked
         self._looked = now
@@ -90,7 +90,7 @@ class Show:
             "held": sender.held,
             "asks": len(sender.asks),
             **self._likely(status),
-            "elapsed_s": round(now - (now if self._begun is None else self._begun), 1),
+            "elapsed_s": round(now - (now if self._started is None else self._started), 1),
         }
         if status:
             result.update(self._of_report(status))
@@ -224,7 +224,7 @@ class Show:
         """What happened by itself."""
         self._events.append(
             {
-                "s": round(self._looked - (self._begun or self._looked), 2),
+                "s": round(self._looked - (self._started or self._looked), 2),
                 "event": kind,
                 "message": message,
             }
@@ -258,14 +258,14 @@ class Show:
 
     def report(self, outcome: Outcome, now: float, about: dict[str, Any]) -> dict[str, Any]:
         """The run, format gcomp-run/1. about: what else is known of it."""
-        tally, begun = self.sender.tally, now if self._begun is None else self._begun
+        tally, started = self.sender.tally, now if self._started is None else self._started
         return {
             "format": "gcomp-run/1",
             **about,
             "outcome": outcome.kind,
             "exit_status": outcome.exit_status,
             "message": outcome.message,
-            "seconds": round(now - begun, 2),
+            "seconds": round(now - started, 2),
             "held_s": round(self.clock.held, 2) if self.clock else None,
             "expected_s": round(self.clock.expected, 2) if self.clock else None,
             "lines": self.total or None,

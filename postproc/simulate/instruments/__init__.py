@@ -70,8 +70,8 @@ class Settings:
         self.instrument, self.known, self.given = instrument, known, dict(given)
         for name in self.given:
             if name not in known:
-                told = "; ".join(f"{k} ({v})" for k, v in known.items())
-                raise UsageError(f"{instrument} has no setting {name!r}", f"settings: {told}")
+                settings = "; ".join(f"{k} ({v})" for k, v in known.items())
+                raise UsageError(f"{instrument} has no setting {name!r}", f"settings: {settings}")
 
     def _fault(self, name: str, wanted: str) -> UsageError:
         return UsageError(

@@ -22,11 +22,11 @@ from postproc.streaming.events import (
     Altered,
     Busy,
     Event,
+    Message,
     Rejected,
     Restarted,
     Status,
     Stray,
-    Told,
     Write,
 )
 from postproc.streaming.lines import Unsendable
@@ -240,7 +240,7 @@ class Numbered(Protocol):
             return self._request(text, int(found[1]))
         if LINE_ERROR.match(text):
             self._ask.said = _line_asked_for(text)
-            return [Told(text)]
+            return [Message(text)]
         found = UNKNOWN.search(text)
         if found and self._waiting:
             return self._unknown(text, found[1])
@@ -252,7 +252,7 @@ class Numbered(Protocol):
 
     def _other(self, text: str) -> list[Event]:
         """What only one of the controllers says."""
-        return [] if TEMPERATURE.match(text) else [Told(text)]
+        return [] if TEMPERATURE.match(text) else [Message(text)]
 
     @staticmethod
     def _has_all_oks(frame: Frame) -> bool:
@@ -265,7 +265,7 @@ class Numbered(Protocol):
         if not self._bare:
             return self._fault(f"{text}: it has executed a line that had lost its number")
         self._bare -= 1
-        return [Told(text)]
+        return [Message(text)]
 
     def _ok(self, text: str, found: re.Match[str]) -> list[Event]:
         events = self._place(found[4]) if found[4] and PLACE.match(found[4]) else []
@@ -278,7 +278,7 @@ class Numbered(Protocol):
         return self._ok_without_number(text, events)
 
     def _ok_without_number(self, text: str, events: list[Event]) -> list[Event]:
-        told = [*events, Told(text)]
+        told = [*events, Message(text)]
         frame = self._waiting[0] if self._waiting else None
         if self._numbers and frame is not None and frame.n is not None:
             return told  # it belongs to a request
@@ -293,7 +293,7 @@ class Numbered(Protocol):
     def _ok_of(self, n: int, text: str) -> list[Event]:
         """An ok that names its line: those before it were taken too."""
         if not any(frame.n == n for frame in self._waiting):
-            return [Told(text)]
+            return [Message(text)]
         events: list[Event] = []
         while self._waiting:
             frame = self._waiting[0]
@@ -327,7 +327,7 @@ class Numbered(Protocol):
             self.own_ok, self._spare = False, 0
         self._spare += self.own_ok and not self._numbers
         return [event for frame in list(self._waiting) for event in self._taken(frame)] or [
-            Told(text)
+            Message(text)
         ]
 
     def _request(self, text: str, n: int) -> list[Event]:
@@ -351,7 +351,7 @@ class Numbered(Protocol):
             events += self._taken(self._waiting[0])
         if n == self._ask.n and self._ask.late > 0:
             self._ask.late -= 1
-            return [*events, Told(text)]
+            return [*events, Message(text)]
         if n != self._ask.n:
             self._ask.n, self._ask.count = n, 0
         self._ask.count += 1
@@ -372,7 +372,7 @@ class Numbered(Protocol):
         self._spare += self.own_ok and self._started and not self._numbers
         if self._ask.strange > PATIENCE_RESENDS:
             return self._fault(f"{text}: it asks for lines that were never sent")
-        return [Told(text)]
+        return [Message(text)]
 
     def _fault(self, heard: str) -> list[Event]:
         return [Altered(self._waiting[0].number if self._waiting else 0, heard)]
@@ -383,20 +383,22 @@ class Numbered(Protocol):
         bare = re.sub(r"\*\d*$", "", heard).replace(" ", "")
         if not heard or bare == frame.text.decode().replace(" ", ""):
             frame.unread = text
-            return [Told(text)]
+            return [Message(text)]
         if frame.n is None:
-            return [Told(text)]
+            return [Message(text)]
         self._spare += not self._numbers
         self._bare += self._numbers
         return (
-            [Told(text), *self._send_again(text, frame.n)] if not self._ask.late else [Told(text)]
+            [Message(text), *self._send_again(text, frame.n)]
+            if not self._ask.late
+            else [Message(text)]
         )
 
     def _waits(self, text: str) -> list[Event]:
         """It says that it has nothing to do: what is unanswered was lost, or its answer was."""
         self._idle += 1
         if self._idle < 2:
-            return [Told(text)] if not self._waiting else []
+            return [Message(text)] if not self._waiting else []
         data = self.overdue()
         return [Write(data)] if data else []
 
@@ -413,7 +415,7 @@ class Numbered(Protocol):
 
     def placed(self, text: str, logical: tuple[float, ...], rest: str) -> list[Event]:
         """A report of the place was heard."""
-        return [Told(text), Status("idle", place=self.place(logical, rest))]
+        return [Message(text), Status("idle", place=self.place(logical, rest))]
 
     def place(self, logical: tuple[float, ...], rest: str) -> tuple[float, ...] | None:
         """mm, machine coordinates, from a report's own numbers and what follows them; None: it does

@@ -17,7 +17,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from postproc.streaming.events import Alarm, Event, Told
+from postproc.streaming.events import Alarm, Event, Message
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import Controller, Protocol
 
@@ -163,7 +163,7 @@ class Dnc(Protocol):
                 )
             elif byte >= 0x20:
                 words.append(byte)
-        return [Told(words.decode()), *events] if words else events
+        return [Message(words.decode()), *events] if words else events
 
 
 PROTOCOL = Dnc

@@ -18,11 +18,11 @@ from postproc.streaming.events import (
     Alarm,
     Altered,
     Event,
+    Message,
     Rejected,
     Restarted,
     Status,
     Stray,
-    Told,
 )
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import Controller, Protocol
@@ -236,7 +236,7 @@ class Grbl(Protocol):
         if self.banner.match(text):
             self.forget()
             return Restarted(text)
-        return Told(text)
+        return Message(text)
 
     def _readers(self) -> list[tuple[re.Pattern[str], Callable[[str, re.Match[str]], Event]]]:
         return [
@@ -275,12 +275,12 @@ class Grbl(Protocol):
             self._echoed = True
             if found[1].strip() != BLANKS.sub(b"", sent).decode("latin-1").upper():
                 return Altered(number, found[1].strip())
-        return Told(text)
+        return Message(text)
 
     def _status(self, text: str, found: re.Match[str]) -> Event:
         state, fields = found[1].lower(), _fields(found[3])
         if state not in STATES or fields.keys().isdisjoint(("MPos", "WPos")):
-            return Told(text)
+            return Message(text)
         per = self.controller.unit
         if "WCO" in fields:
             self._shift = tuple(v * per for v in fields["WCO"])

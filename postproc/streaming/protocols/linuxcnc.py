@@ -16,7 +16,7 @@ import re
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 
-from postproc.streaming.events import Accepted, Alarm, Event, Rejected, Restarted, Status, Told
+from postproc.streaming.events import Accepted, Alarm, Event, Message, Rejected, Restarted, Status
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import Controller, Protocol
 
@@ -180,7 +180,7 @@ class Linuxcnc(Protocol):
             why = "switched off, in emergency stop, or held by another client"
             return [Rejected(number, text, why)]
         self._run = self._run or question == b"set run"
-        heard = [] if question.startswith(b"set") else [Told(text)]
+        heard = [] if question.startswith(b"set") else [Message(text)]
         return [*heard, Accepted(number)]
 
     def _meaning(self, text: str) -> list[Event]:
@@ -193,7 +193,7 @@ class Linuxcnc(Protocol):
         if text == "SET ABORT ACK":
             self._run = False
             return [Restarted("the program was aborted")]
-        return [] if key == "SET" else [Told(text)]
+        return [] if key == "SET" else [Message(text)]
 
     def _answers(self, text: str) -> bool:
         """Whether it is the answer to the oldest question."""
@@ -230,7 +230,7 @@ class Linuxcnc(Protocol):
         if fault == "OK" and not (self._run and state == "off"):
             return []
         if not self._run:
-            return [Told(f"LinuxCNC says: {fault}")]
+            return [Message(f"LinuxCNC says: {fault}")]
         self._run = False
         if fault == "OK":
             return [Alarm("off", "LinuxCNC was switched off, or is in emergency stop")]

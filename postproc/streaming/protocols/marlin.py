@@ -15,7 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from postproc.streaming.events import Alarm, Busy, Event, Told
+from postproc.streaming.events import Alarm, Busy, Event, Message
 from postproc.streaming.protocols import Controller
 from postproc.streaming.protocols._numbered import NUDGES, TEMPERATURE, Numbered
 
@@ -96,13 +96,13 @@ class Marlin(Numbered):
             return self.restarted(text)
         if re.match(r"error:", text, re.IGNORECASE):
             return (
-                [Told(text)]
+                [Message(text)]
                 if "RX BUF overflow" in text
                 else [Alarm(text, "the firmware has stopped")]
             )
         if text.startswith("!!"):
             return [Alarm(text, "the firmware has stopped")]
-        return [] if TEMPERATURE.match(text) else [Told(text)]
+        return [] if TEMPERATURE.match(text) else [Message(text)]
 
     def place(self, logical: tuple[float, ...], rest: str) -> tuple[float, ...] | None:
         """From the steppers' counts: of Cartesian machines whose steps per mm are known."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from postproc.streaming.events import Alarm, Event, Status, Told
+from postproc.streaming.events import Alarm, Event, Message, Status
 from postproc.streaming.protocols import Controller
 from postproc.streaming.protocols._numbered import Numbered
 
@@ -120,7 +120,7 @@ class Smoothieware(Numbered):
             cut = self._fragments < 0 and self._started
             return [
                 *events,
-                *(self._fault(f"{text}: it has read a line as two") if cut else [Told(text)]),
+                *(self._fault(f"{text}: it has read a line as two") if cut else [Message(text)]),
             ]
         if text.startswith("ok - "):
             text = "ok"
@@ -137,7 +137,7 @@ class Smoothieware(Numbered):
     def _report(self, text: str, found: re.Match[str]) -> Event:
         place = PLACE.search(found[2])
         if not place:
-            return Told(text)
+            return Message(text)
         work = WORK.search(found[2])
         machine = tuple(float(place[i]) for i in (1, 2, 3))
         if work:
@@ -146,7 +146,7 @@ class Smoothieware(Numbered):
         return Status(found[1].lower(), place=machine)
 
     def placed(self, text: str, logical: tuple[float, ...], rest: str) -> list[Event]:
-        return [Told(text)]  # the place is taken from `?`
+        return [Message(text)]  # the place is taken from `?`
 
     def learn(self, question: bytes, answers: list[str]) -> None:
         for text in answers:

@@ -25,11 +25,11 @@ from postproc.streaming.events import (
     Altered,
     Busy,
     Event,
+    Message,
     Rejected,
     Restarted,
     Status,
     Stray,
-    Told,
 )
 from postproc.streaming.lines import Unsendable
 from postproc.streaming.protocols import UNLIMITED, Controller, Protocol, _answers
@@ -254,7 +254,7 @@ class TinyG(Protocol):
                 return [Alarm(text, str(said.get("msg", "")) if isinstance(said, dict) else "")]
             case {"qr": _}:
                 return [Busy(text)] if self._stands_asked else []
-        return [Told(text)]
+        return [Message(text)]
 
     def _answer(self, text: str, body: dict[str, Any], footer: list[int]) -> list[Event]:
         if "SYSTEM READY" in str(body.get("msg", "")):
@@ -266,7 +266,7 @@ class TinyG(Protocol):
         number, sent = self._waiting[0]
         wrong = self._differs(sent, body, footer)
         if wrong == "repeated":
-            return [Told(text)]
+            return [Message(text)]
         if wrong:
             return [Altered(number, wrong)]
         if footer[1] not in TAKEN:
@@ -276,7 +276,7 @@ class TinyG(Protocol):
                     number, f"status {footer[1]}", MEANINGS.get(footer[1], str(body.get("msg", "")))
                 )
             ]
-        events: list[Event] = [Told(text)] if sent.startswith(b"{") else []
+        events: list[Event] = [Message(text)] if sent.startswith(b"{") else []
         if sent == STAND:
             self._stands_asked = True
             return events + self._report(body["sr"])

@@ -118,10 +118,10 @@ def test_the_true_directions_are_never_doubted(runs):
             run, target, value, sign = drawn(
                 runs, parity, drift=drift if runs >= 6 else 0.0, seed=seed
             )
-            assert split.doubt(run, target, value, sign) is None
+            assert split.better_split(run, target, value, sign) is None
         # nor where there is no reversal at all
         run, target, value, sign = drawn(runs, parity, reversal=0.0, seed=seed)
-        assert split.doubt(run, target, value, sign) is None
+        assert split.better_split(run, target, value, sign) is None
 
 
 @pytest.mark.parametrize("runs", [4, 6, 10, 16])
@@ -129,14 +129,14 @@ def test_blocks_read_by_turns_are_found(runs):
     """All up, then all down, but odd runs were taken as up."""
     half = runs // 2
     run, target, value, _ = drawn(runs, lambda r: 1 if r <= half else -1)
-    told = split.doubt(run, target, value, np.where(run % 2, 1, -1))
+    told = split.better_split(run, target, value, np.where(run % 2, 1, -1))
     assert told and f"runs {', '.join(str(r) for r in range(1, half + 1))} are alike" in told
     assert "with a random one" in told
 
 
 def test_runs_there_and_back_taken_for_one_way_are_found():
     run, target, value, _ = drawn(6, parity)
-    told = split.doubt(run, target, value, np.ones(len(run)))
+    told = split.better_split(run, target, value, np.ones(len(run)))
     assert (
         told
         and "runs 1, 3, 5 are alike, and so are runs 2, 4, 6; with one direction for all" in told
@@ -145,7 +145,7 @@ def test_runs_there_and_back_taken_for_one_way_are_found():
 
 def test_too_few_runs_say_nothing():
     run, target, value, _ = drawn(3, parity)
-    assert split.doubt(run, target, value, np.ones(len(run))) is None
+    assert split.better_split(run, target, value, np.ones(len(run))) is None
 
 
 def test_the_doubt_reaches_the_reader():

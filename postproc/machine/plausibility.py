@@ -21,7 +21,7 @@ LEAST = 0.02  # um or urad: no instrument that is used at machine tools resolves
 LARGEST_PLAY_UM = 1000.0  # an old router's plastic nut
 
 
-def doubts(machine: Machine) -> list[str]:
+def implausible(machine: Machine) -> list[str]:
     """Sentences, each with its number and the way out; empty where nothing is odd."""
     return [
         *overshoot.found(machine),
