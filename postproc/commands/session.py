@@ -29,7 +29,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from postproc.errors import UsageError
-from postproc.machine.toml_file import TomlFile
+from postproc.machine.toml_file import Section, TomlFile
 from postproc.recordings import AXES, ReadingOptions, Recording
 
 FORMAT = "gcomp-measurement/1"
@@ -108,14 +108,13 @@ def entries(path: str, base: ReadingOptions, format: str) -> list[Entry]:
     Raises MachineError or UsageError with the line.
     """
     toml = _opened(path)
-    everywhere = toml.table("all")
-    toml.check_keys("all", everywhere, KEYS - {"component", "axis", "sheet", "sign"})
-    files = toml.data.get("file", [])
-    if not isinstance(files, list) or not files or not all(isinstance(f, dict) for f in files):
-        raise toml.fault(
-            "", "file", "no files are named", 'sections [[file]], each with name = "x.rtl"'
-        )
-    return [_entry(toml, everywhere, one, i, base, format) for i, one in enumerate(files)]
+    everywhere = toml.section("all")
+    everywhere.check_keys(KEYS - {"component", "axis", "sheet", "sign"})
+    files = toml.sections("file", "files")
+    if not files:
+        advice = 'sections [[file]], each with name = "x.rtl"'
+        raise toml.top.fault("file", "no files are named", advice)
+    return [_entry(everywhere, one, base, format) for one in files]
 
 
 def _opened(path: str) -> TomlFile:
@@ -126,18 +125,18 @@ def _opened(path: str) -> TomlFile:
         )
     toml = TomlFile(Path(path))
     if toml.data.get("format") != FORMAT:
-        raise toml.fault(
-            "",
+        raise toml.top.fault(
             "format",
             f"format = {toml.data.get('format')!r}: no session of a measurement",
             f'format = "{FORMAT}"',
         )
-    toml.check_keys("", toml.data, TOP)
+    toml.top.check_keys(TOP)
     return toml
 
 
-def _check_kind(toml: TomlFile, where: str, key: str, value: Any, index: int) -> None:
+def _check_kind(section: Section, key: str) -> None:
     """Raises MachineError where a word of a session is of another type than it must be."""
+    value = section[key]
     kind = {"bidirectional": bool, "lenient": bool, "sign": int}.get(
         key, dict if key in TABLES else str
     )
@@ -148,54 +147,45 @@ def _check_kind(toml: TomlFile, where: str, key: str, value: Any, index: int) ->
             str: "a text",
             int: "1 or -1",
         }
-        raise toml.fault(where, key, f"{key} = {value!r} is not {words[kind]}", index=index)
+        raise section.fault(key, f"{key} = {value!r} is not {words[kind]}")
 
 
-def _check_letters(toml: TomlFile, others: dict[str, float], one: dict, index: int) -> None:
+def _check_letters(everywhere: Section, one: Section, others: dict[str, float]) -> None:
     """Raises MachineError where `others` names what is no axis."""
     for x in others:
         if x not in AXES:
-            raise toml.fault(
-                "file" if x in one.get("others", {}) else "all",
-                "others",
-                f"others names {x!r}, which is no axis",
-                index=index,
-            )
+            section = one if x in one.get("others", {}) else everywhere
+            raise section.fault("others", f"others names {x!r}, which is no axis")
 
 
-def _entry(
-    toml: TomlFile, everywhere: dict, one: dict, i: int, base: ReadingOptions, format: str
-) -> Entry:
-    toml.check_keys("file", one, KEYS | {"name"}, i)
-    name = toml.string("file", one, "name", index=i)
-    path = toml.path.parent / name
+def _entry(everywhere: Section, one: Section, base: ReadingOptions, format: str) -> Entry:
+    one.check_keys(KEYS | {"name"})
+    name = one.string("name")
+    path = one.toml.path.parent / name
     if not path.is_file():
-        raise toml.fault(
-            "file", "name", f"there is no file {path}", "names are beside the session", i
-        )
+        raise one.fault("name", f"there is no file {path}", "names are beside the session")
 
     def said(key: str, default: Any) -> Any:
-        where, data, index = ("file", one, i) if key in one else ("all", everywhere, 0)
-        if key in data:
-            _check_kind(toml, where, key, data[key], index)
-        return data.get(key, default)
+        section = one if key in one else everywhere
+        if key in section:
+            _check_kind(section, key)
+        return section.get(key, default)
 
     def numbers(key: str) -> dict[str, float]:
         said(key, {})  # it is a table
         both = {**everywhere.get(key, {}), **one.get(key, {})}
-        return {x: toml.number("file", both, x, at=key, index=i) for x in both}
+        return {x: one.number(x, at=key, of=both) for x in both}
 
     others, moved = (
         numbers("others"),
         said("component", base.component)[-1:] or said("axis", base.axis),
     )
-    _check_letters(toml, others, one, i)
+    _check_letters(everywhere, one, others)
     sign, first = said("sign", 1), said("first", "")
     for key, value, allowed in (("sign", sign, (1, -1)), ("first", first, ("", "+", "-"))):
         if value not in allowed:
-            raise toml.fault(
-                "file", key, f"{key} = {one.get(key)!r}", 'sign = 1 or -1; first = "+" or "-"', i
-            )
+            advice = 'sign = 1 or -1; first = "+" or "-"'
+            raise one.fault(key, f"{key} = {one.get(key)!r}", advice)
     options = replace(
         base,
         axis=said("axis", base.axis),
@@ -221,7 +211,7 @@ def _entry(
         frozenset(one.get("others", {})),
         sign,
         numbers("temperature"),
-        str(toml.path),
+        str(one.toml.path),
     )
 
 
@@ -270,12 +260,12 @@ def merged(
 def _words_of(toml: TomlFile) -> list[str]:
     """[options] as on a command line."""
     words: list[str] = []
-    for key, value in toml.table("options").items():
+    section = toml.section("options")
+    for key, value in section.data.items():
         option = f"--{key.replace('_', '-')}"
         for one in value if isinstance(value, list) else [value]:
             if one is False or isinstance(one, dict):
-                raise toml.fault(
-                    "options",
+                raise section.fault(
                     key,
                     f"{key} = {one!r}",
                     "true for an option without a value, else its text as on the command line",

@@ -11,12 +11,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from postproc import effects, intake
+from postproc import effects
 from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ
 from postproc.machine.model import EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
-from postproc.machine.toml_file import TomlFile
+from postproc.machine.toml_file import Section, TomlFile
 
 KEYS = {"name", "axis", "source", "measured_mm"}
 Table = TypeVar("Table", AxisTable, GridTable)
@@ -25,27 +25,20 @@ Table = TypeVar("Table", AxisTable, GridTable)
 def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
     """All effects of a machine.toml. Raises MachineError with file and line."""
     terms = []
-    entries = toml.data.get("effect", [])
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise toml.fault("", "effect", "effects are sections [[effect]], with two brackets")
-    for i, entry in enumerate(entries):
-        name = toml.string("effect", entry, "name", index=i)
+    for entry in toml.sections("effect", "effects"):
+        name = entry.string("name")
         try:
             module = effects.load(name)
         except KeyError:
             known = f"effects: {', '.join(effects.names())}"
-            raise toml.fault("effect", "name", f"there is no effect {name!r}", known, i) from None
-        axis = _effect_axis(toml, entry, module, axes, i)
+            raise entry.fault("name", f"there is no effect {name!r}", known) from None
+        axis = _effect_axis(entry, module, axes)
         sizes = effects.sizes(module)
-        toml.check_keys(
-            "effect", entry, KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes}, i
-        )
+        entry.check_keys(KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes})
         optional = getattr(module, "OPTIONAL", {})
-        parameters = {
-            p: toml.number("effect", entry, p, optional.get(p), index=i) for p in module.PARAMETERS
-        }
-        made = term(name, axis, parameters, axes, _measured(toml, entry, i))
-        spread = [_spread(toml, entry, i, made, axes, p) for p in sizes if f"u_{p}" in entry]
+        parameters = {p: entry.number(p, optional.get(p)) for p in module.PARAMETERS}
+        made = term(name, axis, parameters, axes, _measured(entry))
+        spread = [_spread(entry, made, axes, p) for p in sizes if f"u_{p}" in entry]
         terms.append(replace(made, spread=tuple(spread)))
     return tuple(terms)
 
@@ -65,34 +58,27 @@ def term(
     return EffectTerm(name, axis, parameters, module, tables, found[1], measured=measured)
 
 
-def _effect_axis(toml: TomlFile, entry: dict, module, axes: dict[str, Axis], index: int) -> str:
+def _effect_axis(entry: Section, module, axes: dict[str, Axis]) -> str:
     """The axis of an effect, a pair of them, or "" for one of the whole machine."""
-    axis = toml.string("effect", entry, "axis", "" if module.PER == "all" else None, index)
+    axis = entry.string("axis", "" if module.PER == "all" else None)
     if module.PER == "all" and not axis:
         return ""
     wanted = 2 if module.PER == "pair" else 1
     if len(axis) != wanted or len(set(axis) & set(axes) & set(XYZ)) != wanted:
         what = "not a pair of linear axes, like XZ," if wanted == 2 else "no linear axis"
         message = f"effect {entry['name']}: {axis!r} is {what} of the machine"
-        raise toml.fault("effect", "axis", message, index=index)
+        raise entry.fault("axis", message)
     return axis
 
 
-def _spread(
-    toml: TomlFile, entry: dict, index: int, term: EffectTerm, axes: dict[str, Axis], name: str
-) -> EffectTerm:
+def _spread(entry: Section, term: EffectTerm, axes: dict[str, Axis], name: str) -> EffectTerm:
     """By how much the U of a parameter changes the effect's tables: half of what lies between both
     ends of the interval."""
     key = f"u_{name}"
-    u = toml.number("effect", entry, key, index=index)
+    u = entry.number(key)
     if u < 0:
-        raise toml.fault(
-            "effect",
-            key,
-            f"{key} = {entry[key]!r} is below zero",
-            "U (95 %) is zero or more",
-            index,
-        )
+        message = f"{key} = {entry[key]!r} is below zero"
+        raise entry.fault(key, message, "U (95 %) is zero or more")
     ends: list[AxisTable] = []
     grids: list[GridTable] = []
     for share in (0.5, -0.5):
@@ -101,33 +87,21 @@ def _spread(
             with np.errstate(all="raise"):
                 found = _applied(term.module, term.axis, axes, there)
         except (ArithmeticError, ValueError):
-            raise toml.fault(
-                "effect",
+            raise entry.fault(
                 key,
                 f"{key} = {u:g}: effect {term.name} has no meaning at {name} = {there[name]:g}",
                 "U (95 %) must leave the parameter what it is",
-                index,
             ) from None
         ends += [_times(_held(table, term.measured), share) for table in found[0]]
         grids += [_times(grid, share) for grid in found[1]]
     return EffectTerm(name, term.axis, {name: u}, None, tuple(ends), tuple(grids))
 
 
-def _measured(toml: TomlFile, entry: dict, index: int) -> tuple[float, float] | None:
+def _measured(entry: Section) -> tuple[float, float] | None:
     """mm: from where to where of the axis the readings were that an effect was found in; None where
     nobody said."""
     value = entry.get("measured_mm")
-    if value is None:
-        return None
-    good = isinstance(value, list) and len(value) == 2 and all(map(intake.finite, value))
-    if not good or value[0] >= value[1]:
-        raise toml.fault(
-            "effect",
-            "measured_mm",
-            f"measured_mm = {value!r} must be two ascending numbers, mm",
-            index=index,
-        )
-    return float(value[0]), float(value[1])
+    return None if value is None else entry.span("measured_mm", value)
 
 
 def _held(table: AxisTable, measured: tuple[float, float] | None) -> AxisTable:

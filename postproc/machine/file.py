@@ -9,8 +9,8 @@ from __future__ import annotations
 import hashlib
 import math
 import re
+from collections.abc import Collection
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from postproc.machine.axis_section import UNCERTAINTY, read_axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.effect_file import read_effects
 from postproc.machine.model import ControlTable, Limits, Machine
-from postproc.machine.toml_file import TomlFile
+from postproc.machine.toml_file import Section, TomlFile
 from postproc.machine.tool_point import read_tool_point
 from postproc.units import UM
 
@@ -56,6 +56,7 @@ KEYS = {
 }
 REVERSALS = ("mean", "step", "ramp", "off")
 SIGNS = ("unverified", "verified")
+VERIFIED = "has a measurement after compensation shown them? unverified or verified"
 
 
 def read_machine(folder: Path) -> Machine:
@@ -68,63 +69,51 @@ def read_machine(folder: Path) -> Machine:
             "a machine is a folder with machine.toml and a CSV table per axis",
         )
     toml = TomlFile(path)
-    data = toml.data
-    toml.check_keys("", data, KEYS[""])
-    if toml.string("", data, "format") != FORMAT:
-        raise toml.fault("", "format", f"format is {data['format']!r}, not {FORMAT!r}")
+    top = toml.top
+    top.check_keys(KEYS[""])
+    if top.string("format") != FORMAT:
+        raise top.fault("format", f"format is {top['format']!r}, not {FORMAT!r}")
     try:
-        chain = chains.parse(toml.string("", data, "chain"))
+        chain = chains.parse(top.string("chain"))
     except ValueError as error:
-        raise toml.fault("", "chain", str(error)) from None
+        raise top.fault("chain", str(error)) from None
     digest = hashlib.sha256(toml.text.encode())
     limits, axes = _axes(toml, chain, digest)
     _check_uncertainties(folder, axes)
-    diameter = _diameter(toml, axes)
-    tool = toml.table("tool")
-    toml.check_keys("tool", tool, KEYS["tool"])
+    diameter = _diameter(top, axes)
+    tool = toml.section("tool")
+    tool.check_keys(KEYS["tool"])
     return Machine(
-        name=toml.string("", data, "name", folder.name),
-        title=toml.string("", data, "title", ""),
-        control=toml.string("", data, "control"),
+        name=top.string("name", folder.name),
+        title=top.string("title", ""),
+        control=top.string("control"),
         chain=chain,
         axes=axes,
         diameter=diameter,
         square=squareness(toml, axes),
-        tool=np.array([toml.number("tool", tool, x, 0.0) for x in XYZ]),
+        tool=np.array([tool.number(x, 0.0) for x in XYZ]),
         control_tables=_control_tables(toml, digest),
         offsets=_offsets(toml, axes),
         limits=limits,
         effects=read_effects(toml, axes),
-        source=toml.string("", data, "source", ""),
+        source=top.string("source", ""),
         digest=digest.hexdigest()[:8],
-        reversal=_reversal(toml),
-        home=_home(toml, axes),
+        reversal=_one_of(top, "reversal", "step", REVERSALS, f"one of {', '.join(REVERSALS)}"),
+        home=_home(top, axes),
         square_u=squareness_u(toml, axes),
-        signs=_signs(toml),
-        tool_stated="tool" in data,
+        signs=_one_of(top, "signs", "", ("", *SIGNS), VERIFIED),
+        tool_stated="tool" in top,
         tool_point=read_tool_point(toml),
-        square_stated=tuple(name for name in toml.table("squareness") if name != "u"),
+        square_stated=tuple(name for name in toml.section("squareness").data if name != "u"),
     )
 
 
-def _reversal(toml: TomlFile) -> str:
-    reversal = toml.string("", toml.data, "reversal", "step")
-    if reversal not in REVERSALS:
-        known = f"one of {', '.join(REVERSALS)}"
-        raise toml.fault("", "reversal", f"reversal = {reversal!r}", known)
-    return reversal
-
-
-def _signs(toml: TomlFile) -> str:
-    signs = toml.string("", toml.data, "signs", "")
-    if signs not in ("", *SIGNS):
-        raise toml.fault(
-            "",
-            "signs",
-            f"signs = {signs!r}",
-            "has a measurement after compensation shown them? unverified or verified",
-        )
-    return signs
+def _one_of(section: Section, key: str, default: str, known: Collection[str], advice: str) -> str:
+    """A text that is one of those known. Raises MachineError."""
+    said = section.string(key, default)
+    if said not in known:
+        raise section.fault(key, f"{key} = {said!r}", advice)
+    return said
 
 
 def _check_uncertainties(folder: Path, axes: dict[str, Axis]) -> None:
@@ -138,13 +127,13 @@ def _check_uncertainties(folder: Path, axes: dict[str, Axis]) -> None:
             )
 
 
-def _diameter(toml: TomlFile, axes: dict[str, Axis]) -> tuple[str, ...]:
+def _diameter(top: Section, axes: dict[str, Axis]) -> tuple[str, ...]:
     """Axes whose words are diameters. Raises MachineError."""
-    diameter = toml.data.get("diameter", [])
+    diameter = top.get("diameter", [])
     if not isinstance(diameter, list) or not all(
         isinstance(d, str) and d in axes for d in diameter
     ):
-        raise toml.fault("", "diameter", f"diameter = {diameter!r} must list axes of the machine")
+        raise top.fault("diameter", f"diameter = {diameter!r} must list axes of the machine")
     return tuple(diameter)
 
 
@@ -153,13 +142,13 @@ def _axes(toml: TomlFile, chain: chains.Chain, digest) -> tuple[Limits, dict[str
     added to digest."""
     sections = toml.data.get("axes")
     if not isinstance(sections, dict) or not sections:
-        raise toml.fault("axes", "", "no [axes.X] sections")
+        raise Section(toml, "axes", {}).fault("", "no [axes.X] sections")
     limits = _limits(toml)
     order = sorted(sections, key=(XYZ + ROTARY + "UVW").find)
     axes = {x: read_axis(toml, x, sections[x], digest, limits, chain) for x in order}
     if absent := [x for x in chain.axes if x not in axes]:
         x = absent[0]
-        raise toml.fault("", "chain", f"the chain names {x}, and there is no [axes.{x}]")
+        raise toml.top.fault("chain", f"the chain names {x}, and there is no [axes.{x}]")
     _check_axes(toml, chain, axes)
     return limits, location(toml, axes)
 
@@ -170,49 +159,41 @@ def _check_axes(toml: TomlFile, chain: chains.Chain, axes: dict[str, Axis]) -> N
     for x, axis in axes.items():
         if x not in chain.axes and (x in LINEAR or axis.table is not None or axis.grids):
             chained = toml.data["chain"]
-            raise toml.fault(f"axes.{x}", "travel", f"axis {x} is not in the chain {chained}")
+            raise Section(toml, f"axes.{x}", {}).fault(
+                "travel", f"axis {x} is not in the chain {chained}"
+            )
         if strange := [grid.other for grid in axis.grids if grid.other not in axes]:
-            raise toml.fault(
-                f"axes.{x}", "by", f"by names {strange[0]}, which is no axis of the machine"
+            raise Section(toml, f"axes.{x}", {}).fault(
+                "by", f"by names {strange[0]}, which is no axis of the machine"
             )
 
 
-def _home(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, float]:
+def _home(top: Section, axes: dict[str, Axis]) -> dict[str, float]:
     """`home = { X = 0.0, Y = 0.0, Z = 0.0 }`: where the slides stand after homing, mm, radius."""
-    home = toml.data.get("home", {})
+    home = top.get("home", {})
     if not isinstance(home, dict):
-        raise toml.fault(
-            "", "home", f"home = {home!r}", "like home = { X = 0.0, Y = 0.0, Z = 0.0 }"
-        )
+        raise top.fault("home", f"home = {home!r}", "like home = { X = 0.0, Y = 0.0, Z = 0.0 }")
     for x in home:
         if x not in axes:
-            raise toml.fault("", "home", f"home names {x!r}, which is no axis of the machine")
-    return {x: toml.number("", home, x, at="home") for x in home}
+            raise top.fault("home", f"home names {x!r}, which is no axis of the machine")
+    return {x: top.number(x, at="home") for x in home}
 
 
 def _limits(toml: TomlFile) -> Limits:
-    data = toml.table("limits")
-    toml.check_keys("limits", data, KEYS["limits"])
-    outside = toml.string("limits", data, "outside", "error")
-    if outside not in ("error", "clamp"):
-        raise toml.fault("limits", "outside", f"outside = {outside!r}", 'it is "error" or "clamp"')
-    slope = toml.number("limits", data, "max_slope", Limits.max_slope)
-    accept = data.get("accept_slope", False)
-    if not isinstance(accept, bool):
-        raise toml.fault(
-            "limits", "accept_slope", f"accept_slope = {accept!r} is neither true nor false"
-        )
-    if accept:
-        slope = math.inf
-    hysteresis = toml.number("limits", data, "hysteresis_um", Limits.hysteresis / UM) * UM
+    section = toml.section("limits")
+    section.check_keys(KEYS["limits"])
+    outside = _one_of(section, "outside", "error", ("error", "clamp"), 'it is "error" or "clamp"')
+    slope = section.number("max_slope", Limits.max_slope)
+    hysteresis = section.number("hysteresis_um", Limits.hysteresis / UM) * UM
     if hysteresis < 0:
-        raise toml.fault(
-            "limits", "hysteresis_um", f"hysteresis_um = {data['hysteresis_um']!r} is below zero",
+        raise section.fault(
+            "hysteresis_um",
+            f"hysteresis_um = {section['hysteresis_um']!r} is below zero",
             "by how much a slide turns back before its lost motion is taken up, um",
-        )  # fmt: skip
+        )
     return Limits(
-        toml.number("limits", data, "max_correction", Limits.max_correction),
-        slope,
+        section.number("max_correction", Limits.max_correction),
+        math.inf if section.flag("accept_slope") else slope,
         outside,
         hysteresis,
     )
@@ -221,78 +202,58 @@ def _limits(toml: TomlFile) -> Limits:
 def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
     """[[control_table]]: tables of the control itself, and whether the map was measured with
     them."""
-    entries = toml.data.get("control_table", [])
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise toml.fault(
-            "", "control_table", "control tables are sections [[control_table]], with two brackets"
-        )
-    return tuple(_control_table(toml, entry, i, digest) for i, entry in enumerate(entries))
+    entries = toml.sections("control_table", "control tables")
+    return tuple(_control_table(entry, digest) for entry in entries)
 
 
-def _control_table(toml: TomlFile, entry: dict[str, Any], i: int, digest) -> ControlTable:
-    """The i-th of them. Its files are added to digest."""
-    toml.check_keys("control_table", entry, KEYS["control_table"], i)
+def _control_table(entry: Section, digest) -> ControlTable:
+    """One of them. Its files are added to digest."""
+    entry.check_keys(KEYS["control_table"])
     measured, active = entry.get("measured"), entry.get("active", True)
     if measured not in ("on", "off") or not isinstance(active, bool):
-        raise toml.fault(
-            "control_table",
+        raise entry.fault(
             "measured",
             f"measured = {measured!r}, active = {active!r}",
             'was the map measured with this table "on" or "off"? and is it active (true or'
             " false) at work?",
-            i,
         )
-    files = {
-        key: _control_file(toml, entry, key, i, digest)
-        for key in ("file", "settings")
-        if key in entry
-    }
+    files = {k: _control_file(entry, k, digest) for k in ("file", "settings") if k in entry}
     if "file" not in files and (measured == "on") != active:
-        raise toml.fault(
-            "control_table",
-            "control",
-            "what this table does is not known",
-            "file = the table's file",
-            i,
-        )
+        message = "what this table does is not known"
+        raise entry.fault("control", message, "file = the table's file")
     more = entry.get("set", {})
     if not isinstance(more, dict):
-        raise toml.fault("control_table", "set", f"set = {more!r}", 'like set = { type = "1" }', i)
-    control = toml.string("control_table", entry, "control", index=i)
-    axis = toml.string("control_table", entry, "axis", "", i)
+        raise entry.fault("set", f"set = {more!r}", 'like set = { type = "1" }')
     return ControlTable(
-        control,
+        entry.string("control"),
         files.get("file"),
         files.get("settings"),
         measured == "on",
         active,
-        axis,
+        entry.string("axis", ""),
         {k: str(v) for k, v in more.items()},
     )
 
 
-def _control_file(toml: TomlFile, entry: dict[str, Any], key: str, i: int, digest) -> Path:
-    path = toml.own("control_table", key, toml.string("control_table", entry, key, index=i), i)
+def _control_file(entry: Section, key: str, digest) -> Path:
+    path = entry.own(key, entry.string(key))
     if not path.is_file():
-        raise toml.fault("control_table", key, f"there is no file {path}", index=i)
+        raise entry.fault(key, f"there is no file {path}")
     digest.update(intake.whole(path, intake.CONTROL_TABLE, MachineError))
     return path
 
 
 def _offsets(toml: TomlFile, axes: dict[str, Axis]) -> dict[str, dict[str, float]]:
-    offsets = {}
-    for name, values in toml.table("offsets").items():
+    offsets, section = {}, toml.section("offsets")
+    for name, values in section.data.items():
         if not re.fullmatch(r"G5[4-9](\.[123])?|T\d{4}", name) or not isinstance(values, dict):
-            raise toml.fault(
-                "offsets",
+            raise section.fault(
                 name,
                 f"{name!r} is not a work or tool offset",
                 "like G54 = { X = 0.0, Z = 0.0 }",
             )
         for x in values:
             if x not in axes:
-                raise toml.fault(
-                    "offsets", name, f"{name} names {x!r}, which is no axis of the machine"
-                )
-        offsets[name] = {x: toml.number("offsets", values, x, at=name) for x in values}
+                raise section.fault(name, f"{name} names {x!r}, which is no axis of the machine")
+        offsets[name] = {x: section.number(x, at=name) for x in values}
     return offsets

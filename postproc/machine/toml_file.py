@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -51,67 +52,103 @@ class TomlFile:
             elif key := re.match(r'\s*"?(.+?)"?\s*=', line):
                 yield number, here, counts[here] - 1, key[1]
 
-    def fault(
-        self, section: str, key: str, message: str, advice: str = "", index: int = 0
-    ) -> MachineError:
-        return MachineError(message, advice, Place(str(self.path), self.line(section, key, index)))
+    @property
+    def top(self) -> Section:
+        """What stands before the first section."""
+        return Section(self, "", self.data)
 
-    def table(self, key: str) -> dict[str, Any]:
-        """A section, empty where it is missing."""
-        value = self.data.get(key, {})
-        if not isinstance(value, dict):
-            raise self.fault("", key, f"{key} = {value!r} must be a section [{key}]")
-        return value
+    def section(self, name: str, data: Any = None) -> Section:
+        """[name], empty where it is missing; data: what it holds, where it lies in another one.
+        Raises MachineError where it is none."""
+        data = self.data.get(name, {}) if data is None else data
+        if not isinstance(data, dict):
+            raise self.top.fault(name, f"{name} = {data!r} must be a section [{name}]")
+        return Section(self, name, data)
 
-    def check_keys(self, section: str, data: dict, known: set[str], index: int = 0) -> None:
-        for key in data:
+    def sections(self, name: str, what: str) -> list[Section]:
+        """All [[name]]; what: they are called in messages."""
+        entries = self.data.get(name, [])
+        if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+            raise self.top.fault(name, f"{what} are sections [[{name}]], with two brackets")
+        return [Section(self, name, entry, i) for i, entry in enumerate(entries)]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of a document. name: "axes.Z", "" for what stands before the first; data: its keys;
+    index: which of several [[name]]. All that is not as it must be is a MachineError with its
+    line."""
+
+    toml: TomlFile
+    name: str
+    data: dict[str, Any]
+    index: int = 0
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.data
+
+    def __getitem__(self, key: str) -> Any:
+        return self.data[key]
+
+    def get(self, key: str, default: Any = None) -> Any:
+        return self.data.get(key, default)
+
+    def fault(self, key: str, message: str, advice: str = "") -> MachineError:
+        """The error to raise at a key."""
+        line = self.toml.line(self.name, key, self.index)
+        return MachineError(message, advice, Place(str(self.toml.path), line))
+
+    def check_keys(self, known: Collection[str]) -> None:
+        for key in self.data:
             if key not in known:
-                where = f"[{section or 'machine'}]"
                 raise self.fault(
-                    section,
                     key,
-                    f"{key!r} is not a key of {where}",
+                    f"{key!r} is not a key of [{self.name or 'machine'}]",
                     f"keys: {', '.join(sorted(known))}",
-                    index,
                 )
 
     def number(
-        self,
-        section: str,
-        data: dict,
-        key: str,
-        default: float | None = None,
-        at: str = "",
-        index: int = 0,
+        self, key: str, default: float | None = None, at: str = "", of: dict | None = None
     ) -> float:
-        """A finite number; `at`: the key whose line to name, where this one stands inside a table
-        of its own."""
-        value = data.get(key, default)
+        """A finite number. at: the key of the table in which it stands, whose line is named; of:
+        that table, where it is another one."""
+        data = self.data.get(at, {}) if at else self.data
+        value = (data if of is None else of).get(key, default)
         if value is None:
-            raise self.fault(section, at or key, f"{key} is missing in [{section}]", index=index)
+            raise self.fault(at or key, f"{key} is missing in [{self.name}]")
         if not intake.finite(value):
-            raise self.fault(section, at or key, f"{key} = {value!r} is not a number", index=index)
+            raise self.fault(at or key, f"{key} = {value!r} is not a number")
         return float(value)
 
-    def string(
-        self, section: str, data: dict, key: str, default: str | None = None, index: int = 0
-    ) -> str:
-        value = data.get(key, default)
+    def string(self, key: str, default: str | None = None) -> str:
+        value = self.data.get(key, default)
         if not isinstance(value, str):
-            message = f"{key} = {value!r} is not a text" if key in data else f"{key} is missing"
-            raise self.fault(section, key, message, index=index)
+            message = f"{key} = {value!r} is not a text" if key in self else f"{key} is missing"
+            raise self.fault(key, message)
         return value
 
-    def own(self, section: str, key: str, name: str, index: int = 0) -> Path:
+    def flag(self, key: str) -> bool:
+        """true or false; false where it is missing."""
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
+            raise self.fault(key, f"{key} = {value!r} is neither true nor false")
+        return value
+
+    def span(self, key: str, value: Any) -> tuple[float, float]:
+        """Two ascending numbers."""
+        good = isinstance(value, list) and len(value) == 2 and all(map(intake.finite, value))
+        if not good or value[0] >= value[1]:
+            raise self.fault(key, f"{key} = {value!r} must be two ascending numbers, mm")
+        return float(value[0]), float(value[1])
+
+    def own(self, key: str, name: str) -> Path:
         """A file of its folder. Raises MachineError for one that lies elsewhere: a machine comes
         from a stranger as well, and may name no other file of this computer."""
-        path = intake.inside(self.path.parent, name)
+        path = intake.inside(self.toml.path.parent, name)
         if path is None:
             raise self.fault(
-                section,
                 key,
                 f"{key} = {name!r} leads out of the machine's folder",
                 "copy the file into the folder, and name it without a path",
-                index,
             )
         return path

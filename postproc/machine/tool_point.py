@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from dataclasses import field
 
-from postproc.machine.toml_file import TomlFile
+from postproc.machine.toml_file import Section, TomlFile
 from postproc.records import record
 
 KEYS = {"frame", "planes", "on", "off", "at_start"}
@@ -28,35 +28,27 @@ class ToolPoint:
 
 def read_tool_point(toml: TomlFile) -> ToolPoint:
     """The section, or what holds without it."""
-    data = toml.table("tool_point")
-    toml.check_keys("tool_point", data, KEYS)
-    frames = {key: toml.string("tool_point", data, key, "") for key in ("frame", "planes")}
+    section = toml.section("tool_point")
+    section.check_keys(KEYS)
+    frames = {key: section.string(key, "") for key in ("frame", "planes")}
     for key in (key for key, frame in frames.items() if frame not in ("", *FRAMES)):
-        raise toml.fault(
-            "tool_point",
+        raise section.fault(
             key,
             f"{key} = {frames[key]!r}",
             "where the tables stand while X Y Z of the program are "
             'the machine\'s: "zero", or "call", as they stand when the mode is called',
         )
-    start = data.get("at_start", False)
-    if not isinstance(start, bool):
-        raise toml.fault(
-            "tool_point", "at_start", f"at_start = {start!r} is neither true nor false"
-        )
-    codes = dict.fromkeys(_codes(toml, data, "on"), True)
-    codes |= dict.fromkeys(_codes(toml, data, "off"), False)
-    return ToolPoint(**frames, codes=codes, at_start=start)
+    codes = dict.fromkeys(_codes(section, "on"), True)
+    codes |= dict.fromkeys(_codes(section, "off"), False)
+    return ToolPoint(**frames, codes=codes, at_start=section.flag("at_start"))
 
 
-def _codes(toml: TomlFile, data: dict, key: str) -> list[int]:
+def _codes(section: Section, key: str) -> list[int]:
     """The M codes of a key. Raises MachineError for what is none."""
-    words = data.get(key, [])
+    words = section.get(key, [])
     found = []
     for word in words if isinstance(words, list) else [words]:
         if not isinstance(word, str) or not re.fullmatch(r"M\d{1,4}", word):
-            raise toml.fault(
-                "tool_point", key, f"{key} = {words!r}", f'M codes, like {key} = ["M428"]'
-            )
+            raise section.fault(key, f"{key} = {words!r}", f'M codes, like {key} = ["M428"]')
         found.append(int(word[1:]))
     return found
