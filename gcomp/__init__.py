@@ -14,60 +14,8 @@ package `postproc` may change in any version. All of it is described, with examp
 run, in docs/PYTHON.md.
 """
 
-from postproc import __version__
-from postproc.api import (
-    Calibrated,
-    Compensated,
-    Diagnosed,
-    Evaluated,
-    Filter,
-    GcompError,
-    Machine,
-    MachineError,
-    Notice,
-    Place,
-    ProgramError,
-    Recording,
-    Settings,
-    UsageError,
-    Verified,
-    calibrate,
-    compensate,
-    diagnose,
-    evaluate,
-    live_filter,
-    load_machine,
-    machines,
-    read_recording,
-    read_recordings,
-    verify,
-)
+from postproc import __version__, api
+from postproc.api import *  # noqa: F403
 
-__all__ = [
-    "Calibrated",
-    "Compensated",
-    "Diagnosed",
-    "Evaluated",
-    "Filter",
-    "GcompError",
-    "Machine",
-    "MachineError",
-    "Notice",
-    "Place",
-    "ProgramError",
-    "Recording",
-    "Settings",
-    "UsageError",
-    "Verified",
-    "__version__",
-    "calibrate",
-    "compensate",
-    "diagnose",
-    "evaluate",
-    "live_filter",
-    "load_machine",
-    "machines",
-    "read_recording",
-    "read_recordings",
-    "verify",
-]
+__all__ = ["__version__"]
+__all__ += api.__all__

@@ -169,20 +169,23 @@ def treatment(component: Component) -> str:
     return ", ".join(says)
 
 
+def _columns(
+    calibration: Calibration, component: Component, values: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Columns of a table, of (2, K) mm or rad in + and in -."""
+    unit, one = unit_of(component.name)
+    name = f"{component.name}_{unit}"
+    if calibration.two_way(component):
+        return {f"{name}_fwd": values[0] / one, f"{name}_rev": values[1] / one}
+    return {name: values[0] / one}
+
+
 def _table(calibration: Calibration, letter: str) -> str:
     nodes = calibration.nodes(letter)
     columns: dict[str, np.ndarray] = {}
     comments = []
     for component in calibration.of(letter):
-        unit, one = unit_of(component.name)
-        value = calibration.values(component) / one
-        if calibration.two_way(component):
-            columns |= {
-                f"{component.name}_{unit}_fwd": value[0],
-                f"{component.name}_{unit}_rev": value[1],
-            }
-        else:
-            columns[f"{component.name}_{unit}"] = value[0]
+        columns |= _columns(calibration, component, calibration.values(component))
         comments.append(f"{component.name}: {component.file}; {treatment(component)}")
         comments += [f"{component.name}: {text}" for text in component.shifts]
         if len(component.nodes) < len(nodes):
@@ -201,24 +204,17 @@ def _uncertainty(calibration: Calibration, letter: str) -> str:
     columns: dict[str, np.ndarray] = {}
     comments = ["U, 95 % (k = 2), of the values in the axis table"]
     for component in calibration.of(letter):
-        unit, one = unit_of(component.name)
         if not np.isfinite(component.u).all():
             comments.append(
                 f"{component.name}: its u is not known, as of one run and an instrument that states"
                 " none"
             )
             continue
-        u = 2 * component.u / one
+        u = 2 * component.u
         if component.two_way and calibration.options.mean:
             u = np.tile(u.mean(axis=0), (2, 1))
-        both = [np.interp(nodes, component.nodes, way) for way in u]
-        if calibration.two_way(component):
-            columns |= {
-                f"{component.name}_{unit}_fwd": both[0],
-                f"{component.name}_{unit}_rev": both[1],
-            }
-        else:
-            columns[f"{component.name}_{unit}"] = both[0]
+        both = np.stack([np.interp(nodes, component.nodes, way) for way in u])
+        columns |= _columns(calibration, component, both)
     return axis_table(letter, nodes, columns, comments) if columns else ""
 
 

@@ -172,6 +172,13 @@ def _rings(d: Diagnosis, rows: np.ndarray, x: np.ndarray, scale: float) -> list[
     ]
 
 
+def _dots(x: list, values, said: str, role: str, y: str, hover: str, **more) -> charts.Trace:
+    """Readings of one kind; y: the half of the figure in which they stand; hover: what is shown of
+    the one under the pointer."""
+    shown = {"size": 4, "yaxis": y, "hovertemplate": f"{hover}<extra></extra>", **more}
+    return charts.dots(x, charts.column(values, 3), said, role, **shown)
+
+
 def _by_place(d, rows, place, side, scale, unit, axis) -> list[charts.Trace]:
     data: list[charts.Trace] = _rings(d, rows, place, scale)  # below the dots, which stay seen
     for values, y in _halves(d):
@@ -179,21 +186,19 @@ def _by_place(d, rows, place, side, scale, unit, axis) -> list[charts.Trace]:
         for way, role, said in SIDES:
             own = side == way
             if own.any():
-                hover = (
-                    f"{axis} %{{x:.3f}} mm: %{{y:.2f}} {unit}, line %{{text}} of the"
-                    " file<extra></extra>"
-                )
+                hover = f"{axis} %{{x:.3f}} mm: %{{y:.2f}} {unit}, line %{{text}} of the file"
+                lines = d.rows.line[rows][own].tolist()
+                read = values[rows][own] * scale
                 data.append(
-                    charts.dots(
+                    _dots(
                         charts.column(place[own], 4),
-                        charts.column(values[rows][own] * scale, 3),
+                        read,
                         said,
                         role,
-                        size=4,
-                        yaxis=y,
+                        y,
+                        hover,
                         showlegend=y == "y",
-                        text=d.rows.line[rows][own].tolist(),
-                        hovertemplate=hover,
+                        text=lines,
                     )
                 )
     return data
@@ -210,29 +215,10 @@ def _by_side(d, rows, side, scale, unit) -> list[charts.Trace]:
             own = values[rows][side == way] * scale
             if len(own):
                 x = way + np.linspace(-0.3, 0.3, len(own))
-                data.append(
-                    charts.dots(
-                        charts.column(x, 3),
-                        charts.column(own, 3),
-                        said,
-                        role,
-                        size=3,
-                        opacity=0.5,
-                        yaxis=y,
-                        hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>",
-                    )
-                )
-                mean = round(float(own.mean()), 3)
-                data.append(
-                    charts.line(
-                        [way - 0.4, way + 0.4],
-                        [mean, mean],
-                        f"mean, {said}",
-                        "mean",
-                        width=2.5,
-                        yaxis=y,
-                    )
-                )
+                hover = f"%{{y:.2f}} {unit}"
+                data.append(_dots(charts.column(x), own, said, role, y, hover, size=3, opacity=0.5))
+                ends, mean = [way - 0.4, way + 0.4], [round(float(own.mean()), 3)] * 2
+                data.append(charts.line(ends, mean, f"mean, {said}", "mean", width=2.5, yaxis=y))
     return data
 
 
@@ -243,17 +229,10 @@ def _in_time(d, rows, time, scale, unit) -> list[charts.Trace]:
         for held, role, said in ((False, "still", "fitted"), (True, "held", "took no part")):
             own = d.held[rows] == held
             if own.any():
+                hover = f"%{{x:.1f}}: %{{y:.2f}} {unit}"
+                read = values[rows][own] * scale
                 data.append(
-                    charts.dots(
-                        charts.column(time[own], 3),
-                        charts.column(values[rows][own] * scale, 3),
-                        said,
-                        role,
-                        size=4,
-                        yaxis=y,
-                        showlegend=y == "y",
-                        hovertemplate=f"%{{x:.1f}}: %{{y:.2f}} {unit}<extra></extra>",
-                    )
+                    _dots(charts.column(time[own]), read, said, role, y, hover, showlegend=y == "y")
                 )
     return data
 

@@ -94,7 +94,6 @@ def recording(
     component: Component,
     unit: Unit,
     readings: Readings,
-    *,
     head: Mapping[str, Any],
     notices: Sequence[str] = (),
     faults: Sequence[Fault] = (),

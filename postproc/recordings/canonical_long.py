@@ -200,9 +200,7 @@ def _one(
         component=name, others=options.others, machine=options.machine, head=options.head
     )
     readings = _readings(source, component, rows, notices)
-    return targets.recording(
-        source, heed, component, unit, readings, head={}, notices=notices, faults=faults
-    )
+    return targets.recording(source, heed, component, unit, readings, {}, notices, faults)
 
 
 def _one_unit(source: Source, name: str, rows: list[Row]) -> units.Unit | None:

@@ -119,16 +119,8 @@ def _read_wide(
         for column, line, target, value in found
         for run, sign in [runs[column.at]]
     )
-    return targets.recording(
-        source,
-        _first(options, relative, notices),
-        component,
-        unit,
-        readings,
-        head=_head(sheet.before),
-        notices=notices,
-        faults=faults,
-    )
+    heed, head = _first(options, relative, notices), _head(sheet.before)
+    return targets.recording(source, heed, component, unit, readings, head, notices, faults)
 
 
 def _long(table: text.Table) -> tuple[int, dict[str, int]] | None:
@@ -210,16 +202,10 @@ def _read_long(source, options, table, columns, notices) -> Recording:
             faults.append(Fault(number, row.column, row.wrong))
         else:
             rows.append(row)
-    told = _first(options, any(row.relative for row in rows), notices)
+    heed = _first(options, any(row.relative for row in rows), notices)
+    readings = _readings(source, rows, scale, options.first or 1, table.decimal)
     return targets.recording(
-        source,
-        told,
-        component,
-        unit,
-        _readings(source, rows, scale, options.first or 1, table.decimal),
-        head=_head(before),
-        notices=notices,
-        faults=faults,
+        source, heed, component, unit, readings, _head(before), notices, faults
     )
 
 

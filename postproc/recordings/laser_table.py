@@ -103,15 +103,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     }
     first = 1 if not found or found[-1][2] >= found[0][2] else -1
     return targets.recording(
-        source,
-        options,
-        component,
-        unit,
-        readings,
-        head=head,
-        notices=[*notices, *more],
-        faults=faults,
-        first=first,
+        source, options, component, unit, readings, head, [*notices, *more], faults, first
     )
 
 

@@ -101,9 +101,7 @@ def _targets(source, options, table, top, at, notices) -> Recording:
     if "t_s" in at and not named.ways:
         readings = replace(readings, t=_times(source, table, rows, at["t_s"]))
     heed = replace(options, first=0, bidirectional=None) if relative else options
-    return targets.recording(
-        source, heed, component, unit, readings, head={}, notices=notices, faults=faults
-    )
+    return targets.recording(source, heed, component, unit, readings, {}, notices, faults)
 
 
 def _readings(

@@ -129,15 +129,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     }
     first = 1 if places[-1] >= places[0] else -1
     return targets.recording(
-        source,
-        options,
-        component,
-        unit,
-        readings,
-        head=head,
-        notices=[*notices, *more],
-        faults=faults,
-        first=first,
+        source, options, component, unit, readings, head, [*notices, *more], faults, first
     )
 
 
