@@ -91,3 +91,12 @@ def test_g80_brings_back_the_motion_code_that_held_under_the_cycle(dialect, unde
     named = written(text.replace("X30.", f"{moves} X30."), dialect)
     bare = written(text, dialect)
     assert [x.replace(" ", "") for x in bare] == [x.replace(" ", "") for x in named]
+
+
+@pytest.mark.parametrize("head", ["", "%\n"])
+def test_a_percent_sign_behind_blocks_ends_the_program(head):
+    """LinuxCNC, docs/src/gcode/overview.adoc, "File Requirements": the demarcation line that ends a
+    program may stand without one that begins it; nothing behind it is read."""
+    text = head + "G21 G90 G17\nG0 X10. Y10. Z5.\nG1 X20. F100.\n%\nG999 no word\n"
+    lines = written(text, "linuxcnc")
+    assert lines[-2:] == ["%", "G999 no word"] and lines[-3] != "G1 X20. F100."

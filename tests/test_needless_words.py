@@ -65,3 +65,11 @@ def test_the_last_of_two_feeds_holds(dialect):
 def test_two_feeds_stay_an_error_where_a_control_calls_them_one():
     assert refused("G1 F300 X80 Y10 F600\n", "grbl", HOME).message.startswith("two F words")
     assert refused("G1 X80 Y10 X60 F600\n", "marlin", HOME).message.startswith("two X words")
+
+
+def test_a_new_word_has_the_decimals_that_the_nominal_place_has():
+    """X stands at 10.00005 mm, finer than the least increment of 0.0001: the words that corrections
+    put in count their increments from there, so that no half of one is lost."""
+    lines = written("G21 G90 G17\nG0 X10.00005 Y10. Z5.\nG1 Y20. F100.\nY30.\nM2\n", "linuxcnc")
+    new = [re.search(r"X([-0-9.]+)", line)[1] for line in lines[2:4]]
+    assert all(len(x.partition(".")[2]) == 5 and x.endswith("5") for x in new), lines

@@ -237,7 +237,8 @@ def test_a_stated_value_goes_before_the_others_which_are_compared_with_it():
     recordings = everything(rng, machine, REST) + [
         face_diagonal(rng, machine, 100.0, down) for down in (False, True)
     ]
-    for stated, level in ((100.0, "note"), (160.0, "doubt")):
+    # u of what they differ by is 5 urad, the stated one's: 2 u are between 8 and 13
+    for stated, level in ((100.0, "note"), (108.0, "note"), (113.0, "doubt"), (160.0, "doubt")):
         result = calibrate(
             recordings, Options(GRINDER, squareness={"B0X": (stated * URAD, 5 * URAD)})
         )
