@@ -82,11 +82,12 @@ CHAPTERS = (
 )
 HEAD = """# What gcomp refuses, in its own words
 
-Generated from the source by `python -m tests.refusals_doc`: every sentence that stops a program, with its way out. A word
-in *italics* stands for what is put in there. An error names file and line, and where it can the columns. Codes that a
-dialect knows and can not follow are listed, with their reason, in [DIALECTS.md](DIALECTS.md); they stop a program only
-where a correction depends on them.
-"""  # noqa: E501
+Every sentence that stops a program, with its way out: look here for one that you have met. A word
+in *italics* stands for what is put in there. An error names file and line, and where it can the
+columns. Codes that a dialect knows and can not follow are listed, with their reason, in
+[DIALECTS.md](DIALECTS.md); they stop a program only where a correction depends on them. Generated
+from the source by `python -m tests.refusals_doc`.
+"""
 
 
 @lru_cache
