@@ -23,30 +23,11 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 DEFAULT = "compensate"
 HELPERS = (
-    "as_json",
-    "attempts",
-    "calibrate_options",
-    "expansion",
-    "export_files",
-    "export_options",
-    "machine_facts",
-    "machine_new",
-    "machine_questions",
-    "machine_shown",
-    "machine_values",
-    "option_text",
-    "outcome",
-    "port_options",
-    "reading",
-    "reading_options",
-    "recording_files",
-    "residual",
-    "session",
-    "simulate_named",
-    "simulate_options",
-    "values",
-    "warming",
-)
+    "as_json", "attempts", "calibrate_options", "expansion", "export_files", "export_options",
+    "machine_facts", "machine_new", "machine_questions", "machine_shown", "machine_values",
+    "option_text", "outcome", "port_options", "reading", "reading_options", "recording_files",
+    "residual", "session", "simulate_named", "simulate_options", "values", "warming",
+)  # fmt: skip
 ALIKE = 0.75  # of difflib's ratio: two letters changed places, or one is missing
 REFUSED, FAILED, INTERRUPTED, CLOSED_PIPE = 2, 1, 130, 141
 

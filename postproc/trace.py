@@ -74,17 +74,9 @@ class Places:
         """No place on a machine of so many axes."""
         flat, tall = np.zeros(0), np.zeros((axes, 0))
         return Places(
-            flat,
-            tall,
-            tall,
-            tall,
-            flat,
-            flat,
-            flat.astype(int),
-            flat.astype(int),
-            flat > 0,
+            flat, tall, tall, tall, flat, flat, flat.astype(int), flat.astype(int), flat > 0,
             np.zeros((2, 0)),
-        )
+        )  # fmt: skip
 
 
 @dataclass
@@ -207,17 +199,11 @@ class Trace:
         which = series.chosen(np.lexsort((np.round(t, 9), motion)), distance)
         own = motion[which]
         part = Places(
-            batch.begin[own] + batch.length[own] * t[which],
-            nominal[:, which],
-            (actual - nominal)[:, which],
-            (command - nominal)[:, which],
-            distance[which],
-            u(which),
-            batch.line[own],
-            batch.plain[own],
-            feed[which],
+            batch.begin[own] + batch.length[own] * t[which], nominal[:, which],
+            (actual - nominal)[:, which], (command - nominal)[:, which], distance[which], u(which),
+            batch.line[own], batch.plain[own], feed[which],
             np.stack([self.motions + own, np.round(t[which], 9)]),
-        )
+        )  # fmt: skip
         series.add(part)
 
     def _count(self, name: str, batch: _Batch, motion, distance, feed) -> None:

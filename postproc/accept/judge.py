@@ -43,19 +43,11 @@ def outcome(before: Motion, after: Motion, machine: Machine | None, options: Opt
     if {len(t.target) for t in whole} != {len(second.target)}:
         notices.append(f"only the {len(second.target)} targets of both measurements are compared")
     return Outcome(
-        targets.subject(before),
-        results[0].unit,
-        before,
-        after,
-        tuple(_changes(results, tests, line)),
-        found,
-        None if machine is None or angle else _acted(before, tests, machine, line),
-        means,
-        scatter,
-        _repeat(second),
-        tuple(notices),
-        _curves(tests),
-    )
+        targets.subject(before), results[0].unit, before, after,
+        tuple(_changes(results, tests, line)), found,
+        None if machine is None or angle else _acted(before, tests, machine, line), means, scatter,
+        _repeat(second), tuple(notices), _curves(tests),
+    )  # fmt: skip
 
 
 def _test(result: Result) -> Positioning:

@@ -20,18 +20,9 @@ from postproc.machine import places
 KNOWN = {f"*{ending.lower()}" for ending in ENDINGS if ending.lower() not in ("", ".txt")}
 PATTERNS = (*sorted(KNOWN), "*.gcode", "*.gco", "*.g", "*.iso", "*.eia", "*.pim", "*.min")
 OWN = (
-    "output",
-    "jobs",
-    "scheduler",
-    "retries",
-    "programs",
-    "pattern",
-    "force",
-    "json",
-    "quiet",
-    "machine",
-    "file",
-)
+    "output", "jobs", "scheduler", "retries", "programs", "pattern", "force", "json", "quiet",
+    "machine", "file",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -113,20 +113,11 @@ def assign(recording: Recording) -> Series | Diagonal:
         )
     run = recording.columns.get("run", np.ones(len(recording)))
     return Series(
-        component,
-        letter,
-        recording.file,
-        recording.position(letter),
-        recording.approach(letter),
-        run,
-        recording.reading * np.sign(vector[direction]),
-        recording.lines,
+        component, letter, recording.file, recording.position(letter), recording.approach(letter),
+        run, recording.reading * np.sign(vector[direction]), recording.lines,
         {x: float(np.mean(recording.position(x))) for x in recording.axes if x != letter},
-        recording.u,
-        recording.head,
-        recording.columns,
-        notices + recording.notices,
-    )
+        recording.u, recording.head, recording.columns, notices + recording.notices,
+    )  # fmt: skip
 
 
 def _moving(recording: Recording, refuse) -> list[str]:
@@ -211,14 +202,11 @@ def _diagonal(
     lead = moving[int(np.argmax(np.abs(along)))]
     approach = recording.approach(lead) * np.sign(along[moving.index(lead)])
     return Diagonal(
-        recording.file,
-        dict(zip(moving, places, strict=True)),
-        dict(zip(moving, map(float, along), strict=True)),
-        approach,
-        recording.reading,
+        recording.file, dict(zip(moving, places, strict=True)),
+        dict(zip(moving, map(float, along), strict=True)), approach, recording.reading,
         recording.lines,
         {x: float(np.mean(recording.position(x))) for x in recording.axes if x not in moving},
-    )
+    )  # fmt: skip
 
 
 def unit_of(component: str) -> tuple[str, float]:

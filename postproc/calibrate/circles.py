@@ -108,15 +108,9 @@ def fit(recordings: Sequence[Recording], known: Sequence[np.ndarray]) -> Circles
     )
     u = dict(zip(SHARED, spread[: len(SHARED)].tolist(), strict=True))
     return Circles(
-        axes,
-        float(found[1]),
-        float(found[0]),
-        (float(found[2]), float(found[3])),
-        u,
-        float(np.sqrt(np.mean(left**2))),
-        len(y),
-        tuple(r.file for r in recordings),
-    )
+        axes, float(found[1]), float(found[0]), (float(found[2]), float(found[3])), u,
+        float(np.sqrt(np.mean(left**2))), len(y), tuple(r.file for r in recordings),
+    )  # fmt: skip
 
 
 def _rows(

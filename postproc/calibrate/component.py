@@ -160,14 +160,10 @@ def join(series: list[Series], keep_lines: bool) -> Series:
         return np.concatenate([getattr(s, name) for s in parts])
 
     return replace(
-        first,
-        u=max(known) if known else None,
-        position=all_of("position"),
-        approach=all_of("approach"),
-        run=all_of("run"),
-        reading=all_of("reading"),
+        first, u=max(known) if known else None, position=all_of("position"),
+        approach=all_of("approach"), run=all_of("run"), reading=all_of("reading"),
         lines=all_of("lines"),
-    )
+    )  # fmt: skip
 
 
 def _one_state(
@@ -247,20 +243,10 @@ def build(series: list[Series], options: Options) -> Component:
     u_slope, _ = _uncertainty(slope_row[None], one, cells, ways)
     two = (lambda a: a) if ways == 2 else (lambda a: np.repeat(a, 2, axis=0))
     return Component(
-        one.component,
-        one.letter,
-        tuple(series),
-        cells,
-        two(value),
-        two(u.reshape(ways, k)),
-        slope=float(slope_row @ y),
-        u_slope=float(u_slope[0]),
-        lined=lined,
-        datum=datum,
-        filled=tuple(filled),
-        noise=_noise(one, cells, ways, lined),
-        dof=float(np.median(dof)),
-    )
+        one.component, one.letter, tuple(series), cells, two(value), two(u.reshape(ways, k)),
+        slope=float(slope_row @ y), u_slope=float(u_slope[0]), lined=lined, datum=datum,
+        filled=tuple(filled), noise=_noise(one, cells, ways, lined), dof=float(np.median(dof)),
+    )  # fmt: skip
 
 
 def _fill(cells: Cells) -> tuple[np.ndarray, list[tuple[int, int]]]:

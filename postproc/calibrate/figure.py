@@ -85,14 +85,9 @@ def _component(axis, calibration: Calibration, component: Component, left_out: b
                 component.nodes, value - 2 * u, value + 2 * u, color=colour, alpha=0.2, linewidth=0
             )
         axis.plot(
-            component.nodes,
-            value,
-            color=colour,
-            marker=marker,
-            markersize=2.5,
-            linewidth=1.0,
+            component.nodes, value, color=colour, marker=marker, markersize=2.5, linewidth=1.0,
             label=label,
-        )
+        )  # fmt: skip
     _outliers(axis, calibration, component, one)
     axis.axhline(0, color=FAINT, linewidth=0.6, zorder=0)
     note = " (left out)" if left_out else " (line off)" if component.lined else ""

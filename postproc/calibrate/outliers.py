@@ -46,17 +46,10 @@ def find(series: Series, cells: Cells) -> list[Outlier]:
 
 def _outlier(series: Series, row: int, off: float, scale: float, against: str) -> Outlier:
     return Outlier(
-        series.component,
-        series.file,
-        row,
-        int(series.lines[row]),
-        float(series.position[row]),
-        int(series.approach[row]),
-        float(series.reading[row]),
-        float(off),
-        float(abs(off) / scale),
+        series.component, series.file, row, int(series.lines[row]), float(series.position[row]),
+        int(series.approach[row]), float(series.reading[row]), float(off), float(abs(off) / scale),
         against,
-    )
+    )  # fmt: skip
 
 
 def _floor(series: Series) -> float:

@@ -23,17 +23,9 @@ FORMAT = "gcomp-batch/1"
 TABLE = "gcomp-batch.csv"
 SHOWN = 40  # rows: of more, those that went wrong are printed, and all stand in the table
 COLUMNS = (
-    "program",
-    "machine",
-    "status",
-    "changed",
-    "added",
-    "correction_um",
-    "before_um",
-    "after_um",
-    "seconds",
-    "message",
-)
+    "program", "machine", "status", "changed", "added", "correction_um", "before_um", "after_um",
+    "seconds", "message",
+)  # fmt: skip
 
 
 OPTIONS = f"""

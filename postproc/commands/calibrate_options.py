@@ -54,20 +54,11 @@ recordings+ REC  recordings of one axis moving, of diagonals, of circles; or a s
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     option_text.add(
-        parser,
-        OPTIONS,
-        travel=_range,
-        least_increment=values.length,
-        max_slope=float,
-        line=LINES[0],
-        squareness=squareness,
-        square_error=_two,
-        square_at=(values.place, {}),
-        lead=_length_of,
-        point=(values.place, {}),
-        u_temperature=(float, 0.0),
+        parser, OPTIONS, travel=_range, least_increment=values.length, max_slope=float,
+        line=LINES[0], squareness=squareness, square_error=_two, square_at=(values.place, {}),
+        lead=_length_of, point=(values.place, {}), u_temperature=(float, 0.0),
         expansion=(float, STEEL * 1e6),
-    )
+    )  # fmt: skip
     reading_arguments(parser)
 
 

@@ -19,22 +19,9 @@ if TYPE_CHECKING:
     from postproc.nc.expand.written import Written
 
 ENDINGS = (
-    "",
-    ".ngc",
-    ".nc",
-    ".NC",
-    ".NGC",
-    ".tap",
-    ".TAP",
-    ".spf",
-    ".SPF",
-    ".mpf",
-    ".MPF",
-    ".cnc",
-    ".CNC",
-    ".txt",
-    ".TXT",
-)
+    "", ".ngc", ".nc", ".NC", ".NGC", ".tap", ".TAP", ".spf", ".SPF", ".mpf", ".MPF", ".cnc",
+    ".CNC", ".txt", ".TXT",
+)  # fmt: skip
 
 
 def written_out(

@@ -237,16 +237,11 @@ def what_to_write(
     if any(v != int(v) for v in options.first.values()):
         raise UsageError("--first is the number of a point, without a fraction", "--first X=1")
     return ExportOptions(
-        unit=options.unit,
-        spacing=options.spacing,
-        reference=options.reference,
-        first={x: int(v) for x, v in options.first.items()},
-        step=options.step,
-        two_way=not options.one_way,
-        program=intake.label(machine.name) if machine else "gcomp",
-        rest=bool(options.residual),
-        extra=extra,
-    )
+        unit=options.unit, spacing=options.spacing, reference=options.reference,
+        first={x: int(v) for x, v in options.first.items()}, step=options.step,
+        two_way=not options.one_way, program=intake.label(machine.name) if machine else "gcomp",
+        rest=bool(options.residual), extra=extra,
+    )  # fmt: skip
 
 
 def _settings(options: argparse.Namespace, module: Any) -> dict[str, str]:

@@ -45,17 +45,10 @@ OPTIONS = f"""
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     option_text.add(
-        parser,
-        OPTIONS,
-        only=(lambda text: text.split(","), []),
-        at=(_numbers, {}),
-        unit="mm",
-        spacing=(_positive, 0.0),
-        reference=(_numbers, {}),
-        first=(_numbers, {}),
-        step=(_positive, 0.001),
-        set={"dest": "extra"},
-    )
+        parser, OPTIONS, only=(lambda text: text.split(","), []), at=(_numbers, {}), unit="mm",
+        spacing=(_positive, 0.0), reference=(_numbers, {}), first=(_numbers, {}),
+        step=(_positive, 0.001), set={"dest": "extra"},
+    )  # fmt: skip
 
 
 def _numbers(text: str) -> dict[str, float]:

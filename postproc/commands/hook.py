@@ -86,16 +86,10 @@ def _call(options: argparse.Namespace) -> hooks.Call:
     root = Path(__file__).resolve().parents[2]
     # The environment's own python, not what it is a link to: that one knows no numpy.
     return hooks.Call(
-        os.path.abspath(sys.executable),
-        str(root),
-        str(folder),
-        intake.label(folder.name),
-        Path(os.path.abspath(target)),
-        tuple(options.handed_on),
-        options.keep,
-        options.post,
+        os.path.abspath(sys.executable), str(root), str(folder), intake.label(folder.name),
+        Path(os.path.abspath(target)), tuple(options.handed_on), options.keep, options.post,
         os.name == "nt",
-    )
+    )  # fmt: skip
 
 
 def _checked(options: argparse.Namespace) -> None:

@@ -47,20 +47,11 @@ files+ REC  recordings of any format that gcomp knows
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     option_text.add(
-        parser,
-        OPTIONS,
-        line="least-squares",
-        lead=_lead,
-        device=values.size,
-        device_angle=values.size,
-        misalignment=values.size,
-        alpha=values.size,
-        u_alpha=values.size,
-        temperature=values.number,
-        u_temperature=values.size,
-        drift=values.size,
+        parser, OPTIONS, line="least-squares", lead=_lead, device=values.size,
+        device_angle=values.size, misalignment=values.size, alpha=values.size, u_alpha=values.size,
+        temperature=values.number, u_temperature=values.size, drift=values.size,
         u_square=values.size,
-    )
+    )  # fmt: skip
     reading_arguments(parser)
 
 
@@ -101,16 +92,12 @@ def _stated(options: argparse.Namespace) -> Stated:
         return None if value is None else value * unit
 
     return Stated(
-        device=sized(options.device, UM),
-        device_angle=sized(options.device_angle, URAD),
-        misalignment=sized(options.misalignment, 1e-3),
-        alpha=sized(options.alpha, 1e-6),
-        u_alpha=sized(options.u_alpha, 1e-6),
-        temperature=options.temperature,
-        u_temperature=options.u_temperature,
-        drift=sized(options.drift, UM),
+        device=sized(options.device, UM), device_angle=sized(options.device_angle, URAD),
+        misalignment=sized(options.misalignment, 1e-3), alpha=sized(options.alpha, 1e-6),
+        u_alpha=sized(options.u_alpha, 1e-6), temperature=options.temperature,
+        u_temperature=options.u_temperature, drift=sized(options.drift, UM),
         square=sized(options.u_square, URAD),
-    )
+    )  # fmt: skip
 
 
 def _lead(word: str) -> tuple[str, float]:

@@ -49,20 +49,12 @@ OPTIONS = f"""
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     option_text.add(
-        parser,
-        OPTIONS,
-        title="",
-        travel=machine_values.travel,
-        least_increment=(values.length, 0.001),
-        diagonals=machine_values.diagonals,
-        drift=machine_values.drift,
-        squareness=machine_values.angle,
-        backlash=machine_values.length_of,
-        scale=machine_values.scale,
-        home=(values.place, {}),
-        u_length=values.length,
-        u_gauge=values.length,
-    )
+        parser, OPTIONS, title="", travel=machine_values.travel,
+        least_increment=(values.length, 0.001), diagonals=machine_values.diagonals,
+        drift=machine_values.drift, squareness=machine_values.angle,
+        backlash=machine_values.length_of, scale=machine_values.scale, home=(values.place, {}),
+        u_length=values.length, u_gauge=values.length,
+    )  # fmt: skip
 
 
 def _travel(options: argparse.Namespace, chain: chains.Chain) -> dict[str, tuple[float, float]]:
@@ -95,21 +87,14 @@ def made(options: argparse.Namespace) -> tuple[Path, dict[str, str]]:
     stated = _squareness(options)
     play, scales = dict(options.backlash), dict(options.scale)
     one = first.First(
-        name=Path(options.name).name,
-        title=options.title or title,
-        control=control,
-        chain=said,
-        travel=reach,
-        least=options.least_increment,
-        diameter=kind.diameter if kind else (),
-        square={name: (value, how) for name, (value, how, _) in stated.items()},
-        backlash=play,
-        scale=scales,
-        home=options.home,
+        name=Path(options.name).name, title=options.title or title, control=control, chain=said,
+        travel=reach, least=options.least_increment, diameter=kind.diameter if kind else (),
+        square={name: (value, how) for name, (value, how, _) in stated.items()}, backlash=play,
+        scale=scales, home=options.home,
         square_u={name: u for name, (_, _, u) in stated.items() if u is not None},
         backlash_u=_of_two(play, options.u_gauge) | by_circles,
         scale_u=_of_two(scales, options.u_length),
-    )
+    )  # fmt: skip
     _of_chain(one, chain)
     return Path(options.output or f"machines/{one.name}"), first.folder(one)
 

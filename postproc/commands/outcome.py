@@ -114,39 +114,19 @@ def of(done: attempts.Attempt, program: bytes) -> Compensated:
     """What a finished attempt says."""
     filter_, summary = done.filter, done.filter.summary
     return Compensated(
-        program,
-        filter_.name,
-        filter_.machine.name,
-        filter_.machine.digest,
-        filter_.dialect.name,
-        summary.lines,
-        summary.motions,
-        summary.changed,
-        summary.added,
-        summary.largest / UM,
-        filter_.compensator.tolerance / UM,
-        done.why,
-        tuple(filter_.notices),
-        done.summary,
+        program, filter_.name, filter_.machine.name, filter_.machine.digest, filter_.dialect.name,
+        summary.lines, summary.motions, summary.changed, summary.added, summary.largest / UM,
+        filter_.compensator.tolerance / UM, done.why, tuple(filter_.notices), done.summary,
         verified_by(done.verifier) if done.verifier else None,
-    )
+    )  # fmt: skip
 
 
 def verified_by(verifier: Verifier) -> Verified:
     """What a verifier has measured."""
     after, before, known = verifier.corrected, verifier.uncorrected, verifier.map.known
     return Verified(
-        verifier.passed,
-        after.deviation / UM,
-        after.line,
-        before.deviation / UM,
-        before.line,
-        after.slide / UM,
-        verifier.tolerance / UM,
-        verifier.allowed / UM,
-        verifier.map.largest / UM if known.parts else None,
-        known.missing,
-        verifier.motions_in,
-        verifier.motions_out,
-        verifier.report(),
-    )
+        verifier.passed, after.deviation / UM, after.line, before.deviation / UM, before.line,
+        after.slide / UM, verifier.tolerance / UM, verifier.allowed / UM,
+        verifier.map.largest / UM if known.parts else None, known.missing, verifier.motions_in,
+        verifier.motions_out, verifier.report(),
+    )  # fmt: skip

@@ -164,15 +164,10 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
         (options.integers or "").replace("-", " "),
     )  # fmt: skip
     how = Options(
-        options.tolerance,
-        options.outside,
-        options.reversal,
-        options.ramp,
-        options.cut_rapids,
-        hole_tolerance=options.hole_tolerance,
-        hysteresis=options.hysteresis,
+        options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,
+        hole_tolerance=options.hole_tolerance, hysteresis=options.hysteresis,
         orientation=options.orientation,
-    )
+    )  # fmt: skip
     followed = None
     _with_temperatures(options)
     if getattr(options, "temperatures", None):

@@ -61,22 +61,13 @@ def arguments(parser: argparse.ArgumentParser, several: bool = False) -> None:
     """The options that say for which machine, how, and in which language: shared by all that read
     programs. several: whether they may be read for more than one machine."""
     option_text.add(
-        parser,
-        f"--machine NAME{' ...' * several}  {MACHINE}{OPTIONS}",
-        tolerance=values.tolerance,
-        hole_tolerance=values.hole_tolerance,
-        hysteresis=values.tolerance,
-        ramp=values.length,
-        temperature=(values.temperatures, {}),
-        only=(_names, ()),
-        pace=(values.factor, 1.0),
-        offset=values.offset,
-        expand={"action": argparse.BooleanOptionalAction, "default": None},
-        max_steps=(int, 10_000_000),
-        max_depth=(int, 50),
-        start=(values.place, {}),
+        parser, f"--machine NAME{' ...' * several}  {MACHINE}{OPTIONS}", tolerance=values.tolerance,
+        hole_tolerance=values.hole_tolerance, hysteresis=values.tolerance, ramp=values.length,
+        temperature=(values.temperatures, {}), only=(_names, ()), pace=(values.factor, 1.0),
+        offset=values.offset, expand={"action": argparse.BooleanOptionalAction, "default": None},
+        max_steps=(int, 10_000_000), max_depth=(int, 50), start=(values.place, {}),
         arc_centre="incremental",
-    )
+    )  # fmt: skip
 
 
 def _names(text: str) -> tuple[str, ...]:

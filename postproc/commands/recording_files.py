@@ -36,17 +36,9 @@ def reading_arguments(parser: argparse.ArgumentParser) -> None:
     """The options that say what a recording's file leaves open: shared by all commands that read
     recordings."""
     option_text.add(
-        parser,
-        OPTIONS,
-        format="",
-        axis="",
-        component="",
-        unit="",
-        layout="",
-        sheet="",
-        others=(values.place, {}),
-        machine_name="",
-    )
+        parser, OPTIONS, format="", axis="", component="", unit="", layout="", sheet="",
+        others=(values.place, {}), machine_name="",
+    )  # fmt: skip
 
 
 def reading_options(options: argparse.Namespace) -> ReadingOptions:
@@ -59,20 +51,13 @@ def reading_options(options: argparse.Namespace) -> ReadingOptions:
                 f"axes: {' '.join(AXES)}",
             )
     return ReadingOptions(
-        options.axis,
-        options.component,
-        options.unit,
+        options.axis, options.component, options.unit,
         None if options.bidirectional is None else options.bidirectional == "yes",
-        {"+": 1, "-": -1, None: 0}[options.first],
-        options.layout,
-        options.sheet,
-        _pairs("--column", options.column),
-        dict(options.others),
-        options.machine_name,
-        not options.lenient,
-        _pairs("--set", options.set),
+        {"+": 1, "-": -1, None: 0}[options.first], options.layout, options.sheet,
+        _pairs("--column", options.column), dict(options.others), options.machine_name,
+        not options.lenient, _pairs("--set", options.set),
         {k: _toml(k, v) for k, v in _pairs("--head", options.head).items()},
-    )
+    )  # fmt: skip
 
 
 def read_files(paths: list[str], format: str, options: ReadingOptions) -> list[Recording]:

@@ -187,32 +187,20 @@ def _entry(everywhere: Section, one: Section, base: ReadingOptions, format: str)
             advice = 'sign = 1 or -1; first = "+" or "-"'
             raise one.fault(key, f"{key} = {one.get(key)!r}", advice)
     options = replace(
-        base,
-        axis=said("axis", base.axis),
-        component=said("component", base.component),
-        unit=said("unit", base.unit),
-        bidirectional=said("bidirectional", base.bidirectional),
-        first={"+": 1, "-": -1, "": base.first}[first],
-        layout=said("layout", base.layout),
-        sheet=said("sheet", base.sheet),
-        machine=said("machine", base.machine),
+        base, axis=said("axis", base.axis), component=said("component", base.component),
+        unit=said("unit", base.unit), bidirectional=said("bidirectional", base.bidirectional),
+        first={"+": 1, "-": -1, "": base.first}[first], layout=said("layout", base.layout),
+        sheet=said("sheet", base.sheet), machine=said("machine", base.machine),
         columns=base.columns | {k: str(v) for k, v in said("column", {}).items()},
         strict=base.strict and not said("lenient", False),
         extra=base.extra | {k: str(v) for k, v in said("set", {}).items()},
-        head=base.head | everywhere.get("head", {}) | one.get("head", {}),
-        others={},
-    )
+        head=base.head | everywhere.get("head", {}) | one.get("head", {}), others={},
+    )  # fmt: skip
     stood = {x: v for x, v in (base.others | others).items() if x != moved.upper()}
     return Entry(
-        path,
-        said("format", format),
-        options,
-        stood,
-        frozenset(one.get("others", {})),
-        sign,
-        numbers("temperature"),
-        str(one.toml.path),
-    )
+        path, said("format", format), options, stood, frozenset(one.get("others", {})), sign,
+        numbers("temperature"), str(one.toml.path),
+    )  # fmt: skip
 
 
 class _Words(argparse.ArgumentParser):

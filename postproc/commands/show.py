@@ -33,11 +33,8 @@ def run(options: argparse.Namespace) -> int:
     from postproc.pages import program
 
     options.verify, options.in_place, options.unbuffered, options.filter_progress = (
-        True,
-        False,
-        False,
-        False,
-    )
+        True, False, False, False,
+    )  # fmt: skip
     options.report = options.output or "browser"
     if options.output:
         standing.result(options.output, marks.PAGE, "another name")

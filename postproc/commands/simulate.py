@@ -32,16 +32,9 @@ HELP = (
 )
 EXAMPLE = "gcomp simulate --test positioning:Z --machine studer-s36 --noise 0.5 --seed 1 -o z.csv"
 NOT_HERE = (
-    "tolerance",
-    "hole_tolerance",
-    "hysteresis",
-    "reversal",
-    "ramp",
-    "outside",
-    "cut_rapids",
-    "orientation",
-    "temperatures",
-)
+    "tolerance", "hole_tolerance", "hysteresis", "reversal", "ramp", "outside", "cut_rapids",
+    "orientation", "temperatures",
+)  # fmt: skip
 
 
 def run(options: argparse.Namespace) -> int:

@@ -55,29 +55,14 @@ file? PROGRAM  the program; - is standard input
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading_options.arguments(parser)
     option_text.add(
-        parser,
-        OPTIONS,
-        **{"with": {"dest": "terms"}},
-        set={"type": pair, "dest": "settings"},
-        parts=(values.count, 1),
-        noise=(values.size, 0.0),
-        tails=(tails, 0.0),
-        seed=(values.seed, 0),
-        resolution=(values.size, 0.0),
-        zero=(zero, 0.0),
-        sensor_noise=(values.size, 0.0),
-        without="",
-        corner=(length, 0.01),
-        feed=(values.size, math.nan),
-        cycle=(values.size, 0.001),
-        play=length,
-        air=(values.number, 20.0),
-        air_drift=(values.number, 0.0),
-        screw_gain=(values.size, 0.8),
-        screw_time=(values.size, 1800.0),
-        force=force,
-        begin=(values.size, 0.0),
-    )
+        parser, OPTIONS, **{"with": {"dest": "terms"}}, set={"type": pair, "dest": "settings"},
+        parts=(values.count, 1), noise=(values.size, 0.0), tails=(tails, 0.0),
+        seed=(values.seed, 0), resolution=(values.size, 0.0), zero=(zero, 0.0),
+        sensor_noise=(values.size, 0.0), without="", corner=(length, 0.01),
+        feed=(values.size, math.nan), cycle=(values.size, 0.001), play=length,
+        air=(values.number, 20.0), air_drift=(values.number, 0.0), screw_gain=(values.size, 0.8),
+        screw_time=(values.size, 1800.0), force=force, begin=(values.size, 0.0),
+    )  # fmt: skip
 
 
 def pair(word: str) -> tuple[str, str]:

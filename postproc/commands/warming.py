@@ -63,14 +63,9 @@ def of(
     if live:
         read = log.Newest(read, _fresh(name, read, used))
     heat = Heat(
-        found,
-        read,
-        begin,
-        options.pace,
-        _rates(options, machine, dialect),
-        steps(found, tolerance),
-        live or options.hold_temperature,
-    )
+        found, read, begin, options.pace, _rates(options, machine, dialect),
+        steps(found, tolerance), live or options.hold_temperature,
+    )  # fmt: skip
     notices += _notices(machine, heat, out)
     return growth.following(machine, found), heat
 

@@ -47,15 +47,9 @@ EXTRA = {
 }
 WORD = re.compile(r"\$AN_CEC(_[A-Z_]+)?\s*\[([^\]]*)\]\s*=\s*(\S+)", re.IGNORECASE)
 KEYS = (
-    "_INPUT_AXIS",
-    "_OUTPUT_AXIS",
-    "_STEP",
-    "_MIN",
-    "_MAX",
-    "_DIRECTION",
-    "_MULT_BY_TABLE",
+    "_INPUT_AXIS", "_OUTPUT_AXIS", "_STEP", "_MIN", "_MAX", "_DIRECTION", "_MULT_BY_TABLE",
     "_IS_MODULO",
-)
+)  # fmt: skip
 
 
 def _sign(options: ExportOptions) -> float:

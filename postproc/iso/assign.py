@@ -121,19 +121,9 @@ def _along_axis(recording: Recording, letter: str, at: dict[str, float]) -> Moti
     approach = _approach(recording, [letter], {letter: 1.0})
     told = ("readings were taken towards - of the axis: their sign is turned",) if sign < 0 else ()
     return Motion(
-        test,
-        subject,
-        letter,
-        {letter: 1.0},
-        stood,
-        recording.position(letter),
-        approach,
-        sign * recording.reading,
-        run,
-        recording,
-        why,
-        (*told, *_left_out(recording, approach)),
-    )
+        test, subject, letter, {letter: 1.0}, stood, recording.position(letter), approach,
+        sign * recording.reading, run, recording, why, (*told, *_left_out(recording, approach)),
+    )  # fmt: skip
 
 
 def _of_angle(
@@ -206,19 +196,11 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
     )
     shown = " ".join(f"{x}{unit[x]:+.3f}" for x in axes)
     return Motion(
-        "diagonal",
-        name,
-        axes,
-        unit,
-        stood,
-        position - position.min(),
-        approach,
-        np.sign(cosine) * recording.reading,
-        recording.columns.get("run", np.ones(len(recording))),
-        recording,
-        f"{', '.join(axes)} move together along {shown}, displacement is read along it",
+        "diagonal", name, axes, unit, stood, position - position.min(), approach,
+        np.sign(cosine) * recording.reading, recording.columns.get("run", np.ones(len(recording))),
+        recording, f"{', '.join(axes)} move together along {shown}, displacement is read along it",
         (*told, *_left_out(recording, approach)),
-    )
+    )  # fmt: skip
 
 
 def _approach(recording: Recording, letters: list[str], unit: dict[str, float]) -> np.ndarray:

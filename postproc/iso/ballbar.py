@@ -148,20 +148,11 @@ def result_of(recording: Recording, options: Options) -> Result:
         f" {b}{a} back, {len(back)} runs"
     )
     return Result(
-        "circle",
-        "ISO 230-4",
-        f"{axes}, radius {recording.head['radius_mm']:g} mm{said}",
-        why,
-        "um",
-        (recording.file,),
-        tuple(combined(p, terms, p.runs) for p in parameters),
-        terms,
-        (*recording.notices, *notices),
-        _noise(recording),
-        _columns(axes, found),
-        found,
+        "circle", "ISO 230-4", f"{axes}, radius {recording.head['radius_mm']:g} mm{said}", why,
+        "um", (recording.file,), tuple(combined(p, terms, p.runs) for p in parameters), terms,
+        (*recording.notices, *notices), _noise(recording), _columns(axes, found), found,
         causes(axes, found, feed),
-    )
+    )  # fmt: skip
 
 
 def _circular(senses: dict[str, list[Trace]]) -> list[Parameter]:

@@ -187,14 +187,11 @@ def _drift(recording: Recording) -> Drift:
     turns = rpm[np.isfinite(rpm)]  # an empty column says nothing of it
     arm = recording.head.get("arm_mm", float("nan"))
     return Drift(
-        recording,
-        letter,
-        recording.columns["t_s"][order],
-        float(np.sign(sign)) * recording.reading[order],
-        bool((turns != 0).any()),
+        recording, letter, recording.columns["t_s"][order],
+        float(np.sign(sign)) * recording.reading[order], bool((turns != 0).any()),
         float(arm) if isinstance(arm, int | float) else float("nan"),
         str(recording.head.get("arm_along", "Z")),
-    )
+    )  # fmt: skip
 
 
 def _range(time: np.ndarray, reading: np.ndarray) -> tuple[float, str]:

@@ -114,38 +114,23 @@ def _along(axes: Any, result: Result) -> None:
             rows = np.flatnonzero((test.way == way) & (test.run == run))
             rows = rows[np.argsort(test.position[rows], kind="stable")]
             axes.plot(
-                test.position[rows],
-                test.reading[rows] / unit,
-                ".",
-                color=colour,
-                ms=3,
-                alpha=0.45,
+                test.position[rows], test.reading[rows] / unit, ".", color=colour, ms=3, alpha=0.45,
                 lw=0,
-            )
+            )  # fmt: skip
     for row, (sign, colour) in enumerate((("+", UP), ("-", DOWN))):
         mean, s = test.mean[row] / unit, test.s[row] / unit
         there = np.isfinite(mean)
         if not there.any():
             continue
         axes.plot(
-            x[there],
-            mean[there],
-            "-o",
-            color=colour,
-            ms=3.5,
-            lw=1.4,
+            x[there], mean[there], "-o", color=colour, ms=3.5, lw=1.4,
             label=f"mean, approached in {sign}",
-        )
+        )  # fmt: skip
         if np.isfinite(s).any():
             axes.fill_between(
-                x,
-                mean - 2 * s,
-                mean + 2 * s,
-                color=colour,
-                alpha=0.12,
-                lw=0,
+                x, mean - 2 * s, mean + 2 * s, color=colour, alpha=0.12, lw=0,
                 label=f"mean {sign} $\\pm$ 2s",
-            )
+            )  # fmt: skip
     if test.two_way:
         axes.plot(x, test.middle / unit, "--", color=GREY, lw=1, label="mean, two-way")
     if isinstance(result.detail, Straightness):
@@ -245,14 +230,10 @@ def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits:
     last = at > 0.8 * len(test.target)
     axes.annotate(
         f"B {number(result['B'].value / unit, digits)} {_micro(result)}",
-        (test.target[at], (up + down) / 2),
-        (-5 if last else 5, 0),
-        textcoords="offset points",
-        ha="right" if last else "left",
-        va="center",
-        fontsize=8,
+        (test.target[at], (up + down) / 2), (-5 if last else 5, 0), textcoords="offset points",
+        ha="right" if last else "left", va="center", fontsize=8,
         bbox={"boxstyle": "round,pad=0.15", "fc": GROUND, "ec": "none", "alpha": 0.8},
-    )
+    )  # fmt: skip
 
 
 def _values(result: Result) -> str:

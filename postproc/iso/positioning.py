@@ -158,16 +158,9 @@ def evaluate(
     s[(n < 2) | long] = np.nan
     mean[n == 0] = np.nan
     return Positioning(
-        target,
-        n.reshape(2, m),
-        mean.reshape(2, m) + zero,
-        s.reshape(2, m),
-        long,
-        position,
-        reading,
-        approach,
-        run,
-    )
+        target, n.reshape(2, m), mean.reshape(2, m) + zero, s.reshape(2, m), long, position,
+        reading, approach, run,
+    )  # fmt: skip
 
 
 def spacing(target: np.ndarray) -> float | None:

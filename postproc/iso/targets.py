@@ -66,19 +66,10 @@ def result_of(motion: Motion, options: Options) -> Result:
         notices.append("one run: s, R and A are not defined, and U holds no scatter")
     noise = noise_of(test.s, test.n)
     return Result(
-        motion.test,
-        STANDARD[motion.test],
-        subject(motion),
-        motion.why,
-        "urad" if angle else "um",
-        (motion.recording.file,),
-        parameters,
-        terms,
-        tuple(notices),
-        _noise(motion, noise.s if noise else 0.0),
-        _columns(test, angle, detail),
-        detail,
-    )
+        motion.test, STANDARD[motion.test], subject(motion), motion.why, "urad" if angle else "um",
+        (motion.recording.file,), parameters, terms, tuple(notices),
+        _noise(motion, noise.s if noise else 0.0), _columns(test, angle, detail), detail,
+    )  # fmt: skip
 
 
 def _line(motion: Motion, test: Positioning, options: Options) -> Straightness:

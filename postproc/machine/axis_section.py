@@ -20,19 +20,9 @@ from postproc.machine.tables import COMPONENTS, GridTable
 from postproc.machine.toml_file import Section, TomlFile
 
 KEYS = {
-    "travel",
-    "least_increment",
-    "table",
-    "measured_at",
-    "max_velocity",
-    "max_acceleration",
-    "max_jerk",
-    "centre",
-    "optic",
-    "by",
-    "heat",
-    "left_out",
-}
+    "travel", "least_increment", "table", "measured_at", "max_velocity", "max_acceleration",
+    "max_jerk", "centre", "optic", "by", "heat", "left_out",
+}  # fmt: skip
 UNCERTAINTY = "_uncertainty.csv"  # behind the axis' letter
 
 
@@ -71,20 +61,12 @@ def read_axis(
             "what the measured point was fixed to: tool or workpiece",
         )
     return Axis(
-        letter,
-        travel,
-        least,
-        measured,
-        table,
-        optic,
-        _centre(section, letter),
-        grids=_grids(section, letter, digest, limits),
-        expansion=heat(section),
-        uncertainty=uncertainty,
-        left_out=_left_out(section, letter),
+        letter, travel, least, measured, table, optic, _centre(section, letter),
+        grids=_grids(section, letter, digest, limits), expansion=heat(section),
+        uncertainty=uncertainty, left_out=_left_out(section, letter),
         centre_stated=tuple(section.get("centre", {})),
         velocity=section.number("max_velocity", 0.0) / 60.0,
-    )
+    )  # fmt: skip
 
 
 def _travel(section: Section) -> tuple[float, float]:

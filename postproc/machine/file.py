@@ -84,28 +84,18 @@ def read_machine(folder: Path) -> Machine:
     tool = toml.section("tool")
     tool.check_keys(KEYS["tool"])
     return Machine(
-        name=top.string("name", folder.name),
-        title=top.string("title", ""),
-        control=top.string("control"),
-        chain=chain,
-        axes=axes,
-        diameter=diameter,
-        square=squareness(toml, axes),
-        tool=np.array([tool.number(x, 0.0) for x in XYZ]),
-        control_tables=_control_tables(toml, digest),
-        offsets=_offsets(toml, axes),
-        limits=limits,
-        effects=read_effects(toml, axes),
-        source=top.string("source", ""),
+        name=top.string("name", folder.name), title=top.string("title", ""),
+        control=top.string("control"), chain=chain, axes=axes, diameter=diameter,
+        square=squareness(toml, axes), tool=np.array([tool.number(x, 0.0) for x in XYZ]),
+        control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits,
+        effects=read_effects(toml, axes), source=top.string("source", ""),
         digest=digest.hexdigest()[:8],
         reversal=_one_of(top, "reversal", "step", REVERSALS, f"one of {', '.join(REVERSALS)}"),
-        home=_home(top, axes),
-        square_u=squareness_u(toml, axes),
-        signs=_one_of(top, "signs", "", ("", *SIGNS), VERIFIED),
-        tool_stated="tool" in top,
+        home=_home(top, axes), square_u=squareness_u(toml, axes),
+        signs=_one_of(top, "signs", "", ("", *SIGNS), VERIFIED), tool_stated="tool" in top,
         tool_point=read_tool_point(toml),
         square_stated=tuple(name for name in toml.section("squareness").data if name != "u"),
-    )
+    )  # fmt: skip
 
 
 def _one_of(section: Section, key: str, default: str, known: Collection[str], advice: str) -> str:
@@ -225,14 +215,9 @@ def _control_table(entry: Section, digest) -> ControlTable:
     if not isinstance(more, dict):
         raise entry.fault("set", f"set = {more!r}", 'like set = { type = "1" }')
     return ControlTable(
-        entry.string("control"),
-        files.get("file"),
-        files.get("settings"),
-        measured == "on",
-        active,
-        entry.string("axis", ""),
-        {k: str(v) for k, v in more.items()},
-    )
+        entry.string("control"), files.get("file"), files.get("settings"), measured == "on", active,
+        entry.string("axis", ""), {k: str(v) for k, v in more.items()},
+    )  # fmt: skip
 
 
 def _control_file(entry: Section, key: str, digest) -> Path:

@@ -158,14 +158,9 @@ def _bars(k: int, one: Outcome) -> charts.Figure:
         _with_u([(c, c.after) for c in shown], "after", unit),
     ]
     return charts.figure(
-        f"parameters-{k}",
-        "Parameters before and after, with U (95 %) where it is known.",
-        data,
-        "",
-        one.unit,
-        280,
-        yaxis={"rangemode": "tozero"},
-    )
+        f"parameters-{k}", "Parameters before and after, with U (95 %) where it is known.", data,
+        "", one.unit, 280, yaxis={"rangemode": "tozero"},
+    )  # fmt: skip
 
 
 def _with_u(shown: list[tuple[Change, Parameter]], role: str, unit: float) -> charts.Trace:

@@ -125,14 +125,9 @@ def features(d: Diagnosis) -> charts.Figure:
             )
     half = [left.Z95 * float(np.median(floor(d)[d.rows.signal == s])) * UM for s in own]
     bars = charts.bars(
-        charts.column(2 * np.array(half), 3),
-        [labels[s] for s in own],
-        "95 % of the noise",
-        "noise",
-        orientation="h",
-        base=charts.column(-np.array(half), 3),
-        hoverinfo="skip",
-    )
+        charts.column(2 * np.array(half), 3), [labels[s] for s in own], "95 % of the noise",
+        "noise", orientation="h", base=charts.column(-np.array(half), 3), hoverinfo="skip",
+    )  # fmt: skip
     return charts.figure(
         "features",
         "Features of parts: what the machine's file leaves, and what is left with the effects"

@@ -208,13 +208,9 @@ def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str)
     doubt = "" if axis.uncertainty is not None else " How well they are known is not stated."
     return charts.figure(
         f"axis-{axis.letter}-{what}",
-        f"{what.capitalize()} of {axis.letter}, actual - commanded, over its travel.{doubt}",
-        data,
-        f"{axis.letter}, {place}",
-        unit,
-        320,
-        xaxis={"range": list(_shown(axis))},
-    )
+        f"{what.capitalize()} of {axis.letter}, actual - commanded, over its travel.{doubt}", data,
+        f"{axis.letter}, {place}", unit, 320, xaxis={"range": list(_shown(axis))},
+    )  # fmt: skip
 
 
 def _ways(

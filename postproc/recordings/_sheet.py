@@ -88,14 +88,9 @@ def find(source: Source, table: text.Table) -> Sheet:
     target, columns = _targets_and_readings(headings)
     line = table.rows[top - 1][0] if used else table.rows[top][0]
     return Sheet(
-        table.rows[top:bottom],
-        headings,
-        target,
-        columns,
-        pairs(table.rows[: top - used]),
-        pairs(table.rows[bottom:]),
-        line,
-    )
+        table.rows[top:bottom], headings, target, columns, pairs(table.rows[: top - used]),
+        pairs(table.rows[bottom:]), line,
+    )  # fmt: skip
 
 
 def _belongs(table: text.Table, cells: list[str], width: int) -> bool:

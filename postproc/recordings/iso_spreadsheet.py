@@ -23,16 +23,8 @@ from postproc.recordings._units import Unit
 
 TITLE = "ISO 230-2 sheet as CSV (interleaved, blocks or long)"
 TAKES = (
-    "axis",
-    "component",
-    "unit",
-    "bidirectional",
-    "first",
-    "layout",
-    "others",
-    "machine",
-    "head",
-)
+    "axis", "component", "unit", "bidirectional", "first", "layout", "others", "machine", "head",
+)  # fmt: skip
 EXTRA = {
     "decimal": ". or ,: the decimal sign, where it is not clear",
     "position_unit": "mm, inch or deg: of the targets",

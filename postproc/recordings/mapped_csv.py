@@ -24,16 +24,8 @@ from postproc.recordings import _units as units
 
 TITLE = "any CSV, by --column NAME=HEADING"
 TAKES = (
-    "axis",
-    "component",
-    "unit",
-    "bidirectional",
-    "first",
-    "columns",
-    "others",
-    "machine",
-    "head",
-)
+    "axis", "component", "unit", "bidirectional", "first", "columns", "others", "machine", "head",
+)  # fmt: skip
 EXTRA = {
     "decimal": ". or ,: the decimal sign, where it is not clear",
     "delimiter": "tab, semicolon, bar or comma, where it is not clear",

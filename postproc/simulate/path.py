@@ -85,14 +85,10 @@ class Curves:
         """The parts from t0 to t1 (n,)."""
         dt, dr = t1 - t0, self.r1 - self.r0
         return replace(
-            self,
-            base=self.base + self.axial * t0,
-            axial=self.axial * dt,
-            phi=self.phi + self.sweep * t0,
-            sweep=self.sweep * dt,
-            r0=self.r0 + dr * t0,
+            self, base=self.base + self.axial * t0, axial=self.axial * dt,
+            phi=self.phi + self.sweep * t0, sweep=self.sweep * dt, r0=self.r0 + dr * t0,
             r1=self.r0 + dr * t1,
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -193,16 +189,13 @@ def of(steps: Steps, letters: tuple[str, ...], corner: float) -> Path:
     gone = np.sqrt(((lines["end"] - lines["begin"])[linear] ** 2).sum(axis=0))
     gone = np.where(turns[straight], length[straight], gone)
     path = Path(
-        letters=letters,
-        begin=np.concatenate([lines["begin"], ends[0]], axis=1)[:, order],
+        letters=letters, begin=np.concatenate([lines["begin"], ends[0]], axis=1)[:, order],
         end=np.concatenate([lines["end"], ends[1]], axis=1)[:, order],
         length=np.concatenate([gone, curves.length(np.ones(m))])[order],
         step=step[order].astype(np.int64),
-        curve=np.concatenate([np.full(n, -1), np.arange(m)])[order],
-        curves=curves,
-        turns=np.concatenate([turns[straight], np.zeros(m, bool)])[order],
-        steps=steps,
-    )
+        curve=np.concatenate([np.full(n, -1), np.arange(m)])[order], curves=curves,
+        turns=np.concatenate([turns[straight], np.zeros(m, bool)])[order], steps=steps,
+    )  # fmt: skip
     return path
 
 
@@ -218,15 +211,9 @@ def _arcs(steps: Steps, begin: np.ndarray, end: np.ndarray, of: np.ndarray) -> C
         base[axis, column] = centre
         axial[axis, column] = 0.0
     return Curves(
-        base,
-        axial,
-        e1,
-        e2,
-        arcs.angle[row],
-        arcs.sweep[row],
-        arcs.radius[row],
+        base, axial, e1, e2, arcs.angle[row], arcs.sweep[row], arcs.radius[row],
         arcs.radius_end[row],
-    )
+    )  # fmt: skip
 
 
 def _cut_corners(

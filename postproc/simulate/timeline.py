@@ -100,21 +100,16 @@ class Timeline:
         slides = {x: i for x, i in rows.items() if x in XYZ}
         gone = np.abs(place - self.path.begin[:, own])
         return State(
-            position=_by_axis(rows, place),
-            approach=_by_axis(rows, turns.approach[:, own]),
+            position=_by_axis(rows, place), approach=_by_axis(rows, turns.approach[:, own]),
             travel={x: self.machine.axes[x].travel for x in rows},
-            velocity=_by_axis(rows, velocity),
-            acceleration=_by_axis(rows, acceleration),
+            velocity=_by_axis(rows, velocity), acceleration=_by_axis(rows, acceleration),
             distance=_by_axis(rows, np.minimum(turns.distance[:, own] + gone, history.FAR)),
             since=_by_axis(rows, np.minimum(time - turns.since[:, own], history.FAR)),
-            time=time + self.conditions.begin,
-            run=run,
-            channels=self._channels(time, own, run, slides),
-            angles=self._angles(place, own, rows),
-            beam=np.zeros(len(time)),
-            passage=run - 1.0 if sampled else np.full(len(time), -1.0),
+            time=time + self.conditions.begin, run=run,
+            channels=self._channels(time, own, run, slides), angles=self._angles(place, own, rows),
+            beam=np.zeros(len(time)), passage=run - 1.0 if sampled else np.full(len(time), -1.0),
             file=np.zeros(len(time)),
-        )
+        )  # fmt: skip
 
     def _channels(self, time, piece, run, slides) -> dict[str, np.ndarray]:
         warm, step = self.warmth, self.path.step[piece]

@@ -63,18 +63,9 @@ def head(
     source line may have been executed more than once; zero, offsets, place: the controller's, when
     the job began."""
     return _record(
-        format=FORMAT,
-        program=program,
-        sha256=sha256,
-        machine=machine,
-        map=digest,
-        holds=holds,
-        begin=begin,
-        expanded=expanded,
-        zero=zero,
-        offsets=offsets or {},
-        place_mm=list(place),
-    )
+        format=FORMAT, program=program, sha256=sha256, machine=machine, map=digest, holds=holds,
+        begin=begin, expanded=expanded, zero=zero, offsets=offsets or {}, place_mm=list(place),
+    )  # fmt: skip
 
 
 def zeros(offsets: dict[str, dict[str, float]]) -> bytes:
@@ -90,15 +81,10 @@ def record(kind: str, what: object, t: float, executed: int = 0) -> bytes:
         if kind == "sent":
             um = [round(c * 1000, 2) for c in what.correction]
             return _record(
-                t=time,
-                sent=what.number,
-                source=what.source,
-                piece=what.piece,
-                text=what.text.decode("ascii", "replace"),
-                correction_um=um,
-                **({"file": what.file} if what.file else {}),
-                **_way(what),
-            )
+                t=time, sent=what.number, source=what.source, piece=what.piece,
+                text=what.text.decode("ascii", "replace"), correction_um=um,
+                **({"file": what.file} if what.file else {}), **_way(what),
+            )  # fmt: skip
         return _record(t=time, **{kind: what.number})
     if isinstance(what, Status):
         detail = {"detail": what.detail} if what.detail else {}

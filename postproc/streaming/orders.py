@@ -16,14 +16,8 @@ from postproc.streaming.events import Accepted, Alarm, Message, Rejected, Restar
 from postproc.streaming.protocols import Protocol
 
 RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND = (
-    "reset",
-    "resume",
-    "unlock",
-    "home",
-    "jog",
-    "zero",
-    "send",
-)
+    "reset", "resume", "unlock", "home", "jog", "zero", "send",
+)  # fmt: skip
 WORDS = (RESET, RESUME, UNLOCK, HOME, JOG, ZERO, SEND)
 JOG_FEED = 500.0  # mm/min
 AXIS = re.compile(r"([XYZABCUVW])([-+]?[0-9]*\.?[0-9]+)", re.IGNORECASE)

@@ -102,16 +102,10 @@ def with_rest(
     """The outcome with what is certain and what is not; last: the line answered last; at, unsure:
     where the tool is, and the first line that may not be over."""
     return Outcome(
-        outcome.kind,
-        outcome.message,
-        outcome.advice,
-        last.number if last else 0,
-        tuple(line for line in unanswered if line.number > 0),
-        tuple(tally.rejected),
-        last.source if last else 0,
-        at,
-        unsure,
-    )
+        outcome.kind, outcome.message, outcome.advice, last.number if last else 0,
+        tuple(line for line in unanswered if line.number > 0), tuple(tally.rejected),
+        last.source if last else 0, at, unsure,
+    )  # fmt: skip
 
 
 def verdict(tally: Tally, off: float | None, check: bool) -> tuple[str, str, str]:

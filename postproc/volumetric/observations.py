@@ -283,15 +283,9 @@ def _stair(
         return None
     leans = len(stairs.across(aside))
     return _picked(
-        base,
-        which,
-        kind="stair",
-        value=recording.reading[which],
-        along=along,
-        aside=aside,
-        start=np.zeros(1 + leans),
-        loose=stairs.held(recording, leans),
-    )
+        base, which, kind="stair", value=recording.reading[which], along=along, aside=aside,
+        start=np.zeros(1 + leans), loose=stairs.held(recording, leans),
+    )  # fmt: skip
 
 
 def _aligned(value: np.ndarray, nominal: np.ndarray) -> np.ndarray:

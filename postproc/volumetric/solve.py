@@ -107,16 +107,11 @@ def fit(rows: Sequence[Rows], unknowns: Unknowns) -> Fit:
     if not any(said):
         chi, free = 1.0, sum(free for _, free in found.values())
     return Fit(
-        unknowns,
-        one.x[: unknowns.number],
-        one.inverse[: unknowns.number, : unknowns.number] * factor,
-        tuple(rows),
-        tuple(part * r.counted for part, r in zip(left, rows, strict=True)),
-        float(chi),
-        max(round(free), 1),
-        bool(widened),
-        float(factor),
-    )
+        unknowns, one.x[: unknowns.number],
+        one.inverse[: unknowns.number, : unknowns.number] * factor, tuple(rows),
+        tuple(part * r.counted for part, r in zip(left, rows, strict=True)), float(chi),
+        max(round(free), 1), bool(widened), float(factor),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

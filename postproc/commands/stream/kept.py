@@ -45,15 +45,7 @@ def journal_of(options: argparse.Namespace, machine, job: jobs.Job, holds: int):
     sha = job.copy.digest if job.copy else ""
     place_now = [job.live.place.get(x) for x in machine.letters]
     head = journals.head(
-        job.name,
-        sha,
-        machine.name,
-        machine.digest,
-        holds,
-        job.begin,
-        options.expand,
-        jobs.zero_done(options),
-        job.live.work,
-        place_now,
-    )
+        job.name, sha, machine.name, machine.digest, holds, job.begin, options.expand,
+        jobs.zero_done(options), job.live.work, place_now,
+    )  # fmt: skip
     return JournalFile(place, head)

@@ -65,16 +65,9 @@ file? FILE  the program; - or nothing: standard input
 def arguments(parser: argparse.ArgumentParser) -> None:
     reading_options.arguments(parser)
     option_text.add(
-        parser,
-        OPTIONS,
-        protocol="auto",
-        baud=int,
-        on_error="stop",
-        check_first="auto",
-        spindle_at_stop="off",
-        safe_z=float,
-        safe_x=float,
-    )
+        parser, OPTIONS, protocol="auto", baud=int, on_error="stop", check_first="auto",
+        spindle_at_stop="off", safe_z=float, safe_x=float,
+    )  # fmt: skip
 
 
 def frame(options: argparse.Namespace) -> tuple[int, str, int]:

@@ -112,14 +112,10 @@ def _at(base: State, reality: Reality, axis: str, off: float, material: float) -
     still = {x: np.zeros(n) for x in position}
     channels = base.channels | {"material": np.full(n, material)}
     return replace(
-        base,
-        position=position,
-        approach={x: np.ones(n) for x in position},
-        velocity=still,
-        acceleration=still,
-        distance={x: np.full(n, history.FAR) for x in position},
+        base, position=position, approach={x: np.ones(n) for x in position}, velocity=still,
+        acceleration=still, distance={x: np.full(n, history.FAR) for x in position},
         channels=channels,
-    )
+    )  # fmt: skip
 
 
 def _of_material(reality: Reality, state: State, last: np.ndarray, axis: str) -> np.ndarray:

@@ -287,16 +287,12 @@ class Grbl(Protocol):
         feed, speed = (*fields.get("FS", fields.get("F", ())), None, None)[:2]
         planner, room = ([int(v) for v in fields.get("Bf", ())] + [0, 0])[:2]
         return Status(
-            state,
-            found[2] or "",
-            self._machine_place(fields, per),
-            None if feed is None else feed * per,
-            speed,
+            state, found[2] or "", self._machine_place(fields, per),
+            None if feed is None else feed * per, speed,
             (planner, room) if len(fields.get("Bf", ())) == 2 else None,
-            int(fields["Ln"][0]) if "Ln" in fields else None,
-            tuple(fields.get("Ov", ())),
+            int(fields["Ln"][0]) if "Ln" in fields else None, tuple(fields.get("Ov", ())),
             self._shift,
-        )
+        )  # fmt: skip
 
     def _machine_place(
         self, fields: dict[str, list[float]], per: float
