@@ -319,15 +319,9 @@ def _circles(
                 f"{files}: lost motion of {x} is {play / UM:+.2f} um beyond the map (u ="
                 f" {u / UM:.2f})"
             )
-            findings.append(
-                Finding(
-                    "ballbar",
-                    level,
-                    f"E{x}{x}",
-                    text,
-                    {"play_um": play / UM},
-                )
-            )
+            findings.append(Finding(
+                "ballbar", level, f"E{x}{x}", text, {"play_um": play / UM},
+            ))  # fmt: skip
         text = (
             f"{files}: the scale of {plane[0]} is {one.scale / URAD:+.1f} um/m more than that of"
             f" {plane[1]} beyond the map (u = {one.u['scale'] / URAD:.1f}), {one.rms / UM:.2f} um"

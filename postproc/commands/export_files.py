@@ -107,15 +107,11 @@ def components(
         size = None
         if table is not None:
             size = max(np.abs(table.forward).max(), np.abs(table.reverse).max())
-        rows.append(
-            {
-                "name": name,
-                "nodes": None if table is None else len(table.nodes),
-                "largest_um": um(size),
-                "left_um": um(export.remainder.get(name)),
-                "u_um": um(None if u is None else u.max()),
-            }
-        )
+        rows.append({
+            "name": name, "nodes": None if table is None else len(table.nodes),
+            "largest_um": um(size), "left_um": um(export.remainder.get(name)),
+            "u_um": um(None if u is None else u.max()),
+        })  # fmt: skip
     return rows
 
 

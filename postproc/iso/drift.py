@@ -150,17 +150,12 @@ def tilts_of(found: list[Drift], options: Options) -> list[Result]:
         name = f"{'d' if one.spindle else 'ETVE_'}{ABOUT[one.tool, one.letter]}"
         size, at = _range(time, angle)
         U = _of_tilt(one, other, options)
-        out.append(
-            Result(
-                "tilt at rest",
-                "ISO 230-3",
-                name,
-                f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}",
-                "urad",
-                (one.recording.file, other.recording.file),
-                (Parameter(name, size, "range of the tilt", at, U),),
-            )
-        )
+        out.append(Result(
+            "tilt at rest", "ISO 230-3", name,
+            f"two pickups along {one.letter}, {abs(apart):g} mm apart along {one.tool}", "urad",
+            (one.recording.file, other.recording.file),
+            (Parameter(name, size, "range of the tilt", at, U),),
+        ))  # fmt: skip
     return out
 
 

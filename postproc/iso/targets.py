@@ -227,22 +227,12 @@ def diagonals_of(found: list[tuple[Motion, Result]]) -> list[Result]:
                 name += f" ({motion.recording.file})"
             tests[name] = result.detail
         results = dict(zip(tests, (r for _, r in members), strict=True))
-        out.append(
-            Result(
-                "diagonals",
-                "ISO 230-6",
-                f"{axes} diagonals",
-                f"{len(members)} diagonals of {axes}",
-                "um",
-                tuple(m.recording.file for m, _ in members),
-                tuple(_of_diagonals(tests, results)),
-                (),
-                (diagonals.LIMIT, *_absent(axes, {m.subject for m, _ in members})),
-                max(r.noise for _, r in members),
-                _by_diagonal(tests),
-                tests,
-            )
-        )
+        out.append(Result(
+            "diagonals", "ISO 230-6", f"{axes} diagonals", f"{len(members)} diagonals of {axes}",
+            "um", tuple(m.recording.file for m, _ in members), tuple(_of_diagonals(tests, results)),
+            (), (diagonals.LIMIT, *_absent(axes, {m.subject for m, _ in members})),
+            max(r.noise for _, r in members), _by_diagonal(tests), tests,
+        ))  # fmt: skip
     return out
 
 

@@ -60,14 +60,10 @@ def terms_of(
             )
         )
     if stated.drift is not None and not angle:
-        terms.append(
-            Term(
-                "drift",
-                rectangular(stated.drift),
-                of,
-                f"EVE range {stated.drift / UM:.3g} um, rectangular",
-            )
-        )
+        terms.append(Term(
+            "drift", rectangular(stated.drift), of,
+            f"EVE range {stated.drift / UM:.3g} um, rectangular",
+        ))  # fmt: skip
     if length is not None:
         terms += _of_length(stated, length, ranges)
     return tuple(terms)

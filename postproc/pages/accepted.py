@@ -124,18 +124,11 @@ def _curves(k: int, one: Outcome) -> charts.Figure:
         values = [None if v is None else round(v / unit, 3) for v in one.curves[name]]
         if set(values) - {None}:
             moment, sign = name.split()
-            data.append(
-                charts.line(
-                    x,
-                    values,
-                    f"{moment}, approached in {sign}",
-                    role,
-                    dash=dash,
-                    mode="lines+markers",
-                    marker={"size": 4, "color": f"@{role}"},
-                    hovertemplate=f"%{{x}}: %{{y:.2f}} {one.unit}<extra></extra>",
-                )
-            )
+            data.append(charts.line(
+                x, values, f"{moment}, approached in {sign}", role, dash=dash, mode="lines+markers",
+                marker={"size": 4, "color": f"@{role}"},
+                hovertemplate=f"%{{x}}: %{{y:.2f}} {one.unit}<extra></extra>",
+            ))  # fmt: skip
     along = "degrees" if one.before.test == "rotary" else "mm"
     return charts.figure(
         f"curves-{k}",

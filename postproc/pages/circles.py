@@ -45,18 +45,14 @@ def _circle(
         (d.before, "before", "before"),
         (d.after, "after", "with the effects found"),
     ):
-        data.append(
-            {
-                "type": "scatterpolar",
-                "mode": "markers",
-                "name": said,
-                "theta": charts.column(angle, 2),
-                "r": charts.column(nominal + times_ * values[rows], 4),
-                "text": charts.um(values[rows], 2),
-                "hovertemplate": "%{theta:.0f} degrees: %{text} um<extra></extra>",
-                "marker": {"color": f"@{role}", "size": 3},
-            }
-        )
+        data.append({
+            "type": "scatterpolar", "mode": "markers", "name": said,
+            "theta": charts.column(angle, 2),
+            "r": charts.column(nominal + times_ * values[rows], 4),
+            "text": charts.um(values[rows], 2),
+            "hovertemplate": "%{theta:.0f} degrees: %{text} um<extra></extra>",
+            "marker": {"color": f"@{role}", "size": 3},
+        })  # fmt: skip
     for sign in (-1, 1):
         half = Z95 * float(np.median(floor(d)[rows]))
         data.append(

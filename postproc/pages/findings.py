@@ -112,17 +112,10 @@ def features(d: Diagnosis) -> charts.Figure:
     ):
         rows = np.flatnonzero(which)
         if len(rows):
-            data.append(
-                charts.dots(
-                    charts.um(values[rows], 3),
-                    [labels[int(s)] for s in d.rows.signal[rows]],
-                    said,
-                    role,
-                    size=8,
-                    symbol=symbol,
-                    hovertemplate="%{y}: %{x:.2f} um<extra></extra>",
-                )
-            )
+            data.append(charts.dots(
+                charts.um(values[rows], 3), [labels[int(s)] for s in d.rows.signal[rows]], said,
+                role, size=8, symbol=symbol, hovertemplate="%{y}: %{x:.2f} um<extra></extra>",
+            ))  # fmt: skip
     half = [left.Z95 * float(np.median(floor(d)[d.rows.signal == s])) * UM for s in own]
     bars = charts.bars(
         charts.column(2 * np.array(half), 3), [labels[s] for s in own], "95 % of the noise",

@@ -189,18 +189,10 @@ def _by_place(d, rows, place, side, scale, unit, axis) -> list[charts.Trace]:
                 hover = f"{axis} %{{x:.3f}} mm: %{{y:.2f}} {unit}, line %{{text}} of the file"
                 lines = d.rows.line[rows][own].tolist()
                 read = values[rows][own] * scale
-                data.append(
-                    _dots(
-                        charts.column(place[own], 4),
-                        read,
-                        said,
-                        role,
-                        y,
-                        hover,
-                        showlegend=y == "y",
-                        text=lines,
-                    )
-                )
+                data.append(_dots(
+                    charts.column(place[own], 4), read, said, role, y, hover, showlegend=y == "y",
+                    text=lines,
+                ))  # fmt: skip
     return data
 
 
@@ -256,28 +248,15 @@ def of_finding(d: Diagnosis, k: int) -> charts.Figure | None:
         if len(some):
             some = some[np.argsort(x[some], kind="stable")]
             both = (d.after + f.contribution)[rows][some] * scale
-            data.append(
-                charts.dots(
-                    charts.column(x[some], 4),
-                    charts.column(both, 3),
-                    f"readings, {label}",
-                    role,
-                    size=3,
-                    opacity=0.35,
-                    showlegend=False,
-                    hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>",
-                )
-            )
-            data.append(
-                charts.dots(
-                    charts.column(x[some], 4),
-                    charts.column(f.contribution[rows][some] * scale, 3),
-                    label,
-                    role,
-                    size=8,
-                    symbol="line-ew-open",
-                )
-            )
+            data.append(charts.dots(
+                charts.column(x[some], 4), charts.column(both, 3), f"readings, {label}", role,
+                size=3, opacity=0.35, showlegend=False,
+                hovertemplate=f"%{{y:.2f}} {unit}<extra></extra>",
+            ))  # fmt: skip
+            data.append(charts.dots(
+                charts.column(x[some], 4), charts.column(f.contribution[rows][some] * scale, 3),
+                label, role, size=8, symbol="line-ew-open",
+            ))  # fmt: skip
     return charts.figure(
         f"effect-{k}",
         f"{words.named(f.block.key)} in {name(d, signal)}: what it adds to each reading (strokes),"

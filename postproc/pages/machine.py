@@ -193,18 +193,11 @@ def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str)
                 data.append(
                     charts.band(x, low, high, f"U of {label} (95 %)", "noise", showlegend=False)
                 )
-            data.append(
-                charts.line(
-                    x,
-                    charts.column(values / scale, 3),
-                    label,
-                    role,
-                    dash=dash,
-                    mode="lines+markers",
-                    marker={"size": 3, "color": f"@{role}"},
-                    hovertemplate=f"{label} at %{{x}} {place}: %{{y:.2f}} {unit}<extra></extra>",
-                )
-            )
+            data.append(charts.line(
+                x, charts.column(values / scale, 3), label, role, dash=dash, mode="lines+markers",
+                marker={"size": 3, "color": f"@{role}"},
+                hovertemplate=f"{label} at %{{x}} {place}: %{{y:.2f}} {unit}<extra></extra>",
+            ))  # fmt: skip
     doubt = "" if axis.uncertainty is not None else " How well they are known is not stated."
     return charts.figure(
         f"axis-{axis.letter}-{what}",

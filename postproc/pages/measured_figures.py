@@ -57,29 +57,15 @@ def along(result: Result, name: str) -> charts.Figure:
             continue
         sign = "+" if way > 0 else "-"
         hover = f"%{{x}}: %{{y:.2f}} {result.unit}, run %{{customdata}}<extra></extra>"
-        data.append(
-            charts.dots(
-                charts.column(test.position[rows], 4),
-                charts.column(test.reading[rows] / unit, 3),
-                f"readings, {sign}",
-                ROLES[way],
-                size=4,
-                opacity=0.4,
-                showlegend=False,
-                customdata=charts.column(test.run[rows], 0),
-                hovertemplate=hover,
-            )
-        )
-        data.append(
-            charts.line(
-                x,
-                charts.column(test.mean[row] / unit, 3),
-                f"mean, approached in {sign}",
-                ROLES[way],
-                mode="lines+markers",
-                marker={"size": 5, "color": f"@{ROLES[way]}"},
-            )
-        )
+        data.append(charts.dots(
+            charts.column(test.position[rows], 4), charts.column(test.reading[rows] / unit, 3),
+            f"readings, {sign}", ROLES[way], size=4, opacity=0.4, showlegend=False,
+            customdata=charts.column(test.run[rows], 0), hovertemplate=hover,
+        ))  # fmt: skip
+        data.append(charts.line(
+            x, charts.column(test.mean[row] / unit, 3), f"mean, approached in {sign}", ROLES[way],
+            mode="lines+markers", marker={"size": 5, "color": f"@{ROLES[way]}"},
+        ))  # fmt: skip
     if test.two_way:
         data.append(
             charts.line(
@@ -138,33 +124,17 @@ def _widths(
             continue
         low, high = (round(float(v) / unit, 3) for v in low_high)
         label = f"{letter}{sign}"
-        data.append(
-            charts.line(
-                [k, k],
-                [low, high],
-                label,
-                "ink",
-                xaxis="x2",
-                showlegend=False,
-                mode="lines+markers",
-                marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
-                hovertemplate=f"{label} {shown(result, value)} {result.unit}<extra></extra>",
-            )
-        )
-        notes.append(
-            {
-                "x": k,
-                "y": high,
-                "xref": "x2",
-                "yref": "y",
-                "yanchor": "bottom",
-                "yshift": 6,
-                "showarrow": False,
-                "text": f"{label}<br>{shown(result, value)}<br>{result.unit}",
-                "brief": label,  # the numbers stand in the table
-                "font": {"color": "@ink", "size": 11},
-            }
-        )
+        data.append(charts.line(
+            [k, k], [low, high], label, "ink", xaxis="x2", showlegend=False, mode="lines+markers",
+            marker={"symbol": "line-ew-open", "size": 12, "color": "@ink"},
+            hovertemplate=f"{label} {shown(result, value)} {result.unit}<extra></extra>",
+        ))  # fmt: skip
+        notes.append({
+            "x": k, "y": high, "xref": "x2", "yref": "y", "yanchor": "bottom", "yshift": 6,
+            "showarrow": False, "text": f"{label}<br>{shown(result, value)}<br>{result.unit}",
+            "brief": label,  # the numbers stand in the table,
+            "font": {"color": "@ink", "size": 11},
+        })  # fmt: skip
     return data, notes
 
 
@@ -180,17 +150,10 @@ def _lines(result: Result, lines: Straightness, unit: float) -> list[charts.Trac
     size = shown(result, lines.errors[name])
     data = [charts.line(x, charts.column(level / unit, 3), f"{lines.kind} line", "ink", width=1.2)]
     for k, edge in enumerate((off.max(), off.min())):
-        data.append(
-            charts.line(
-                x,
-                charts.column((level + edge) / unit, 3),
-                f"zone: {name} {size} {result.unit}",
-                "ink",
-                dash="dashdot",
-                width=1,
-                showlegend=not k,
-            )
-        )
+        data.append(charts.line(
+            x, charts.column((level + edge) / unit, 3), f"zone: {name} {size} {result.unit}", "ink",
+            dash="dashdot", width=1, showlegend=not k,
+        ))  # fmt: skip
     return data
 
 
@@ -214,18 +177,10 @@ def at_rest(result: Result, name: str) -> charts.Figure:
     main = result.parameters[0]
     said = f"{main.name}: {shown(result, main.value)} {result.unit}"
     for k, level in enumerate((moved.min(), moved.max())):
-        data.append(
-            charts.line(
-                charts.column(hours[[0, -1]], 4),
-                charts.column([level, level], 3),
-                said,
-                "ink",
-                dash="dashdot",
-                width=1,
-                showlegend=not k,
-                hoverinfo="skip",
-            )
-        )
+        data.append(charts.line(
+            charts.column(hours[[0, -1]], 4), charts.column([level, level], 3), said, "ink",
+            dash="dashdot", width=1, showlegend=not k, hoverinfo="skip",
+        ))  # fmt: skip
     return charts.figure(
         name,
         "Readings from the first one on, while no slide moves; between the lines: the range over"
@@ -251,32 +206,23 @@ def circle(result: Result, name: str) -> charts.Figure:
     for t, (angle, radial) in zip(traces, about, strict=True):
         step = max(1, len(angle) // (MOST_POINTS // min(len(traces), 5)))
         sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
-        data.append(
-            {
-                "type": "scatterpolar",
-                "mode": "lines",
-                "name": f"from +{sense[0].upper()} to +{sense[1].upper()}",
-                "theta": charts.column(np.degrees(angle[::step]), 2),
-                "r": charts.column((nominal + times * radial)[::step], 4),
-                "customdata": charts.um(radial[::step], 2),
-                "hovertemplate": "%{theta:.0f} degrees: %{customdata} um<extra></extra>",
-                "line": {"color": f"@{ROLES[1 if t.way > 0 else -1]}", "width": 1.2},
-                "showlegend": t.way not in seen,
-            }
-        )
+        data.append({
+            "type": "scatterpolar", "mode": "lines",
+            "name": f"from +{sense[0].upper()} to +{sense[1].upper()}",
+            "theta": charts.column(np.degrees(angle[::step]), 2),
+            "r": charts.column((nominal + times * radial)[::step], 4),
+            "customdata": charts.um(radial[::step], 2),
+            "hovertemplate": "%{theta:.0f} degrees: %{customdata} um<extra></extra>",
+            "line": {"color": f"@{ROLES[1 if t.way > 0 else -1]}", "width": 1.2},
+            "showlegend": t.way not in seen,
+        })  # fmt: skip
         seen.add(t.way)
     turn = np.linspace(0, 360, 181)
-    data.append(
-        {
-            "type": "scatterpolar",
-            "mode": "lines",
-            "name": f"nominal, {nominal:g} mm",
-            "theta": charts.column(turn, 1),
-            "r": [nominal] * len(turn),
-            "line": {"color": "@ink", "width": 1, "dash": "dot"},
-            "hoverinfo": "skip",
-        }
-    )
+    data.append({
+        "type": "scatterpolar", "mode": "lines", "name": f"nominal, {nominal:g} mm",
+        "theta": charts.column(turn, 1), "r": [nominal] * len(turn),
+        "line": {"color": "@ink", "width": 1, "dash": "dot"}, "hoverinfo": "skip",
+    })  # fmt: skip
     division = round_down(max(largest, 1e-4))
     edge = math.ceil(largest / division)
     rings = division * np.arange(-edge, edge + 1)

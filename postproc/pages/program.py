@@ -220,56 +220,30 @@ def _along(result: Page, trace: Trace, verifier: Verifier, before: Places, after
         data.append(charts.band(s, [0.0] * len(s), u, "uncertainty of the map (95 %)", "u"))
     for places, name, role in ((before, "not corrected", "before"), (after, "corrected", "after")):
         size = np.maximum(places.distance, 1e-6)  # a logarithm has no zero
-        data.append(
-            charts.line(
-                charts.column(places.s, 2),
-                charts.um(size),
-                name,
-                role,
-                customdata=places.line.tolist(),
-                width=1.2,
-                hovertemplate="line %{customdata}, %{x:.1f} mm: %{y:.2f} um<extra></extra>",
-            )
-        )
+        data.append(charts.line(
+            charts.column(places.s, 2), charts.um(size), name, role,
+            customdata=places.line.tolist(), width=1.2,
+            hovertemplate="line %{customdata}, %{x:.1f} mm: %{y:.2f} um<extra></extra>",
+        ))  # fmt: skip
     if trace.turns:
         at, lines = zip(*trace.turns, strict=True)
-        data.append(
-            charts.dots(
-                charts.column(at, 2),
-                [verifier.tolerance / UM] * len(at),
-                "lost motion taken up",
-                "mark",
-                size=7,
-                symbol="triangle-up",
-                customdata=list(lines),
-                hovertemplate="line %{customdata}: take-up<extra></extra>",
-            )
-        )
-    data.append(
-        charts.line(
-            [0, round(trace.length, 2)],
-            [verifier.tolerance / UM] * 2,
-            "tolerance",
-            "limit",
-            dash="dash",
-            width=1.2,
-            hoverinfo="skip",
-        )
-    )
+        data.append(charts.dots(
+            charts.column(at, 2), [verifier.tolerance / UM] * len(at), "lost motion taken up",
+            "mark", size=7, symbol="triangle-up", customdata=list(lines),
+            hovertemplate="line %{customdata}: take-up<extra></extra>",
+        ))  # fmt: skip
+    data.append(charts.line(
+        [0, round(trace.length, 2)], [verifier.tolerance / UM] * 2, "tolerance", "limit",
+        dash="dash", width=1.2, hoverinfo="skip",
+    ))  # fmt: skip
     log = verifier.uncorrected.deviation > EVEN * max(verifier.corrected.deviation, 1e-9)
     result.section("Deviation along the path")
-    result.figure(
-        charts.figure(
-            "along",
-            "Distance of the actual from the nominal path, along the path. A click shows the line.",
-            data,
-            "path, mm",
-            "deviation, um",
-            360,
-            log=log,
-            xaxis={"range": charts.reach([0.0, round(trace.length, 2)])},
-        )
-    )
+    result.figure(charts.figure(
+        "along",
+        "Distance of the actual from the nominal path, along the path. A click shows the line.",
+        data, "path, mm", "deviation, um", 360, log=log,
+        xaxis={"range": charts.reach([0.0, round(trace.length, 2)])},
+    ))  # fmt: skip
 
 
 def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
@@ -292,18 +266,10 @@ def _histogram(result: Page, trace: Trace, verifier: Verifier) -> None:
         own[0] += 100 * counts[name][:low].sum() / whole
         own[-1] += 100 * counts[name][high + 1 :].sum() / whole
         sizes = [f"{10**x:.2g} um" for x in middle]
-        data.append(
-            charts.bars(
-                middle,
-                charts.column(own, 2),
-                said,
-                role,
-                opacity=0.75,
-                width=0.09,
-                customdata=sizes,
-                hovertemplate="about %{customdata}: %{y:.1f} % of the path<extra></extra>",
-            )
-        )
+        data.append(charts.bars(
+            middle, charts.column(own, 2), said, role, opacity=0.75, width=0.09, customdata=sizes,
+            hovertemplate="about %{customdata}: %{y:.1f} % of the path<extra></extra>",
+        ))  # fmt: skip
         top = max(top, float(own.max()))
     at = round(float(np.log10(verifier.tolerance / UM)), 3)
     data.append(

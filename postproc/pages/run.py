@@ -93,18 +93,10 @@ def _course(made: Page, fields: dict[str, Any], samples: list[dict[str, Any]]) -
         )
     ]
     marks = [e for e in fields["events"] if e["s"] <= t[-1] + 1][:MOST]
-    lines.append(
-        charts.dots(
-            [e["s"] for e in marks],
-            [0] * len(marks),
-            "events",
-            "limit",
-            size=8,
-            symbol="triangle-up",
-            text=[e["message"] for e in marks],
-            hovertemplate="%{x} s: %{text}<extra></extra>",
-        )
-    )
+    lines.append(charts.dots(
+        [e["s"] for e in marks], [0] * len(marks), "events", "limit", size=8, symbol="triangle-up",
+        text=[e["message"] for e in marks], hovertemplate="%{x} s: %{text}<extra></extra>",
+    ))  # fmt: skip
     made.figure(
         charts.figure("lines", "Lines of the job over the time.", lines, "time, s", "lines", 320)
     )
@@ -120,15 +112,7 @@ def _gauges(made: Page, t: list[float], samples: list[dict[str, Any]]) -> None:
     ):
         values = [s.get(key) for s in samples]
         if any(v is not None for v in values):
-            made.figure(
-                charts.figure(
-                    key,
-                    said,
-                    [charts.line(t, values, key, "command")],
-                    "time, s",
-                    unit,
-                    240,
-                    showlegend=False,
-                    yaxis={"rangemode": "tozero"},
-                )
-            )
+            made.figure(charts.figure(
+                key, said, [charts.line(t, values, key, "command")], "time, s", unit, 240,
+                showlegend=False, yaxis={"rangemode": "tozero"},
+            ))  # fmt: skip
