@@ -29,7 +29,7 @@ LEAST = 1e-7  # mm: a smaller play is none
 @dataclass(frozen=True)
 class Legs:
     """L stretches of motions along which no axis turns back: motion (L,), until t (L,) of it;
-    begin, end (A, L) mm, nan where nobody knows."""
+    begin, end (A, L) mm, nan where it is not known."""
 
     motion: np.ndarray
     until: np.ndarray

@@ -16,12 +16,11 @@ from collections.abc import Iterable
 
 from postproc.streaming import endings, events, holds
 from postproc.streaming.holds import Hold
-from postproc.streaming.limits import Limits
+from postproc.streaming.limits import AGAIN, Limits, Poll
 from postproc.streaming.lines import WireLine
 from postproc.streaming.outcome import Outcome, Tally, off_by, verdict, with_rest
 from postproc.streaming.outgoing import Outgoing
 from postproc.streaming.path import CLEAR, LOOK, OFF, Path
-from postproc.streaming.polling import AGAIN, Poll
 from postproc.streaming.protocols import Protocol
 
 RUNNING, HELD, HALTING, STOPPING = "running", "held", "halting", "stopping"
