@@ -12,7 +12,7 @@ import numpy as np
 from postproc.effects.spindle_growth import OPTIONAL, lagged, later
 from postproc.heat import clock
 from postproc.heat.log import Log
-from postproc.machine.growth import Driver
+from postproc.machine.axis import Driver
 
 State = tuple[float, float]  # of the two lags of one spindle driver
 

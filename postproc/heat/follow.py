@@ -18,7 +18,7 @@ from postproc.errors import BlockFault, Notice
 from postproc.heat import clock
 from postproc.heat.course import Course, Lags, State, spun
 from postproc.heat.log import Log, Newest
-from postproc.machine.growth import Driver
+from postproc.machine.axis import Driver
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, Motions, Spells
 from postproc.nc.lexer import Words
 from postproc.units import UM

@@ -8,7 +8,7 @@ from dataclasses import field, replace
 import numpy as np
 
 from postproc.machine.tables import AxisTable, AxisUncertainty, GridTable
-from postproc.records import record
+from postproc.records import columns, record
 
 
 @record
@@ -71,3 +71,24 @@ class Axis:
         """Its measured errors: over its own position, and over a second axis' too."""
         own: list[AxisTable | GridTable] = [self.table] if self.table is not None else []
         return own + list(self.grids)
+
+
+@columns
+class Driver:
+    """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a
+    spindle's own turns; zero: degrees Celsius at which it does nothing, nan: what it was when the
+    program began; nodes (K,) mm and unit (K,) mm per K, or mm per um of a spindle's growth;
+    spindle: parameters of spindle_growth."""
+
+    name: str
+    letter: str
+    column: str
+    zero: float
+    nodes: np.ndarray
+    unit: np.ndarray
+    spindle: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def most(self) -> float:
+        """mm per unit, where it moves the axis most."""
+        return float(np.abs(self.unit).max())

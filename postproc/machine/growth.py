@@ -18,11 +18,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.machine.axis import Axis, Expansion
+from postproc.machine.axis import Axis, Driver, Expansion
 from postproc.machine.chain import LINEAR, along
 from postproc.machine.model import EffectTerm, Machine
 from postproc.machine.tables import AxisTable
-from postproc.records import columns
 from postproc.units import UM
 
 REFERENCE = 20.0  # degrees Celsius (ISO 1)
@@ -32,27 +31,6 @@ PARTS = 32
 SPINDLE = ("T_spindle_C", "T_head_C", "T_headstock_C")
 FRAME = ("T_bed_C", "T_frame_C", "T_base_C", "T_column_C")
 WORK = ("T_work_C", "T_part_C", "T_workpiece_C")
-
-
-@columns
-class Driver:
-    """name: for a person; letter: the axis that it moves along itself; column: of the log, "" for a
-    spindle's own turns; zero: degrees Celsius at which it does nothing, nan: what it was when the
-    program began; nodes (K,) mm and unit (K,) mm per K, or mm per um of a spindle's growth;
-    spindle: parameters of spindle_growth."""
-
-    name: str
-    letter: str
-    column: str
-    zero: float
-    nodes: np.ndarray
-    unit: np.ndarray
-    spindle: tuple[tuple[str, float], ...] = ()
-
-    @property
-    def most(self) -> float:
-        """mm per unit, where it moves the axis most."""
-        return float(np.abs(self.unit).max())
 
 
 def drivers(

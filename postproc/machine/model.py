@@ -7,12 +7,11 @@ from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.machine import dependence, rotary
-from postproc.machine.axis import Axis, Expansion
+from postproc.machine.axis import Axis, Driver, Expansion
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import (
     LINEAR,
@@ -30,9 +29,6 @@ from postproc.machine.chain import arms as chain_arms
 from postproc.machine.tables import PORTION, AxisTable, GridTable
 from postproc.machine.tool_point import ToolPoint
 from postproc.records import record
-
-if TYPE_CHECKING:
-    from postproc.machine.growth import Driver
 
 Columns = dict[str, np.ndarray]
 
