@@ -339,10 +339,9 @@ class Batch:
                 end[still] = self._held(row, still, end)
             before = self.before[row]
             before[0], before[1:] = self.carry.issued[row], end[:-1]
-            stood = self.m.start_known[row].take(self.motion) & ~self.jumps[row]
-            lost = ~(stood | (self.t0 > 0))
-            if np.count_nonzero(lost):
-                before[lost] = self._nominal_begin(row)[lost]
+            stood = (self.m.start_known[row].take(self.motion) & ~self.jumps[row]) | (self.t0 > 0)
+            if np.count_nonzero(stood) < len(stood):
+                before[~stood] = self._nominal_begin(row)[~stood]
             self.begin[row] = before
             if np.count_nonzero(self.turning):
                 taken = self._taken_up(row, before)
@@ -433,11 +432,8 @@ class Batch:
             self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
-        return np.where(
-            self.t0 == 0,
-            self.m.start[row, self.motion],
-            np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64),
-        )
+        inside = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)
+        return np.where(self.t0 == 0, self.m.start[row, self.motion], inside)
 
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it
