@@ -281,3 +281,10 @@ def test_what_belongs_to_no_shape_is_refused(words):
     """Holes of another control's G81 are never stepped over in silence."""
     with pytest.raises(ProgramError):
         written(f"G0 X60 Z5|{words}|G1 X5 F0.1|G0 Z5")
+
+
+def test_an_error_behind_two_offsets_names_its_own_line():
+    """The tracker is asked by the cycles and by itself, and tells its lines either way."""
+    with pytest.raises(ProgramError) as caught:
+        written("(A)|(B)|T0101|G0 X20 Z2|T0202|G0 X60 Z5|G0 X40 B5|G181 X40 Z-9 K1 F120")
+    assert caught.value.place.line == 7 and "B" in caught.value.message

@@ -28,6 +28,7 @@ LATHE_LINES = {
     "C0Y = 12.0\n": "",
     "A0Z = -9.0\n": "",
 }
+LIVE_CHAINS = {"": "w-b-Z-X-t", "C": "w-C-b-Z-X-t", "YC": "w-C-b-Z-X-Y-t"}
 SQUARE = """
 [squareness]
 C0Y = 12.0
@@ -99,13 +100,15 @@ def write_zero(folder: Path, lathe: bool = False) -> Path:
     return _written(folder, text, lathe)
 
 
-def write_smooth(folder: Path, two_way: bool, least: float, lathe: bool = False) -> Path:
+def write_smooth(
+    folder: Path, two_way: bool, least: float, lathe: bool = False, live: str = ""
+) -> Path:
     """X Y Z with all errors of their slides as smooth waves of a few um, and A B C without tables;
-    a lathe: X and Z."""
+    a lathe: X and Z; `live`: "C" or "YC", its further axes."""
     folder.mkdir(parents=True)
     text = TOML.format(name=folder.name) + SQUARE
     nodes = np.arange(-FAR, FAR + 1, 25.0)
-    for axis in "XZ" if lathe else XYZ + ROTARY:
+    for axis in f"XZ{live}" if lathe else XYZ + ROTARY:
         text += AXIS.format(axis=axis, far=FAR + 100 if axis in XYZ else 1e6, least=least)
         if axis not in XYZ:
             continue
@@ -125,12 +128,13 @@ def write_smooth(folder: Path, two_way: bool, least: float, lathe: bool = False)
             *(",".join(f"{v:.4f}" for v in row) for row in zip(*columns.values(), strict=True)),
         ]
         (folder / f"{axis}.csv").write_text("\n".join(rows) + "\n")
-    return _written(folder, text, lathe)
+    return _written(folder, text, lathe, live)
 
 
-def _written(folder: Path, text: str, lathe: bool) -> Path:
+def _written(folder: Path, text: str, lathe: bool, live: str = "") -> Path:
     for old, new in LATHE_LINES.items() if lathe else ():
         text = text.replace(old, new)
+    text = text.replace("w-b-Z-X-t", LIVE_CHAINS[live])
     (folder / "machine.toml").write_text(text)
     return folder
 

@@ -51,11 +51,17 @@ home stated, 1 um; a refusal is answered by the option that its advice names.
 text*: only the machine knows it (probing, stored variables, axes other than X Y Z A B C), or it is
 a template.
 
-The 61 turning programs measured last ran on a lathe with X Z (X Y Z C where they name Y or C),
-T0203, T5D1 and G30 zero too; four refusals were judged by hand (a missing shape or subprogram; a
-corner where the shape goes straight on)."""
+Lathes have X Z, where a program names Y or C X Y Z C; an offset that no list has (T0203, G30) is
+stated as zero too. Some refusals of turning programs were judged by hand (a missing shape or
+subprogram; a corner where the shape goes straight on)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
+MOST_NAMES = 20
+LIVE = {  # axes that a lathe lacked
+    "C": re.compile(r"has no axis [CH]\b|no rotary ax|no C in the machine"),
+    "YC": re.compile(r"has no axis [YV]\b"),
+}
+UNSTATED = re.compile(r"--offset (\S+=[XYZ][XYZ0,]*)(?=\s)")
 OPTIONS = (  # what an advice names, and what its user would type
     (r"--arc-centre", ("--arc-centre", "absolute")),
     (r"--block-delete", ("--block-delete", "on")),
@@ -124,15 +130,16 @@ class Result:
     said: str = ""
 
 
-def machine_folder(machines: Machines, dialect: str) -> Path:
-    """The machine of the corpus with this control, home, and every offset zero."""
-    folder = machines.folder / dialect
+def machine_folder(machines: Machines, dialect: str, live: str = "") -> Path:
+    """The machine of the corpus with this control, home, and every offset zero; `live`: "C" or
+    "YC", further axes of a lathe."""
+    folder = machines.folder / (dialect + live)
     if folder.exists():
         return folder
     lathe = "lathe" in dialect
-    write_smooth(folder, MAIN.two_way, MAIN.least, lathe)
+    write_smooth(folder, MAIN.two_way, MAIN.least, lathe, live)
     path = folder / "machine.toml"
-    zero = "{ " + ", ".join(f"{x} = 0.0" for x in ("XZ" if lathe else XYZ)) + " }"
+    zero = "{ " + ", ".join(f"{x} = 0.0" for x in XYZ if not lathe or x in f"XZ{live}") + " }"
     text = re.sub('control = ".*"', f'control = "{dialect}"\nhome = {zero}', path.read_text())
     path.write_text(text)
     names = {
@@ -141,8 +148,9 @@ def machine_folder(machines: Machines, dialect: str) -> Path:
         **{f"G15 H{n}": {} for n in range(1, 100)},  # Okuma
         **{f"G247 P{n}": {} for n in range(1, 100)},  # Heidenhain
         **{f"G54.1 P{n}": {} for n in range(49, 100)},  # Haas: G154
+        **({"G30": {}} if lathe else {}),
     }
-    letters = [x for x in offsets()["G54"] if x in XYZ and not (lathe and x == "Y")]
+    letters = [x for x in offsets()["G54"] if x in (f"XZ{live}".replace("C", "") if lathe else XYZ)]
     rows = [
         ["name", *(f"{x}_mm" for x in letters)],
         *(
@@ -197,9 +205,16 @@ def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result
     folder = machine_folder(machines, dialect)
     more: tuple[str, ...] = ()
     done, said = _once(path, folder, more)
+    for live, lacks in LIVE.items():
+        if not done and "lathe" in dialect and lacks.search(said):
+            folder = machine_folder(machines, dialect, live)
+            done, said = _once(path, folder, more)
+    while not done and len(more) < MOST_NAMES and (name := UNSTATED.search(said)):
+        more += ("--offset", name[1])  # a number of tool and offset that no list has: T0203
+        done, said = _once(path, folder, more)
     if done:
         return Result(source, dialect, path.name, "corrected")
-    first = said
+    first, stated = said, len(more)
     for _ in range(len(OPTIONS)):
         found = next(
             ((m, o) for s, o in OPTIONS if (m := re.search(s, said)) and o[0] not in more), None
@@ -209,7 +224,8 @@ def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result
         more += tuple(word or found[0][1] for word in found[1])
         done, said = _once(path, folder, more)
         if done:
-            return Result(source, dialect, path.name, "with an option", " ".join(more))
+            told = " ".join(more[stated:])
+            return Result(source, dialect, path.name, "with an option", told)
     return Result(source, dialect, path.name, "refused", first if first == said else said)
 
 

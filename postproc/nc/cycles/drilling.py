@@ -258,7 +258,6 @@ class Drilling:
         ):
             return False
         found = scene.tracker.ahead(block.text)
-        scene.asked()
         if found is None:
             return False
         motions, state = found

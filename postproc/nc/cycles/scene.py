@@ -46,7 +46,6 @@ class Scene:
         self.notices: list[Notice] = []  # what the user should know of what was written
         # whether the block's hole may stay a cycle
         self.keeps: Callable[[Motions], bool] | None = None
-        self.asked: Callable[[], None] = lambda: None  # called behind every answer of the tracker
         self.unsure: set[str] = (
             set()
         )  # axes whose zero was moved, nobody knows how far, and that no block has named since
@@ -78,7 +77,6 @@ class Scene:
         none."""
         if group not in self._codes:
             self._codes[group] = self.tracker.code(group)
-            self.asked()
         return self._codes[group]
 
     def note(self, block: Block) -> None:
@@ -141,7 +139,6 @@ class Scene:
             if self.tracker.state.origin is None:
                 self.tracker.take(b"")  # before the first block the tracker does not know its zeros
             value = self.frame(axis) if self.frame else self.work(axis)
-            self.asked()
             if value is None:
                 return None
             self._places[axis] = value
@@ -240,7 +237,6 @@ class Scene:
         """How many decimals a number behind this letter is written with."""
         if letter not in self._decimals:
             self._decimals[letter] = self.tracker.decimals(letter)
-            self.asked()
         return self._decimals[letter] + self.extra_decimals
 
     def rounded(self, letter: str, value: float) -> float:

@@ -72,8 +72,6 @@ class Resolver:
         self.skip: tuple[str, int, int] | None = None  # file and lines that the control steps over
         self.texts: dict[str, list[bytes]] = {}  # of the files that cycles read further in
         self.line = Line(b"", 0)
-        self.heard: list[Line] = []  # what the tracker was told since it was last asked
-        self.scene.asked = self.heard.clear
         self.scene.fault_at, self.scene.lines = self._fault, self._lines
         table = self.scene.table
         self.shifts = {
@@ -116,7 +114,7 @@ class Resolver:
 
     def _unread(self, error: BlockFault) -> ProgramError:
         """The tracker's interpreter could not read what it was asked about."""
-        at = self.heard[min(error.block, len(self.heard) - 1)] if self.heard else self.line
+        at = self.tracker.unread or self.line
         return fault(at.file or self.program.name, at.source, at.text, error.message, error.advice)
 
     def _over(self, line: Line) -> bool:
@@ -142,8 +140,7 @@ class Resolver:
             or self.loose
         )
         if idle and not self.interest.search(line.text):
-            self.heard.append(line)
-            self.tracker.take(line.text)
+            self.tracker.take(line.text, line)
             self.scene.forget()
             return [line]
         self.line, self.scene.source = line, line.source
@@ -437,8 +434,7 @@ class Resolver:
         return texts
 
     def _told(self, text: bytes) -> None:
-        self.heard.append(self.line._replace(text=text))
-        self.tracker.take(text)
+        self.tracker.take(text, self.line._replace(text=text))
 
     def _spindle(self, block: Block) -> None:
         for m in block.m_codes():

@@ -8,6 +8,7 @@ batch.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from postproc.errors import BlockFault
 from postproc.motions import Motions
@@ -15,6 +16,9 @@ from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
+
+if TYPE_CHECKING:
+    from postproc.nc.expand import Line
 
 NOTHING_AHEAD: tuple[bytes | None, ModalState | None] = (None, None)
 
@@ -33,16 +37,20 @@ class Tracker:
         self.program: Callable[[int], list[bytes] | None] = lambda number: None
         # a first block, so that the zero in force is known from the start
         self._waiting: list[bytes] = [b""]
+        self._origins: list[Line | None] = [None]  # of those waiting
+        self.unread: Line | None = None  # the line of the last BlockFault
 
     @property
     def counts(self) -> bool:
         """Whether a length without a decimal point counts least increments."""
         return (self.setup.integers or self.dialect.integers) == "least increments"
 
-    def take(self, line: bytes) -> None:
-        """A plain line (without its end) that the control executes now. A "%" line is no block."""
+    def take(self, line: bytes, origin: Line | None = None) -> None:
+        """A plain line (without its end) that the control executes now, and what an error in it is
+        told at. A "%" line is no block."""
         if not line.lstrip().startswith(b"%"):
             self._waiting.append(line)
+            self._origins.append(origin)
 
     @property
     def state(self) -> ModalState:
@@ -50,15 +58,21 @@ class Tracker:
         block."""
         line, behind = self._next  # looked at ahead
         if behind is not None and self._waiting == [line]:
-            self._state, self._next, self._waiting = behind, NOTHING_AHEAD, []
+            self._state, self._next = behind, NOTHING_AHEAD
+            self._waiting, self._origins = [], []
         elif self._waiting:
-            text = b"\n".join(self._waiting) + b"\n"
-            self._waiting = []
+            text, origins = b"\n".join(self._waiting) + b"\n", self._origins
+            self._waiting, self._origins = [], []
             words = lex(text, self.dialect.grammar, self.setup.block_delete)
             self._next = NOTHING_AHEAD
-            self._state = self.interpreter.run(words, self._state)[1]
-            if words.fault and not self._state.ended:
-                raise words.fault
+            try:
+                self._state = self.interpreter.run(words, self._state)[1]
+                if words.fault and not self._state.ended:
+                    raise words.fault
+            except BlockFault as error:
+                before = words.line[: error.block + 1]
+                self.unread = origins[int(before[-1])] if len(before) else origins[-1]
+                raise
         return self._state
 
     def ahead(self, line: bytes) -> tuple[Motions, ModalState] | None:
