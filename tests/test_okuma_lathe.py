@@ -268,7 +268,10 @@ def test_a_tap_by_the_live_tool_stays():
     assert not any(reasons) and found == [[25, 5], [20, 5]]
 
 
-@pytest.mark.parametrize("words", ["X40 Z-9 K1 Q4", "X40 Z-9 K1 R2", "X40 Z-9 K1 I1", "X40 Z-9"])
+@pytest.mark.parametrize(
+    "words",
+    ["X40 Z-9 K1 Q4", "X40 Z-9 C0 K1 Q2.5", "X40 Z-9 K1 R2", "X40 Z-9 K1 I1", "X40 Z-9"],
+)
 def test_holes_that_are_refused(words):
     with pytest.raises(ProgramError):
         written(f"G0 X60 Z5|G181 {words} F0.1")
@@ -288,3 +291,66 @@ def test_an_error_behind_two_offsets_names_its_own_line():
     with pytest.raises(ProgramError) as caught:
         written("(A)|(B)|T0101|G0 X20 Z2|T0202|G0 X60 Z5|G0 X40 B5|G181 X40 Z-9 K1 F120")
     assert caught.value.place.line == 7 and "B" in caught.value.message
+
+
+def test_a_line_by_its_angle_makes_the_chamfer_of_a_bar():
+    """A135: out at 45 degrees towards -Z; A315: in, towards +Z: 1.56 to 1.5 over Z 0.03."""
+    assert ends("T0101|G0 X1.403 Z0|G1 X1.503 A135 F.01|Z-1.3")[1:] == [
+        pytest.approx([0.7515, -0.05]),
+        pytest.approx([0.7515, -1.3]),
+    ]
+    assert ends("T0101|G0 X1.56 Z-.03|G1 Z0 A315 F.01")[1] == pytest.approx([0.75, 0.0])
+
+
+def test_an_angle_in_a_shape_is_no_radial_line():
+    """It was passed over, and the line ended where it began in Z."""
+    shape = "NAT01 G81|G00 X1.403 Z.03|G01 Z0|X1.503 A135|Z-1.3|X1.6|G80|"
+    path = ends(shape + "T0101|G0 X1.6 Z.06|G87 NAT01")
+    assert pytest.approx([0.7515, -0.05]) in path and pytest.approx([0.7515, 0.0]) not in path
+
+
+@pytest.mark.parametrize("word", ["B30", "D2", "C5"])
+def test_a_word_of_a_shape_that_nobody_reads_is_refused(word):
+    with pytest.raises(ProgramError, match="no word of it"):
+        written(SHAPE.replace("X40 Z-30", f"X40 Z-30 {word}") + "T0101|G0 X62 Z5|G87 NAT01")
+
+
+def test_corners_of_plain_blocks():
+    """G75 X60 L2: 2 mm before the corner, and 2 mm behind it; G76 the arc that touches both."""
+    path = ends("T0101|G0 X20 Z0|G1 Z-20 F.1|G75 X60 L2|Z-50")
+    assert path[2:] == [
+        pytest.approx([28, -20]),
+        pytest.approx([30, -22]),
+        pytest.approx([30, -50]),
+    ]
+    path = ends("T0101|G0 X20 Z0|G1 Z-20 F.1|G76 X60 L2|Z-50")
+    assert path[2:4] == [pytest.approx([28, -20]), pytest.approx([30, -22])]
+
+
+def test_x_is_a_radius_while_the_y_axis_is_on():
+    """G138: as the post of NC-PB/gEdit writes it, X52.5 where its Fanuc writes X105."""
+    found, reasons = follow("G0 X20 Z1|G138|X52.5|G136|X52.5")
+    assert not any(reasons) and [x for x, _ in found] == [10.0, 52.5, 26.25]
+
+
+def test_what_draws_the_blank_moves_nothing():
+    head = "CLEAR|DEF WORK|PS LC,[-400,0],[400,19]|END|DRAW|"
+    assert follow(head + "G0 X10 Z1") == follow("G0 X10 Z1")
+
+
+LIVE = Setup(
+    axes=("X", "Z", "C", "Y"),
+    least_increment=dict.fromkeys("XZCY", 1e-4),
+    start=dict.fromkeys("XZCY", 0.0),
+    diameter=("X",),
+    offsets={"T0101": {}},
+)
+
+
+def test_holes_evenly_round_stand_at_the_angles_one_by_one(monkeypatch):
+    """Q4 from C10 on are holes at 10, 100, 190 and 280 degrees; Y where it stands says nothing."""
+    monkeypatch.setattr(f"{__name__}.SETUP", LIVE)
+    each = "|".join(f"{'G181 X50 Z-12 K3 F120' * (not k)} C{10 + 90 * k}" for k in range(4))
+    before = "T0101|G0 X50 Z5 Y0|"
+    assert ends(f"{before}G181 X50 Y0 Z-12 C10 K3 F120 Q4") == ends(before + each)
+    assert [round(place[2]) for place in ends(before + each)[1::4]] == [10, 100, 190, 280]

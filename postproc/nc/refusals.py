@@ -122,7 +122,7 @@ def _no_axis(b: Batch, letter: str, place: np.ndarray) -> str:
     axes = f"its axes are {' '.join(b.setup.axes)}; choose the right --machine"
     block = b.words.block[place[0]]
     beside = any(np.any(b.words.block[b.places[x]] == block) for x in "XZUW" if x in b.places)
-    if not beside or not (b.dialect.tool_offsets and letter in "AC"):
+    if not beside or letter not in b.dialect.drawn:
         return axes
     meant = "the angle of a line" if letter == "A" else "a chamfer"
     return f"{axes}; {codes.IF_IT_IS} {meant}: --expand writes it out"

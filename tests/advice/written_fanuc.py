@@ -258,6 +258,8 @@ OKUMA_LATHE = [
         (LAP + "G85 NSH F.3", LAP + "G85 NSH D4. F.3"),
         (LAP + "G86 NSH D0", LAP + "G86 NSH D4."),
         (LAP + "G87 NOTHER", LAP + "G87 NSH"),
+        (LAP.replace("X100.|", "X100. B3.|") + "G87 NSH", LAP + "G87 NSH"),
+        ("G1 F.1|G75 X90.|Z1.", "G1 F.1|G75 X90. L1.|Z1."),
         ("NSH G81|G1 X40. F.1|G80|G85 NSH D4.", LAP + "G85 NSH D4."),
         ("NSH G81|G0 X40. Z5.|G75 G1 Z-9. F.1|X90.|G80|G87 NSH", LAP + "G87 NSH"),
         ("NSH G81|G1 X100. Z5.|Z-9. F.1|G80|G86 NSH D4.", LAP + "G86 NSH D4."),
@@ -279,6 +281,10 @@ OKUMA_LATHE += [
     Case(
         "okuma-lathe", "T0101|G0 X90. Z9.|G74 Z1. D1. F.1 T0909",
         "T0101|G0 X90. Z9.|G1 F.1|G74 Z1. D1.", how={**WRITE, "offsets": ASIDE},
+    ),
+    *(
+        Case("okuma-lathe", hole, hole.replace("Q3", "C0. Q3"), "no axis C", how=WRITE)
+        for hole in ("G0 X90. Z9.|G181 X50. Z-9. K1. Q3 F.1",)
     ),
 ]  # fmt: skip
 FIVE = {"machine": "example-five-axis", **WRITE, "offsets": {"G54": {}, "H1": {"Z": 100.0}}}

@@ -67,7 +67,7 @@ WITH_Y = replace(LATHE, axes=("X", "Y", "Z", "C"), start=dict.fromkeys("XYZC", 0
 
 
 def setup(name: str) -> Setup:
-    if name == "haas-lathe":
+    if name in ("haas-lathe", "okuma-lathe"):
         return WITH_Y
     return LATHE if "lathe" in name else MILL
 
@@ -132,7 +132,7 @@ def samples(name: str, code: str, way: str) -> list[Sample]:
         words = f"X30./28. Z-5./-6. {step} D1./1.5 L2./3. E.5/.6 {{}}"
         return [Sample(values(words.format("")), "G0 X40. Z3.|G1 F.1|")]
     if name == "okuma-lathe":
-        words = "X20./21. Z-5./-6. C30./40. E.5/.6 {}"
+        words = "X20./21. Y0./1. Z-5./-6. C30./40. Q2/3 E.5/.6 {}"
         return [
             Sample(values(words.format(k)), "G0 X40. Z3.|G1 F.1|") for k in ("K1./1.5", "I1./2.")
         ]

@@ -146,6 +146,15 @@ class ArcsAndCorners(Chain):
         super().__init__(BlockFeed(scene), Openings(scene), PlacedArcs(scene), Polynomials(scene))
 
 
+class LatheBlocksAndCorners(Chain):
+    """Of an Okuma lathe."""
+
+    codes = LatheBlocks.codes
+
+    def __init__(self, scene: Scene):
+        super().__init__(LatheBlocks(scene), FanucCorners(scene))
+
+
 class HolesAndPoles(Chain):
     """Of Heidenhain's DIN/ISO."""
 
@@ -258,7 +267,7 @@ def okuma_lathe(dialect: Dialect, synchronised: bool) -> Family:
     threads: dict[int, Cycle] = dict.fromkeys((310, 320, 330), Stays(True))
     threads |= dict.fromkeys((710, 720, 770, 780), Stays(False))
     cycles = threads | {DRILL: LiveDrilling(), 730: OkumaGrooving("X"), 740: OkumaGrooving("Z")}
-    return Family(cycles, forgets=True, before=LatheBlocks)
+    return Family(cycles, forgets=True, before=LatheBlocksAndCorners)
 
 
 # the longest prefix of the dialect's name holds

@@ -4,9 +4,12 @@ out: lap_okuma.py.
 
 Okuma OSP-P200L / P20L programming manual 5238-E, P-175 to P-218. A shape stands between G81 (G82)
 and G80, under the name of its first block; where the program comes to it the control steps over it.
-In its blocks F is the finishing's, E the roughing's along the shape, G75 and G76 with L make a
-chamfer or an arc of L at the end of their block. Refused in it: what is none of G0 to G3, G40 to
-G42, G90, G91, G75, G76; a blank's shape (G83), which is the control's extra (LAP4).
+In its blocks F is the finishing's, E the roughing's along the shape. In it and elsewhere G75 and
+G76 with L make a chamfer or an arc of L at the end of their block, and A is the angle of a line one
+of whose ends is not said, from +Z towards +X: so A135 and A315 make the chamfers that shops write
+with them. Corners and angles of plain blocks are handed on as those of Fanuc (corners_fanuc.py).
+Refused in a shape: what is none of G0 to G3, G40 to G42, G90, G91, G75, G76; a blank's shape (G83),
+which is the control's extra (LAP4).
 """
 
 from __future__ import annotations
@@ -31,7 +34,8 @@ ENDS = re.compile(rb"(?<![A-Z])G[ \t]*80(?![0-9])", re.IGNORECASE)
 WORDS = re.compile(rb"([A-Z]{1,2})[ \t]*=?[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))", re.IGNORECASE)
 CORNERS = {750: b",C", 760: b",R"}
 NOSE = (40, 41, 42)
-OWN = "XZIKGR"  # words of a shape's block that its element is made of
+OWN = "XZIKGRA"  # words of a shape's block that its element is made of
+BESIDE = "FSEN"
 LENGTHS = ("D", "DA", "DB", "U", "XA", "XB")  # diameters
 NAME = re.compile(rb"(/?[ \t]*)N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)[ \t]*", re.IGNORECASE)
 
@@ -78,7 +82,12 @@ class LatheBlocks:
                 f"G{alone} without the name of a shape",
                 "write the name that the first block of the shape has behind it: G85 NLAP1",
             )
-        text = self._centred(block) or without_offset(self.scene, block) or text
+        text = (
+            self._centred(block)
+            or self._cornered(block)
+            or without_offset(self.scene, block)
+            or text
+        )
         return [line] if text == line.text else [line._replace(text=text)]
 
     def _steps_over(self, line: Line, code: bytes) -> None:
@@ -108,6 +117,22 @@ class LatheBlocks:
                 break
             text += b" " + more.rstrip(b"\r").strip(b" \t")[1:].strip(b" \t")
         return text if text != line.text.rstrip(b"\r") else line.text
+
+    def _cornered(self, block: Block) -> bytes | None:
+        """G75 or G76 of a straight block as the corner of Fanuc's that it is."""
+        if not block.plain or not any(c in CORNERS for c in block.codes):
+            return None
+        text, corner = self._corner(block)
+        return text + corner
+
+    def _corner(self, block: Block) -> tuple[bytes, bytes]:
+        """A block without its G75 or G76 and the L of it, and the ",C" or ",R" that it means."""
+        own = next(c for c in block.codes if c in CORNERS)
+        size = block.word("L")
+        if size is None:
+            raise self.scene.fault("G75 or G76 without L", "write the size of the corner")
+        out = {i for i, w in enumerate(block.words) if w is size or _number(w) == own}
+        return block.written(out), CORNERS[own] + size.raw.encode()
 
     # -- arcs --------------------------------------------------------------------------------------
 
@@ -211,18 +236,20 @@ class LatheBlocks:
                 f" {code[:40].decode('latin-1')!r}",
                 "variables must be written out in it",
             )
-        own = next((c for c in block.codes if c in CORNERS), None)
-        radius = block.word("L")
-        if own is None:
+        strange = next((w for w in block.words if w.letter not in OWN + BESIDE + "L"), None)
+        if strange is not None:
+            raise scene.fault(
+                f"{strange.letter}{strange.raw} in the shape's line {line}: that is no word of it",
+                "take it out, or write it in another block",
+            )
+        if not any(c in CORNERS for c in block.codes):
+            radius = block.word("L")
             text = code if radius is None else b"".join(
                 (code[: radius.start], b"R", code[radius.start + 1 :])
             )  # fmt: skip
             return Block.of(text, scene.dialect.grammar), None
-        if radius is None:
-            raise scene.fault("G75 or G76 without L", "write the size of the corner")
-        out = {i for i, w in enumerate(block.words) if w is radius or _number(w) == own}
-        text = block.written(out)
-        _, corner = drawing_fanuc.split(text + CORNERS[own] + radius.raw.encode())
+        text, made = self._corner(block)
+        _, corner = drawing_fanuc.split(text + made)
         return Block.of(text, scene.dialect.grammar), corner
 
 

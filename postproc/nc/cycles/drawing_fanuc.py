@@ -86,9 +86,8 @@ def one_way(scene: Scene, word: Word, letters: list[str], own: Callable[[str], s
 
 def bare(scene: Scene, letters: str) -> str:
     """Of these letters those that a straight block of a lathe may name without a comma."""
-    if not scene.dialect.tool_offsets:
-        return ""
-    return "".join(x for x in letters if x not in scene.tracker.setup.axes)
+    drawn = set(scene.dialect.drawn) - set(scene.tracker.setup.axes)
+    return "".join(x for x in letters if x in drawn)
 
 
 def on_line(scene: Scene, here: Point, angle: float, z: float | None, x: float | None) -> Point:

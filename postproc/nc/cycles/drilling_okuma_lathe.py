@@ -3,11 +3,13 @@ each C, until G180.
 
 Okuma OSP-P200L / P20L programming manual 5238-E, P-139: in a face X is where the cycle starts and Z
 where it ends, K by how much it goes on in rapid before it feeds; in a side Z is where it starts and
-X where it ends, and I that way; E dwells at the end, in seconds. From where the tool stands the
-control turns to C, goes to the place, in, and back in rapid to where it stood. The way on in rapid
-lies along the hole, so no place depends on it: I counts as a diameter, the shorter of the two.
-Refused: Q holes at once, R, Y, neither or both of I and K, G91, G182 G183 G189, whose ways back are
-in no page that was found.
+X where it ends, and I that way; E dwells at the end, in seconds; Q holes stand evenly around C,
+from the angle of the block on. From where the tool stands the control turns to C, goes to the
+place, in, and back in rapid to where it stood. The way on in rapid lies along the hole, so no place
+depends on it: I counts as a diameter, the shorter of the two.
+Assumed: Y, where the lathe has that axis, goes with X (Z) to the place; the Q holes follow in the
+positive sense (M16 makes them in the other order). Refused: R, neither or both of I and K, G91,
+G182 G183 G189, whose ways back are in no page that was found.
 """
 
 from __future__ import annotations
@@ -20,10 +22,12 @@ from postproc.nc.cycles.words import Form
 
 DRILL = 1810
 KIND = "a drilling cycle"
-PLACES = {"X": "place, or bottom", "Z": "bottom, or place", "C": "angle"}
+PLACES = {"X": "place, or bottom", "Y": "place", "Z": "bottom, or place", "C": "angle"}
 SHIFTS = {"K": "on in rapid along Z", "I": "on in rapid along X"}
 WORDS = PLACES | SHIFTS | {"E": "dwell at the bottom"}
-REFUSED = {"Y": "another place", "Q": "how many holes, evenly round", "R": "the first stroke"}
+AROUND = {"Q": "how many holes, evenly round"}
+REFUSED = {"R": "the first stroke"}
+MOST_HOLES = 1000
 
 
 class LiveDrilling:
@@ -36,7 +40,7 @@ class LiveDrilling:
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of the cycle."""
-        return (Form(KIND, WORDS, refused=REFUSED),)
+        return (Form(KIND, WORDS | AROUND, refused=REFUSED),)
 
     def end(self) -> None:
         """G180."""
@@ -52,11 +56,33 @@ class LiveDrilling:
         for word in block.words:
             if word.letter in WORDS:
                 axis = {"I": "X", "K": "Z"}.get(word.letter, word.letter)
-                held = scene.length(word, axis) if axis in "XZ" else word.value
+                held = scene.length(word, axis) if axis in "XYZ" else word.value
                 self.held[word.letter] = held or 0.0
-        m = Moves(scene, own_words(block, "".join(WORDS), {code}))
+        m = Moves(scene, own_words(block, "".join(WORDS | AROUND), {code}))
         if not self.wants(scene, block):
             return Outcome(m.finish())
+        angle = self.held.get("C", 0.0)
+        for k, turned in enumerate(self._angles(scene, block, angle)):
+            if k:
+                self.held["C"] = turned
+            self._hole(scene, m)
+        return Outcome(m.finish())
+
+    def _angles(self, scene: Scene, block: Block, first: float) -> list[float]:
+        """Where the holes of a block stand around C, from 0 to 360 behind the first one."""
+        holes = block.get("Q")
+        if holes is None:
+            return [first]
+        if "C" not in self.held or holes != int(holes) or not 1 <= holes <= MOST_HOLES:
+            raise scene.fault(
+                f"G181 with Q{block.word('Q').raw}",
+                f"write C, and a whole number of holes from 1 to {MOST_HOLES:,}",
+                block.word("Q"),
+            )
+        return [first, *((first + 360.0 * k / holes) % 360.0 for k in range(1, int(holes)))]
+
+    def _hole(self, scene: Scene, m: Moves) -> None:
+        """In and out at the place that is held. Raises ProgramError."""
         along = self._axis(scene)
         start = scene.at(along)
         bottom = self.held.get(along)
@@ -72,7 +98,6 @@ class LiveDrilling:
         if self.held.get("E"):
             m.line(b"G4 " + scene.text("F", self.held["E"]))
         m.move("G0", {along: start})
-        return Outcome(m.finish())
 
     def _axis(self, scene: Scene) -> str:
         named = [x for x in SHIFTS if x in self.held]

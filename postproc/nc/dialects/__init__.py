@@ -102,6 +102,8 @@ class Dialect:
     `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a
     place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
+    `drawn`: letters of a straight block that say a corner or the angle of the line, where the
+    machine has no axis of that letter.
     `nose_in_tool`: a T word of six digits begins with the number of the nose radius (Okuma).
     `polar`: the letter of the second coordinate of polar interpolation, C or Y (face.py).
     `feed_along_first`: F is along X Y Z where any of them moves, else along U V W, else in degrees
@@ -176,6 +178,7 @@ class Dialect:
     level_from_start: bool = False
     conditions: bool = False
     feed_along_first: bool = False
+    drawn: str = ""
     nose_in_tool: bool = False
     polar: str = ""
 

@@ -79,6 +79,7 @@ DIALECT = Dialect(
     plane=180,
     polar="C",
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
+    drawn="CRAIK",
     dwell="PXU",
     tool_offsets=True,
     extended_by_p=True,

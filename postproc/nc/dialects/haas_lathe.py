@@ -217,6 +217,7 @@ DIALECT = Dialect(
     plane=180,
     polar="Y",
     increments={"U": "X", "V": "Y", "W": "Z", "H": "C"},
+    drawn="CRAIK",
     dwell="P",
     tool_offsets=True,
     integers="least increments",

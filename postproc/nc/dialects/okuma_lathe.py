@@ -25,6 +25,7 @@ _SHIFTS = "it moves the zero, from where is not certain: write it into the zero 
 _UNITS = "units are a parameter of this control: take the code out"
 _ON = f"the block before it goes on in this line: {codes.EXPAND}"
 _RADIUS = f"its radius is L: {codes.EXPAND}"
+_ANGLE = f"its end lies on a line at the angle A: {codes.EXPAND}"
 _NAMED = f"its shape stands under a name: {codes.EXPAND}"
 _VALUE = "its value may stand for a place: write the numbers"
 _NO_L = r"(?![^\n]*G[ \t]*0*(?:3[1-5]|7[1-8]|18[0-9]|190)(?![0-9]))"
@@ -54,8 +55,9 @@ DIALECT = Dialect(
         *rows("limits", {"22": "barrier on", "23": "barrier off"}),
         *rows("priority", {"110": "speed by turret A", "111": "speed by turret B"}),
         *rows("spindle", {"140": "spindle", "141": "spindle", "142": "spindle", "143": "spindle"}),
-        *rows("converted", {"136": "no conversion", "138": "Y axis on"}),
-        *rows("converted", {"137": "conversion"}, refuses=codes.TRANSFORM),
+        *rows("diameter", {"136": "no conversion, X a diameter"}, like="G7"),
+        *rows("diameter", {"138": "Y axis on, X a radius"}, like="G8"),
+        *rows("diameter", {"137": "conversion, X a radius"}, refuses=codes.TRANSFORM),
         *rows(
             "motion",
             {
@@ -179,6 +181,7 @@ DIALECT = Dialect(
             r"^[ \t]*O[A-Z0-9]*[A-Z][A-Z0-9]*[ \t]*\r?$",
             r"\b(?:SB|SA|HP)[ \t]*=[ \t]*[-+]?[0-9.]+",
             _HEAD + r"NOEX\b[^\n]*",
+            _HEAD + r"(?:CLEAR|DRAW|DEF[ \t]+WORK|PS[ \t]+[A-Z]+[ \t]*,[^\n]*|END)[ \t]*\r?$",
             r"^[ \t]*(?:/[ \t]*)?N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)",
         ),
         macros=(
@@ -191,13 +194,15 @@ DIALECT = Dialect(
             (_HEAD + r"G[ \t]*50(?=[^\n(]*[XZ])[^\n]*", 4),
             (_HEAD + r"G[ \t]*8[5-8][ \t]*N[A-Z][^\n]*", 5),
             ("^" + _NO_L + r"(?:[^\n(]|\([^)\n]*\))*?(?<![A-Z])L[ \t]*[-+]?[0-9.][^\n]*", 6),
+            ("^" + _NO_L + r"(?:[^\n(]|\([^)\n]*\))*?(?<![A-Z])A[ \t]*[-+]?[0-9.][^\n]*", 7),
         ),
     ),
-    macro_refuses=(_ON, codes.INLINE, _VALUE, _SHIFTS, _NAMED, _RADIUS),
+    macro_refuses=(_ON, codes.INLINE, _VALUE, _SHIFTS, _NAMED, _RADIUS, _ANGLE),
     plane=180,
     dwell="F",
     motion=0,
     tool_offsets=True,
+    drawn="A",
     nose_in_tool=True,
     repeats="",
     letters="ABDEHJLQUW",
