@@ -86,6 +86,7 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     "the control stops (alarm",
     "words in one block",
     "without its centre words",
+    "has no I, K or R",  # the same in a shape
     "is not defined in this program",
     "has no number",
     "no sequence number",

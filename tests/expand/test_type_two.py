@@ -161,3 +161,24 @@ def test_a_place_without_a_point_is_named_where_it_made_the_shape_small():
     with pytest.raises(ProgramError, match="X turns back") as caught:
         text_of(f"{before}X10. Z-9.|N2 X58.", "fanuc-lathe-a", setup)
     assert "decimal point" not in caught.value.advice
+
+
+def test_the_number_of_a_haas_shape_may_stand_alone():
+    """N3 in a block before the one that names X and Z chooses type II as well."""
+    shape = "|Z-20.|X36. Z-30.|Z-40.|N4 X60."
+    own, one = (
+        text_of(f"G0 X60. Z2.|G71 P3 Q4 D2. U.5 F.2|{first}{shape}", "haas-lathe", LATHE)
+        for first in ("N3|G1 X40. W0", "N3 G1 X40. W0")
+    )
+    assert own == one and len(own) > 20
+    with pytest.raises(ProgramError, match="turns back"):
+        text_of(f"G0 X60. Z2.|G71 P3 Q4 D2. U.5 F.2|N3|G1 X40.{shape}", "haas-lathe", LATHE)
+
+
+def test_a_cycle_asks_for_both_places_that_it_needs():
+    """One of them alone led to a sentence on an offset that nobody has left out."""
+    lost = replace(LATHE, start={})
+    program = "G50 X44. Z2.|G71 U1.5 R1.|G71 P10 Q60 U1. W.5|N10 G0 X10.|N60 G1 Z-10. F.2"
+    with pytest.raises(ProgramError) as caught:
+        text_of(program, "fanuc-lathe-a", lost)
+    assert caught.value.advice.endswith("--start X0,Z0")

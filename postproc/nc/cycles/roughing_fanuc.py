@@ -74,6 +74,7 @@ class Roughing:
     depth: float
     escape: float
     nose: str
+    stops: bool = False  # at a shape that turns back, with an alarm
 
     @property
     def begin(self) -> Point:
@@ -160,14 +161,19 @@ class Roughing:
                 continue
             if axis == along and not _turns(ways[:-1]):
                 raise fault(
-                    f"the last block of the shape takes {'ZX'[axis]} back",
+                    f"the last block of the shape takes {'ZX'[axis]} back{self._alarm(axis)}",
                     "that is no part of the contour: end the shape before it, the cycle goes back"
                     " by itself",
                 )
             way_out = ONE_WAY if axis == along else BOTH
-            raise fault(f"{'ZX'[axis]} turns back within the shape", way_out)
+            raise fault(f"{'ZX'[axis]} turns back within the shape{self._alarm(axis)}", way_out)
         if not all(e.monotonic for e in self.rest):
             raise fault("an arc of the shape goes beyond a quadrant", BOTH)
+
+    def _alarm(self, axis: int) -> str:
+        """What a Fanuc says to an axis that turns back (B-64304EN-1, list of alarms)."""
+        number = ("PS0064", "PS0329")[axis]
+        return f": the control stops (alarm {number})" if self.stops else ""
 
     # -- type II -----------------------------------------------------------------------------------
 
@@ -176,7 +182,8 @@ class Roughing:
         deep, fault, c = self.deep, self.pen.scene.fault, self.begin
         letter = "ZX"[deep]
         if _turns([e.end[1 - deep] - e.start[1 - deep] for e in self.rest]):
-            raise fault(f"{'XZ'[deep]} turns back within the shape", ONE_WAY)
+            said = f"{'XZ'[deep]} turns back within the shape{self._alarm(1 - deep)}"
+            raise fault(said, ONE_WAY)
         ways = [e.end[deep] - c[deep] for e in [self.first, *self.rest[:-1]]]
         sense = 1 if max(ways, key=abs) > 0 else -1
         if any(way * sense < -NEAR for way in ways):

@@ -201,12 +201,17 @@ class Scene:
                     " stated",
                     f"move {axis} to an absolute position behind the offset, or state it: --offset",
                 )
+            lost = [x for x in self.tracker.setup.axes if x == axis or self._lost(x)]
             raise self.fault(
                 f"the motions depend on where {axis} stands, and that is not known at this block",
-                f"move {axis} to an absolute position before, or say where {axis} stands: --start"
-                f" {axis}0",
+                f"move {axis} to an absolute position before, or say where {' and '.join(lost)}"
+                f" {'stand' if lost[1:] else 'stands'}: --start {','.join(x + '0' for x in lost)}",
             )
         return value
+
+    def _lost(self, axis: str) -> bool:
+        """Whether an axis of the plane stands nobody knows where."""
+        return axis in self.plane[:2] and self.tracker.machine(axis) is None
 
     def moved(self, axis: str, value: float) -> None:
         """An axis stands at this programmed coordinate now."""

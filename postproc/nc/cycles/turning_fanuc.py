@@ -243,15 +243,24 @@ class Repetitive:
             )
         if self.haas and draws_out(rest, 1 - deep):
             rest.pop()
-        named = {w.letter for w in profile.texts[0].words}
-        both = bool(named & {"X", "U"}) and bool(named & {"Z", "W"})
-        cut = Roughing(way.pen, first, rest, deep, way.start, way.allowance, depth, escape, nose)
+        both = self._both(profile)
+        stops = not self.haas
+        cut = Roughing(
+            way.pen, first, rest, deep, way.start, way.allowance, depth, escape, nose, stops
+        )
         try:
             cut.write(both or block.get("R") == 1)
         except ProgramError as error:
             if OF_SHAPE in error.message:
                 error.advice = _pointless(scene, profile) or error.advice
             raise
+
+    def _both(self, profile: Profile) -> bool:
+        """Whether the first block of a shape names X and Z. Haas' may have its number alone in a
+        block before."""
+        named = ({w.letter for w in block.words} & set("XZUW") for block in profile.texts)
+        first = next(filter(None, named), set()) if self.haas else next(named)
+        return bool(first & {"X", "U"}) and bool(first & {"Z", "W"})
 
     # -- G73 G70 -----------------------------------------------------------------------------------
 

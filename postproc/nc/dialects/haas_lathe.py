@@ -1,7 +1,8 @@
 """Haas lathes: Fanuc's system A with codes of their own; T words select the offset, U W are
 increments.
 
-Codes: Haas Lathe Operator's Manual (Next Generation Control, 96-8900), "G-codes" and "M-codes". `;`
+Codes: Haas Lathe Operator's Manual (Next Generation Control, 96-8900), "G-codes" and "M-codes";
+G390 and G391 are its absolute and incremental position commands, as G90 is a cycle. `;`
 is the end of block as that manual prints it; comments are in ( ). A coordinate without a decimal
 point is a number of least increments, unless setting 162 (Default To Float) is on, says the same
 manual. The drilling cycles give R as a place, and have no return level.
@@ -27,6 +28,8 @@ from postproc.nc.rows import (
     WORK,
     rows,
 )
+
+_BY_LETTER = "whether X is a diameter then is in no text that was found: write U W H"
 
 DIALECT = Dialect(
     name="haas-lathe",
@@ -72,6 +75,8 @@ DIALECT = Dialect(
             refuses=codes.CYCLE,
         ),
         *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
+        *rows("distance", {"390": "absolute words"}, like="G90"),
+        *rows("distance", {"391": "incremental words"}, like="G91", refuses=_BY_LETTER),
         *rows("motion", {"80": "end of drilling cycles"}),
         *rows(
             "motion",
