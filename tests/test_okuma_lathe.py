@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from postproc.errors import ProgramError
+from postproc.errors import BlockFault, ProgramError
 from postproc.nc import dialects
 from postproc.nc.expand import Line, Program
 from postproc.nc.expand.resolve import Resolver
@@ -354,3 +354,12 @@ def test_holes_evenly_round_stand_at_the_angles_one_by_one(monkeypatch):
     before = "T0101|G0 X50 Z5 Y0|"
     assert ends(f"{before}G181 X50 Y0 Z-12 C10 K3 F120 Q4") == ends(before + each)
     assert [round(place[2]) for place in ends(before + each)[1::4]] == [10, 100, 190, 280]
+
+
+def test_an_arc_of_the_y_axis_has_its_centre_by_j_and_k(monkeypatch):
+    monkeypatch.setattr(f"{__name__}.SETUP", LIVE)
+    found, reasons = follow("G19|G0 X20 Y0 Z0|G3 Y10 Z10 J0 K10 F.1")
+    assert not any(reasons) and found[-1] == [10.0, 10.0, 0.0, 10.0]
+    monkeypatch.undo()
+    with pytest.raises(BlockFault, match="J has no meaning"):
+        follow("G18|G0 X20 Z0|G3 X30 Z-5 J0 K5 F.1")

@@ -27,6 +27,7 @@ from postproc.nc.lexer import (
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
+ARC = 20  # ten times G2, the first of the arcs
 CYCLE_CALL, TAPPING = 790, 2070  # of Klartext
 CENTRES = range(AXES.index("I"), len(AXES))
 
@@ -322,7 +323,9 @@ def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     plain[b.words.block[b.places.get("M", np.zeros(0, np.int64))]] = False
     for letter in letters:
         place = b.places[letter]
-        place = place[plain[b.words.block[place]]]
+        centre = letter == "J" and "Y" in b.rows  # of an arc, where it is no other parameter
+        idle = plain & (motion < ARC) if centre else plain
+        place = place[idle[b.words.block[place]]]
         if len(place):
             raise b.fault(
                 place[0], f"the letter {letter} has no meaning in a motion of {b.dialect.title}",

@@ -56,7 +56,6 @@ stated as zero too. Some refusals of turning programs were judged by hand (a mis
 subprogram; a corner where the shape goes straight on)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
-MOST_NAMES = 20
 LIVE = {  # axes that a lathe lacked
     "C": re.compile(r"has no axis [CH]\b|no rotary ax|no C in the machine"),
     "YC": re.compile(r"has no axis [YV]\b"),
@@ -200,34 +199,32 @@ def _once(path: Path, folder: Path, more: tuple[str, ...]) -> tuple[bool, str]:
 
 
 def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result:
-    """One program, and once more with each option that an advice names."""
+    """One program; again on a lathe with the axes that it names, with each offset that no list has,
+    and with each option that an advice names."""
     if dialect == NONE:
         return Result(source, dialect, path.name, "refused", "there is no dialect of its control")
-    folder = machine_folder(machines, dialect)
+    lathe, live = "lathe" in dialect, ""
+    stated: tuple[str, ...] = ()
     more: tuple[str, ...] = ()
-    done, said = _once(path, folder, more)
-    for live, lacks in LIVE.items():
-        if not done and "lathe" in dialect and lacks.search(said):
-            folder = machine_folder(machines, dialect, live)
-            done, said = _once(path, folder, more)
-    while not done and len(more) < MOST_NAMES and (name := UNSTATED.search(said)):
-        more += ("--offset", name[1])  # a number of tool and offset that no list has: T0203
-        done, said = _once(path, folder, more)
-    if done:
-        return Result(source, dialect, path.name, "corrected")
-    first, stated = said, len(more)
-    for _ in range(len(OPTIONS)):
-        found = next(
-            ((m, o) for s, o in OPTIONS if (m := re.search(s, said)) and o[0] not in more), None
-        )
-        if found is None:
-            break
-        more += tuple(word or found[0][1] for word in found[1])
-        done, said = _once(path, folder, more)
+    while True:
+        folder = machine_folder(machines, dialect, live)
+        done, said = _once(path, folder, stated + more)
+        if done and more:
+            return Result(source, dialect, path.name, "with an option", " ".join(more))
         if done:
-            told = " ".join(more[stated:])
-            return Result(source, dialect, path.name, "with an option", told)
-    return Result(source, dialect, path.name, "refused", first if first == said else said)
+            return Result(source, dialect, path.name, "corrected")
+        axes = next((x for x, lacks in LIVE.items() if lathe and lacks.search(said)), live)
+        if len(axes) > len(live):
+            live, more = axes, ()
+        elif (name := UNSTATED.search(said)) and name[1] not in stated:
+            stated += ("--offset", name[1])  # a number of tool and offset that no list has: T0203
+        else:
+            asked = ((re.search(s, said), o) for s, o in OPTIONS if o[0] not in more)
+            found = next(((m, o) for m, o in asked if m), None)
+            if found is None:
+                break
+            more += tuple(word or found[0][1] for word in found[1])
+    return Result(source, dialect, path.name, "refused", said)
 
 
 def kind(result: Result) -> str:

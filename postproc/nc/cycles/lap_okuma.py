@@ -158,7 +158,7 @@ class Lap:
         relief = RELIEF / 25.4 if scene.inch else RELIEF
         cut = BarTurning(
             pen, first, rest, 0 if shape.across else 1, start, by, call.depth, relief, "",
-            tuple(call.changes),
+            changes=tuple(call.changes),
         )  # fmt: skip
         try:
             cut.cuts()
