@@ -174,6 +174,21 @@ def test_a_bore_is_roughed_outwards():
     assert max(x for x, _ in found) == pytest.approx(14.8)
 
 
+def test_rapids_that_draw_the_tool_out_of_a_bore_are_no_part_of_what_is_roughed():
+    """As a shop's own programs end: G1 X18. | G0 Z2. One cut at X22., one along the shape."""
+    head, shape = "G0 X20 Z5|G85 NB D2 U1 F0.2|", "NB G81|G0 X24 Z3|G1 Z-30 F0.1|"
+    plain = ends(f"{head}{shape}G80|")
+    at = ends(f"{head}{shape}G0 X18|Z2|G80|")
+    assert [12 - 0.5, 3.0] in plain and [9 - 0.5, 2.0] in at
+    cut = at.index([12 - 0.5, 3.0])
+    assert at[: cut + 2] == plain[: cut + 2]  # roughed as without them
+    assert at[cut + 2 :] == [[8.5, -30.0], [8.5, 2.0], [8.5, 5.0], [10.0, 5.0]]
+    with pytest.raises(ProgramError, match="takes Z back"):
+        ends(f"{head}{shape}G0 X25|Z2|G80|")  # deeper than the bore
+    with pytest.raises(ProgramError, match="takes Z back"):
+        ends(f"{head}{shape}G1 X18|Z2|G80|")  # that cuts
+
+
 def test_corners_of_a_shape():
     """G75 L2 chamfers, G76 L3 rounds, at the end of their block."""
     shape = "NC G81|G0 X20 Z2|G75 G1 Z-10 L2 F.1|G76 X40 L3|Z-30|X60|G80|"

@@ -97,5 +97,7 @@ def test_where_a_haas_lathe_ends_behind_a_hole_is_said_and_nothing_counts_from_t
     )
     with pytest.raises(ProgramError, match="W1. counts from where the cycle left Z"):
         resolver.take(Line(b"W1.", 5))
+    (home,) = resolver.take(Line(b"G28 U0 W0.", 5))  # no way before the reference point
+    assert home.text == b"G28 U0 W0."
     assert resolver.take(Line(b"Z9.", 6))[0].text == b"Z9."
     assert resolver.take(Line(b"W1.", 7))[0].text == b"W1."

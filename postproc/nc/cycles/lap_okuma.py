@@ -12,7 +12,9 @@ point, then X; M85 leaves that out (P-204).
 Assumed: the way back of a roughing and of a finishing is that of copying; each cut begins at the
 AP starting point's Z (G82: X); DA= and FA= of G84 hold from the first cut beyond XA= on. RELIEF
 stands for the optional parameter. Nose radius compensation in the shape holds along the whole
-shape: the cuts before it end on the shape as programmed, which a notice says.
+shape: the cuts before it end on the shape as programmed, which a notice says. Rapids at the end of
+a shape that draw the tool back along it, on the starting point's side of all of it, are no part of
+what is roughed.
 """
 
 from __future__ import annotations
@@ -156,8 +158,9 @@ class Lap:
             )
             scene.notices.append(Notice("nose 850", said, scene.source))
         relief = RELIEF / 25.4 if scene.inch else RELIEF
+        deep = 0 if shape.across else 1
         cut = BarTurning(
-            pen, first, rest, 0 if shape.across else 1, start, by, call.depth, relief, "",
+            pen, first, _cut_part(first, rest, deep, start), deep, start, by, call.depth, relief, "",
             changes=tuple(call.changes),
         )  # fmt: skip
         try:
@@ -196,6 +199,19 @@ class Lap:
         for row, beside in enumerate(shape.beside):
             if beside and row not in said:
                 pen.m.line(beside)
+
+
+def _cut_part(first: Element, rest: list[Element], deep: int, start: Point) -> list[Element]:
+    """The shape without the rapids at its end, where they draw the tool back along the cuts on the
+    starting point's side of all of it: they cut nothing, and the last cut goes along them."""
+    ways = [e.end[1 - deep] - e.start[1 - deep] for e in rest]
+    kept = list(rest)
+    while len(kept) > 1 and kept[-1].code == 0:
+        kept.pop()
+    sense = 1 if first.end[deep] > start[deep] else -1
+    nearest = min(sense * e.end[deep] for e in [first, *kept])
+    aside = all(sense * e.end[deep] <= nearest + NEAR for e in rest[len(kept) :])
+    return kept if aside and min(ways) < -NEAR and max(ways) > NEAR else rest
 
 
 def _too_many(scene: Scene, passes: int, depth: float) -> ProgramError:

@@ -25,6 +25,7 @@ from postproc.nc.expand import Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
 
 PLAIN_MOTIONS = (0, 10, 20, 30)
+REFERENCES = (280, 300)  # from any place, the ways to it do not lead the path on
 # Modal groups whose codes may stand in a cycle's own block; behind others the tracker is asked
 # anew.
 QUIET = (
@@ -184,7 +185,7 @@ class Resolver:
             elif not codes:
                 self._idle(block)
         if self.loose:
-            self._counted(block)
+            self._counted(block, codes)
         if self.scene.unsure and not self._taken(codes):
             scene.note(block)
             scene.named({w.letter for w in block.words})
@@ -198,20 +199,21 @@ class Resolver:
             scene.block = block
         return lead + self._out([block.text], self._loud(block, codes))
 
-    def _counted(self, block: Block) -> None:
-        """Nothing may count from where a cycle may have left an axis. Raises ProgramError."""
+    def _counted(self, block: Block, codes: list[int]) -> None:
+        """Nothing may count from where a cycle may have left an axis, but to a reference point by
+        no way at all (G28 U0 W0), which begins wherever it stands. Raises ProgramError."""
         by = next(
             (w for w in block.words if self.tracker.dialect.increments.get(w.letter) == self.loose),
             None,
         )
-        if by is not None:
+        if by is not None and not (by.value == 0 and any(c in REFERENCES for c in codes)):
             raise self.scene.fault(
                 f"{by.letter}{by.raw} counts from where the cycle left {self.loose}, and that is"
                 " not certain",
                 f"write {self.loose} as a place",
                 by,
             )
-        if block.word(self.loose) is not None:
+        if by is not None or block.word(self.loose) is not None:
             self.loose = ""
 
     def _overridden(self, codes: list[int], own: int) -> bool:
