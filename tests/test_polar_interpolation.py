@@ -278,6 +278,15 @@ def test_what_is_refused(lines, before, said, tmp_path):
         corrected(machine, "fanuc-lathe", program(lines, before=before))
 
 
+def test_a_way_to_the_middle_is_told_as_such(tmp_path):
+    """And not as a map too steep: what is off across the way turns half around there."""
+    truth = plain(CHAINS[0], EXX=0.010, EYX=0.008)
+    truth.table["X"][2][0] = -0.010
+    machine = load(truth, tmp_path, "fanuc-lathe")
+    with pytest.raises(GcompError, match="nearer than 1 mm"):
+        corrected(machine, "fanuc-lathe", program(["G1 X40. C0. F9.", "X0."]), reversal="step")
+
+
 def test_a_machine_without_c(tmp_path):
     machine = load(plain("w-b-Z-X-t", EXX=0.010), tmp_path, "haas-lathe")
     with pytest.raises(GcompError, match="no C in the machine's chain"):

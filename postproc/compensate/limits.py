@@ -168,9 +168,10 @@ def _nearest(b: Batch, machine: PolarMachine, motion: np.ndarray) -> np.ndarray:
     along = np.where(way != 0, np.real(-start * np.conj(way)), 1.0)
     t = np.clip(along / np.where(way != 0, np.abs(way) ** 2, 1.0), 0.0, 1.0)
     near = np.abs(np.where(way != 0, start + way * t, end))
-    arc = b.arc_of[motion]
-    on = (arc >= 0).nonzero()[0]
-    arcs, arc = b.m.arcs, arc[on]
+    arcs = b.m.arcs
+    order = np.argsort(arcs.motion)
+    on = np.isin(motion, arcs.motion).nonzero()[0]
+    arc = order[np.searchsorted(arcs.motion[order], motion[on])]
     centre = arcs.centre[0, arc] + 1j * arcs.centre[1, arc]
     towards = np.angle(-centre) - arcs.angle[arc]
     passed = (np.sign(arcs.sweep[arc]) * towards) % (2 * np.pi) <= np.abs(arcs.sweep[arc])
