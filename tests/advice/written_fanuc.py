@@ -405,7 +405,8 @@ MACROS = [
     macro("X[POW[10,9]]", "X[POW[10,1]]"),
     macro("#1=99|M#1", "M9"),
     macro("G65P9" + "I1." * 11 + SUB, "G65P9" + "I1." * 10 + "A1." + SUB),
-    macro("N1 GOTO 1", "G0 X1.", how={}),
+    macro("N1 X1.|GOTO 1", "X1.|M30"),
+    macro("#1=0|N1 #1=#1+1|GOTO 1", "G0 X1.", how={}),
     macro(
         "#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1",
         "#1=0|WHILE[#1 LT 9999]DO1|#1=#1+1|END1",

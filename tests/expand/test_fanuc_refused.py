@@ -109,10 +109,35 @@ def test_refusals(block, message):
 def test_limits_and_the_place_of_a_fault():
     place = refused("O1\nN5 G1 X10. (ALL) Y[ 1 / #1 ]\n", "p.nc:2").place
     assert place.text[place.start - 1 : place.stop - 1] == "/ #1"
-    refused("N1 GOTO 1\n", "1000 blocks have been executed (limit 1000)", limits=Limits(steps=1000))
+    said = "1000 blocks have been executed (limit 1000)"
+    refused("#1=0\nN1 #1=#1+1\nGOTO 1\n", said, limits=Limits(steps=1000))
     refused("O1\nM98P1\n", "nested 11 deep (limit 10)", limits=Limits(depth=10))
     assert len(run("X1\n" * 50, limits=Limits(steps=10))) == 50  # the text itself is never too long
     refused("#1=1\n" + "X1\n" * 50 + "GOTO 1\nN1 GOTO 1\n", "limit 53", limits=Limits(steps=10))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "N1 X1\nGOTO 1",
+        "N1 X1\nM99 P1",
+        "WHILE[1 EQ 1]DO1\nX1\nEND1",
+        "#1=0\nN1 #1=1-#1\nWHILE[#1 LT 3]DO1\n#1=#1+1\nEND1\n#1=0\nX1\nGOTO 1",
+        "M98 P9\nM30\nO9\nN1 X1\nGOTO 1\nM99",
+    ],
+)
+def test_a_round_that_nothing_ends_is_told_at_once(text):
+    refused(f"O1\n{text}\n", "goes round without end", "p.nc:", limits=Limits(steps=40))
+
+
+def test_rounds_that_end_are_no_such():
+    """One pass of a loop each time, in a program that is run twice; a call each time from the same
+    line; and what decides by more than the memory may be another thing each time."""
+    once = "#1=0\nWHILE[#1 LT 1]DO1\nG1 X1. F9.\n#1=#1+1\nEND1\n"
+    assert len(run(f"O1\n{once}M99\n")) == 3
+    assert len(run(f"O1\nM98 P90003\nM30\nO0003\n{once}M99\n")) == 11
+    text = "G0 X0\nG91\nN1 G1 X1. F9.\nIF[#5001 LT 5.]GOTO 1\nM30"
+    assert sum(b"X1." in line.text for line in run(f"O1\n{text}\n")) == 5
 
 
 PIECES = st.sampled_from(

@@ -159,10 +159,10 @@ class Lap:
             scene.notices.append(Notice("nose 850", said, scene.source))
         relief = RELIEF / 25.4 if scene.inch else RELIEF
         deep = 0 if shape.across else 1
+        rest = _cut_part(first, rest, deep, start)
         cut = BarTurning(
-            pen, first, _cut_part(first, rest, deep, start), deep, start, by, call.depth, relief, "",
-            changes=tuple(call.changes),
-        )  # fmt: skip
+            pen, first, rest, deep, start, by, call.depth, relief, "", changes=tuple(call.changes)
+        )
         try:
             cut.cuts()
         except ProgramError as error:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 
 from postproc.errors import BlockFault
 from postproc.nc.expand import Limits, Line, Program
@@ -43,6 +44,7 @@ from postproc.nc.expand.tracker import Tracker
 
 DELETED = re.compile(rb"[ \t]*(?:[Nn][ \t0-9]*)?/")
 VARIABLE, AGAIN = re.compile(rb"#"), re.compile(rb"[Mm][ \t0]*9[ \t]*9(?![ \t]*[0-9])")
+SYSTEM = re.compile(rb"#[ \t]*(?:[1-9][0-9]{3}|[^0-9 \t])")  # also what may be one: #[...], names
 NOT_AGAIN = "variables tell the times apart: M30 ends it after one piece"
 RETURNS = (280, 300)  # G28 and G30 take their words away from the path, but move
 
@@ -72,9 +74,11 @@ class Runner:
         self.modal: list[Modal] = []
         self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
         self.ended, self.place = False, (0, 0)
+        # where a way back was taken, and the memory then
+        self._turns: dict[tuple[int, int], tuple[object, ...]] = {}
         # A program that begins again (M99) is run twice where variables could tell the times apart.
         self.seen: list[bytes] | None = (
-            [] if self.source.mentions(AGAIN) and self._varies() else None
+            [] if self.source.mentions(AGAIN) and self._mentions(VARIABLE) else None
         )
         self.second = -1  # lines of the second time, -1: the first
 
@@ -132,7 +136,10 @@ class Runner:
             if self.tracker.setup.block_delete and DELETED.match(raw):
                 return raw
             block = frame.source.block(at)
-            return self._execute(frame, at, block)
+            text = self._execute(frame, at, block)
+            if frame is self.frames[-1] and frame.at <= at:
+                self._turn_back(frame, at)
+            return text
         except BlockFault as before:
             what = f"where the program stands can not be told: {before.message}"
             raise frame.source.fault(self.program.name, at, Misread(what, before.advice)) from None
@@ -361,8 +368,29 @@ class Runner:
             self.second, frame.at = 0, frame.start
         return True
 
-    def _varies(self) -> bool:
-        return any(source.mentions(VARIABLE) for source in (self.source, *self.library.sources()))
+    def _mentions(self, what: re.Pattern[bytes]) -> bool:
+        return any(source.mentions(what) for source in (self.source, *self.library.sources()))
+
+    @cached_property
+    def _by_memory(self) -> bool:
+        """Whether the program's own variables alone decide its ways."""
+        return not self._mentions(SYSTEM)
+
+    def _turn_back(self, frame: Frame, at: int) -> None:
+        """A way back from an entry, taken again with the same memory, is taken without end. Raises
+        Misread."""
+        if self.modal or not self._by_memory:
+            return
+        site, memory = (id(frame.source), at), self.variables.common
+        levels = ((id(f.source), f.at, f.left, *sorted(f.local.items())) for f in self.frames)
+        state = (self.second >= 0, *levels, *sorted(memory.items()))
+        if self._turns.get(site) == state:
+            raise Misread(
+                "from here the program goes round without end: nothing that decides its way changes"
+                " any more",
+                "M30 ends it after one piece",
+            )
+        self._turns[site] = state
 
     # -- programs ----------------------------------------------------------------------------------
 
