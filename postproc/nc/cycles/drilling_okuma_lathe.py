@@ -70,14 +70,14 @@ class LiveDrilling:
 
     def _angles(self, scene: Scene, block: Block, first: float) -> list[float]:
         """Where the holes of a block stand around C, from 0 to 360 behind the first one."""
-        holes = block.get("Q")
-        if holes is None:
+        holes, word = block.get("Q"), block.word("Q")
+        if holes is None or word is None:
             return [first]
         if "C" not in self.held or holes != int(holes) or not 1 <= holes <= MOST_HOLES:
             raise scene.fault(
-                f"G181 with Q{block.word('Q').raw}",
+                f"G181 with Q{word.raw}",
                 f"write C, and a whole number of holes from 1 to {MOST_HOLES:,}",
-                block.word("Q"),
+                word,
             )
         return [first, *((first + 360.0 * k / holes) % 360.0 for k in range(1, int(holes)))]
 

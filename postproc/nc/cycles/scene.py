@@ -201,7 +201,7 @@ class Scene:
                     " stated",
                     f"move {axis} to an absolute position behind the offset, or state it: --offset",
                 )
-            lost = [x for x in self.tracker.setup.axes if x == axis or self._lost(x)]
+            lost = [x for x in self.tracker.setup.axes if x == axis or self._lost(x, axis)]
             raise self.fault(
                 f"the motions depend on where {axis} stands, and that is not known at this block",
                 f"move {axis} to an absolute position before, or say where {' and '.join(lost)}"
@@ -209,9 +209,9 @@ class Scene:
             )
         return value
 
-    def _lost(self, axis: str) -> bool:
-        """Whether an axis of the plane stands nobody knows where."""
-        return axis in self.plane[:2] and self.tracker.machine(axis) is None
+    def _lost(self, axis: str, beside: str) -> bool:
+        """Whether an axis in one plane with another stands nobody knows where."""
+        return {axis, beside} <= set(self.plane[:2]) and self.tracker.machine(axis) is None
 
     def moved(self, axis: str, value: float) -> None:
         """An axis stands at this programmed coordinate now."""

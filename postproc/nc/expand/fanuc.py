@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 
 from postproc.errors import BlockFault
 from postproc.nc.expand import Limits, Line, Program
@@ -38,13 +37,13 @@ from postproc.nc.expand.fanuc_calls import (
 from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value, index
 from postproc.nc.expand.fanuc_names import numbered
 from postproc.nc.expand.fanuc_programs import Section, Source
+from postproc.nc.expand.fanuc_rounds import Rounds
 from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.fanuc_words import Word, rendered
 from postproc.nc.expand.tracker import Tracker
 
 DELETED = re.compile(rb"[ \t]*(?:[Nn][ \t0-9]*)?/")
 VARIABLE, AGAIN = re.compile(rb"#"), re.compile(rb"[Mm][ \t0]*9[ \t]*9(?![ \t]*[0-9])")
-SYSTEM = re.compile(rb"#[ \t]*(?:[1-9][0-9]{3}|[^0-9 \t])")  # also what may be one: #[...], names
 NOT_AGAIN = "variables tell the times apart: M30 ends it after one piece"
 RETURNS = (280, 300)  # G28 and G30 take their words away from the path, but move
 
@@ -71,14 +70,13 @@ class Runner:
             s.mentions(what) for s in (self.source, *self.library.sources())
         )
         self.frames: list[Frame] = []
+        self.rounds = Rounds()
         self.modal: list[Modal] = []
         self.steps, self.most = 0, max(limits.steps, len(self.source.texts))
         self.ended, self.place = False, (0, 0)
-        # where a way back was taken, and the memory then
-        self._turns: dict[tuple[int, int], tuple[object, ...]] = {}
         # A program that begins again (M99) is run twice where variables could tell the times apart.
         self.seen: list[bytes] | None = (
-            [] if self.source.mentions(AGAIN) and self._mentions(VARIABLE) else None
+            [] if self.source.mentions(AGAIN) and self.variables.mentions(VARIABLE) else None
         )
         self.second = -1  # lines of the second time, -1: the first
 
@@ -137,8 +135,8 @@ class Runner:
                 return raw
             block = frame.source.block(at)
             text = self._execute(frame, at, block)
-            if frame is self.frames[-1] and frame.at <= at:
-                self._turn_back(frame, at)
+            if frame is self.frames[-1] and frame.at <= at and not self.modal:
+                self.rounds.back(at, self.frames, self.variables, self.second >= 0)
             return text
         except BlockFault as before:
             what = f"where the program stands can not be told: {before.message}"
@@ -367,30 +365,6 @@ class Runner:
         else:
             self.second, frame.at = 0, frame.start
         return True
-
-    def _mentions(self, what: re.Pattern[bytes]) -> bool:
-        return any(source.mentions(what) for source in (self.source, *self.library.sources()))
-
-    @cached_property
-    def _by_memory(self) -> bool:
-        """Whether the program's own variables alone decide its ways."""
-        return not self._mentions(SYSTEM)
-
-    def _turn_back(self, frame: Frame, at: int) -> None:
-        """A way back from an entry, taken again with the same memory, is taken without end. Raises
-        Misread."""
-        if self.modal or not self._by_memory:
-            return
-        site, memory = (id(frame.source), at), self.variables.common
-        levels = ((id(f.source), f.at, f.left, *sorted(f.local.items())) for f in self.frames)
-        state = (self.second >= 0, *levels, *sorted(memory.items()))
-        if self._turns.get(site) == state:
-            raise Misread(
-                "from here the program goes round without end: nothing that decides its way changes"
-                " any more",
-                "M30 ends it after one piece",
-            )
-        self._turns[site] = state
 
     # -- programs ----------------------------------------------------------------------------------
 
