@@ -56,6 +56,7 @@ REASONS = (
     PARAXIAL,
     GOES_ON,
     SIDELESS,
+    codes.FRAME,
 )
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
@@ -87,6 +88,7 @@ VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
 PATTERNS = (220, 221)
 MOVES_AT_ONCE = (224, 238, 239)
 TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
+TURNED = {8: codes.FRAME, 10: codes.FRAME, 19: codes.TILTED}
 CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
 TAPS = (2, 17, 206, 207, 209)
@@ -294,7 +296,7 @@ def _turned(text: bytes, number: int, rest: bytes) -> bytes:
     nothing = TURNS[number]
     if nothing and values and all(v == float(nothing) for v in values):
         return _blank(text)
-    return _macro(text, codes.TILTED if number == 19 else codes.UNTURNED)
+    return _macro(text, TURNED.get(number, codes.UNTURNED))
 
 
 def _shift(text: bytes, begin: int) -> bytes:

@@ -67,6 +67,9 @@ def ring(data: str, count: str = "+3") -> str:
     )
 
 
+TURN = "CYCL DEF 10.0 R|CYCL DEF 10.1 ROT+30|"
+BACK = "|CYCL DEF 10.0 R|CYCL DEF 10.1 ROT+0|"
+PLACE = "L X+5 Y+1 F99"
 ISO = "%9 G71 *|N1 G90 G00 X0 Y0 Z5*|N2 G200 Q200=2 Q201=-5 Q206=90 Q202=3 Q203=0*|"
 
 
@@ -135,6 +138,21 @@ ALL = [
     klartext(cycle(DRILL.replace("Q203=+0", "")), "L Z-5 F99|L Z+5 FMAX"),
     klartext(cycle(DRILL.replace("Q202=+3", "Q202=+0.0001")), cycle(DRILL)),
     klartext(cycle(DRILL, feed="FMAX"), cycle(DRILL)),
+    klartext(TURN + "L X+5 F99", TURN + PLACE),
+    klartext(TURN + PLACE + "|CYCL DEF 7.1 X+5", TURN + PLACE + BACK + "CYCL DEF 7.1 X+5"),
+    klartext(TURN + "CYCL DEF 8.1 X|" + PLACE, TURN + PLACE + BACK + "CYCL DEF 8.1 X|" + PLACE),
+    klartext("CYCL DEF 8.1 Z|" + PLACE, "CYCL DEF 8.1 X|" + PLACE),
+    klartext("CYCL DEF 10.1 X|" + PLACE, TURN + PLACE),
+    klartext("/ CYCL DEF 10.1 ROT+30|" + PLACE, TURN + PLACE),
+    klartext(
+        "TOOL DEF 1 R+1|TOOL CALL 1 Z|" + PLACE + "|L X+9 RL|" + TURN + "L X+5 Y+9",
+        "TOOL DEF 1 R+1|TOOL CALL 1 Z|" + PLACE + "|L X+9 R0|" + TURN + "L X+5 Y+9",
+        offsets={"T1": {"Z": 0.0}, "G54": {}},
+    ),
+    klartext(
+        TURN + PLACE + "|APPR LT X+9 Y+5 LEN2 RL F9|L X+20|L X+5 R0",
+        TURN + PLACE + BACK + "L X+1 Y+1 R0 F9",
+    ),
     klartext("CALL LBL 1", "LBL 1|L X+1 F9|CALL LBL 1 REP 2"),
     klartext("LBL 1|L X+1 F9|LBL 1", "LBL 1|L X+1 F9|LBL 2"),
     klartext("LBL 1|CALL LBL 1", "LBL 1|L X+1 F9"),

@@ -44,7 +44,7 @@ from postproc.nc.cycles.frames_siemens import SiemensFrames
 from postproc.nc.cycles.grooving_fanuc import Grooving
 from postproc.nc.cycles.grooving_okuma import OkumaGrooving
 from postproc.nc.cycles.holes_heidenhain import IsoHoles
-from postproc.nc.cycles.klartext_paths import KlartextPaths
+from postproc.nc.cycles.klartext_turns import KlartextTurns
 from postproc.nc.cycles.nurbs_fanuc import NURBS, FanucNurbs
 from postproc.nc.cycles.pocket_haas import CODE as POCKET
 from postproc.nc.cycles.pocket_haas import Pocket
@@ -245,7 +245,7 @@ def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def heidenhain(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=KlartextPaths)
+    return Family(before=KlartextTurns)
 
 
 def marlin(dialect: Dialect, synchronised: bool) -> Family:

@@ -25,7 +25,7 @@ from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
-from postproc.nc.klartext import CYCLE, HEAD
+from postproc.nc.klartext import CYCLE, HEAD, TURNS
 
 STATEMENT = re.compile(
     rb"(APPR|DEP|CC|CR|CP|CT|C|LP|L|RND|CHF|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*"
@@ -41,7 +41,7 @@ LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
 SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
 BORE = 208
 WITH_PARTS = (1, 2, 17)  # whose data stand behind a point
-DATA_ONLY = (9, 13, 14, 32, 247)  # defined beside a drilling cycle, which holds on
+DATA_ONLY = (9, 13, 14, 32, 247, *TURNS)  # defined beside a drilling cycle, which holds on
 XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
 Words = dict[str, tuple[bool, float]]
 
