@@ -220,6 +220,31 @@ REMOVALS = [
     removed(ROUGH, "G1 X20 F0.2|Z-10|X18|Z-20", "AA: G1 X20 Z0|Z-9|X18|BB: Z-20"),
     removed('CYCLE95("AA:BB",2,,,,0.2,,,1,,5)', "G1 X20 F0.2|Z-10|X30"),
 ]
+POCKET = "POCKET4(10,0,2,-4,12,5,7,2,.3,.2,400,150,0,1,6,,,3,2)"
+TOOL = {"G54": {}, "D1": {"Z": 0.0, "R": 5.0}}
+
+
+def pocket(old: str, new: str, then: str = POCKET, offsets=TOOL, **options) -> Case:
+    return run(POCKET.replace(old, new), then, how={"offsets": offsets}, **options)
+
+
+SMOOTH = "G1 X9 F100|Z-4|X-9|Z5"
+POCKETS = [
+    pocket("12,5", ",5"),
+    pocket(",1,6", ",5,6", SMOOTH),
+    pocket(",0,1,", ",7,1,"),
+    pocket("400", "-1"),
+    pocket("-4", "4"),
+    pocket("POCKET", "G91|POCKET"),
+    pocket("POCKET", "G41 X9|POCKET", "G41 X9|G40 X5|" + POCKET),
+    pocket("", "", offsets={"G54": {}, "D1": {"Z": 0.0}}, also={"offsets": TOOL}),
+    pocket("12,5", "4,5"),
+    pocket(".3,.2,400,150,0,1", "0,0,400,150,0,2"),
+    pocket("1,6,", "1,.0001,"),
+    pocket("5,7,2", "5,7,.0001"),
+    pocket(",1,6,,,3,2", ",21,6,,,0,2", POCKET.replace(",1,6", ",21,6")),
+    pocket(",1,6,,,3", ",21,6,,,30", POCKET.replace(",1,6", ",21,6")),
+]
 POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
 POLYNOMIALS = [
     frame("G1 X50 RND=5|" + POLY, "G1 X50|" + POLY),
@@ -235,4 +260,4 @@ POLYNOMIALS = [
     frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
     run("G1 X2 FB=200|X3", "G1 F50|X2 FB=200|X3"),
 ]
-ALL = [*DRILLING, *REMOVALS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]
+ALL = [*DRILLING, *REMOVALS, *POCKETS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]

@@ -4,6 +4,7 @@ what is called alone where it stands, and a pattern drills what MCALL named at e
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 
 from postproc.nc.expand import (
@@ -11,6 +12,7 @@ from postproc.nc.expand import (
     siemens_drilling,
     siemens_kept,
     siemens_patterns,
+    siemens_pockets,
     siemens_removal,
 )
 from postproc.nc.expand.siemens_boring import Boring
@@ -18,6 +20,7 @@ from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_kept import Tapping, Thread
 from postproc.nc.expand.siemens_patterns import Pattern
+from postproc.nc.expand.siemens_pockets import Pocket
 from postproc.nc.expand.siemens_removal import Removal
 from postproc.nc.expand.siemens_values import Refusal, Value
 from postproc.nc.expand.tracker import Tracker
@@ -26,20 +29,23 @@ NAMES = {
     *siemens_drilling.NAMES,
     *siemens_boring.NAMES,
     *siemens_patterns.NAMES,
+    *siemens_pockets.NAMES,
     siemens_removal.NAME,
     *siemens_kept.NAMES,
     *siemens_kept.THREADS,
 }  # the cycles that are written out
+SPINDLE = re.compile(rb"(?<![A-Z_0-9])M0*([34])(?![0-9])", re.IGNORECASE)
 
 
 class Holes:
-    """What is drilled."""
+    """What is drilled, and the pockets."""
 
     def __init__(self, tracker: Tracker):
         self.tracker = tracker
         self.feed = self.speed = b""  # the last F and S words that have left
+        self.sense = 1  # -1: M4 turns the spindle
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.called: Drilling | Pattern | Removal | Thread | None = (
+        self.called: Drilling | Pattern | Pocket | Removal | Thread | None = (
             None  # to be drilled behind this line
         )
 
@@ -54,6 +60,9 @@ class Holes:
         if name in siemens_kept.THREADS:
             self.called = Thread(name, values)
             return
+        if name in siemens_pockets.NAMES:
+            self.called = Pocket.of(name, values, self.sense)
+            return
         pattern = name in siemens_patterns.NAMES
         self.called = Pattern.of(name, values) if pattern else hole_of(name, values)
 
@@ -64,6 +73,7 @@ class Holes:
             code = text.split(b";")[0]
             self.feed = next((f[1] for f in FEED.finditer(code)), self.feed)
             self.speed = next((s[1] for s in SPEED.finditer(code)), self.speed)
+            self.sense = next((7 - 2 * int(m[1]) for m in SPINDLE.finditer(code)), self.sense)
         hole, self.called = self.called, None
         if isinstance(hole, Pattern):
             yield from self._pattern(frame, hole)
