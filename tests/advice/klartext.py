@@ -51,6 +51,21 @@ def studded(old: str, new: str, spindle: str = "M3") -> Case:
     return klartext(text(STUD.replace(old, new), spindle), text(STUD, "M3"))
 
 
+ROUND = (
+    "Q215=+1 Q223=+30 Q207=+500 Q351=+1 Q201=-5 Q202=+3 Q206=+150 Q200=+2 Q203=+0 Q204=+9"
+    " Q370=+1 Q366=+0"
+)
+
+
+def pocketed(old: str, new: str, spindle: str = "M3", number: int = 252) -> Case:
+    def text(data: str, spindle: str, number: int = 252) -> str:
+        head = f"TOOL DEF 1 L+0 R+4|TOOL CALL 1 Z|L Z+9 R0 FMAX {spindle}|"
+        return head + cycle(data, number)
+
+    data = ROUND.replace(old, new) if old else new + ROUND
+    return klartext(text(data, spindle, number), text(ROUND, "M3"))
+
+
 RING_OF = (
     "CYCL DEF 220 R ~|Q216=+5 ~|Q217=+5 ~|Q244=+9 ~|Q245=+0 ~|Q200=+2 ~|Q203=+0 ~|"
     "Q246=+90 ~|Q247=+30 ~|Q241=+3|L X+9"
@@ -131,7 +146,16 @@ ALL = [
     klartext(PECK + "4 1|L X+5 M99", PECK + "5 F9|L X+5 M99"),
     klartext((PECK + "5 F9|L X+5 M99").replace("1.3 2", "1.3 .0001"), PECK + "5 F9|L X+5 M99"),
     klartext(cycle(DRILL + " Q257=+0.00001", 205), cycle(DRILL, 205)),
-    klartext(cycle(DRILL, 252), "L Z-5 F99|L Z+5 FMAX"),
+    klartext(cycle(DRILL, 254), "L Z-5 F99|L Z+5 FMAX"),
+    pocketed("Q351=+1", "Q351=+0"),
+    pocketed("Q215=+1", "Q215=+7"),
+    pocketed("Q366=+0", "Q366=+7"),
+    pocketed("Q223=+30", "Q223=+7"),
+    pocketed("Q201=-5", "Q201=+5"),
+    pocketed("Q370=+1", "Q370=+0.001"),
+    pocketed("Q202=+3", "Q202=+0.001"),
+    pocketed("", "", "M4"),
+    pocketed("", "Q218=+60 Q219=+30 Q367=+9 ", number=251),
     klartext(cycle(DRILL + " Q395=+1"), "L Z-5 F99|L Z+5 FMAX"),
     klartext(cycle(DRILL.replace("Q201=-5", "Q201=+5")), "L Z-5 F99|L Z+5 FMAX"),
     klartext(cycle(DRILL.replace("Q206=+90", "")), "L Z-5 F99|L Z+5 FMAX"),

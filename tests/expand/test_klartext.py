@@ -445,7 +445,7 @@ def test_increments_of_the_datum_add_up():
         ("L X+0 Y+0|L X+10 Y+0|CT X+10", "ends where it begins"),
         ("L X+0 Y+0|L X+10 Y+0|CT X+12 Y+2 Z+1", "Z in CT"),
         ("L X+10 FMAX M99", "none is defined"),
-        ("CYCL DEF 252 POCKET ~|  Q201=-5|L X+10 FMAX M99", "252 is called"),
+        ("CYCL DEF 254 SLOT ~|  Q201=-5|L X+10 FMAX M99", "254 is called"),
         ("CYCL DEF 205 ~| Q200=+2 ~|Q201=-5 ~|Q206=+9 ~|Q203=+0 ~|Q379=+2|L X+1 M99", "Q379"),
         ("CC X+0 Y+0 Z+0|L X+1", "in no plane"),
         (

@@ -16,6 +16,7 @@ from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
 from postproc.nc.interpreter import Interpreter, Setup
+from tests.expand.pocket_judge import assert_cleared, from_wall
 
 RADIUS = 5.0
 RECTANGLE = "POCKET3(10,0,2,-6,40,30,6,32,40,0,3,0.3,0.2,400,150,0,{kind},6)"
@@ -56,30 +57,6 @@ def way(lines: list[str], step: float = 0.05) -> np.ndarray:
             found.append(np.linspace(here, to, n))
         here = to
     return np.vstack(found)
-
-
-def from_wall(xy: np.ndarray, middle, sides, corner, turn) -> np.ndarray:
-    """How far inside of the wall places lie."""
-    c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-    x, y = (xy - middle).T
-    u = np.abs(x * c + y * s) - sides[0] + corner
-    v = np.abs(y * c - x * s) - sides[1] + corner
-    outside = np.hypot(np.maximum(u, 0), np.maximum(v, 0)) + np.minimum(np.maximum(u, v), 0)
-    return corner - outside
-
-
-def assert_cleared(places: np.ndarray, wall: tuple, radius: float, left: float) -> None:
-    """The tool keeps to the pocket less what is left, and passes all of it."""
-    assert from_wall(places[:, :2], *wall).min() >= radius + left - 1e-3
-    middle, sides, corner, turn = wall
-    rng = np.random.default_rng(1)
-    reach = max(sides) * 1.5
-    points = middle + rng.uniform(-reach, reach, (1500, 2))
-    round_ = max(corner - left, radius)  # what a tool leaves in a corner
-    inner = (middle, (sides[0] - left, sides[1] - left), round_, turn)
-    points = points[from_wall(points, *inner) > 2e-3]
-    away = [np.hypot(*(places[:, :2] - p).T).min() for p in points]
-    assert max(away) < radius + 1e-3
 
 
 @pytest.mark.parametrize("kind", [1, 11, 21])

@@ -5,7 +5,8 @@ the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis a
 helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
 XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
 klartext_corners.py, tangents: klartext_tangent.py, APPR and DEP: klartext_join.py; holes, bores,
-patterns: klartext_holes.py, klartext_bore.py, klartext_patterns.py; studs: klartext_stud.py.
+patterns: klartext_holes.py, klartext_bore.py, klartext_patterns.py; studs and pockets:
+klartext_stud.py, klartext_pocket.py.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
 from postproc.nc.cycles.klartext_holes import Holes, signed
 from postproc.nc.cycles.klartext_join import Joined
 from postproc.nc.cycles.klartext_patterns import PATTERNS, points
+from postproc.nc.cycles.klartext_pocket import POCKETS, pocket
 from postproc.nc.cycles.klartext_stud import CYCLE as STUD
 from postproc.nc.cycles.klartext_stud import stud
 from postproc.nc.cycles.klartext_tangent import Heading
@@ -162,7 +164,9 @@ class KlartextPaths:
         """The cycle that is defined, where the tool stands."""
         if self.holes.taps:
             return self.holes.tapped()
-        if self.holes.cycle == STUD:
+        if self.holes.cycle in POCKETS:
+            lines = pocket(self.scene, self.tool, self.holes)
+        elif self.holes.cycle == STUD:
             lines = stud(self.scene, self.tool, self.holes.value, self.holes.feed)
         else:
             lines = self._bore() if self.holes.cycle == BORE else self.holes.lines()
