@@ -4,6 +4,7 @@ figure by hand."""
 from __future__ import annotations
 
 import math
+import random
 import re
 
 import pytest
@@ -72,6 +73,46 @@ def test_it_is_joined_and_left_along_its_side():
     assert joined[1][1] > 20 > joined[-2][1]
 
 
+ROUND = (
+    STUD.replace("256", "257")
+    .replace("Q218=+20 ~|Q424=+26 ~|Q219=+10 ~|Q425=+16 ~|Q220=+2", "Q223=+20 ~|Q222=+44")
+    .replace("Q367=+0 ~|", "Q376=+30 ~|")
+)
+
+
+@pytest.mark.parametrize(
+    ("program", "stud_", "blank"),
+    [
+        (STUD.replace("Q424=+26", "Q424=+45"), ((10, 5), 2), (22.5, 8)),
+        (STUD.replace("Q424=+26", "Q424=+31").replace("Q425=+16", "Q425=+38"), ((10, 5), 2), None),
+        (ROUND, ((10, 10), 10), None),
+        (ROUND.replace("Q370=+1", "Q370=+0.4"), ((10, 10), 10), None),
+    ],
+)
+def test_a_wide_blank_takes_several_revolutions(program, stud_, blank):
+    """By Q370 radii of 4 at most from one to the next; all of the blank beside the stud is cut, and
+    nothing of the stud. By hand: 22.5 + 4 - 14 is 12.5, so four of 3.125."""
+    sides, corner = stud_
+    found = [p for p in cut(program) if p[2] == -8]
+    away = [from_stud(p, sides=sides, corner=corner) for p in found]
+    assert min(away) > 4 - TOLERANCE
+    if blank:
+        on_x = {round(p[0] - 50, 3) for p in found if abs(p[1] - 20) < 1e-6 and p[0] > 50}
+        assert {14.0, 17.125, 20.25, 23.375} <= on_x
+    reach = blank or ((15.5, 19) if corner == 2 else (22, 22))
+    rng = random.Random(1)
+    way = [
+        (a[0] + (b[0] - a[0]) * k / 20, a[1] + (b[1] - a[1]) * k / 20)
+        for a, b in zip(found, found[1:], strict=False)
+        for k in range(21)
+    ]
+    for _ in range(400):
+        place = tuple(m + rng.uniform(-r, r) for m, r in zip((50, 20), reach, strict=True))
+        round_ = math.dist(place, (50, 20)) < 22 or corner == 2
+        if round_ and from_stud(place, sides=sides, corner=corner) > 0.05:
+            assert min(math.dist(place, q) for q in way) < 4.01
+
+
 def test_a_corner_of_the_stud_at_the_place_of_the_call():
     """Q367 1: the tool stands over the lower left corner."""
     found = cut(STUD.replace("Q367=+0", "Q367=+1"))
@@ -86,7 +127,6 @@ def test_a_corner_of_the_stud_at_the_place_of_the_call():
         ("F900 M3", "F900 M4", "M3"),
         ("Q437=+0", "Q437=+2", "another approach"),
         ("Q367=+0", "Q367=+7", "with Q367 7"),
-        ("Q424=+26", "Q424=+29", "4.5 wider a side than its stud, and one revolution takes 4"),
         ("Q424=+26", "Q424=+10", "do not fit"),
         ("Q201=-9", "Q201=+9", "depth below 0"),
         ("Q202=+6", "Q202=+0", "its plunges"),

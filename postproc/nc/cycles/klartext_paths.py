@@ -21,8 +21,7 @@ from postproc.nc.cycles.klartext_holes import Holes, signed
 from postproc.nc.cycles.klartext_join import Joined
 from postproc.nc.cycles.klartext_patterns import PATTERNS, points
 from postproc.nc.cycles.klartext_pocket import POCKETS, pocket
-from postproc.nc.cycles.klartext_stud import CYCLE as STUD
-from postproc.nc.cycles.klartext_stud import stud
+from postproc.nc.cycles.klartext_stud import STUDS, stud
 from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
@@ -166,8 +165,8 @@ class KlartextPaths:
             return self.holes.tapped()
         if self.holes.cycle in POCKETS:
             lines = pocket(self.scene, self.tool, self.holes)
-        elif self.holes.cycle == STUD:
-            lines = stud(self.scene, self.tool, self.holes.value, self.holes.feed)
+        elif (cycle := self.holes.cycle) in STUDS:
+            lines = stud(self.scene, self.tool, cycle, self.holes.value, self.holes.feed)
         else:
             lines = self._bore() if self.holes.cycle == BORE else self.holes.lines()
         self.due = self.due or bool(lines)

@@ -1,17 +1,20 @@
-"""The rectangular stud of Heidenhain Klartext, cycle 256, written out as L.
+"""Studs of Heidenhain Klartext, cycles 256 (rectangular) and 257 (circular), written out as L.
 
-HEIDENHAIN TNC 640 (34059x-01), TNC 620, TNC 320, Cycle Programming, "Rectangular stud (cycle 256)":
-from the middle the tool goes along X beside the unmachined stud (Q424 by Q425), 2 mm away; from the
-set-up clearance Q200 above the surface Q203 it plunges by Q202 at Q206, goes on a semicircle that
-touches the side to the stud (Q218 by Q219, corners of Q220, Q368 left over), once around it at
-Q207, and on a semicircle back to where it plunged, down to the depth Q201. At the end it is drawn
-out to the second clearance Q204 where that is higher, and stays there beside the stud. Q224 turns
-the stud about the place of the call, Q367 says which place of the stud that is. Q351 +1 is climb
-milling (with M3 with the clock), -1 up-cut.
+HEIDENHAIN TNC 640 (34059x-01), TNC 620, TNC 320, Cycle Programming, "Rectangular stud (cycle 256)",
+"Circular stud (cycle 257)": from the middle the tool goes along X beside the unmachined stud (Q424
+by Q425; 257: Q222 across, in the direction Q376), 2 mm away; from the set-up clearance Q200 above
+the surface Q203 it plunges by Q202 at Q206, goes on a semicircle that touches the side to the stud
+(Q218 by Q219, corners of Q220; 257: Q223 across; Q368 left over), once around it at Q207, "if the
+finished dimension cannot be machined with one revolution, performs a stepover with the current
+factor" (Q370 times the tool's radius) and goes around again, and on a semicircle back to where it
+plunged, down to the depth Q201. At the end it is drawn out to the second clearance Q204 where that
+is higher, and stays there beside the stud. Q224 turns the stud about the place of the call, Q367
+says which place of the stud that is. Q351 +1 is climb milling (with M3 with the clock), -1 up-cut.
 
-The 2 mm lie between the blank and the tool's edge. Refused: a blank that takes more than one
-revolution (wider by more than the radius times Q370 a side: how the tool steps between them is not
-in the manual), another approach (Q437), no Q351, a spindle that does not turn by M3.
+The 2 mm lie between the blank and the tool's edge. Revolutions share out evenly what is to go; from
+one to the next the tool steps where it has come around. 257 goes on a spiral on the control: here
+around and in, beside the same stud. Refused: another approach (Q437), no Q351, a spindle that does
+not turn by M3.
 """
 
 from __future__ import annotations
@@ -24,23 +27,25 @@ from postproc.nc.cycles.klartext_holes import signed
 from postproc.nc.cycles.pole_arc import Arc, Point, ends
 from postproc.nc.cycles.scene import Scene
 
-CYCLE = 256
+RECTANGLE, CIRCLE = 256, 257
+STUDS = (RECTANGLE, CIRCLE)
 BESIDE_MM = 2.0
-MOST_DEPTHS = 10_000
+MOST_DEPTHS, MOST_TURNS = 10_000, 1_000
 NEAR = 1e-9
 # the middle of the stud from the place of the call, in half sides, by Q367
 MIDDLE = {0: (0, 0), 1: (1, 1), 2: (-1, 1), 3: (-1, -1), 4: (1, -1)}
-WRITE = "let the CAM program write this stud out as L"
 Value = Callable[..., float]
 
 
-def stud(scene: Scene, tool: Tool, value: Value, feed: Callable[[int], bytes]) -> list[bytes]:
+def stud(
+    scene: Scene, tool: Tool, cycle: int, value: Value, feed: Callable[[int], bytes]
+) -> list[bytes]:
     """The cycle where the tool stands; `value`, `feed`: its data by number. Raises ProgramError."""
-    way = _path(scene, tool, value)
-    depths = _depths(scene, value)
+    way = _path(scene, tool, cycle, value)
+    depths = _depths(scene, cycle, value)
     top, clear = value(203), value(200)
     high = top + max(clear, value(204, clear))
-    place = _placed(scene, value)
+    place = _placed(scene, cycle, value)
 
     def to(point: Point, end: bytes = b"") -> bytes:
         words = [signed(scene, axis, v) for axis, v in zip("XY", place(point), strict=True)]
@@ -57,49 +62,56 @@ def stud(scene: Scene, tool: Tool, value: Value, feed: Callable[[int], bytes]) -
     return [*lines, down(high, b" FMAX")]
 
 
-def _path(scene: Scene, tool: Tool, value: Value) -> list[Point]:
-    """The ends of the lines of one revolution about a stud whose middle is zero, from the start and
-    back to it."""
+def _path(scene: Scene, tool: Tool, cycle: int, value: Value) -> list[Point]:
+    """The ends of the lines of the revolutions at one depth about a stud whose middle is zero, from
+    the start and back to it."""
     if value(437, 0.0):
         raise scene.fault("cycle 256 with Q437, another approach", "write Q437=+0, or the way as L")
     way = value(351, 0.0)
     if way not in (1.0, -1.0):
         raise scene.fault(
-            "cycle 256 without Q351, the way that it turns",
+            f"cycle {cycle} without Q351, the way that it turns",
             "write Q351=+1 for climb milling, Q351=-1 for up-cut",
         )
     if tool.turn != 1:
-        raise scene.fault("cycle 256 where the spindle does not turn by M3", "write M3 before it")
-    radius, left = tool.radius(CYCLE), value(368, 0.0)
-    a, b = (value(n) / 2 + left + radius for n in (218, 219))
-    outside = [value(n) / 2 + radius for n in (424, 425)]
-    more = max(o - side for o, side in zip(outside, (a, b), strict=True))
-    if more > radius * value(370, 1.0) + NEAR:
         raise scene.fault(
-            f"the blank of cycle 256 is {more:g} wider a side than its stud, and one revolution"
-            f" takes {radius * value(370, 1.0):g}",
-            WRITE,
+            f"cycle {cycle} where the spindle does not turn by M3", "write M3 before it"
         )
-    corner, start = value(220, 0.0) + left + radius, outside[0] + BESIDE_MM / _unit(scene)
-    if min(a, b) < corner - NEAR or start <= a:
-        raise scene.fault("the sizes of cycle 256 do not fit each other", "check Q218 to Q425")
-    return _revolution(scene, (a, b), corner, start, way)
+    radius, left = tool.radius(cycle), value(368, 0.0)
+    numbers = ((223, 223), (222, 222)) if cycle == CIRCLE else ((218, 219), (424, 425))
+    a, b = (value(n) / 2 + left + radius for n in numbers[0])
+    outside = [value(n) / 2 + radius for n in numbers[1]]
+    more = [max(o - side, 0.0) for o, side in zip(outside, (a, b), strict=True)]
+    step = radius * (value(370, 1.0) or 1.0)
+    corner = a if cycle == CIRCLE else value(220, 0.0) + left + radius
+    start = outside[0] + BESIDE_MM / _unit(scene)
+    fits = min(a, b) >= corner - NEAR and start > a and step > NEAR
+    if not fits or max(more) / step > MOST_TURNS:
+        sizes = "Q222 and Q223" if cycle == CIRCLE else "Q218 to Q425"
+        raise scene.fault(
+            f"the sizes of cycle {cycle} do not fit each other", f"check {sizes}, and Q370"
+        )
+    count = max(math.ceil(max(more) / step - NEAR), 1)
+    wider = [[m * (count - k) / count for m in more] for k in range(1, count + 1)]
+    grows = 1.0 if cycle == CIRCLE else 0.0  # its corners are its sides
+    turns = [((a + x, b + y), corner + grows * x) for x, y in wider]
+    return _revolutions(scene, turns, start, way)
 
 
-def _revolution(
-    scene: Scene, sides: tuple[float, float], corner: float, start: float, way: float
+def _revolutions(
+    scene: Scene, turns: list[tuple[tuple[float, float], float]], start: float, way: float
 ) -> list[Point]:
-    """Around with the clock where way is 1."""
-    a, b = sides
-    middle = ((start + a) / 2, 0.0)
-    found = ends(scene, Arc((start, 0.0), (a, 0.0), middle, 1.0, math.pi))
-    for x, y in ((1, -1), (-1, -1), (-1, 1), (1, 1)):
-        centre = x * (a - corner), y * (b - corner)
-        first, last = (x * a, centre[1]), (centre[0], y * b)
-        if x * y > 0:
-            first, last = last, first
-        found += [first, *ends(scene, Arc(first, last, centre, -1.0))]
-    found += [(a, 0.0), *ends(scene, Arc((a, 0.0), (start, 0.0), middle, 1.0, math.pi))]
+    """From the start around, once for each pair of half sides and their corner, and back; with the
+    clock where way is 1."""
+
+    def across(first: float, last: float) -> list[Point]:
+        middle = ((first + last) / 2, 0.0)
+        return ends(scene, Arc((first, 0.0), (last, 0.0), middle, 1.0, math.pi))
+
+    found = across(start, turns[0][0][0])
+    for sides, corner in turns:
+        found += [(sides[0], 0.0), *_around(scene, sides, corner)]
+    found += across(turns[-1][0][0], start)
     if way < 0:
         found = [(x, -y) for x, y in found]
     return [
@@ -107,22 +119,38 @@ def _revolution(
     ]
 
 
-def _depths(scene: Scene, value: Value) -> list[float]:
+def _around(scene: Scene, sides: tuple[float, float], corner: float) -> list[Point]:
+    """Once, with the clock, from the middle of the right side and back to it."""
+    a, b = sides
+    found: list[Point] = []
+    for x, y in ((1, -1), (-1, -1), (-1, 1), (1, 1)):
+        centre = x * (a - corner), y * (b - corner)
+        first, last = (x * a, centre[1]), (centre[0], y * b)
+        if x * y > 0:
+            first, last = last, first
+        found += [first, *ends(scene, Arc(first, last, centre, -1.0))]
+    return [*found, (a, 0.0)]
+
+
+def _depths(scene: Scene, cycle: int, value: Value) -> list[float]:
     """Below the surface."""
     depth, step = -value(201), abs(value(202))
     if depth <= 0 or step < NEAR or depth / step > MOST_DEPTHS:
-        raise scene.fault("cycle 256 without its depth below 0 or its plunges", "check Q201, Q202")
+        raise scene.fault(
+            f"cycle {cycle} without its depth below 0 or its plunges", "check Q201, Q202"
+        )
     count = math.ceil(depth / step - NEAR)
     return [min(k * step, depth) for k in range(1, count + 1)]
 
 
-def _placed(scene: Scene, value: Value) -> Callable[[Point], Point]:
+def _placed(scene: Scene, cycle: int, value: Value) -> Callable[[Point], Point]:
     """From the stud's own coordinates to the program's."""
-    call, turn = (scene.at("X"), scene.at("Y")), math.radians(value(224, 0.0))
-    side = MIDDLE.get(int(value(367, 0.0)))
+    call, round_ = (scene.at("X"), scene.at("Y")), cycle == CIRCLE
+    turn = math.radians(max(value(376, 0.0), 0.0) if round_ else value(224, 0.0))
+    side = MIDDLE[0] if round_ else MIDDLE.get(int(value(367, 0.0)))
     if side is None:
         raise scene.fault(f"cycle 256 with Q367 {value(367):g}", "write 0 to 4")
-    away = side[0] * value(218) / 2, side[1] * value(219) / 2
+    away = (0.0, 0.0) if round_ else (side[0] * value(218) / 2, side[1] * value(219) / 2)
     cos, sin = math.cos(turn), math.sin(turn)
 
     def place(point: Point) -> Point:
