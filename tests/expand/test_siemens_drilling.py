@@ -87,6 +87,25 @@ def test_a_rigid_tap_is_g331_and_g332():
     ]  # fmt: skip
 
 
+def test_a_deep_tap_turns_back_on_its_own_helix():
+    """CYCLE84, VARI 1: DAM 4 deeper each time, back by VRT 1.1 (0: 1 mm, not above RFP + SDIS);
+    VARI 2: back to RFP + SDIS. All on one lead, so the thread is that of one stroke."""
+    call = "S300 M3\nCYCLE84(5,0,2,-10,,0.5,3,,1.25,90,500,600,0,1,0,{})\n"
+    assert holes(call.format("1,4,1.1"))[1:] == [
+        "G0 Z2.", "SPOS=90.",
+        "G331 Z-4. K1.25 S500.", "G4 F0.5", "G332 Z-2.9 K1.25 S600.",
+        "G331 Z-8. K1.25 S500.", "G4 F0.5", "G332 Z-6.9 K1.25 S600.",
+        "G331 Z-10. K1.25 S500.", "G4 F0.5", "G332 Z2. K1.25 S600.",
+        "G0 Z5.", "S300 M3",
+    ]  # fmt: skip
+    back = [x.split()[1] for x in holes(call.format("2,5,")) if x.startswith("G33")]
+    assert back == ["Z-5.", "Z2.", "Z-10.", "Z2."]
+    back = [x.split()[1] for x in holes(call.format("1,8,")) if x.startswith("G33")]
+    assert back == ["Z-8.", "Z-7.", "Z-10.", "Z2."]
+    back = [x.split()[1] for x in holes(call.format("1,8,20")) if x.startswith("G33")]
+    assert back == ["Z-8.", "Z2.", "Z-10.", "Z2."]
+
+
 def test_a_boring_bar_is_lifted_off_and_comes_back_above_the_hole():
     """CYCLE86: RPA along X, RPO along Y, RPAP along Z, as distances."""
     assert holes("CYCLE86(5,0,2,-10,,0.5,3,-0.2,0.1,0.3,45)\n") == [
@@ -124,7 +143,8 @@ def test_a_factor_of_deep_holes_goes_down_to_the_least_stroke():
         ("CYCLE84(5,0,2,-10,,,,,1,0,500)", "without SDAC"),
         ("CYCLE84(5,0,2,-10,,,3,,,0,500)", "without PIT or SST"),
         ("CYCLE84(5,0,2,-10,,,3,13,,0,500)", "no metric thread"),
-        ("CYCLE84(5,0,2,-10,,,3,,1,0,500,,,0,0,1,2)", "in a way that is not written out"),
+        ("CYCLE84(5,0,2,-10,,,3,,1,0,500,,,0,1)", "in a way that is not written out"),
+        ("CYCLE84(5,0,2,-10,,,3,,1,0,500,,,0,0,1,0.0001)", "more than 10000 strokes"),
         ("CYCLE86(5,0,2,-10,,,7)", "by SDIR = 7"),
         ("CYCLE83(10,0,2,-5,,,2,,,,2)", "FRF of CYCLE83"),
         ("CYCLE81(10,0,2)", "without DP and DPR"),

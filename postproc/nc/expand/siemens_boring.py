@@ -4,15 +4,20 @@ CYCLE86 (boring, the tool lifted off), CYCLE87 and CYCLE88 (out by hand), CYCLE8
 Source: Siemens "SINUMERIK 840D/840Di/810D", Programming Guide Cycles (PGZ), chapter 2.1, the
 sequence of operations of each, from general knowledge of that guide and unverified on a control;
 G331 and G332 are what CYCLE84 itself is made of. MPIT is the size
-of a metric thread, 3 to 48: its lead is that of the coarse series, ISO 261. Pecks of CYCLE84
-(_VARI), and what its newer values ask for, are refused.
+of a metric thread, 3 to 48: its lead is that of the coarse series, ISO 261.
+
+VARI of CYCLE84 is 1 to break chips and 2 to bring them out: it goes DAM deeper each time, counted
+from RFP, and back by VRT (1 mm where it is 0) or to RFP + SDIS, dwelling DTB before. All of it is
+on the one helix of G331 and G332: how often the tap turns back leaves the thread as it is. What its
+newer values ask for (TECHNO, PTAB) is refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 
-from postproc.nc.expand.siemens_drilling import Drilling
+from postproc.nc.expand.siemens_drilling import CHIP, MOST_STROKES, Drilling
 from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 
@@ -35,7 +40,7 @@ COARSE = {  # mm, ISO 261
 }  # fmt: skip
 LEAD = {"Z": "K", "Y": "J", "X": "I"}
 PLANE = {"Z": "XY", "Y": "ZX", "X": "YZ"}
-IDLE = ("TECHNO", "VARI", "DAM", "VRT")  # what CYCLE84 may say of itself as 0
+PECKS = (0, 1, 2)  # VARI of CYCLE84
 
 
 class Boring(Drilling):
@@ -78,7 +83,11 @@ class Boring(Drilling):
 
     def _tap(self, tracker: Tracker, axis: str, to: To, level: float, bottom: float) -> list[bytes]:
         g = self.given
-        if any(g.get(word) for word in IDLE) or g.get("PITA", 0) not in (0, 1 - tracker.inch):
+        if (
+            g.get("TECHNO")
+            or g.get("VARI", 0) not in PECKS
+            or g.get("PITA", 0) not in (0, 1 - tracker.inch)
+        ):
             raise self._odd()
         lead = g.get("PIT") or 0.0
         if g.get("MPIT"):
@@ -92,13 +101,29 @@ class Boring(Drilling):
             raise Refusal("CYCLE84 without PIT or SST", "write its lead and its speed")
         pitch = f" {LEAD[axis]}{number(lead, 5)} S".encode()
         into, out = (number(x, 3).encode() for x in (g["SST"], g.get("SST1") or g["SST"]))
-        return [
-            b"SPOS=" + number(g.get("POSS", 0.0), 3).encode(),
-            b"G331 " + to(bottom) + pitch + into,
-            *self._wait(),
-            b"G332 " + to(level) + pitch + out,
-            b"G0 " + to(g["RTP"]),
-        ]
+        found = [b"SPOS=" + number(g.get("POSS", 0.0), 3).encode()]
+        for deep, back in self._turns(level, bottom, CHIP / (25.4 if tracker.inch else 1.0)):
+            found += [
+                b"G331 " + to(deep) + pitch + into,
+                *self._wait(),
+                b"G332 " + to(back) + pitch + out,
+            ]
+        return [*found, b"G0 " + to(g["RTP"])]
+
+    def _turns(self, level: float, bottom: float, chip: float) -> Iterator[tuple[float, float]]:
+        """Where the tap turns back, and how far back it goes."""
+        g = self.given
+        step, depth = abs(g.get("DAM", 0.0)), abs(g["RFP"] - bottom)
+        up = 1.0 if level > bottom else -1.0
+        if g.get("VARI") and step:
+            if depth > step * MOST_STROKES:
+                raise Refusal(f"CYCLE84 takes more than {MOST_STROKES} strokes", "correct DAM")
+            back = abs(g.get("VRT", 0.0)) or chip
+            for n in range(1, math.ceil(depth / step - 1e-9)):
+                place = g["RFP"] - up * n * step
+                raised = place + up * back
+                yield place, level if g["VARI"] == 2 or (raised - level) * up > 0 else raised
+        yield bottom, level
 
     def _again(self, speed: bytes) -> bytes:
         """The spindle as it turned before, the way of SDAC."""
