@@ -112,13 +112,15 @@ def setup_of(
     arc_centre: str = "incremental",
     integers: str = "",
 ) -> Setup:
-    """What the text layer must know of a machine, and of how its control is set."""
+    """What the text layer must know of a machine, and of how its control is set. start: mm by axis,
+    and under T the number of the tool in the spindle."""
     return Setup(
         axes=machine.letters,
         diameter=frozenset(machine.diameter),
         least_increment={x: axis.least_increment for x, axis in machine.axes.items()},
         offsets={**machine.offsets, **(offsets or {})},
-        start=start or {},
+        start={x: value for x, value in (start or {}).items() if x != "T"},
+        tool=int((start or {}).get("T", -1)),
         block_delete=block_delete,
         arc_centre=arc_centre,
         integers=integers,

@@ -101,6 +101,16 @@ def test_the_start_may_be_stated(place):
     assert b"Z9.99" in ran.out
 
 
+def test_the_tool_at_the_start_may_be_stated(place):
+    """What LinuxCNC's #<_current_tool> reads before any M6."""
+    program = b"G8 G18\no1 if [#<_current_tool> NE 2]\nG0 X150 Z100\no1 endif\nG0 X10 Z10\n"
+    command = (*GRINDER, "--dialect", "linuxcnc", "--expand")
+    refused(gcomp(place, *command, input=program), "#<_current_tool> is not known", "--start T1")
+    ran = gcomp(place, *command, "--start", "T2", input=program)
+    assert ran.status == 0 and b"X149" not in ran.out and b"X150" not in ran.out
+    refused(gcomp(place, *command, "--start", "T1.5", input=program), "the number of a tool", "")
+
+
 def test_block_delete_on_leaves_the_block_alone(place):
     program = b"G0 X20. Z10.\n/G1 X30. F100\nG1 X40. F100\n"
     on, off = (

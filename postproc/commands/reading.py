@@ -154,7 +154,7 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
         ("--start", options.start),
     ]:
         for axis in place:
-            if axis not in machine.axes and not (axis in "RQ" and name != "--start"):
+            if axis not in machine.axes and axis not in ("T" if name == "--start" else "RQ"):
                 raise UsageError(
                     f"{name} names {axis}, which is no axis of {machine.name}",
                     f"its axes are {' '.join(machine.letters)}",

@@ -51,7 +51,8 @@ OPTIONS = """
 --max-steps MAX_STEPS  lines that --expand executes at most
 --max-depth MAX_DEPTH  calls that --expand nests at most
 --start X0,Z0  where the machine stands before the program, mm, radius, machine coordinates; on
-    printers and routers behind G28 too, if machine.toml states no home
+    printers and routers behind G28 too, if machine.toml states no home; T2: the tool in the
+    spindle (T0: none)
 --block-delete (on|off)  whether blocks that begin with / are skipped at the machine (default: off)
 --arc-centre (incremental|absolute)  what I J K mean when no G90.1 or G91.1 says so
 """

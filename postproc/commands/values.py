@@ -11,7 +11,7 @@ from postproc.units import LARGEST_WORD_MM
 LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
 LENGTH = re.compile(r"([-+]?[0-9.]+(?:e-?[0-9]+)?)\s*(um|mm|in|)")
 LONGEST, COARSEST = 10.0, 1.0  # mm
-WORD = re.compile(r"\s*([XYZABCUVWRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
+WORD = re.compile(r"\s*([XYZABCUVWTRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
 
@@ -66,8 +66,12 @@ def hole_tolerance(text: str) -> float:
 
 
 def place(text: str) -> dict[str, float]:
-    """Axis to mm, from "X1,Z-2.5"."""
-    return _words(text, text, "XYZABCUVW", PLACE)
+    """Axis to mm, from "X1,Z-2.5"; T to the number of a tool, from "T2"."""
+    found = _words(text, text, "XYZABCUVWT", PLACE)
+    tool = found.get("T", 0.0)
+    if tool < 0 or tool != int(tool):
+        raise argparse.ArgumentTypeError(f"{text!r} {PLACE}: T is the number of a tool, 0: none")
+    return found
 
 
 def offset(text: str) -> tuple[str, dict[str, float]]:

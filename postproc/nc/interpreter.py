@@ -108,7 +108,7 @@ class Interpreter:
         start, known = self.stands()
         frame = self._first_frame()
         position, known = retold(setup.kinematics, start, known, (None, frame))
-        return ModalState(modal, position, known, frame=frame)
+        return ModalState(modal, position, known, frame=frame, tool_number=setup.tool)
 
     def stands(self) -> tuple[np.ndarray, np.ndarray]:
         """(A,) ticks, where the slides stand before the first block, and whether that is known."""

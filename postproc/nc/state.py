@@ -21,6 +21,7 @@ class Setup:
     the start and after homing (mm, machine coordinates), and how block delete and arc centres are
     read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as
     in the dialect).
+    tool: the one in the spindle at the start, 0: none, -1: not said.
     kinematics: of a machine with rotary axes, whose tool tip can be followed."""
 
     axes: tuple[str, ...]
@@ -31,6 +32,7 @@ class Setup:
     block_delete: bool = False
     arc_centre: str = "incremental"
     integers: str = ""
+    tool: int = -1
     kinematics: Kinematics | None = None
     home: dict[str, float] = field(default_factory=dict)
 

@@ -133,6 +133,12 @@ O_WORDS = [
     words("X#<a>", "#<a>=1|X#<a>"),
     words("o1 sub|o1 endsub [1/0]|X#<_value>", "o1 sub|o1 endsub [1]|o1 call|X#<_value>|M2"),
     words("X#<_rpm>", "X1"),
+    words(
+        "X#<_current_tool>",
+        "X#<_current_tool>",
+        also={"start": {"X": 0, "Y": 0, "Z": 0, "A": 0, "B": 0, "C": 0, "T": 1}},
+    ),
+    words("X#<_selected_tool>", "T3|X#<_selected_tool>"),
     Case(C, "%|o<a> sub|G0 X1|%", "%|o<a> sub|G0 X1|o<a> endsub|%", how=WRITE),
     words("o1 if 1", "o1 if [1]|o1 endif"),
     words("X[[-8]**[1/3]]", "X[8**[1/3]]"),

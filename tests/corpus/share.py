@@ -198,6 +198,19 @@ def _once(path: Path, folder: Path, more: tuple[str, ...]) -> tuple[bool, str]:
     return done, said.getvalue()
 
 
+def answer(more: tuple[str, ...], option: tuple[str, ...], value: str) -> tuple[str, ...]:
+    """The options `more` with one that an advice names, none where it is there already; to --start
+    each advice adds another letter."""
+    if option[0] not in more:
+        return more + tuple(word or value for word in option)
+    if option[0] != "--start":
+        return ()
+    at = more.index("--start") + 1
+    if value[0] in more[at]:
+        return ()
+    return (*more[:at], f"{more[at]},{value}", *more[at + 1 :])
+
+
 def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result:
     """One program; again on a lathe with the axes that it names, with each offset that no list has,
     and with each option that an advice names."""
@@ -219,11 +232,12 @@ def measure(path: Path, source: str, dialect: str, machines: Machines) -> Result
         elif (name := UNSTATED.search(said)) and name[1] not in stated:
             stated += ("--offset", name[1])  # a number of tool and offset that no list has: T0203
         else:
-            asked = ((re.search(s, said), o) for s, o in OPTIONS if o[0] not in more)
-            found = next(((m, o) for m, o in asked if m), None)
+            asked = ((re.search(sign, said), option) for sign, option in OPTIONS)
+            answers = (answer(more, o, m[1] if m.groups() else "") for m, o in asked if m)
+            found = next((added for added in answers if added), None)
             if found is None:
                 break
-            more += tuple(word or found[0][1] for word in found[1])
+            more = found
     return Result(source, dialect, path.name, "refused", said)
 
 

@@ -89,6 +89,13 @@ def test_position_that_nobody_knows():
         assert f"{what} is not known" in refused(f"X{what}", setup=nothing).message
 
 
+def test_the_tool_in_the_spindle_at_the_start():
+    """Said, it is the one until M6; what is selected by T is another thing."""
+    setup = replace(setup_for({}), tool=4)
+    text = "X#<_current_tool>\nX#5400\nT2\nX#<_current_tool>\nX#<_selected_tool>\nM6\nX#5400"
+    assert texts(text, setup=setup) == ["X4.", "X4.", "T2", "X4.", "X2.", "M6", "X2."]
+
+
 def test_files_without_their_end():
     for library, message in (
         ({"a": b"o<a> sub\nX1\n"}, "the file ends within sub o<a>"),

@@ -148,7 +148,8 @@ class Memory:
             ) from None
         if value is None:
             raise Refusal(
-                f"{what} is not known: nothing in the program before this line says it", SAY
+                f"{what} is not known: nothing in the program before this line says it",
+                OTHERWISE.get(what, SAY),
             )
         return value
 
@@ -368,6 +369,11 @@ PREDEFINED: dict[str, Callable[[Tracker], float | None]] = {
     "_task": lambda tracker: 1.0,
     **{f"_{x.lower()}": partial(_work, axis=x) for x in AXES},
     **{f"_abs_{x.lower()}": partial(_machine, axis=x) for x in AXES},
+}
+SAY_TOOL = "say which tool is in the spindle before the program, 0 for none: --start T1"
+OTHERWISE = {  # the way out where neither a place nor an offset says it
+    **dict.fromkeys(("#<_current_tool>", "#5400"), SAY_TOOL),
+    "#<_selected_tool>": "write T and its number before it",
 }
 NOTICED = {"cycle": {730, 740, 760, *range(810, 900, 10)}, "G28": {281}, "G30": {301}}
 STALE: tuple[tuple[str, Container[int | str], str], ...] = (
