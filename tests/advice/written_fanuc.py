@@ -43,6 +43,10 @@ TURNING = [
         "G90 G0 X1. Y2. Z5.|F100|G68 X0. Y0. R30.|G1 X9. Y2.|G69",
         how=WRITE,
     ),
+    mill(
+        "G51 X0 Y0 Z0 I2. J3. K1.|G2 X5. Y2. I2. J0|G50",
+        "G51 X0 Y0 Z0 I2. J3. K1.|G1 X3. Y4.|X5. Y2.|G50",
+    ),
     lathe(
         ROUGH + "N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.",
         ROUGH + "N10 G0 X30.|G1 Z-5.|X40. Z-9.|N20 X100.",

@@ -101,7 +101,8 @@ def test_random_programs_in_turned_work_offsets_are_linuxcncs():
 @pytest.mark.parametrize(
     ("program", "why"),
     [
-        ("G10 L2 P1 R30|G18 G2 X3 Z3 R5", "ellipse"), ("G10 L2 P1 R30|G0 X1 Y1|G92 X3", "G92"),
+        ("G10 L2 P1 R30|G18 G2 X1 Y1 Z1 I3 K0 P2", "out of its plane, with P"),
+        ("G10 L2 P1 R30|G0 X1 Y1|G92 X3", "G92"),
         ("G92 X3|G10 L2 P1 R30|G0 X2 Y1", "G92"), ("G10 L2 P1 R30|G10 L20 P1 X3", "L20"),
         ("G10 L2 P1 R30|G28 X3", "G28"),
     ],

@@ -89,7 +89,7 @@ def test_an_arc_in_polar_words_goes_about_the_pole(frame):
         ("ROT Z30|X5", "names X alone"),
         ("ROT Z30|G91 X5 Y3", "a distance"),
         ("ROT X30 Y30", "about 2 axes"),
-        ("ROT X30|G1 X1 Y1 Z1 F1|G2 X11 I4 J1", "ellipse"),
+        ("ROT X30|G1 X1 Y1 Z1 F1|G41 G1 X2 D1|G2 X11 CR=9", "cutter radius compensation on"),
         ("AP=30", "without RP"),
         ("SCALE X0", "factors"),
         ("ROT Z30|G70", "G70"),

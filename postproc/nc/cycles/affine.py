@@ -43,6 +43,17 @@ class Affine:
     def can_be_undone(self) -> bool:
         return 1e-18 < abs(_det(*self.matrix)) < 1e18
 
+    @property
+    def turns(self) -> bool:
+        """Whether every circle stays one, in whatever plane."""
+        a, b, c = _columns(self.matrix)
+        sizes = [sum(x * x for x in column) for column in (a, b, c)]
+        slack = 1e-9 * max(sizes)
+        return max(sizes) - min(sizes) < slack and all(
+            abs(sum(x * y for x, y in zip(one, other, strict=True))) < slack
+            for one, other in ((a, b), (a, c), (b, c))
+        )
+
     def partners(self, axis: str) -> list[str]:
         """The axes that a word of this axis moves, and those that its coordinate depends on: itself
         at least."""

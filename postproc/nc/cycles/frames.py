@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from postproc.nc.cycles.affine import AXES, Affine, Point, point
+from postproc.nc.cycles.arcs_in_space import check, lines
 from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
@@ -88,6 +89,8 @@ class Frames:
         if not words and not centres:
             return [self._named(block, changed, [], False)]
         self._check()
+        if arc and self.factor() is None and self.map.turns:
+            return self._in_space(block, centres)
         new, place = self._straight(block, words, changed)
         if arc and not self.map.identity:
             new += self._arc(block, centres, changed)
@@ -202,6 +205,23 @@ class Frames:
         two axes."""
         first, second, _ = self.scene.plane
         return self.map.similarity(first, second)
+
+    def _in_space(self, block: Block, centres: dict[str, Word]) -> list[bytes]:
+        """An arc whose plane the map tilts, as lines."""
+        motion, scene = self.motion, self.scene
+        check(scene, block, self.why)
+        mixed = [x for x in AXES if not self.map.leaves(x)]
+        centre = None
+        if centres:
+            absolute = scene.code("arc centre") == 901
+            start = {x: 0.0 if absolute else scene.at(x) for x in AXES}
+            by = self._centre(centres, absolute)
+            centre = point({x: by[i] + start[x] for i, x in enumerate(AXES)})
+        texts = list(lines(scene, block, motion, centre, mixed))
+        grammar = scene.dialect.grammar
+        made = [line for text in texts for line in self.take(Block.of(text, grammar))]
+        self.motion = motion
+        return made
 
     @property
     def _mirrored(self) -> bool:

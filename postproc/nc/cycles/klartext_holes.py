@@ -31,7 +31,7 @@ AT_OWN_FEED = (201, 203, 205)  # come out at Q208
 NOT_FOLLOWED = (343, 379, 395)  # a diameter, a deeper start, another reference
 OLD_TAPS = (2, 17)
 TAPS = (*OLD_TAPS, 206, 207, 209)
-HELP = "let the CAM program write this hole out as L"
+HELP = "let the CAM program write its motions out as L"
 
 
 @dataclass
