@@ -25,6 +25,8 @@ POLE = [
     pole(SET + "N3 G91*|N4 G11 R9 H30 F99*", SET + "N4 G11 R9 H30 F99*"),
     pole("N4 G11 R9 H30 F99*", SET + "N4 G11 R9 H30 F99*"),
     pole(SET + "N4 G11 R9 X5 F99*", SET + "N4 G11 R9 H5 F99*"),
+    pole(SET + "N4 G13 H90 X5 F99*", SET + "N4 G13 H90 F99*"),
+    pole(SET + "N4 G91 G13 H-90 F99*", SET + "N4 G91 G12 H-90 F99*"),
     pole("N4 G2 X10 Y0 F99*", SET + "N4 G2 X10 Y0 F99*"),
     pole(SET + "N4 G2 X12 Y0 F99*", SET + "N4 G2 X10 Y0 F99*"),
     pole(SET + "N4 G2 X10 Y0 R2 F99*", SET + "N4 G2 X10 Y0 F99*"),

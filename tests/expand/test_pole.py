@@ -61,6 +61,11 @@ def swept(points: np.ndarray, centre: tuple[float, float]) -> float:
         ("G00 G90 X+50 Y+20|G03 X+80 Y+50 R-30 F100", (50, 20), (80, 20), 270),
         ("G00 G90 X+50 Y+20|G02 X+80 Y+50 R+30 F100", (50, 20), (80, 20), -90),
         ("G00 G90 X+50 Y+20|G02 X+80 Y+50 R-30 F100", (50, 20), (50, 50), -270),
+        ("G00 G90 X+50 Y+20|I+50 J+50|G13 H+0 F100", (50, 20), (50, 50), 90),
+        ("G00 G90 X+50 Y+20|I+50 J+50|G12 H+0 F100", (50, 20), (50, 50), -270),
+        ("G00 G90 X+50 Y+20|I+50 J+50|G13 H+270 F100", (50, 20), (50, 50), 360),
+        ("G00 G90 X+50 Y+20|I+50 J+50|G13 G91 H+810 F100", (50, 20), (50, 50), 810),
+        ("G00 G90 X+50 Y+20|I+50 J+50|G12 G91 H-30 F100", (50, 20), (50, 50), -30),
     ],
 )
 def test_an_arc_becomes_chords_of_its_circle(arc, start, centre, degrees):
@@ -70,7 +75,7 @@ def test_an_arc_becomes_chords_of_its_circle(arc, start, centre, degrees):
         line.endswith("*") for line in lines
     )
     chords = lines[first:]
-    if "G91 G03" in arc:
+    if "G91 G03" in arc or "G91 H" in arc:
         words = [dict(re.findall(r"([XY])([-+]?[\d.]+)", line)) for line in chords]
         steps = [(float(w.get("X", 0)), float(w.get("Y", 0))) for w in words]
         points = np.cumsum([start, *steps], axis=0)
@@ -100,6 +105,30 @@ def test_the_plane_of_g18_is_z_x():
     assert swept(points, (50, 50)) == pytest.approx(90, abs=0.01)
 
 
+def test_a_helix_rises_with_its_angle():
+    """The manual's helix: G13 with an incremental H and Z, two and a half turns and 5 mm up; then
+    on to H+0 and Z+9 in G90, three quarters of a turn."""
+    lines = plain("G00 G90 X+50 Y+20 Z-1|I+50 J+50|G13 G91 H+900 Z+5 F100|G90 H+0 Z+9")[2:]
+    second = next(k for k, line in enumerate(lines) if "G90" in line)
+    here, found = np.array([50.0, 20.0, -1.0]), []
+    for k, line in enumerate(lines):
+        for letter, value in re.findall(r"([XYZ])([-+]?[\d.]+)", line):
+            axis = "XYZ".index(letter)
+            here[axis] = float(value) + (here[axis] if k < second else 0.0)
+        found.append(here.copy())
+    points = np.array(found)
+    assert points[second - 1] == pytest.approx([50, 80, 4], abs=1e-4)
+    assert points[-1] == pytest.approx([80, 50, 9], abs=1e-4)
+    assert np.hypot(*(points[:, :2] - 50).T) == pytest.approx(30, abs=2e-4)
+    degrees = np.array([swept(points[: k + 1, :2], (50, 50)) for k in range(0, second, 97)])
+    assert degrees - degrees[0] == pytest.approx(
+        (points[0:second:97, 2] - points[0, 2]) * 180, abs=0.05
+    )
+    tail = points[second - 1 :]
+    assert swept(tail[:, :2], (50, 50)) == pytest.approx(-90 % 360, abs=0.01)
+    assert (np.diff(tail[:, 2]) > 0).all()
+
+
 def test_polar_words_become_places():
     """R 30 about the pole 50, 50 at 0, 90 and 210 degrees, by cosine and sine."""
     lines = plain(
@@ -123,6 +152,9 @@ def test_polar_words_become_places():
             "G00 G90 X+50 Y+20|I+50 J+50|L1,3|G03 X+80 Y+50",
             "a decimal point, not a comma|is not part of a plain NC block",
         ),
+        ("G00 G90 X+50 Y+20|G13 H+5", "an arc, and no pole is set"),
+        ("G00 G90 X+50 Y+20|I+1 J+1|G13 X+5", "G12 or G13 without H"),
+        ("G00 G90 X+50 Y+20|I+1 J+1|G91 G12 H+5", "turns the other way"),
         ("G00 G90 X+50 Y+20|G11 R+5 H+5", "polar words, and no pole is set"),
         ("G00 G90 X+50 Y+20|I+1 J+1|G11 R+5", "polar words without R and H"),
         ("G00 G90 X+50 Y+20|I+1 J+1|G91 G11 R+5 H+3", "polar words in G91"),

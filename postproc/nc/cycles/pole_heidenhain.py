@@ -1,10 +1,14 @@
 """G02 and G03 of Heidenhain's DIN/ISO: arcs about the pole that I J K set for all blocks behind, as
-straight lines; G10 and G11: a rapid and a feed to the radius R and the angle H about it.
+straight lines; G10 and G11: a rapid and a feed to the radius R and the angle H about it; G12 and
+G13: with and against the clock to the angle H, as far from the pole as the tool stands.
 
 HEIDENHAIN user's manuals, ISO programming, "Circular path G02/G03 around circle centre I, J" and
 "Circular path with defined radius": in G90 the pole is a place, in G91 it counts from where the
 tool stands; G29 puts it there (the geometry of arcs: pole_arc.py). Angles count from the first
-axis of the plane ("Working plane and angle reference axis"). Lines leave the circle by the
+axis of the plane ("Working plane and angle reference axis"). G12 and G13 with an incremental H
+("Circular path G12/G13/G15 around pole I, J", "Helical interpolation") go on by that angle, whose
+sign is that of the turn, over any number of revolutions; an axis across the plane makes a helix of
+it. Lines leave the circle by the
 tolerance at most: an arc could not be written back, for its pole would move all behind it.
 """
 
@@ -21,6 +25,8 @@ from postproc.nc.expand import Line
 
 AT_LAST_PLACE, LABEL = 290, 980
 POLAR = {100: "G00", 110: "G01"}
+ROUND = {120: -1, 130: 1}  # G12 and G13, 1: against the clock
+FULL_TURN = 1e-6  # degrees: an end at the start is a full circle
 POINT = re.compile(rb"(?<=\d)\.(?!\d)")
 
 
@@ -28,7 +34,7 @@ class PoleArcs:
     """Follows pole and motion code, and writes arcs out."""
 
     rigid = False
-    codes: tuple[int, ...] = (CLOCKWISE, COUNTER, *POLAR)
+    codes: tuple[int, ...] = (CLOCKWISE, COUNTER, *POLAR, *ROUND)
 
     def __init__(self, scene: Scene):
         self.scene = scene
@@ -83,6 +89,8 @@ class PoleArcs:
             return [line._replace(text=block.written(out) + end) if out else line]
         if self.motion in POLAR:
             return [line._replace(text=text) for text in self._polar(block, end)]
+        if self.motion in ROUND and (block.word("H") or block.word("R") or placed):
+            return [line._replace(text=text) for text in self._round(block, end)]
         if not placed:
             return self._bare(line, block, end)
         return [line._replace(text=text) for text in self._arc(block, end)]
@@ -99,7 +107,7 @@ class PoleArcs:
 
     def _bare(self, line: Line, block: Block, end: bytes) -> list[Line]:
         """A block without a place: its code is not the control's own business any more."""
-        out = own_words(block, "", {CLOCKWISE, COUNTER})
+        out = own_words(block, "", {CLOCKWISE, COUNTER, *ROUND})
         text = block.written(out) if out else block.text
         return [line._replace(text=text + end)] if text.strip(b" \t\r") else []
 
@@ -132,6 +140,55 @@ class PoleArcs:
         words = [m.word(axis, value) for axis, value in zip((first, second), place, strict=True)]
         m.words(POLAR[self.motion], *words)
         return [POINT.sub(b"", text) + end for text in m.finish()]
+
+    def _round(self, block: Block, end: bytes) -> list[bytes]:
+        """G12 and G13: about the pole to an angle. Raises ProgramError."""
+        scene, angle, turn = self.scene, block.get("H"), ROUND[self.motion]
+        first, second, across = scene.plane
+        if self.called:
+            raise scene.fault(
+                "an arc in a program that calls labels", "write the program out without L first"
+            )
+        if angle is None or block.word("R") or block.word(first) or block.word(second):
+            raise scene.fault(
+                "G12 or G13 without H, or with R, X or Y",
+                "name the angle H alone: the radius is that of its start",
+            )
+        names = [CENTRES[x] for x in (first, second)]
+        if any(x not in self.pole for x in names):
+            raise scene.fault("an arc, and no pole is set", f"write {' and '.join(names)} before")
+        centre = self.pole[names[0]], self.pole[names[1]]
+        at = scene.at(first), scene.at(second)
+        begin = math.degrees(math.atan2(at[1] - centre[1], at[0] - centre[0]))
+        if scene.incremental:
+            by, angle = angle * turn, angle + begin
+            if by <= 0:
+                raise scene.fault(
+                    "H in G91 turns the other way than its G12 or G13",
+                    "G13 with H above 0, G12 with H below",
+                )
+        else:
+            by = ((angle - begin) * turn - FULL_TURN) % 360.0 + FULL_TURN
+        away = math.dist(at, centre)
+        to = (
+            centre[0] + away * math.cos(math.radians(angle)),
+            centre[1] + away * math.sin(math.radians(angle)),
+        )
+        low, height = self._height(block, across)
+        places = ends(scene, Arc(at, to, centre, turn, math.radians(by)))
+        m = Moves(scene, own_words(block, f"{across}HIJK", set(ROUND)))
+        for k, place in enumerate(places, 1):
+            along = {across: low + height * k / len(places)} if height else {}
+            m.move("G01", dict(zip((first, second), place, strict=True)) | along)
+        return [POINT.sub(b"", text) + end for text in m.finish()]
+
+    def _height(self, block: Block, across: str) -> tuple[float, float]:
+        """Where the axis across the plane stands, and how far a helix takes it."""
+        value = block.get(across)
+        if value is None:
+            return 0.0, 0.0
+        low = self.scene.at(across)
+        return low, value - (0.0 if self.scene.incremental else low)
 
     # -- the arc -----------------------------------------------------------------------------------
 

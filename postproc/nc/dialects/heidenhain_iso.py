@@ -18,6 +18,7 @@ _POLE = (
 )
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
 _TO_POLE = "its end is an angle and a radius about the pole: --expand writes X and Y"
+_ROUND = "its end is an angle about the pole: --expand writes it out as straight lines"
 _DATUM = (
     "it moves the datum, by the tables of the control or by its last one: program in one datum,"
     " with --offset G54="
@@ -61,7 +62,12 @@ DIALECT = Dialect(
         *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar"}, refuses=_TO_POLE),
         *rows(
             "motion",
-            {"12": "arc, polar", "13": "arc, polar", "15": "arc, polar", "16": "arc, polar"},
+            {"12": "arc, polar", "13": "arc, polar"},
+            refuses=_ROUND,
+        ),
+        *rows(
+            "motion",
+            {"15": "arc, polar", "16": "arc, polar"},
             refuses=_POLAR,
         ),
         *rows(
