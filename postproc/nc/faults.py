@@ -26,6 +26,7 @@ STATEMENT = re.compile(
     re.IGNORECASE,
 )
 ARGUMENTS = re.compile(rb"\([^()\n]*\)(?![0-9.])")  # of a call, behind its name: L140(2)
+CALL = re.compile(rb"([A-Z_]{2}[A-Z_0-9]*)[ \t]*\(", re.IGNORECASE)  # of a subprogram by name
 STATEMENT_WORD = re.compile(
     rb"(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEATB?|UNTIL|LOOP|FOR|DEF|PROC|EXTERN|CASE|RETURN|RET|ELSE|ELSEIF|MCALL|"
     rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>",
@@ -90,6 +91,9 @@ def bare(code: bytes, offset: int) -> tuple[str, str]:
             f"{word[0].decode('ascii').strip()!r} is a statement, not a plain block",
             ADVICE_EXPRESSION,
         )
+    word = CALL.match(code, offset)
+    if word:
+        return f"{word[1].decode('ascii')!r} is a call, not a plain block", ADVICE_EXPRESSION
     for pattern, does, advice in SIEMENS_WORDS:
         word = pattern.match(code, offset)
         if word:

@@ -31,6 +31,12 @@ TEXT = [
         "o100 sub|G1 X1 F9|o100 endsub|o100 call|M2",
         also=WRITE,
     ),
+    mill(
+        S,
+        "GROOVE(7)|G0 X1 Y1 Z5",
+        "GROOVE(7)|G0 X1 Y1 Z5",
+        also={**WRITE, "library": {"GROOVE": "PROC GROOVE(REAL aa)|G1 X=aa F100|M17"}},
+    ),
     mill("grbl", "o100 sub|G1 X1 F9|o100 endsub|o100 call", "G1 X1 F9"),
     lathe("G1 X30.\rG1 Z30. F10", "G1 X30.\r|G1 Z30. F10"),
     lathe("G1 Z3(c)0.", "G1 Z30. (c)"),

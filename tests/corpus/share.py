@@ -6,8 +6,8 @@ they come from. They are no part of the project; what is kept of them are the fi
 share.csv, from which docs/COVERAGE.md is made; `--add`: with those of programs that are not at hand
 any more).
 Each is run as its user would: the command line, a machine with 6 m of travel on every axis whose
-map is smooth, all offsets stated as zero, home where the control has one. A refusal is answered
-once, by the option that its advice names.
+map is smooth, all offsets stated as zero, home where the control has one. A refusal is answered by
+the option that its advice names, each once (--start: each letter).
 """
 
 from __future__ import annotations
@@ -47,13 +47,14 @@ motions, each as it was measured last; without a repository's name each program 
 -m tests.corpus.share` runs `gcomp --verify`: 6 m of travel, a smooth two-way map, all offsets zero,
 home stated, 1 um; a refusal is answered by the option that its advice names.
 
-*none*: no dialect here (Fadal, MillMaster). *Broken*: the control would stop too. *Not in the
-text*: only the machine knows it (probing, stored variables, axes other than X Y Z A B C), or it is
-a template.
+*none*: no dialect here (Fadal, MillMaster, Acramatic, PAL). *Broken*: the control would stop too.
+*Not in the text*: only the machine knows it (probing, stored variables, axes other than X Y Z A B
+C), or it is a template.
 
 Lathes have X Z, where a program names Y or C X Y Z C; an offset that no list has (T0203, G30) is
 stated as zero too. Some refusals of turning programs were judged by hand (a missing shape or
-subprogram; a corner where the shape goes straight on)."""
+subprogram; a corner where the shape goes straight on), and two of mills (R in a block of M02; a
+line of another control)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked
