@@ -50,7 +50,8 @@ def effect(
 def test_names_are_the_same_by_effect_and_axis():
     assert same("squareness:XZ", "squareness:ZX") and same("backlash:X", "backlash:X")
     assert not same("backlash:X", "backlash:Z") and not same("backlash:X", "windup:X")
-    assert same("laser_air:Z", "laser_air:") and not same("cosine:Z", "cosine:")
+    assert same("laser_air:Z", "laser_air:") and not same("cosine:Z", "cosine:X")
+    assert same("cosine:Z", "cosine:")  # of a beam along a diagonal
 
 
 def test_the_first_name_is_the_one_that_explains_most():
