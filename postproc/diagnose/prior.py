@@ -22,16 +22,13 @@ RARE = {  # further cost, twice the logarithm of how much seldomer it is than it
     "scale": 1.4,
     "delay": 2.0,
 }
-# the same of a shape that few machines have: a slide that yaws as it turns back (unverified)
-SELDOM = {("squareness", "turns"): 4.6}
 
 
 def cost_of(block: Block) -> float:
     """What a block pays for its name and for the shapes that it was chosen from, twice the
     logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
-    seldom = sum(SELDOM.get((block.name, name), 0.0) for name, value in block.shape if value)
-    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0) + seldom + again
+    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0) + again
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

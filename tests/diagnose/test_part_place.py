@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from postproc import recordings
-from postproc.diagnose import assembly, held_out, library, part_place, prior
+from postproc.diagnose import assembly, held_out, library, part_place
 from postproc.effects import load
 from postproc.machine.file import read_machine
 
@@ -143,13 +143,3 @@ def test_wear_that_shows_on_diameters_alone_is_of_their_axis():
     )
     axes = {b.axis for b in library.blocks(rows) if b.name == "tool_wear"}
     assert axes == {"X"}
-
-
-def test_a_slide_that_yaws_as_it_turns_costs_more_than_one_that_leans():
-    plain, turned = (
-        library.Block(
-            load("squareness"), "XZ", (("leans", 0.0), ("turns", turns)), np.ones((2, 1)), 4
-        )
-        for turns in (0.0, 1.0)
-    )
-    assert prior.cost_of(turned) > prior.cost_of(plain)
