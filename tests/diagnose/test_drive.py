@@ -26,8 +26,8 @@ def test_neither_half_is_empty(passage):
 
 @pytest.mark.parametrize(("after", "named"), [(5.21, True), (7.4, False)])
 def test_a_force_that_is_mostly_another_one_names_nothing(after, named):
-    """The spread of a real mill's current, 8.62 A, is told to 5.21 A by its dry friction; of a force
-    that is told to 7.4 of 8.62 most is cutting or drift."""
+    """The spread of a real mill's current, 8.62 A, is told to 5.21 A by its dry friction; of a
+    force that is told to 7.4 of 8.62 most is cutting or drift."""
     term = SimpleNamespace(term=SimpleNamespace(name="coulomb_friction"))
     one = SimpleNamespace(axis="Y", fitted=(term,), raw=8.62, after=after)
     found = list(answer.felt(SimpleNamespace(findings=[], drives=[one])))
