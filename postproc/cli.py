@@ -171,7 +171,7 @@ def _run(argv: list[str]) -> int:
         return _overview(argv)
     name, argv = _command(argv)
     module = _loaded(f"postproc.commands.{name}")
-    parser = _parser(name, module, argv)
+    parser = _parser(name, module)
     handed_on: list[str] = []
     if hasattr(module, "HANDS_ON") and "--" in argv:  # what follows is for another command
         at = argv.index("--")
@@ -194,15 +194,13 @@ def _command(argv: list[str]) -> tuple[str, list[str]]:
     return DEFAULT, argv
 
 
-def _parser(name: str, module: ModuleType, argv: list[str]) -> argparse.ArgumentParser:
+def _parser(name: str, module: ModuleType) -> argparse.ArgumentParser:
     example = getattr(module, "EXAMPLE", "")
     parser = _Parser(
         prog="gcomp" if name == DEFAULT else f"gcomp {name}",
         description=module.HELP,
         epilog=f"example: {example}" if example else None,
-        formatter_class=(
-            colour.formatter(sys.stdout) if {"-h", "--help"} & set(argv) else colour.Unseen
-        ),
+        formatter_class=colour.formatter(sys.stdout),
     )
     module.arguments(parser)
     return parser

@@ -14,7 +14,6 @@ import numpy as np
 from postproc.compensate import cutter, levels, sides, turning
 from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points, quadrants
-from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
 from postproc.errors import Notice
@@ -237,7 +236,13 @@ class Batch:
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of
         each axis' word."""
-        return rounded(exact, *increments(self, stroke))
+        m, motion = self.m, self.motion[stroke]
+        # Whole increments from the nominal place, wherever a difference of two places may be
+        # written; else from zero.
+        near = m.incremental.take(motion, axis=1) | (self.travel.take(stroke, axis=1) == 0)
+        zero = np.where(near, m.start.take(motion, axis=1), m.origin.take(motion, axis=1))
+        step = m.grid.take(motion, axis=1)
+        return zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
 
     def ends(self) -> None:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still."""
@@ -332,15 +337,11 @@ class Batch:
                     rests |= (self.leash[row] < cutter.FREELY) & free & known
                 still = (rests | self.left[row]).nonzero()[0]
                 end[still] = self._held(row, still, end)
-            before = self.before[row]
-            before[0], before[1:] = self.carry.issued[row], end[:-1]
-            stood = (self.m.start_known[row].take(self.motion) & ~self.jumps[row]) | (self.t0 > 0)
-            if np.count_nonzero(stood) < len(stood):
-                before[~stood] = self._nominal_begin(row)[~stood]
-            self.begin[row] = before
-            if np.count_nonzero(self.turning):
-                taken = self._taken_up(row, before)
-                self.begin[row, taken] = self.wanted[row, taken]
+            before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
+            known_here = (self.m.start_known[row, self.motion] & ~self.jumps[row]) | (self.t0 > 0)
+            before = np.where(known_here, before, self._nominal_begin(row))
+            self.before[row] = before
+            self.begin[row] = np.where(self._taken_up(row, before), self.wanted[row], before)
 
     def _taken_up(self, row: int, before: np.ndarray) -> np.ndarray:
         """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
@@ -370,28 +371,28 @@ class Batch:
         if self.leash is not None:
             leash = self.leash[row, still]
         leashed = (leash < cutter.FREELY) & ~stays
-        columns = onward, before, end[still], low, high, turning | leashed
+        plain = ~turning & ~leashed
+        columns = onward, before, end[still], low, high, plain
         back = levels.origins(self, row) if len(self.m.holes) else {}
         value: list[int] = []
         here, enough = 0, self.c.chord * TICKS_PER_MM
-        for goes_on, start, own, least, most, special in zip(
-            *(column.tolist() for column in columns), strict=True
+        for k, (goes_on, start, own, least, most, easy) in enumerate(
+            zip(*(column.tolist() for column in columns), strict=True)
         ):
             if not goes_on:
                 here = start
-            k = len(value) if special or back else 0
-            if back and int(still[k]) in back:
+            if int(still[k]) in back:
                 here = levels.level(self, row, back[int(still[k])], still, value, end)
-            if special and leashed[k]:
+            if easy:
+                here = here if least <= here <= most else own
+            elif leashed[k]:
                 here = _leashed(here + int(self.travel[row, still[k]]), own, int(leash[k]))
             else:
-                if special:
-                    wanted = int(self.wanted[row, still[k]])
-                    off = wanted - here
-                    if abs(off) > enough and off * side[k] >= 0:
-                        here = wanted
-                if not least <= here <= most:
-                    here = own
+                wanted = int(self.wanted[row, still[k]])
+                off = wanted - here
+                if abs(off) > enough and off * side[k] >= 0:
+                    here = wanted
+                here = here if least <= here <= most else own
             value.append(here)
         return np.array(value, np.int64)
 
@@ -427,8 +428,11 @@ class Batch:
             self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
-        inside = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)
-        return np.where(self.t0 == 0, self.m.start[row, self.motion], inside)
+        return np.where(
+            self.t0 == 0,
+            self.m.start[row, self.motion],
+            np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64),
+        )
 
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it

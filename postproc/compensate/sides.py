@@ -183,7 +183,6 @@ class Course:
         place = self.wanted(*known)
         side, middle = self.bear(place)
         done = bool((side == led).all())
-        settled = None
         while not done:
             led = self.nominal(self.before(side, self.carry.side))
             for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
@@ -192,9 +191,6 @@ class Course:
                 last, led = led, self.once(place, side, middle)
                 if (led == last).all():
                     break
-            if settled is not None and np.array_equal(led, settled):
-                break  # the same places as before
-            settled = led
             found, now = self.bear(place)
             done = bool((found == side).all() and (now == middle).all())
             side, middle = found, now

@@ -27,7 +27,6 @@ from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare
 from postproc.records import columns
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
-BLANKS = b" \t\r"
 LONGEST_NUMBER = 18  # digits that fit an int64
 THREE_ENDS, THREE = np.full(3, END, np.uint8), np.zeros(3, np.int64)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
@@ -39,7 +38,6 @@ LOW_NIBBLES, PAIRS, FOURS = map(
 TENS, HUNDREDS, MYRIADS = map(np.uint64, (2561, 6553601, 42949672960001))
 EIGHT, SIXTEEN, THIRTY_TWO = map(np.uint64, (8, 16, 32))
 SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)
-BELOW = np.array([256**k - 1 for k in range(9)], np.uint64)  # the first characters of eight
 NUMBER_FOLLOWS = re.compile(rb"[ \t\r]*[0-9.+-]")
 COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
@@ -199,7 +197,7 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     """The class of each of the 256 bytes, for bytes.translate."""
     table = bytearray([OTHER]) * 256
     classes = {
-        BLANK: BLANKS,
+        BLANK: b" \t\r",
         DIGIT: b"0123456789",
         SIGN: b"+-",
         POINT: b".",
@@ -255,12 +253,12 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     code, spelled = _without_comments(text, grammar, drop)
     semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
-    classes = _classes(semicolon, spelled, grammar.block_end)
-    kind = np.frombuffer(code.translate(classes), dtype=np.uint8)
+    kind = np.frombuffer(
+        code.translate(_classes(semicolon, spelled, grammar.block_end)), dtype=np.uint8
+    )
     at = (kind != BLANK).nonzero()[0]  # offsets of all that is not blank
-    if len(at) < len(kind):  # ten times as fast as taking them there
-        kind = np.frombuffer(code.translate(classes, BLANKS), dtype=np.uint8)
-        byte = np.frombuffer(code.translate(None, BLANKS), dtype=np.uint8)
+    if len(at) < len(kind):
+        kind, byte = kind[at], byte[at]
     mark = (kind != DIGIT).nonzero()[0]
     # Three marks of padding, so that "the mark after the next" exists.
     mark_kind = np.concatenate([kind[mark], THREE_ENDS])
@@ -369,32 +367,28 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     over."""
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
-    digits = whole + decimals
-    before = BELOW.take(np.where(pointed, whole, 8), mode="clip")
-    text = eight.take(begin, mode="clip")
-    value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
-    long = (digits + pointed > 8).nonzero()[0]
-    if len(long):  # both sides of the point by themselves
-        left, right = whole[long], decimals[long]
-        behind = (begin + pointed)[long] + left
-        value[long] = _digits(eight.take(begin[long]), left) * POWERS.take(right, mode="clip")
-        value[long] += _digits(eight.take(behind, mode="clip"), right)
-        for i in long[np.maximum(left, right) > 8]:
-            number = byte[begin[i] : begin[i] + digits[i] + pointed[i]].tobytes().replace(b".", b"")
-            value[i] = int(number) if len(number) <= LONGEST_NUMBER else 0
+    behind = begin + whole + pointed
+    both = _digits(eight, np.concatenate([begin, behind]), np.concatenate([whole, decimals]))
+    value = both[: len(begin)] * POWERS.take(decimals, mode="clip")
+    value += both[len(begin) :]
+    for i in (np.maximum(whole, decimals) > 8).nonzero()[0]:
+        text = (
+            byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]]
+            .tobytes()
+            .replace(b".", b"")
+        )
+        value[i] = int(text or b"0") if len(text) <= LONGEST_NUMBER else 0
     return np.where(negative, -value, value)
 
 
-def _digits(text, count):
-    """(W,) int64 of the first `count` digits, eight at most, of eight characters each: pairs, then
-    fours, then eights are joined at once."""
-    value = (text & LOW_NIBBLES) << SHIFT.take(count, mode="clip")
+def _digits(eight, begin, count):
+    """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights
+    are joined at once."""
+    value = (eight.take(begin, mode="clip") & LOW_NIBBLES) << SHIFT.take(count, mode="clip")
     value = (value * TENS) >> EIGHT
     value = ((value & PAIRS) * HUNDREDS) >> SIXTEEN
     value = ((value & FOURS) * MYRIADS) >> THIRTY_TWO
-    if np.count_nonzero(count) < len(count):
-        value[count == 0] = 0
-    return value.view(np.int64)
+    return value.astype(np.int64) * (count > 0)
 
 
 def _first_fault(
