@@ -100,26 +100,12 @@ class Search:
             # what says the same stands in for a size that can not be
             found = [(w, s) for w, s in found if self._plausible(s)]
             most, best = max(found, key=lambda one: one[0])
-        return self._parted(found, most, best)
-
-    def _parted(self, found: list[tuple[float, Found]], most: float, best: Found) -> Found:
-        """Of sets, each with its worth at one error of form for all, of which `best` has the most:
-        with so many names at most the likeliest, each at its own error of form. Names that neither
-        parts are parted as they fit."""
-        fewer = [
-            (worth, self.sets.at_own_form(s).score, s)
-            for worth, s in found
-            if len(s.members) <= len(best.members) and s.fit.on <= best.fit.on
-        ]
-        likeliest, best = max(((own, s) for _, own, s in fewer), key=lambda one: one[0])
+        # Names that the errors of form do not part are parted as they fit.
+        size, on = len(best.members), best.fit.on
         alike = [
-            s
-            for worth, own, s in fewer
-            if (own > likeliest - ALIKE or worth > most - ALIKE)
-            and len(s.members) <= len(best.members)
-            and s.fit.on == best.fit.on
+            s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
         ]
-        return max(alike, key=self._as_it_fits)
+        return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
 
     def _as_it_fits(self, state: Found) -> float:
         """What a set is worth without errors of form, its sizes learned to the end: scores on the
