@@ -45,9 +45,9 @@ class Block:
 
     @property
     def largest(self) -> np.ndarray:
-        """(K,) mm, where it is largest: a beam that is not along the error shows but a part."""
+        """(K,) mm, at its largest reading."""
         shown = np.abs(self.columns).max(axis=0, initial=0.0)
-        return np.maximum(np.maximum(shown, self.tool) if len(self.tool) else shown, NOTHING)
+        return np.maximum(shown, NOTHING)
 
     @property
     def name(self) -> str:

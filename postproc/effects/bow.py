@@ -15,7 +15,7 @@ PARAMETERS = {
 }
 OPTIONAL = {"third_um": 0.0, "degree": 3.0, "fourth_um": 0.0, "fifth_um": 0.0}
 # A bed on its supports, a clamped beam and a joint of two rails are more than a parabola.
-HIGHEST = (2.0, 3.0, 5.0)
+HIGHEST = (2.0, 3.0)
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
 # beyond, it is something else
 PLAUSIBLE = dict.fromkeys(("size_um", "third_um", "fourth_um", "fifth_um"), (-1000.0, 1000.0))
