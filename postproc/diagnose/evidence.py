@@ -31,7 +31,7 @@ from postproc.diagnose.parts import (
     surprise,
 )
 
-# mm: the usual size of an effect, where it is largest (the recordings of ISO 230 tests show 1 to
+# mm: the usual size of an effect, at its largest reading (the recordings of ISO 230 tests show 1 to
 # 50 um)
 SLAB = 8e-3
 # a map's uncertainty is stated, or usual: a few terms do not overrule it
