@@ -52,7 +52,7 @@ def _portions(text: bytes) -> Iterator[bytes]:
     # `in` is ten times as fast as `count`
     letters = (b"I", b"J", b"K", b"R", b"i", b"j", b"k", b"r")
     arcs = max(text.count(letter) if letter in text else 0 for letter in letters)
-    size = len(text) if arcs <= MOST_ARCS else max(1, len(text) * MOST_ARCS // arcs)
+    size = -(-len(text) // max(-(-arcs // MOST_ARCS), 1))
     start = 0
     while start < len(text):
         stop = text.find(b"\n", min(start + size, len(text)) - 1) + 1 or len(text)

@@ -371,28 +371,28 @@ class Batch:
         if self.leash is not None:
             leash = self.leash[row, still]
         leashed = (leash < cutter.FREELY) & ~stays
-        plain = ~turning & ~leashed
-        columns = onward, before, end[still], low, high, plain
+        columns = onward, before, end[still], low, high, turning | leashed
         back = levels.origins(self, row) if len(self.m.holes) else {}
         value: list[int] = []
         here, enough = 0, self.c.chord * TICKS_PER_MM
-        for k, (goes_on, start, own, least, most, easy) in enumerate(
-            zip(*(column.tolist() for column in columns), strict=True)
+        for goes_on, start, own, least, most, special in zip(
+            *(column.tolist() for column in columns), strict=True
         ):
             if not goes_on:
                 here = start
-            if int(still[k]) in back:
+            k = len(value) if special or back else 0
+            if back and int(still[k]) in back:
                 here = levels.level(self, row, back[int(still[k])], still, value, end)
-            if easy:
-                here = here if least <= here <= most else own
-            elif leashed[k]:
+            if special and leashed[k]:
                 here = _leashed(here + int(self.travel[row, still[k]]), own, int(leash[k]))
             else:
-                wanted = int(self.wanted[row, still[k]])
-                off = wanted - here
-                if abs(off) > enough and off * side[k] >= 0:
-                    here = wanted
-                here = here if least <= here <= most else own
+                if special:
+                    wanted = int(self.wanted[row, still[k]])
+                    off = wanted - here
+                    if abs(off) > enough and off * side[k] >= 0:
+                        here = wanted
+                if not least <= here <= most:
+                    here = own
             value.append(here)
         return np.array(value, np.int64)
 

@@ -27,6 +27,7 @@ from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare
 from postproc.records import columns
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
+BLANKS = b" \t\r"
 LONGEST_NUMBER = 18  # digits that fit an int64
 THREE_ENDS, THREE = np.full(3, END, np.uint8), np.zeros(3, np.int64)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
@@ -197,7 +198,7 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     """The class of each of the 256 bytes, for bytes.translate."""
     table = bytearray([OTHER]) * 256
     classes = {
-        BLANK: b" \t\r",
+        BLANK: BLANKS,
         DIGIT: b"0123456789",
         SIGN: b"+-",
         POINT: b".",
@@ -253,12 +254,12 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     code, spelled = _without_comments(text, grammar, drop)
     semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
-    kind = np.frombuffer(
-        code.translate(_classes(semicolon, spelled, grammar.block_end)), dtype=np.uint8
-    )
+    classes = _classes(semicolon, spelled, grammar.block_end)
+    kind = np.frombuffer(code.translate(classes), dtype=np.uint8)
     at = (kind != BLANK).nonzero()[0]  # offsets of all that is not blank
-    if len(at) < len(kind):
-        kind, byte = kind[at], byte[at]
+    if len(at) < len(kind):  # ten times as fast as taking them there
+        kind = np.frombuffer(code.translate(classes, BLANKS), dtype=np.uint8)
+        byte = np.frombuffer(code.translate(None, BLANKS), dtype=np.uint8)
     mark = (kind != DIGIT).nonzero()[0]
     # Three marks of padding, so that "the mark after the next" exists.
     mark_kind = np.concatenate([kind[mark], THREE_ENDS])

@@ -66,7 +66,7 @@ def _assignments(code: bytes, grammar: Grammar) -> bytes:
 def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
     # the letters that stand for spellings are none of the program's own
-    code = code.translate(REPLACED)
+    code = code if code.isascii() else code.translate(REPLACED)
     if grammar.klartext:
         from postproc.nc import klartext
 
