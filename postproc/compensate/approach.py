@@ -52,10 +52,17 @@ def scan(low: np.ndarray, high: np.ndarray, carry: np.ndarray) -> np.ndarray:
     low, high = low.copy(), high.copy()
     for least, most in zip(low, high, strict=True):
         width = 1
-        while width < len(least) and np.count_nonzero(least[width:] < most[width:]):
-            at = slice(width, None)
+        while width < len(least):
+            open_ = (least[width:] < most[width:]).nonzero()[0]
+            if not len(open_):
+                break
+            at: slice | np.ndarray = slice(width, None)
+            before: slice | np.ndarray = slice(-width)
+            if 2 * len(open_) < len(least):  # the others stay
+                at, before = open_ + width, open_
+            low_there, high_there = least[at], most[at]
             pair = [
-                np.minimum(np.maximum(end[:-width], least[at]), most[at]) for end in (least, most)
+                np.minimum(np.maximum(end[before], low_there), high_there) for end in (least, most)
             ]
             least[at], most[at] = pair
             width *= 2

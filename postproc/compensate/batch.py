@@ -337,11 +337,15 @@ class Batch:
                     rests |= (self.leash[row] < cutter.FREELY) & free & known
                 still = (rests | self.left[row]).nonzero()[0]
                 end[still] = self._held(row, still, end)
-            before = np.concatenate([self.carry.issued[row : row + 1], end[:-1]])
-            known_here = (self.m.start_known[row, self.motion] & ~self.jumps[row]) | (self.t0 > 0)
-            before = np.where(known_here, before, self._nominal_begin(row))
-            self.before[row] = before
-            self.begin[row] = np.where(self._taken_up(row, before), self.wanted[row], before)
+            before = self.before[row]
+            before[0], before[1:] = self.carry.issued[row], end[:-1]
+            stood = (self.m.start_known[row].take(self.motion) & ~self.jumps[row]) | (self.t0 > 0)
+            if np.count_nonzero(stood) < len(stood):
+                before[~stood] = self._nominal_begin(row)[~stood]
+            self.begin[row] = before
+            if np.count_nonzero(self.turning):
+                taken = self._taken_up(row, before)
+                self.begin[row, taken] = self.wanted[row, taken]
 
     def _taken_up(self, row: int, before: np.ndarray) -> np.ndarray:
         """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
@@ -428,11 +432,8 @@ class Batch:
             self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
-        return np.where(
-            self.t0 == 0,
-            self.m.start[row, self.motion],
-            np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64),
-        )
+        inside = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)
+        return np.where(self.t0 == 0, self.m.start[row, self.motion], inside)
 
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it

@@ -49,11 +49,14 @@ def may_bend(
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the
     end of a table where it is held beyond (`clamped`), or product terms."""
     result = machine.bounds.parts(start, target, slack) > 1
-    ends = np.array((start, target))
+    onward = np.array_equal(start[:, 1:], target[:, :-1])  # each begins where the last one ends
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
-        before, after = table.place(ends[:, row])[0]
-        result |= before != after
+        if onward:
+            interval = table.place(np.concatenate([start[row, :1], target[row]]))[0]
+            result |= interval[:-1] != interval[1:]
+        else:
+            result |= table.place(start[row])[0] != table.place(target[row])[0]
         if clamped:  # held beyond the ends, it bends there
             for end in (table.nodes[0], table.nodes[-1]):
                 result |= (start[row] < end) != (target[row] < end)

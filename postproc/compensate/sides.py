@@ -116,11 +116,12 @@ class Course:
         self,
         side: np.ndarray,
         exact: np.ndarray,
+        before: np.ndarray,
         known: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each
-        stroke, which is the command without their own lost motion; known: other sides and their
-        ends. Where no axis changes its side, or all of them can not move one another, the begin is
+        stroke, which is the command without their own lost motion; before (T, S): sides before
+        each stroke; known: other sides and their ends. Where no axis changes its side, or all of them can not move one another, the begin is
         the end before, and not looked at, but for where nothing was corrected before; nor is it in
         rapids, which take nothing up."""
         if known is None:
@@ -130,7 +131,7 @@ class Course:
             end[:, at] = self._without_play(side.take(at, axis=1), exact.take(at, axis=1))
         turned = ~self.b.sure
         if self.couples:
-            turned = turned | (side != self.before(side, self.carry.side)).any(axis=0)
+            turned = turned | (side != before).any(axis=0)
         at = (turned & self.b.cutting & self.b.known_before).nonzero()[0]
         begin = self.nowhere
         if len(at):
@@ -180,17 +181,20 @@ class Course:
         """Decide side, middle, exact and behind."""
         led = self.nominal(None)
         known = (led, self.commands(led))
-        place = self.wanted(*known)
+        place = self.wanted(*known, self.before(led, self.carry.side))
         side, middle = self.bear(place)
         done = bool((side == led).all())
         while not done:
-            led = self.nominal(self.before(side, self.carry.side))
+            judged, before = place, self.before(side, self.carry.side)
+            led = self.nominal(before)
             for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
-                before, known = known, (led, self.commands(led, known))
-                place = self.wanted(*known, (before[0], place[1]))
-                last, led = led, self.once(place, side, middle)
-                if (led == last).all():
+                last, known = known, (led, self.commands(led, known))
+                place = self.wanted(*known, before, (last[0], place[1]))
+                led = self.once(place, side, middle)
+                if (led == known[0]).all():
                     break
+            if all(map(np.array_equal, place, judged)):
+                break
             found, now = self.bear(place)
             done = bool((found == side).all() and (now == middle).all())
             side, middle = found, now

@@ -32,7 +32,7 @@ def late_codes(b: Batch) -> None:
         start = int(w.start[word])
         start -= start > w.block_start[w.block[word]] and w.text[start - 1 : start] == b" "
         b.splice.texts([start], [w.stop[word]], [0], [b""])
-        at = int(b.behind()[motion])
+        at = int(b.behind(motion))
         b.splice.texts(
             [at],
             [at],
@@ -54,7 +54,7 @@ def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
     m, p, w = b.m, b.p, b.w
     motion = p.motion[added]
     block = m.block[motion]
-    stop, rank, at = w.block_stop[block], b.rank(added), b.behind()[motion]
+    stop, rank, at = w.block_stop[block], b.rank(added), b.behind(motion)
     end = b.byte[stop]
     marks = [ord(mark) for mark in (";", b.e.dialect.block_end) if mark]
     # it ends with its line, as nearly all do

@@ -56,7 +56,7 @@ def _radii(
     later = later[b.p.radius[later] != 0]
     number, decimals = _radius_number(b, later, b.p.arc[later])
     motion = b.p.motion[later]
-    at = b.behind()[motion]
+    at = b.behind(motion)
     b.splice.numbers(
         at, at, b.rank(later) + 30, number, decimals, _spelling(b, motion, b.p.arc[later])
     )
@@ -126,7 +126,7 @@ def _further_centres(b: Batch, later: np.ndarray, k: int) -> None:
     wanted = np.where(absolute, _centre(b, later, arc, k), p.centre[k, later])
     number = counts(wanted, np.full(len(later), 1), decimals, _unit(b, arc, k))
     motion = p.motion[later]
-    _insert_centre(b, motion, arc, k, number, decimals, b.behind()[motion], b.rank(later) + 30 + k)
+    _insert_centre(b, motion, arc, k, number, decimals, b.behind(motion), b.rank(later) + 30 + k)
 
 
 def _centre(b: Batch, piece, arc, k):

@@ -89,6 +89,8 @@ class Batch:
         self.splice = Splice(words.text)
         self.axes = emitter.setup.axes
         self.first = begins(pieces.motion)
+        # every motion has a first piece: columns of these are columns of motions
+        self.begin = self.first.nonzero()[0]
         self.final = np.empty(len(pieces), bool)
         self.final[:-1], self.final[-1:] = self.first[1:], True
         self.touched = np.zeros(len(motions), bool)
@@ -271,8 +273,7 @@ class Batch:
 
     def axis_words(self) -> None:
         m, p = self.m, self.p
-        # Every motion has a first piece: columns of first pieces are columns of motions.
-        first = self.first.nonzero()[0]
+        first = self.begin
         starts, ends = p.start.take(first, axis=1), p.end.take(first, axis=1)
         suspect = (ends != m.target) | (m.incremental & (starts != m.start))
         followed = ~m.alone
@@ -285,7 +286,7 @@ class Batch:
         if len(m.holes):
             missing[m.holes.axis, m.holes.motion] = False
         added = (~self.first).nonzero()[0]
-        self._rewrite(*suspect.nonzero())
+        self._rewrite(*suspect.T.nonzero())
         for row, letter in enumerate(self.axes) if len(added) or np.count_nonzero(missing) else ():
             write = first[missing[row]]
             if len(added):
@@ -294,11 +295,12 @@ class Batch:
             if len(write):
                 self._put_in(row, letter, write)
 
-    def _rewrite(self, row: np.ndarray, motion: np.ndarray) -> None:
+    def _rewrite(self, motion: np.ndarray, row: np.ndarray) -> None:
         """Change the numbers of words (K,) that stand in the text."""
         word = cells(self.m.word, row, motion)
-        decimals = self.decimals(row, motion)
-        value = self.value(row, self.first.nonzero()[0][motion], decimals)
+        own = self.w.decimals.take(word)
+        decimals = np.minimum(np.maximum(cells(self.m.places, row, motion), own), MOST_DECIMALS)
+        value = self.value(row, self.begin[motion], decimals)
         differs = value != self._stands(word, decimals)
         self._replace(word, value, decimals, differs)
         self.touched[motion[differs]] = True
@@ -307,7 +309,7 @@ class Batch:
         """Write words that stand nowhere yet."""
         motion = self.p.motion[write]
         decimals = self._enough(row, write, self.decimals(row, motion))
-        start = np.where(self.first[write], self.at[motion], self.behind()[motion])
+        start = np.where(self.first[write], self.at[motion], self.behind(motion))
         prefix = np.zeros((len(write), 6 if self.spelled else 2), np.uint8)
         prefix[:, 0] = np.where(
             self.spaced[motion] & (self.first[write] | self._not_leading(row, write)), ord(" "), 0
@@ -384,18 +386,15 @@ class Batch:
 
     def rank(self, piece: np.ndarray) -> np.ndarray:
         """(K,) order of pieces behind one block."""
-        begin = self.first.nonzero()[0]
-        count = np.cumsum(self.first) - 1
+        motion = self.p.motion[piece]
         base = np.where(
-            self.w.block_stop[self.m.block[self.p.motion[piece]]] < len(self.w.text),
-            AFTER,
-            AFTER_END,
+            self.w.block_stop[self.m.block[motion]] < len(self.w.text), AFTER, AFTER_END
         )
-        return base + (piece - begin[count[piece]]) * 1000
+        return base + (piece - self.begin[motion]) * 1000
 
-    def behind(self) -> np.ndarray:
-        """(N,) offset where blocks behind each motion's own begin."""
-        return np.minimum(self.w.block_stop[self.m.block] + 1, len(self.w.text))
+    def behind(self, motion: int | np.ndarray) -> np.ndarray:
+        """(K,) offset where blocks behind a motion's own begin."""
+        return np.minimum(self.w.block_stop[self.m.block[motion]] + 1, len(self.w.text))
 
     def _not_leading(self, row: int, piece: np.ndarray) -> np.ndarray:
         """(K,) whether another word stands before this axis' in an added block."""

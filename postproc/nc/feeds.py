@@ -154,7 +154,7 @@ def _write(b: Batch, i: int, k: int, value: float) -> None:
         at, rank = (
             (b.at[i], INSERT_WORD + 50)
             if b.first[k]
-            else (b.behind()[i], b.rank(np.array([k]))[0] + 50)
+            else (b.behind(i), b.rank(np.array([k]))[0] + 50)
         )
         b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[i] else b"F") + number])
     b.touched[i] = True

@@ -28,7 +28,7 @@ def inverse_time(b: Batch) -> None:
             at, rank = (
                 (b.at[motion], INSERT_WORD + 50)
                 if b.first[i]
-                else (b.behind()[motion], b.rank(np.array([i]))[0] + 50)
+                else (b.behind(motion), b.rank(np.array([i]))[0] + 50)
             )
             b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[motion] else b"F") + text])
 

@@ -39,6 +39,7 @@ LOW_NIBBLES, PAIRS, FOURS = map(
 TENS, HUNDREDS, MYRIADS = map(np.uint64, (2561, 6553601, 42949672960001))
 EIGHT, SIXTEEN, THIRTY_TWO = map(np.uint64, (8, 16, 32))
 SHIFT = (8 * (8 - np.arange(9)) % 64).astype(np.uint64)
+BELOW = np.array([256**k - 1 for k in range(9)], np.uint64)  # the first characters of eight
 NUMBER_FOLLOWS = re.compile(rb"[ \t\r]*[0-9.+-]")
 COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
@@ -368,28 +369,32 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     over."""
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
-    behind = begin + whole + pointed
-    both = _digits(eight, np.concatenate([begin, behind]), np.concatenate([whole, decimals]))
-    value = both[: len(begin)] * POWERS.take(decimals, mode="clip")
-    value += both[len(begin) :]
-    for i in (np.maximum(whole, decimals) > 8).nonzero()[0]:
-        text = (
-            byte[begin[i] : begin[i] + whole[i] + decimals[i] + pointed[i]]
-            .tobytes()
-            .replace(b".", b"")
-        )
-        value[i] = int(text or b"0") if len(text) <= LONGEST_NUMBER else 0
+    digits = whole + decimals
+    before = BELOW.take(np.where(pointed, whole, 8), mode="clip")
+    text = eight.take(begin, mode="clip")
+    value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
+    long = (digits + pointed > 8).nonzero()[0]
+    if len(long):  # both sides of the point by themselves
+        left, right = whole[long], decimals[long]
+        behind = (begin + pointed)[long] + left
+        value[long] = _digits(eight.take(begin[long]), left) * POWERS.take(right, mode="clip")
+        value[long] += _digits(eight.take(behind, mode="clip"), right)
+        for i in long[np.maximum(left, right) > 8]:
+            number = byte[begin[i] : begin[i] + digits[i] + pointed[i]].tobytes().replace(b".", b"")
+            value[i] = int(number) if len(number) <= LONGEST_NUMBER else 0
     return np.where(negative, -value, value)
 
 
-def _digits(eight, begin, count):
-    """(W,) int64 of `count` digits, eight at most, from `begin` on: pairs, then fours, then eights
-    are joined at once."""
-    value = (eight.take(begin, mode="clip") & LOW_NIBBLES) << SHIFT.take(count, mode="clip")
+def _digits(text, count):
+    """(W,) int64 of the first `count` digits, eight at most, of eight characters each: pairs, then
+    fours, then eights are joined at once."""
+    value = (text & LOW_NIBBLES) << SHIFT.take(count, mode="clip")
     value = (value * TENS) >> EIGHT
     value = ((value & PAIRS) * HUNDREDS) >> SIXTEEN
     value = ((value & FOURS) * MYRIADS) >> THIRTY_TWO
-    return value.astype(np.int64) * (count > 0)
+    if np.count_nonzero(count) < len(count):
+        value[count == 0] = 0
+    return value.view(np.int64)
 
 
 def _first_fault(

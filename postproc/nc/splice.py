@@ -77,13 +77,14 @@ class Splice:
             start, stop, rank, at, size = (
                 np.concatenate(columns) for columns in zip(*self._edits, strict=True)
             )
-        # Edits come as a few ascending runs, which two stable sorts merge much faster than lexsort
-        # does.
-        order = rank.argsort(kind="stable")
         # What is put in at a place stands before what is taken out from there on.
         place = 2 * start + (stop > start)
-        order = order[place[order].argsort(kind="stable")]
-        start, stop, at, size = start[order], stop[order], at[order], size[order]
+        if not (place[1:] > place[:-1]).all():
+            # Edits come as a few ascending runs, which two stable sorts merge much faster than
+            # lexsort does.
+            order = rank.argsort(kind="stable")
+            order = order[place[order].argsort(kind="stable")]
+            start, stop, at, size = start[order], stop[order], at[order], size[order]
         source = np.frombuffer(self.text + b"".join(self._pool), np.uint8)
         # Alternate: kept text, new text, kept text, ..., kept text.
         n = len(start)

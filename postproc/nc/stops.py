@@ -37,7 +37,7 @@ def exact_stops(b: Batch) -> None:
             b.splice.texts([int(w.start[word])], [int(w.stop[word])], [0], [RUN_ON])
         else:
             b.splice.texts([int(b.head[i])], [int(b.head[i])], [0], [RUN_ON + space])
-        at = int(b.behind()[i])
+        at = int(b.behind(i))
         rank = int(b.rank(final[[i]])[0])
         b.splice.texts([at], [at], [rank + INSERT_WORD // 50], [name + space])
 

@@ -66,5 +66,5 @@ def thread_words(b: Writing) -> None:
         low, high = np.searchsorted(w.block, [m.block[motion], m.block[motion] + 1])
         for k in (k for k in range(low, high) if w.letter[k] in letters):
             text = w.text[w.start[k] : b.tail(np.array([k]))[0]]
-            at, rank = int(b.behind()[motion]), int(b.rank(np.array([i]))[0]) + INSERT_WORD // 2
+            at, rank = int(b.behind(motion)), int(b.rank(np.array([i]))[0]) + INSERT_WORD // 2
             b.splice.texts([at], [at], [rank], [(b" " if b.spaced[motion] else b"") + text])
