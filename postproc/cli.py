@@ -171,7 +171,7 @@ def _run(argv: list[str]) -> int:
         return _overview(argv)
     name, argv = _command(argv)
     module = _loaded(f"postproc.commands.{name}")
-    parser = _parser(name, module)
+    parser = _parser(name, module, argv)
     handed_on: list[str] = []
     if hasattr(module, "HANDS_ON") and "--" in argv:  # what follows is for another command
         at = argv.index("--")
@@ -194,13 +194,15 @@ def _command(argv: list[str]) -> tuple[str, list[str]]:
     return DEFAULT, argv
 
 
-def _parser(name: str, module: ModuleType) -> argparse.ArgumentParser:
+def _parser(name: str, module: ModuleType, argv: list[str]) -> argparse.ArgumentParser:
     example = getattr(module, "EXAMPLE", "")
     parser = _Parser(
         prog="gcomp" if name == DEFAULT else f"gcomp {name}",
         description=module.HELP,
         epilog=f"example: {example}" if example else None,
-        formatter_class=colour.formatter(sys.stdout),
+        formatter_class=(
+            colour.formatter(sys.stdout) if {"-h", "--help"} & set(argv) else colour.Unseen
+        ),
     )
     module.arguments(parser)
     return parser

@@ -56,6 +56,13 @@ def fault(text: str) -> None:
         sys.stderr.write(f"gcomp: {text}\n")
 
 
+class Unseen(argparse.HelpFormatter):
+    """Where no help is asked for: of any width, so that nothing is loaded to find out which."""
+
+    def __init__(self, prog: str):
+        super().__init__(prog, width=80)
+
+
 def formatter(stream: TextIO | None) -> type[argparse.HelpFormatter]:
     """What writes the help to a stream."""
     if not wanted(stream):

@@ -7,12 +7,10 @@ import contextlib
 import hashlib
 import io
 import os
-import shutil
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from postproc import intake, standing
 from postproc.errors import UsageError
@@ -112,6 +110,8 @@ class Copy:
                 try:
                     self._beside.write(data)
                 except OSError as error:
+                    import tempfile
+
                     raise UsageError(
                         f"{path} can not be copied for the job: {error.strerror}",
                         f"make room in {tempfile.gettempdir()}, or name another folder in TMPDIR",
@@ -162,7 +162,33 @@ def read_whole(path: Path, largest: int) -> bytes:
 def spool() -> BinaryIO:
     """A place for output that may yet be refused; in memory while it is small, nameless on disk
     beyond."""
-    return tempfile.SpooledTemporaryFile(max_size=IN_MEMORY)  # type: ignore[return-value]
+    return Spool()  # type: ignore[return-value]
+
+
+class Spool:
+    """As tempfile.SpooledTemporaryFile, but that a small one need not load that module."""
+
+    def __init__(self) -> None:
+        self._file: BinaryIO = io.BytesIO()
+
+    def write(self, data: bytes) -> int:
+        held = self._file
+        if isinstance(held, io.BytesIO) and held.tell() + len(data) > IN_MEMORY:
+            import tempfile
+
+            self._file = tempfile.TemporaryFile()  # noqa: SIM115
+            self._file.write(held.getvalue())
+            self._file.seek(held.tell())
+        return self._file.write(data)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+    def __enter__(self) -> Spool:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._file.close()
 
 
 def copy_out(source: BinaryIO, write: Callable[[bytes], object]) -> None:
@@ -188,6 +214,8 @@ def writable(path: Path) -> None:
     path = place_of(path)
     if path.exists() and not path.is_file():
         return  # a device is written as it is
+    import tempfile
+
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass
@@ -216,6 +244,9 @@ def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
         with open(path, "wb") as special:  # a device or a pipe has no successor
             copy_out(source, special.write)
         return None
+    import shutil
+    import tempfile
+
     handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as new:
@@ -239,6 +270,8 @@ def replace_file(path: Path, source: BinaryIO, backup: bool) -> Path | None:
 
 def _backup(path: Path) -> Path:
     """A copy of `path` under a name that was free: part.nc.bak, part.nc.bak2, ..."""
+    import shutil
+
     for n in range(1, 1000):
         name = path.with_name(f"{path.name}.bak{n if n > 1 else ''}")
         try:
@@ -277,6 +310,7 @@ def copy_folder(
 ) -> None:
     """A copy of a machine's folder with its machine.toml changed and more files in it; whole or not
     at all. Raises UsageError where there is one already."""
+    import shutil
     import tempfile
 
     standing.kept(target, force)

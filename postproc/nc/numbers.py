@@ -9,8 +9,10 @@ INSERT_WORD = 100  # rank of words put in behind a block's last one
 POWERS = 10 ** np.arange(19)
 
 # Four characters of text as one integer each: 0000 to 9999, and 000. to 999.
-_DIGITS = np.frombuffer(b"".join(b"%04d" % n for n in range(10000)), np.uint32)
-_POINTED = np.frombuffer(b"".join(b"%03d." % n for n in range(1000)), np.uint32)
+_PLACES = np.arange(10000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")
+_DIGITS = _PLACES.astype(np.uint8).view(np.uint32)[:, 0]
+_PLACES[:, :3], _PLACES[:, 3] = _PLACES[:, 1:], ord(".")
+_POINTED = _PLACES[:1000].astype(np.uint8).view(np.uint32)[:, 0]
 
 
 def decimal_cells(
