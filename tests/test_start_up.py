@@ -7,7 +7,6 @@ library what is dear and not needed. Who needs one more says so by adding it, wi
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 
@@ -31,13 +30,10 @@ FORBIDDEN = {
     "json",
     "logging",
     "multiprocessing",
-    "random",
-    "shutil",
     "socket",
     "sqlite3",
     "ssl",
     "subprocess",
-    "tempfile",
     "unittest",
     "xml",
 }
@@ -64,7 +60,7 @@ def loaded(tmp_path, machine: str) -> set[str]:
     """Names of the modules after a run of its own."""
     program = tmp_path / "short.nc"
     program.write_text(PROGRAM)
-    command = [sys.executable, "-c", RUN, machine, str(program), os.devnull]
+    command = [sys.executable, "-c", RUN, machine, str(program), str(tmp_path / "out.nc")]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     status, *modules = done.stdout.split()
     assert status == "0", done.stderr
