@@ -184,6 +184,9 @@ class Spool:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._file, name)
 
+    def __iter__(self) -> Iterator[bytes]:
+        return iter(self._file)
+
     def __enter__(self) -> Spool:
         return self
 

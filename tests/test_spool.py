@@ -25,3 +25,11 @@ def test_a_spool_that_outgrows_memory_keeps_its_bytes():
     few.seek(0)
     assert few.read() == part and isinstance(few._file, io.BytesIO)
     assert not isinstance(many._file, io.BytesIO)
+
+
+def test_a_spool_gives_its_lines_each_time_anew():
+    with ports.spool() as spool:
+        spool.write(b"G0 X1\nG0 X2\n")
+        for _ in range(2):
+            spool.seek(0)
+            assert list(spool) == [b"G0 X1\n", b"G0 X2\n"]

@@ -121,9 +121,9 @@ class Course:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each
         stroke, which is the command without their own lost motion; before (T, S): sides before
-        each stroke; known: other sides and their ends. Where no axis changes its side, or all of them can not move one another, the begin is
-        the end before, and not looked at, but for where nothing was corrected before; nor is it in
-        rapids, which take nothing up."""
+        each stroke; known: other sides and their ends. Where no axis changes its side, or all of
+        them can not move one another, the begin is the end before, and not looked at, but for
+        where nothing was corrected before; nor is it in rapids, which take nothing up."""
         if known is None:
             end = self._without_play(side, exact)
         else:
