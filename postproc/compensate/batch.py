@@ -14,6 +14,7 @@ import numpy as np
 from postproc.compensate import cutter, levels, sides, turning
 from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points, quadrants
+from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
 from postproc.errors import Notice
@@ -236,13 +237,7 @@ class Batch:
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of
         each axis' word."""
-        m, motion = self.m, self.motion[stroke]
-        # Whole increments from the nominal place, wherever a difference of two places may be
-        # written; else from zero.
-        near = m.incremental.take(motion, axis=1) | (self.travel.take(stroke, axis=1) == 0)
-        zero = np.where(near, m.start.take(motion, axis=1), m.origin.take(motion, axis=1))
-        step = m.grid.take(motion, axis=1)
-        return zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
+        return rounded(exact, *increments(self, stroke))
 
     def ends(self) -> None:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still."""

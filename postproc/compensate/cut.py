@@ -9,6 +9,7 @@ from postproc.compensate import cutter, nodes
 from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.fit import Fitter, Rows
+from postproc.compensate.increments import increments, rounded
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
 from postproc.pieces import Pieces
@@ -338,6 +339,7 @@ def arc_pieces(b: Batch):
         chord=np.zeros(len(which), bool),
     )
     written = written_centre(m)
+    every = increments(b, np.arange(len(motion)))
     single = np.zeros(len(arcs), bool)
     single[b.arc_of[motion[which]]] = (b.begin == b.before).all(axis=0)[which]
     fitter = Fitter(
@@ -347,7 +349,9 @@ def arc_pieces(b: Batch):
         needed=lambda r, row, t, p: b.needed(r.stroke[row], p, b.weight(r.stroke[row], p), t),
         weight=lambda r: b.weight_begin.take(r.stroke, axis=1),
         led=lambda r, row, exact: b.led(r.stroke[row], exact), followed=b.c.followed,
-        round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
+        round_to=lambda stroke, exact: rounded(
+            exact, *(column.take(stroke, axis=1) for column in every)
+        ),
         **cutter.arcs_inside(b),
     )  # fmt: skip
     rows = fitter.settle(rows)

@@ -67,7 +67,7 @@ class Fitter:
     along the third axis, and total in all; needed(rows, row, t, nominal) -> (A, K) mm: the exact
     command at a place; weight(rows) -> (A, R): side of approach along plain ones;
     led(rows, row, command) -> (A, K) mm: not beyond where lost motion holds the axes `followed`;
-    round_to(rows, row, command) -> ticks; plain (n,): arcs along which only the map bends the
+    round_to(stroke, command) -> ticks; plain (n,): arcs along which only the map bends the
     command; single (n,): arcs that nothing stands before in their own block, where the word that
     counts turns is."""
 
@@ -82,7 +82,7 @@ class Fitter:
     needed: Needed
     weight: Callable[[Rows], np.ndarray]
     led: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
-    round_to: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
+    round_to: Callable[[np.ndarray, np.ndarray], np.ndarray]
     plain: np.ndarray
     followed: np.ndarray
     base: np.ndarray  # (2, n) ticks of the written centre words, from the start
@@ -180,7 +180,7 @@ class Cutting:
 
     def _ticks(self, rows: Rows, at: np.ndarray) -> np.ndarray:
         """(A, R) ticks commanded at samples (R,) of rows."""
-        return self.f.round_to(rows, np.arange(len(rows)), self.samples.command.take(at, axis=1))
+        return self.f.round_to(rows.stroke, self.samples.command.take(at, axis=1))
 
     def _halve_inside(self) -> None:
         """Inside cutter radius compensation pieces have a least length: both halves are looked at
