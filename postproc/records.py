@@ -46,6 +46,9 @@ def _with(cls: Class, more: dict[str, Any]) -> Class:
 
 
 def _init(self: Any, *values: Any, **named: Any) -> None:
+    if not values and named.keys() == self._names:  # as most come
+        SET(self, "__dict__", named)
+        return
     given = len(values) + len(named)
     if values:
         named.update(zip(self._names, values, strict=False))

@@ -26,6 +26,7 @@ OPTICS = ("tool", "workpiece")
 # axis to mm that stay and the slides that add, per direction
 Arms = dict[str, list[tuple[float, tuple[str, ...]]]]
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
+NO_PARTS: Parts = [None] * 6
 
 
 @record
@@ -154,23 +155,23 @@ def tip_deviation(
     position: axis to (N,) mm.
     """
     n = len(next(iter(position.values())))
-    total: list[np.ndarray] = [np.zeros(n), np.zeros(n), np.zeros(n)]
+    total: list = [None, None, None]
     for letter, stays in arms.items():
+        part: Parts = parts.get(letter) or NO_PARTS
         for i, rate in leans.get(letter, ()):
-            total[i] += rate * position[letter]
-        part = parts.get(letter)
-        if part is None:
-            continue
+            drift = rate * position[letter]
+            total[i] = drift if total[i] is None else np.add(total[i], drift, out=total[i])
         for i, shift in enumerate(part[:3]):
-            if shift is not None:
-                total[i] += shift
-        if any(turn is not None for turn in part[3:]):
+            if shift is not None:  # nobody else needs it
+                total[i] = shift if total[i] is None else np.add(total[i], shift, out=total[i])
+        if part[3] is not None or part[4] is not None or part[5] is not None:
             arm = [_length(constant, slides, position) for constant, slides in stays]
+            total = [np.zeros(n) if column is None else column for column in total]
             _turn(total, part[3:], arm)
-    return total
+    return [np.zeros(n) if column is None else column for column in total]
 
 
-def _turn(total: list[np.ndarray], turns: Parts, arm: list) -> None:
+def _turn(total: list, turns: Parts, arm: list) -> None:
     """Adds eps x arm to three (N,) columns of mm. turns: eps, rad, about X Y Z; arm: mm; None: it
     is zero."""
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -183,9 +184,14 @@ def _turn(total: list[np.ndarray], turns: Parts, arm: list) -> None:
 
 def _length(constant: float, slides: tuple[str, ...], position: dict[str, np.ndarray]):
     """(N,) or one number of mm: an arm in one direction; None: none, wherever the slides stand."""
+    if not slides:
+        return constant or None
+    total = position[slides[0]]
     if constant:
-        return sum((position[slide] for slide in slides), constant)
-    return sum((position[slide] for slide in slides[1:]), position[slides[0]]) if slides else None
+        total = total + constant
+    for slide in slides[1:]:
+        total = total + position[slide]
+    return total
 
 
 def summed(part: Parts | None, more: Parts) -> Parts:

@@ -378,8 +378,8 @@ class Machine:
         """Axis to its position, and to its deviations there, or those that count along one."""
         q = {x: position[i] for i, x in enumerate(self.letters)}
         s = {x: approach[i] for i, x in enumerate(self.letters)}
-        each = ((x, self._parts(x, q, s, direction)) for x in self.chain.axes)
-        return q, {x: part for x, part in each if part is not None}
+        each = {x: self._parts(x, q, s, direction) for x in self.chain.axes}
+        return q, {x: part for x, part in each.items() if part is not None}
 
     @cached_property
     def _added(self) -> dict[str, list[AxisTable]]:
