@@ -58,9 +58,12 @@ class Row:
 def run(command: Command) -> Usage:
     """Run a command through child.py; Absent, with what it complained of last, if it fails."""
     watched = [sys.executable, "-I", "-S", str(HERE / "child.py"), *command.arguments]
+    environment = {**os.environ, **command.environment}
+    # what is installed has its bytecode
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     process = subprocess.Popen(
         watched,
-        env={**os.environ, **command.environment},
+        env=environment,
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

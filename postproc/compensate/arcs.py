@@ -14,14 +14,18 @@ def points(
 ) -> np.ndarray:
     """(A, K) mm: nominal points of arcs at t from 0 to 1. start, target (A, n) mm of all arcs;
     spirals and helices linear."""
-    p = start.take(arc, axis=1) + (target - start).take(arc, axis=1) * t
-    angle = arcs.angle[arc] + arcs.sweep[arc] * t
-    radius = arcs.radius[arc] + (arcs.radius_end - arcs.radius)[arc] * t
+    p = _along(start, target, arc, t)
+    angle = arcs.sweep.take(arc)
+    angle *= t
+    angle += arcs.angle.take(arc)
+    radius = _along(arcs.radius, arcs.radius_end, arc, t)
     inner = (t > 0) & (t < 1)  # ends stay as programmed, to the bit
-    for axes, value in (
-        (arcs.first, arcs.centre[0, arc] + radius * np.cos(angle)),
-        (arcs.second, arcs.centre[1, arc] + radius * np.sin(angle)),
+    for axes, centre, value in (
+        (arcs.first, arcs.centre[0], np.cos(angle)),
+        (arcs.second, arcs.centre[1], np.sin(angle)),
     ):
+        value *= radius
+        value += centre.take(arc)
         one = int(axes[0]) if len(axes) else 0
         if (axes == one).all():
             p[one] = np.where(inner, value, p[one])
@@ -29,6 +33,14 @@ def points(
             which = inner.nonzero()[0]
             p[axes[arc[which]], which] = value[which]
     return p
+
+
+def _along(begin: np.ndarray, end: np.ndarray, arc: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """(..., K) at t (K,) from begin to end (..., n) of arcs."""
+    value: np.ndarray = (end - begin).take(arc, axis=-1)
+    value *= t
+    value += begin.take(arc, axis=-1)
+    return value
 
 
 def quadrants(arcs: Arcs) -> tuple[np.ndarray, np.ndarray]:
