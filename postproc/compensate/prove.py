@@ -49,13 +49,6 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return a[0] * b[0] + a[1] * b[1]
 
 
-def size(a: np.ndarray) -> np.ndarray:
-    """Lengths of (2, ...) vectors of a few metres at most: five times as fast as hypot, which knows
-    no largest."""
-    result: np.ndarray = np.sqrt(dot(a, a))
-    return result
-
-
 Most = float | np.ndarray
 
 
@@ -207,7 +200,7 @@ class Proof:
         ):
             grown = (arcs.radius_end - arcs.radius)[self.arc] * t
             ends.append(dot(unit, place) - arcs.radius[self.arc] - grown)
-        length = size(self.unit1 - self.unit0)
+        length = np.hypot(*(self.unit1 - self.unit0))
         open_ = length > SAME_ANGLE
         safe = np.where(open_, length, 1.0)
         along = np.where(open_, (self.unit1 - self.unit0) / safe, np.array([[1.0], [0.0]]))
@@ -298,7 +291,7 @@ class Proof:
         f, arcs = self.f, self.f.arcs
         there = np.isfinite(centre[0])
         centre = np.where(there, centre, 0.0)  # one run must not reach into the next
-        radius0, radius1 = size(self.begin - centre), size(self.end - centre)
+        radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
         turned, closed = self._turned(centre)
         good, excess = self._near(centre, radius0, radius1, turned, most)
         good = (good | kept) & there
