@@ -84,21 +84,46 @@ def bear(
     was before; stays (A, S): the slide is not moved.
     """
     half = (band // 2)[:, None]
-    low = np.where(given, place - sense * half, np.where(stays, -FAR, place - half))
-    high = np.where(given, low, np.where(stays, FAR, place + half))
+    low, high = place - half, place + half
+    if np.count_nonzero(stays):
+        low, high = np.where(stays, -FAR, low), np.where(stays, FAR, high)
+    known = np.count_nonzero(given)
+    if known:
+        there = place - sense * half
+        low, high = np.where(given, there, low), np.where(given, there, high)
     middle = scan(low, high, carry.middle)
-    before = np.concatenate([carry.middle[:, None], middle[:, :-1]], axis=1)
-    sign = np.where(given, sense, np.sign(middle - before))
-    return hold_last(sign, given | (sign != 0), carry.side), middle
+    sign = middle.copy()
+    sign[:, 0] -= carry.middle
+    sign[:, 1:] -= middle[:, :-1]
+    sign = np.sign(sign)
+    if known:
+        return hold_last(np.where(given, sense, sign), given | (sign != 0), carry.side), middle
+    return hold_last(sign, sign != 0, carry.side), middle
 
 
 def hold_last(value: np.ndarray, given: np.ndarray, carry: np.ndarray) -> np.ndarray:
     """(A, S) the last value (A, S) that was given, or carry (A,)."""
     if np.count_nonzero(given) == value.size:
         return value
-    last = np.maximum.accumulate(np.where(given, np.arange(value.shape[1]), -1), axis=1)
-    first = np.arange(0, value.size, value.shape[1])[:, None]  # of each row
-    return np.where(last >= 0, value.take(np.maximum(last, 0) + first), carry[:, None])
+    result = np.empty((len(value), value.shape[1] + 1), value.dtype)
+    result[:, 0], result[:, 1:] = carry, value
+    open_ = np.zeros(result.shape, bool)
+    np.logical_not(given, out=open_[:, 1:])
+    at = open_.ravel().nonzero()[0]
+    first = np.ones(len(at), bool)  # of those in a row, which all take what stands before it
+    np.not_equal(at[1:], at[:-1] + 1, out=first[1:])
+    flat = result.ravel()
+    flat[at] = flat.take(at[first] - 1).take(first.cumsum() - 1)
+    return result[:, 1:]
+
+
+def last_way(first: np.ndarray, then: np.ndarray, carry: np.ndarray) -> np.ndarray:
+    """(A,) the sign of the last of two ways (A, S) of each stroke that is any, or carry (A,)."""
+    way = carry.copy()
+    for row, (one, two) in enumerate(zip(first, then, strict=True)):
+        for at in (one | two).nonzero()[0][-1:]:
+            way[row] = np.sign(two[at] or one[at])
+    return way
 
 
 def ramp(

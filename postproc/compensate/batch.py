@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.compensate import cutter, levels, sides, turning
-from postproc.compensate.approach import hold_last
+from postproc.compensate.approach import hold_last, last_way
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
@@ -405,20 +405,25 @@ class Batch:
         if not len(rows):
             return
         cutting = self.cutting & self.known_before
-        play = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows)
-        rests = (self.travel[rows] == 0) & cutting
-        sides = np.where(rests & (play < -self.c.chord), self.weight_begin[rows], 0).astype(
-            np.int64
-        )
-        course = np.empty((len(rows), 3 * self.end.shape[1]), np.int64)
-        course[:, ::3] = np.sign(self.begin - self.before)[rows]
-        course[:, 1::3] = sides
-        course[:, 2::3] = np.sign(self.end - self.begin)[rows]
-        course = hold_last(course, course != 0, self.carry.way[rows])
-        out = ((sides != 0) & (course[:, ::3] != sides)) | (self.twice[rows] & cutting)
+        sides = np.zeros((len(rows), self.end.shape[1]), np.int64)
+        at = ((self.travel[rows] == 0) & cutting).any(axis=0).nonzero()[0]
+        if len(at):
+            play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
+            rests = (self.travel[rows[:, None], at] == 0) & (play < -self.c.chord)
+            sides[:, at] = np.where(rests, self.weight_begin[rows[:, None], at], 0)
+        twice = self.twice[rows] & cutting
+        ways = (self.begin - self.before)[rows], (self.end - self.begin)[rows]
         self.way = self.carry.way.copy()
+        if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
+            self.way[rows] = last_way(*ways, self.way[rows])
+            return
+        course = np.stack((np.sign(ways[0]), sides, np.sign(ways[1])), axis=2)
+        course = course.reshape(len(rows), -1)
+        course = hold_last(course, course != 0, self.way[rows])
+        out = ((sides != 0) & (course[:, ::3] != sides)) | twice
         self.way[rows] = course[:, -1]
         if out.any():
+            play = self.machine.lost_motion(self.begin / TICKS_PER_MM, rows)
             step = self.m.grid[rows].take(self.motion, axis=1)
             far = np.maximum(2 * self.c.hysteresis, play) * TICKS_PER_MM / step
             over = (np.ceil(far).astype(np.int64) + 1) * step

@@ -12,6 +12,7 @@ stroke depends on earlier ones only, the answer is the same however the input is
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,8 +40,6 @@ class Course:
         self.band = b.c.band[self.rows]
         self.travel = b.travel[self.rows]
         self.couples = b.machine.lateral > 0
-        self.nowhere = np.full(self.travel.shape, NOWHERE)
-        self.twice = np.zeros(self.travel.shape, bool)
         self._given()
         self.carry = self._begin()
 
@@ -80,86 +79,74 @@ class Course:
         """(T, S) what a column (T, S) was before each stroke."""
         return np.concatenate([first[:, None], column[:, :-1]], axis=1)
 
-    def nominal(self, before: np.ndarray | None) -> np.ndarray:
-        """(T, S) sides that the nominal motion alone gives; the others keep what was before (T, S),
-        or before the batch."""
+    @cached_property
+    def leads(self) -> tuple[np.ndarray, np.ndarray]:
+        """Two (T, S): the side that the nominal motion of a stroke gives by itself, and whether it
+        gives one."""
         moves = (np.abs(self.travel) > self.band[:, None]) & ~self.stays
-        sign = np.where(self.given, self.sense, np.sign(self.travel))
-        if before is None:
-            return hold_last(sign, moves | self.given, self.carry.side)
-        return np.where(moves | self.given, sign, before)
+        return np.where(self.given, self.sense, np.sign(self.travel)), moves | self.given
 
     def spread(self, side: np.ndarray) -> np.ndarray:
-        """(A, S) float sides of all axes."""
-        every = np.zeros(self.b.travel.shape)
+        """(A, K) float sides of all axes."""
+        every = np.zeros((len(self.b.travel), side.shape[1]))
         every[self.rows] = side
         return every
 
-    def commands(
-        self, side: np.ndarray, known: tuple[np.ndarray, np.ndarray] | None = None
-    ) -> np.ndarray:
-        """(A, S) mm for sides (T, S); known: other sides and their commands, to be taken where they
-        are the same."""
+    def commands(self, at: np.ndarray, side: np.ndarray) -> np.ndarray:
+        """(A, K) mm of strokes `at` (K,) for sides (T, K)."""
         b = self.b
-        which, result = b.free[b.motion], b.end_nominal.copy()
-        if known is not None:
-            result = known[1].copy()
-            which = which & (known[0] != side).any(axis=0)
-        at = which.nonzero()[0]
-        if len(at):
-            weight = self.spread(side).take(at, axis=1)
-            found = b.command(at, b.t1[at], b.reached.take(at, axis=1), weight)
-            result[:, at] = np.where(b.told.take(at, axis=1), found, b.end_nominal.take(at, axis=1))
+        result = b.end_nominal.take(at, axis=1)
+        free = b.free.take(b.motion.take(at)).nonzero()[0]
+        if len(free):
+            at, weight = at.take(free), self.spread(side.take(free, axis=1))
+            found = b.command(at, b.t1.take(at), b.reached.take(at, axis=1), weight)
+            told = b.told.take(at, axis=1)
+            result[:, free] = np.where(told, found, result.take(free, axis=1))
         return result
 
-    def wanted(
-        self,
-        side: np.ndarray,
-        exact: np.ndarray,
-        before: np.ndarray,
-        known: tuple[np.ndarray, np.ndarray] | None = None,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Two (T, S) ticks: where the slides are to stand at the begin and at the end of each
-        stroke, which is the command without their own lost motion; before (T, S): sides before
-        each stroke; known: other sides and their ends. Where no axis changes its side, or all of
-        them can not move one another, the begin is the end before, and not looked at, but for
-        where nothing was corrected before; nor is it in rapids, which take nothing up."""
-        if known is None:
-            end = self._without_play(side, exact)
-        else:
-            end, at = known[1].copy(), (known[0] != side).any(axis=0).nonzero()[0]
-            end[:, at] = self._without_play(side.take(at, axis=1), exact.take(at, axis=1))
-        turned = ~self.b.sure
+    def places(
+        self, at: np.ndarray, side: np.ndarray, before: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """`exact` (A, K), `begin` and `end` (T, K) ticks of strokes `at` (K,) for sides (T, K)
+        behind sides `before` (T, K): the commands, and where the slides are to stand at the begin
+        and at the end, which is the command without their own lost motion. Where no axis changes
+        its side, or all of them can not move one another, the begin is the end before, and not
+        looked at, but for where nothing was corrected before; nor is it in rapids, which take
+        nothing up."""
+        b = self.b
+        exact = self.commands(at, side)
+        begin = np.full(side.shape, NOWHERE)
+        turned = ~b.sure.take(at)
         if self.couples:
-            turned = turned | (side != before).any(axis=0)
-        at = (turned & self.b.cutting & self.b.known_before).nonzero()[0]
-        begin = self.nowhere
-        if len(at):
-            begin = begin.copy()
-            b, weight = self.b, self.spread(side).take(at, axis=1)
-            first = b.command(at, b.t0[at], b.begin_nominal.take(at, axis=1), weight)
-            begin[:, at] = self._without_play(side.take(at, axis=1), first)
-        return begin, end
+            turned |= (side != before).any(axis=0)
+        here = (turned & (b.cutting & b.known_before).take(at)).nonzero()[0]
+        if len(here):
+            there, led = at.take(here), side.take(here, axis=1)
+            nominal, weight = b.begin_nominal.take(there, axis=1), self.spread(led)
+            first = b.command(there, b.t0.take(there), nominal, weight)
+            begin[:, here] = self._without_play(led, first)
+        return exact, begin, self._without_play(side, exact)
 
     def _without_play(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
         play = self.b.machine.lost_motion(exact, self.rows)
         return np.rint((exact[self.rows] - side * play / 2) * TICKS_PER_MM).astype(np.int64)
 
-    def once(
-        self, place: tuple[np.ndarray, np.ndarray], side: np.ndarray, middle: np.ndarray
-    ) -> np.ndarray:
-        """(T, S) the side of each stroke by itself, from what was before it."""
-        half, r = (self.band // 2)[:, None], self.before(middle, self.carry.middle)
-        led = self.before(side, self.carry.side)
-        for where, here in zip(place, (place[0] != NOWHERE, True), strict=True):
+    def once(self, at: np.ndarray, before: np.ndarray, middle: np.ndarray) -> np.ndarray:
+        """(T, K) the side of each stroke `at` (K,) by itself, from side and state (T, K) before
+        it."""
+        half, r, led = (self.band // 2)[:, None], middle, before
+        begin, end = self.begin.take(at, axis=1), self.end.take(at, axis=1)
+        stays = self.stays.take(at, axis=1)
+        for where, here in ((begin, begin != NOWHERE), (end, True)):
             now = np.where(here, np.minimum(np.maximum(r, where - half), where + half), r)
             way = np.sign(now - r)
-            led, r = np.where((way != 0) & ~self.stays, way, led), now
-        return np.where(self.given, self.sense, led)
+            led, r = np.where((way != 0) & ~stays, way, led), now
+        return np.where(self.given.take(at, axis=1), self.sense.take(at, axis=1), led)
 
-    def bear(self, places: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def bear(self) -> tuple[np.ndarray, np.ndarray]:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
-        begin, end = places
+        begin, end = self.begin, self.end
+        self.twice = np.zeros(end.shape, bool)
         if (begin == NOWHERE).all():
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
@@ -178,30 +165,51 @@ class Course:
         return side[:, 1::2], middle[:, 1::2]
 
     def settle(self) -> None:
-        """Decide side, middle, exact and behind."""
-        led = self.nominal(None)
-        known = (led, self.commands(led))
-        place = self.wanted(*known, self.before(led, self.carry.side))
-        side, middle = self.bear(place)
-        done = bool((side == led).all())
-        while not done:
-            judged, before = place, self.before(side, self.carry.side)
-            led = self.nominal(before)
-            for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
-                last, known = known, (led, self.commands(led, known))
-                place = self.wanted(*known, before, (last[0], place[1]))
-                led = self.once(place, side, middle)
-                if (led == known[0]).all():
-                    break
-            if all(map(np.array_equal, place, judged)):
-                break
-            found, now = self.bear(place)
-            done = bool((found == side).all() and (now == middle).all())
+        """Decide side, middle, exact and behind: first all strokes as the nominal motion leads
+        them; then, until nothing changes, those that bear otherwise or come after another side or
+        state than was thought."""
+        led = hold_last(*self.leads, self.carry.side)
+        before, every = self.before(led, self.carry.side), np.arange(led.shape[1])
+        self.led, (self.exact, self.begin, self.end) = led, self.places(every, led, before)
+        side, middle = self.bear()
+        off = (side != led).any(axis=0)
+        open_ = off | _behind(off)
+        while np.count_nonzero(open_):
+            self._decide(open_.nonzero()[0], side, middle)
+            found, now = self.bear()
+            open_ = _behind(((found != side) | (now != middle)).any(axis=0))
             side, middle = found, now
+        at = (side != self.led).any(axis=0).nonzero()[0]
+        self.exact[:, at] = self.commands(at, side.take(at, axis=1))
         self.side, self.middle = side, middle
-        self.exact = self.commands(side, known)
         held = middle + side * (self.band // 2)[:, None]
-        self.behind = np.where(self.given | self.stays, 0, held - place[1])
+        self.behind = np.where(self.given | self.stays, 0, held - self.end)
+
+    def _decide(self, at: np.ndarray, side: np.ndarray, middle: np.ndarray) -> None:
+        """The sides of strokes `at` (K,) from sides and states (T, S): first as its nominal motion
+        leads each, then as often as it leads elsewhere."""
+        before, r = (
+            self.before(column, first).take(at, axis=1)
+            for column, first in ((side, self.carry.side), (middle, self.carry.middle))
+        )
+        sign, leads = (column.take(at, axis=1) for column in self.leads)
+        led = np.where(leads, sign, before)
+        for _ in range(len(self.rows) + 1):  # as many as axes can move one another, in turn
+            self.led[:, at] = led
+            self.exact[:, at], self.begin[:, at], self.end[:, at] = self.places(at, led, before)
+            found = self.once(at, before, r)
+            on = (found != led).any(axis=0).nonzero()[0]
+            if not len(on):
+                break
+            at = at.take(on)
+            before, r, led = (column.take(on, axis=1) for column in (before, r, found))
+
+
+def _behind(which: np.ndarray) -> np.ndarray:
+    """(S,) bool: the strokes behind some (S,)."""
+    result = np.zeros_like(which)
+    result[1:] = which[:-1]
+    return result
 
 
 def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
@@ -234,9 +242,10 @@ def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
     """(A, S) sides from the nominal motion alone, without hysteresis, and what the next batch must
     know (mode off)."""
     course = Course(b)
-    place = np.rint(b.end_nominal[course.rows] * TICKS_PER_MM).astype(np.int64)
+    course.begin = np.full(course.travel.shape, NOWHERE)
+    course.end = np.rint(b.end_nominal[course.rows] * TICKS_PER_MM).astype(np.int64)
     course.band = np.zeros_like(course.band)
-    side, middle = course.bear((course.nowhere, place))
+    side, middle = course.bear()
     return course.spread(side), carried(b, course, side, middle)
 
 
