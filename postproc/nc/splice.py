@@ -7,6 +7,9 @@ import numpy as np
 from postproc.nc.numbers import decimal_cells
 
 
+PORTION = 4096  # runs of text put together at once: their indices stay in the cache
+
+
 class Splice:
     """Collects edits of one text. An edit replaces text[start:stop]; edits at one place keep the
     order of their rank, insertions first."""
@@ -94,13 +97,10 @@ class Splice:
         length[0:-1:2], length[-1] = start, len(self.text)
         length[0::2] -= begin[0::2]
         begin[1::2], length[1::2] = at + len(self.text), size
-        some = length > 0
-        begin, length = begin[some], length[some]
-        # One step per byte, and a jump where a run begins.
-        last = length.cumsum()
-        first = last - length
-        step = np.empty(last[-1] if len(last) else 0, np.int64)
-        step.fill(1)
-        step[first[1:]] = begin[1:] - (begin[:-1] + length[:-1] - 1)
-        step[:1] = begin[:1]
-        return source[step.cumsum()].tobytes()
+        out = []
+        for k in range(0, len(begin), PORTION):
+            here, many = begin[k : k + PORTION], length[k : k + PORTION]
+            index = (here - (many.cumsum() - many)).repeat(many)  # of the byte to take
+            index += np.arange(len(index))
+            out.append(source.take(index).tobytes())
+        return b"".join(out)
