@@ -286,7 +286,9 @@ class Batch:
         if len(m.holes):
             missing[m.holes.axis, m.holes.motion] = False
         added = (~self.first).nonzero()[0]
-        self._rewrite(*suspect.T.nonzero())
+        at = suspect.T.ravel().nonzero()[0]  # in the order of the text, nearly
+        motion = at // len(suspect)
+        self._rewrite(motion, at - motion * len(suspect))
         for row, letter in enumerate(self.axes) if len(added) or np.count_nonzero(missing) else ():
             write = first[missing[row]]
             if len(added):

@@ -257,14 +257,14 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     byte = np.frombuffer(code, dtype=np.uint8)
     classes = _classes(semicolon, spelled, grammar.block_end)
     kind = np.frombuffer(code.translate(classes), dtype=np.uint8)
-    at = (kind != BLANK).nonzero()[0]  # offsets of all that is not blank
-    if len(at) < len(kind):  # ten times as fast as taking them there
+    offset = (kind != BLANK).nonzero()[0]  # of all that is not blank
+    if len(offset) < len(kind):  # ten times as fast as taking them there
         kind = np.frombuffer(code.translate(classes, BLANKS), dtype=np.uint8)
         byte = np.frombuffer(code.translate(None, BLANKS), dtype=np.uint8)
     mark = (kind != DIGIT).nonzero()[0]
     # Three marks of padding, so that "the mark after the next" exists.
     mark_kind = np.concatenate([kind[mark], THREE_ENDS])
-    mark = np.concatenate([mark, len(at) + THREE])
+    mark = np.concatenate([mark, len(offset) + THREE])
 
     is_letter = mark_kind == LETTER
     is_end = mark_kind == END
@@ -304,7 +304,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         fault, tape = _first_fault(
             text,
             code,
-            at,
+            offset,
             kind,
             mark,
             mark_kind,
@@ -318,9 +318,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     else:
         tape = -1
 
-    offset = np.empty(len(at) + 1, np.int64)
-    offset[:-1], offset[-1] = at, len(code)
-    end_offset = offset[end_at]
+    end_offset = offset.take(end_at)
     block_start, line = np.zeros(len(end_at), np.int64), np.arange(len(end_at))
     block_start[1:] = end_offset[:-1] + 1
     if semicolon != "comment" or grammar.block_end:  # a line may hold several blocks
@@ -332,9 +330,9 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         decimals=decimals,
         pointed=pointed,
         block=block,
-        start=offset[here],
-        number=offset[here + 1],
-        stop=offset[stop - 1] + 1,
+        start=offset.take(here),
+        number=offset.take(here + 1),
+        stop=offset.take(stop - 1) + 1,
         block_start=block_start,
         block_stop=np.minimum(end_offset, len(text)),
         line=line,
@@ -371,7 +369,7 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
     digits = whole + decimals
     before = BELOW.take(np.where(pointed, whole, 8), mode="clip")
-    text = eight.take(begin, mode="clip")
+    text = eight[begin]  # `take` would write them all out first
     value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
     long = (digits + pointed > 8).nonzero()[0]
     if len(long):  # both sides of the point by themselves

@@ -6,7 +6,6 @@ import numpy as np
 
 from postproc.nc.numbers import decimal_cells
 
-
 PORTION = 4096  # runs of text put together at once: their indices stay in the cache
 
 
