@@ -96,6 +96,7 @@ class Splice:
         length[0:-1:2], length[-1] = start, len(self.text)
         length[0::2] -= begin[0::2]
         begin[1::2], length[1::2] = at + len(self.text), size
+        np.maximum(length, 0, out=length)  # two words that go may take the blank between them along
         out = []
         for k in range(0, len(begin), PORTION):
             here, many = begin[k : k + PORTION], length[k : k + PORTION]
