@@ -54,3 +54,9 @@ def test_what_is_put_in_stands_before_what_is_taken_out_from_there_on():
     splice.constants([4], [8], [0], b"")
     splice.constants([4], [4], [20], b" I5")
     assert splice.result() == b"Z80. I5\n"
+
+
+def test_two_words_that_go_may_take_the_blank_between_them_along():
+    splice = Splice(b"G2 I0 J9 X1\n")
+    splice.constants(np.array([3, 5]), np.array([6, 8]), np.array([0, 0]), b"")
+    assert splice.result() == b"G2  X1\n"
