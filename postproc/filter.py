@@ -92,7 +92,7 @@ def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
     return min(found) if found else None
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Summary:
     """What was done so far. largest: mm, the largest correction of an axis."""
 
@@ -135,7 +135,7 @@ def marker_of(machine: Machine, tolerance: float) -> str:
     return f"(GCOMP {__version__} {name} MAP {machine.digest.upper()} TOL {tolerance / UM:g} UM)"
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Filter:
     """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see
     every batch; heat: which temperature each block meets, of a machine that grows.

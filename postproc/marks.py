@@ -8,20 +8,22 @@ from __future__ import annotations
 
 import re
 
+from postproc.expressions import expression
+
 Mark = tuple[re.Pattern[bytes], int]  # and how far from the beginning to look, bytes; 0: to the end
 
 # The comment with its version, before the first block that was changed.
-PROGRAM: Mark = (re.compile(rb"\(GCOMP [0-9]", re.IGNORECASE), 0)
-PAGE: Mark = (re.compile(rb'content="gcomp '), 1 << 14)
-JSON: Mark = (re.compile(rb'"format": "gcomp-'), 1 << 10)
+PROGRAM: Mark = (expression(rb"\(GCOMP [0-9]", re.IGNORECASE), 0)
+PAGE: Mark = (expression(rb'content="gcomp '), 1 << 14)
+JSON: Mark = (expression(rb'"format": "gcomp-'), 1 << 10)
 # What style.made_by() says, in SVG, PDF and PNG.
 FIGURE: Mark = (
-    re.compile(rb"<dc:title>gcomp</dc:title>|/Creator \(gcomp\)|tEXtSoftware\0gcomp"),
+    expression(rb"<dc:title>gcomp</dc:title>|/Creator \(gcomp\)|tEXtSoftware\0gcomp"),
     0,
 )
-SIMULATED: Mark = (re.compile(rb"simulated = true"), 1 << 14)
+SIMULATED: Mark = (expression(rb"simulated = true"), 1 << 14)
 RESIDUALS: Mark = (
-    re.compile(rb"recording,row,signal,measured_um,before_um,after_um,held_out"),
+    expression(rb"recording,row,signal,measured_um,before_um,after_um,held_out"),
     1 << 7,
 )
 LONGEST = 128  # bytes of a mark, at most

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, BinaryIO
 from postproc import intake, ports
 from postproc.commands import expansion, reading
 from postproc.errors import GcompError, ProgramError
+from postproc.expressions import expression
 from postproc.filter import Filter
 from postproc.machine.model import Machine
 
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 # A block that the operator's switch takes out, and that decides which text runs: a call, a jump, a
 # loop, an end.
-DECIDES = re.compile(
+DECIDES = expression(
     rb"^[ \t]*(?:N[ \t]*[0-9]+[ \t]*)?/[^(;\n]*(?:GOTO|IF|WHILE|CALL|REPEAT|RET|M["
     rb" \t]*0*(?:2|17|30|9[789]|198)(?![0-9])|"
     rb"G[ \t]*6[56](?![0-9.])|(?<![A-Z])O[ \t]*[<0-9]|#|(?<![A-Z])R[0-9]+[ \t]*=)",
@@ -35,7 +36,7 @@ DECIDES = re.compile(
 )
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Attempt:
     """One reading of the program. why: that it was written out without being asked for, and why;
     "": it was not."""
@@ -91,7 +92,7 @@ def best(
     return _Tries(options, machine, source, name, head, step).best()
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class _Tries:
     options: argparse.Namespace
     machine: Machine

@@ -6,12 +6,13 @@ import argparse
 import math
 import re
 
+from postproc.expressions import expression
 from postproc.units import LARGEST_WORD_MM
 
 LENGTHS = {"um": 1e-3, "mm": 1.0, "in": 25.4, "": 1.0}
-LENGTH = re.compile(r"([-+]?[0-9.]+(?:e-?[0-9]+)?)\s*(um|mm|in|)")
+LENGTH = expression(r"([-+]?[0-9.]+(?:e-?[0-9]+)?)\s*(um|mm|in|)")
 LONGEST, COARSEST = 10.0, 1.0  # mm
-WORD = re.compile(r"\s*([XYZABCUVWTRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
+WORD = expression(r"\s*([XYZABCUVWTRQ])\s*=?\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))\s*")
 PLACE = "is not a place like X1,Z-2.5 (mm, radius)"
 OFFSET = "is not an offset like G54=X1,Z2 (mm, radius)"
 

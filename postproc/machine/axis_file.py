@@ -15,11 +15,12 @@ import numpy as np
 
 from postproc import intake
 from postproc.errors import MachineError, Place
+from postproc.expressions import expression
 from postproc.machine.chain import ROTARY
 from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 from postproc.units import UM, URAD
 
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
+NUMBER = expression(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|[-+]?(nan|inf(inity)?)", re.IGNORECASE)
 TURN = 360.0
 
 

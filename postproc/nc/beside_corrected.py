@@ -26,7 +26,7 @@ LIMIT = (
 )
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Contours:
     """Both contours while the program is inside one that can be followed."""
 

@@ -18,12 +18,14 @@ from functools import reduce
 from operator import xor
 from typing import NamedTuple
 
-MARK = re.compile(rb"\*[ \t]*[0-9]{1,9}(?=[ \t\r]*(?:;|\n|\Z))")
-LAST_MARK = re.compile(rb"\*[ \t]*([0-9]{1,9})\Z")
-NUMBER = re.compile(rb"([ \t]*[Nn][ \t]*)([+-]?[0-9]{1,9})(?![0-9.])")
-RESET = re.compile(rb"(?<![A-Z])M110(?![0-9.])", re.IGNORECASE)
-LATER_NUMBER = re.compile(rb"[Nn][ \t]*([+-]?[0-9]{1,9})(?![0-9.])")
-COMMENT = re.compile(rb"\([^()]*\)")
+from postproc.expressions import expression
+
+MARK = expression(rb"\*[ \t]*[0-9]{1,9}(?=[ \t\r]*(?:;|\n|\Z))")
+LAST_MARK = expression(rb"\*[ \t]*([0-9]{1,9})\Z")
+NUMBER = expression(rb"([ \t]*[Nn][ \t]*)([+-]?[0-9]{1,9})(?![0-9.])")
+RESET = expression(rb"(?<![A-Z])M110(?![0-9.])", re.IGNORECASE)
+LATER_NUMBER = expression(rb"[Nn][ \t]*([+-]?[0-9]{1,9})(?![0-9.])")
+COMMENT = expression(rb"\([^()]*\)")
 BLANK = b" \t\r"
 
 

@@ -16,10 +16,11 @@ import re
 
 import numpy as np
 
+from postproc.expressions import expression
 from postproc.nc.batch import Batch
 from postproc.nc.state import NONE
 
-FLOW = re.compile(rb"[ \t]*(?:if|elif|else|while)\b", re.IGNORECASE)
+FLOW = expression(rb"[ \t]*(?:if|elif|else|while)\b", re.IGNORECASE)
 GROUP = "condition"  # of the modal state: the indentation of the line that began it
 WAY_OUT = "write the lines that shall run, without the condition"
 

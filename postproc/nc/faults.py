@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import re
 
+from postproc.expressions import expression
+
 ADVICE_NUMBER = "no control resolves that: write fewer digits"
 ADVICE_EXPRESSION = (
     "variables, expressions, O-words and macro statements run with --expand, which writes them out"
@@ -20,38 +22,38 @@ ADVICE_NO_LANGUAGE = (
     "variables, expressions, O-words and macro statements of this control are not run: let the CAM"
     " program write plain blocks; or is it for another control? --dialect"
 )
-STATEMENT = re.compile(
+STATEMENT = expression(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
     rb"CYCLE[0-9]+)(?![A-Z])|\bO<",
     re.IGNORECASE,
 )
-ARGUMENTS = re.compile(rb"\([^()\n]*\)(?![0-9.])")  # of a call, behind its name: L140(2)
-CALL = re.compile(rb"([A-Z_]{2}[A-Z_0-9]*)[ \t]*\(", re.IGNORECASE)  # of a subprogram by name
-STATEMENT_WORD = re.compile(
+ARGUMENTS = expression(rb"\([^()\n]*\)(?![0-9.])")  # of a call, behind its name: L140(2)
+CALL = expression(rb"([A-Z_]{2}[A-Z_0-9]*)[ \t]*\(", re.IGNORECASE)  # of a subprogram by name
+STATEMENT_WORD = expression(
     rb"(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEATB?|UNTIL|LOOP|FOR|DEF|PROC|EXTERN|CASE|RETURN|RET|ELSE|ELSEIF|MCALL|"
     rb"CYCLE[0-9]+|BREAK|CONTINUE)(?![A-Za-z])|O[ \t]*<[^>\n]*>",
     re.IGNORECASE,
 )
 SIEMENS_WORDS = (  # plain to read, and not followed: message and advice
     (
-        re.compile(rb"(FB)[ \t]*=", re.IGNORECASE),
+        expression(rb"(FB)[ \t]*=", re.IGNORECASE),
         "is a feed for one block",
         "--expand writes F in its place, and the F that held before it behind it",
     ),
     (
-        re.compile(rb"(POS[AP]?)[ \t]*\[", re.IGNORECASE),
+        expression(rb"(POS[AP]?)[ \t]*\[", re.IGNORECASE),
         "moves an axis by itself, beside the path",
         "write a G0 or G1 of that axis in its place",
     ),
 )
-LETTER_O = re.compile(
+LETTER_O = expression(
     rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)"
 )
-POLAR = re.compile(rb"[@^][ \t]*[-+.0-9]")
-CORNER = re.compile(rb",[ \t]*([RCrc]|[Aa])")
-COMMA = re.compile(rb"[0-9],[0-9]")
-TWO_POINTS = re.compile(rb"[0-9]*\.[0-9]*\.")
-LONE_RETURN = re.compile(rb"\r(?![\r\n]|\Z)")
+POLAR = expression(rb"[@^][ \t]*[-+.0-9]")
+CORNER = expression(rb",[ \t]*([RCrc]|[Aa])")
+COMMA = expression(rb"[0-9],[0-9]")
+TWO_POINTS = expression(rb"[0-9]*\.[0-9]*\.")
+LONE_RETURN = expression(rb"\r(?![\r\n]|\Z)")
 LONE = 0x1D  # stands for a lone carriage return in what the lexer looks at
 
 

@@ -29,7 +29,7 @@ class Gouge(Exception):
     """The control refuses the contour; the sentence is LinuxCNC's."""
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Way:
     """A straight way or an arc of the centre. owner: the motion that it belongs to; start, end
     (A,): mm; plane: rows of the two axes; centre: mm in the plane, turns and sweep: rad, signed, of
@@ -50,7 +50,7 @@ class Way:
     measured: bool = False
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Block:
     """A motion of the contour: its number, its end (A,) mm, whether it is a rapid, and an arc's
     centre and turns: + for counter-clockwise, more than 1 for more than a turn."""
@@ -62,7 +62,7 @@ class Block:
     turns: int = 0
 
 
-@dataclass
+@dataclass(eq=False, repr=False)
 class Shifted:
     """Follows a contour with a tool. plane: rows of its axes; radius: mm; side: LEFT or RIGHT;
     nose: mm in the plane from the centre to the point that the control drives. `done`: ways that

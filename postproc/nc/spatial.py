@@ -12,21 +12,21 @@ working plane").
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 import numpy as np
 
+from postproc.expressions import expression
 from postproc.nc.batch import Batch
 from postproc.nc.planes import plane_align, plane_off, tilt, turn_to, turned
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
 
 WORD = "PLANE"
-KIND = re.compile(rb"PLANE[ \t]+([A-Z]+)")
-ANGLE = re.compile(rb"(SP[ABC]|EUL(?:PR|NU|ROT))[ \t]*([-+]?[0-9]*\.?[0-9]+)")
-HOW = re.compile(rb"[ \t](TURN|MOVE)\b")
-SIGN = re.compile(rb"\bS(?:EQ|YM)[ \t]*([-+])")
+KIND = expression(rb"PLANE[ \t]+([A-Z]+)")
+ANGLE = expression(rb"(SP[ABC]|EUL(?:PR|NU|ROT))[ \t]*([-+]?[0-9]*\.?[0-9]+)")
+HOW = expression(rb"[ \t](TURN|MOVE)\b")
+SIGN = expression(rb"\bS(?:EQ|YM)[ \t]*([-+])")
 NAMES = {b"SPATIAL": (b"SPC", b"SPB", b"SPA"), b"EULER": (b"EULPR", b"EULNU", b"EULROT")}
 ABOUT = {b"SPATIAL": (2, 1, 0), b"EULER": (2, 0, 2)}  # the same turns, about axes that turn along
 LEVEL = 1e-9

@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache, partial
 
+from postproc.expressions import expression
 from postproc.nc import checksums
 from postproc.nc.lexer import (
     ABSOLUTE,
@@ -27,7 +28,7 @@ from postproc.nc.lexer import (
 from postproc.nc.lexer import BARE as ALONE
 
 NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
-ASSIGNED = re.compile(
+ASSIGNED = expression(
     rb"(?<![A-Za-z0-9_$\].])([A-Za-z])[ \t]*=(?:[ \t]*(IC|AC|DC|ACP|ACN)[ \t]*\(("
     + NUMBER
     + rb")[ \t]*(\))|("
@@ -36,18 +37,18 @@ ASSIGNED = re.compile(
     re.IGNORECASE,
 )
 # T="MILL 8": a name, no number
-NAMED = re.compile(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")
+NAMED = expression(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
-MOVELESS = re.compile(
+MOVELESS = expression(
     rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg]["
     rb" \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
 )
-BARE = re.compile(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
-SETTINGS = re.compile(rb"[D-FH-MO-TQ][ \t]*[+-]?[0-9.]+", re.IGNORECASE)  # of homing: R5, P0 T300
-TOGETHER = re.compile(rb"[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")  # G28 XY
-HOME = re.compile(rb"[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?[Gg][ \t]*0*28(?![0-9.])")
+BARE = expression(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
+SETTINGS = expression(rb"[D-FH-MO-TQ][ \t]*[+-]?[0-9.]+", re.IGNORECASE)  # of homing: R5, P0 T300
+TOGETHER = expression(rb"[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")  # G28 XY
+HOME = expression(rb"[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?[Gg][ \t]*0*28(?![0-9.])")
 # F#5, S#<_hal[spindle-speed]>, F[#<feed> * 2]: brackets may nest once.
-MACHINE_KNOWS = re.compile(
+MACHINE_KNOWS = expression(
     rb"(?<![A-Za-z0-9_<#])([FfSs])[ \t]*(?:#[ \t]*(?:[0-9]+|<[^>\n]*>|\[[^\[\]\n]*\])|"
     rb"\[(?:[^\[\]\n]|\[[^\[\]\n]*\])*\])"
 )

@@ -15,12 +15,13 @@ import re
 
 import numpy as np
 
+from postproc.expressions import expression
 from postproc.nc.batch import Batch
 from postproc.nc.planes import plane_off, tilt, turned
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
 
-CALL = re.compile(rb"CYCLE800[ \t]*(?:\(([^()\n]*)\))?", re.IGNORECASE)
+CALL = expression(rb"CYCLE800[ \t]*(?:\(([^()\n]*)\))?", re.IGNORECASE)
 WORD = "CYCLE800"
 MODE, ZERO, ANGLES, SHIFT, DIRECTION = 3, slice(4, 7), slice(7, 10), slice(10, 13), 13
 BY_AXIS = 57  # X, then Y, then Z
