@@ -35,6 +35,9 @@ class Course:
     beside its wanted place because it has not turned by the hysteresis; `twice` (T, S): it turns
     one way where the stroke begins, since another axis changes its side, and back along it."""
 
+    begin: np.ndarray
+    end: np.ndarray
+
     def __init__(self, b: Batch):
         self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
         self.band = b.c.band[self.rows]

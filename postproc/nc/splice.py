@@ -100,7 +100,7 @@ class Splice:
         out = []
         for k in range(0, len(begin), PORTION):
             here, many = begin[k : k + PORTION], length[k : k + PORTION]
-            index = (here - (many.cumsum() - many)).repeat(many)  # of the byte to take
+            index: np.ndarray = (here - (many.cumsum() - many)).repeat(many)  # of the byte to take
             index += np.arange(len(index))
             out.append(source.take(index).tobytes())
         return b"".join(out)
