@@ -15,7 +15,7 @@ from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.face import planes
-from postproc.nc.lexer import ABSOLUTE, RELATIVE
+from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
 from postproc.records import columns
 from postproc.units import TICKS_PER_MM

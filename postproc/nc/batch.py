@@ -12,7 +12,8 @@ from postproc.motions import no_presets
 from postproc.nc import codes
 from postproc.nc.columns import hold_last
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
-from postproc.nc.lexer import HOMING, KEYWORD_LETTER, POWERS, Words
+from postproc.nc.grammar import HOMING, KEYWORD_LETTER
+from postproc.nc.lexer import POWERS, Words
 from postproc.nc.state import NONE, ModalState, no_frame
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 

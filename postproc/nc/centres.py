@@ -9,7 +9,7 @@ import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER
 from postproc.nc.face import ON_FACE, PLANES
-from postproc.nc.lexer import RELATIVE
+from postproc.nc.grammar import RELATIVE
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
 from postproc.units import TICKS_PER_MM
 

@@ -20,9 +20,10 @@ from postproc.nc.columns import begins, cells
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
 from postproc.nc.feeds import GROUPS, kept_feeds, states_feed
+from postproc.nc.grammar import RELATIVE
 from postproc.nc.interpreter import Setup
 from postproc.nc.inverse_time import inverse_time
-from postproc.nc.lexer import RELATIVE, Words
+from postproc.nc.lexer import Words
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
 from postproc.nc.stops import exact_stops

@@ -21,7 +21,7 @@ import numpy as np
 from postproc.motions import COUNTER
 from postproc.nc.batch import Batch
 from postproc.nc.codes import TRANSFORM
-from postproc.nc.lexer import ABSOLUTE, AXES, RELATIVE
+from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import with_known, work_columns
 from postproc.spaces import Kinematics, Space

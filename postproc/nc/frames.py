@@ -18,6 +18,7 @@ import numpy as np
 from postproc.nc import face, planes, spatial, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
+from postproc.nc.grammar import KEYWORD_LETTER
 from postproc.nc.lengths import (
     length_by,
     length_of,
@@ -27,7 +28,6 @@ from postproc.nc.lengths import (
     set_radius,
     set_tool,
 )
-from postproc.nc.lexer import KEYWORD_LETTER
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import (
     EXTERNAL,

@@ -27,10 +27,11 @@ from postproc.nc.columns import at, hold_last_float, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.dialects import Dialect
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
+from postproc.nc.grammar import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD
 from postproc.nc.holes import holes_of
 from postproc.nc.increments import count_increments
 from postproc.nc.left import left_as_they_are
-from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
+from postproc.nc.lexer import Words
 from postproc.nc.planes import refuse_planes
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
@@ -56,7 +57,6 @@ from postproc.nc.zeros import offset_columns, ticks_of
 from postproc.units import TICKS_PER_MM
 
 PARAMETERS = "NOGMFSTDHLPQ"
-CENTRE_OF = {"X": "I", "Y": "J", "Z": "K"}
 
 
 class Interpreter:
@@ -76,13 +76,10 @@ class Interpreter:
         }
         # of the offsets that no program sets
         self.offset_ticks = {name: ticks_of(setup, at) for name, at in setup.offsets.items()}
-        centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
         self.letters = (
-            set(PARAMETERS)
+            set(PARAMETERS + "IJKR")
             | set(self.rows)
             | set(self.increment_rows)
-            | {"I", "J", "K", "R"}
-            | centres
             | set(dialect.letters)
             | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
         )

@@ -21,7 +21,7 @@ import re
 from collections.abc import Callable
 
 from postproc.nc import codes
-from postproc.nc.lexer import AXES, BARE, MACRO, RELATIVE, UNTOLD
+from postproc.nc.grammar import AXES, BARE, MACRO, RELATIVE, UNTOLD
 
 EXPAND_PATH = "its motions are worked out by the control: --expand writes it out as straight lines"
 DATUM = "it moves the datum by the tables of the control: program in one datum, with --offset G54="

@@ -10,7 +10,7 @@ import numpy as np
 
 from postproc.nc.batch import LINEAR, NO_WORDS, Batch
 from postproc.nc.columns import at, hold_index, hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, BARE, RELATIVE
+from postproc.nc.grammar import ABSOLUTE, AXES, BARE, RELATIVE
 from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 

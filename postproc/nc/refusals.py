@@ -13,7 +13,7 @@ from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
-from postproc.nc.lexer import (
+from postproc.nc.grammar import (
     ABSOLUTE,
     AXES,
     BARE,

@@ -13,7 +13,7 @@ import re
 from functools import lru_cache, partial
 
 from postproc.nc import checksums
-from postproc.nc.lexer import (
+from postproc.nc.grammar import (
     ABSOLUTE,
     AXES,
     HOMING,
@@ -24,7 +24,7 @@ from postproc.nc.lexer import (
     UNTOLD,
     Grammar,
 )
-from postproc.nc.lexer import BARE as ALONE
+from postproc.nc.grammar import BARE as ALONE
 
 NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 ASSIGNED = re.compile(

@@ -12,8 +12,8 @@ from postproc.errors import ProgramError
 from postproc.nc.dialects import load
 from postproc.nc.expand import Limits, Line, Program, lines_of
 from postproc.nc.expand.tracker import Tracker
+from postproc.nc.grammar import PLAIN
 from postproc.nc.interpreter import Interpreter
-from postproc.nc.lexer import PLAIN
 from postproc.nc.state import Setup
 
 LEAST = dict.fromkeys("XYZ", 0.001)

@@ -22,7 +22,7 @@ from postproc.nc.codes import (
     Code,
     code_number,
 )
-from postproc.nc.lexer import PLAIN, Grammar
+from postproc.nc.grammar import PLAIN, Grammar
 from postproc.records import record
 
 NO_GROUP, UNKNOWN = -1, -2

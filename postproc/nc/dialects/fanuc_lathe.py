@@ -9,7 +9,7 @@ without a decimal point: parameter 3401 bit 0 (DPI), B-64310EN.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BLANKS,
     CUTTER,

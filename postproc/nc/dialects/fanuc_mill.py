@@ -10,7 +10,7 @@ their kin: B-64484EN-2, five-axis functions.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BACK_BORE,
     BORE,

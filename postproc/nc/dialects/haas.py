@@ -9,7 +9,7 @@ manual; G52 and G92 as with setting 33 (Coordinate System) FANUC.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BORE,
     COMMON,

@@ -10,7 +10,7 @@ manual. The drilling cycles give R as a place, and have no return level.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CUTTER,
     DATA,

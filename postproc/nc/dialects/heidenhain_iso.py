@@ -9,7 +9,7 @@ their shape from what came before. Numbers without a point are whole units.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
 _POLE = (

@@ -8,7 +8,7 @@ Arc tolerances: rs274ngc's constants of these names, measured on the interpreter
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     ARC_CENTRE,
     BACK_BORE,

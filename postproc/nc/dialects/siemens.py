@@ -10,7 +10,7 @@ counts the circles beyond the arc itself. Tool lengths come with D, at once. R i
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CUTTER,
     DISTANCE,

@@ -12,7 +12,7 @@ G90 and G91 hold for E too, until M82 or M83. T chooses an extruder with an offs
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.marlin import _M, _SHIFTS, TEXT
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     DATA,
     DISTANCE,
