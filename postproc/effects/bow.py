@@ -9,16 +9,14 @@ PARAMETERS = {
     "size_um": "um, second Legendre polynomial over the travel",
     "across": "0, 1, 2: X, Y, Z, the direction of the error",
     "third_um": "um, the third",
-    "degree": "number of the highest polynomial, 2 to 5",
-    "fourth_um": "um, the fourth",
-    "fifth_um": "um, the fifth",
+    "degree": "number of the highest polynomial, 2 or 3",
 }
-OPTIONAL = {"third_um": 0.0, "degree": 3.0, "fourth_um": 0.0, "fifth_um": 0.0}
+OPTIONAL = {"third_um": 0.0, "degree": 3.0}
 # A bed on its supports, a clamped beam and a joint of two rails are more than a parabola.
 HIGHEST = (2.0, 3.0)
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
 # beyond, it is something else
-PLAUSIBLE = dict.fromkeys(("size_um", "third_um", "fourth_um", "fifth_um"), (-1000.0, 1000.0))
+PLAUSIBLE = dict.fromkeys(("size_um", "third_um"), (-1000.0, 1000.0))
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
@@ -38,9 +36,8 @@ def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.n
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    values = [float(c) for c in coefficients] + [0.0] * (4 - len(coefficients))
-    names = ("size_um", "third_um", "fourth_um", "fifth_um")
-    return dict(zip(names, values, strict=True)) | {"degree": 3.0} | shape
+    size, third = np.pad(coefficients, (0, 2 - len(coefficients)))
+    return {"size_um": float(size), "third_um": float(third), "degree": 3.0} | shape
 
 
 def coefficients(
@@ -48,10 +45,9 @@ def coefficients(
     across: float,
     third_um: float = 0.0,
     degree: float = 3.0,
-    fourth_um: float = 0.0,
-    fifth_um: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    value = [size_um, third_um, fourth_um, fifth_um][: int(degree) - 1]
+    degree = float(np.clip(degree, *HIGHEST))
+    value = [size_um, third_um][: int(degree) - 1]
     return np.array(value), {"across": across, "degree": degree}
 
 
