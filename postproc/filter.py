@@ -21,9 +21,11 @@ from postproc.motions import Motions
 from postproc.nc import checksums, faults
 from postproc.nc.beside_corrected import Contours, follow_both
 from postproc.nc.dialects import Dialect
-from postproc.nc.emitter import Emitter, Written
-from postproc.nc.interpreter import Interpreter, ModalState, Setup
+from postproc.nc.emitter import Emitter
+from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import Words, lex
+from postproc.nc.state import ModalState, Setup
+from postproc.nc.writing import Written
 from postproc.pieces import Pieces
 from postproc.units import UM
 

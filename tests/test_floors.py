@@ -149,11 +149,9 @@ LONGER = {  # lines that it may have, and why it is one thing
     "compensate/batch.py": (450, "the columns of one batch, each worked out from others of them"),
     "compensate/compensator.py": (450, "one batch to its pieces, in the order of the steps"),
     "machine/model.py": (425, "what a machine states, and the one deviation made of all of it"),
-    "nc/emitter.py": (450, "one block to its text: what need not change keeps its bytes"),
     "nc/expand/fanuc.py": (450, "one language: macro B runs as one interpreter"),
     "nc/expand/resolve.py": (505, "one stage: a line passes cycles, then frames, then the tracker"),
     "nc/expand/siemens.py": (460, "one language: a Sinumerik program runs as one interpreter"),
-    "nc/interpreter.py": (460, "words and modal state to motions, in the order of execution"),
     "streaming/protocols/_numbered.py": (430, "one exchange: number, answer and request of a line"),
     "streaming/sender.py": (530, "one state machine: every event meets the same state of a job"),
 }

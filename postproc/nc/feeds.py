@@ -10,29 +10,26 @@ it had, and the next motion the program's F again.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.errors import BlockFault
 from postproc.motions import FEED, RAPID, THREAD
+from postproc.nc.lexer import Words
 from postproc.nc.numbers import INSERT_WORD
+from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
-    from postproc.nc.lexer import Words
 
 GROUPS = ("XYZ", "UVW", "ABC")  # the first of them that moves is the one whose way F is along
 SAME = 0.01  # of a feed: less is what every correction does to the length of a block
 
 
-def kept_feeds(b: Batch) -> float:
+def kept_feeds(b: Writing) -> float:
     """Write F where a block's pieces would else be run in another time. Returns the F that the
     output has in force where the program has another one, else nan. Raises BlockFault where a
     correction would change a time that nobody knows."""
     m, p = b.m, b.p
-    rows = b.e.groups
+    # rows of each group of axes
+    rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
     stands = b.state.feed
     special = _special(b, rows)
     if not np.count_nonzero(special) and stands != stands:
@@ -60,7 +57,7 @@ def states_feed(words: Words) -> bool:
     return bool((words.letter == ord("F")).any())
 
 
-def _stated(b: Batch) -> tuple[np.ndarray, bool]:
+def _stated(b: Writing) -> tuple[np.ndarray, bool]:
     """(N,) bool: an F stands in the motion's block, or in one since the motion before; and whether
     one stands behind the last."""
     blocks = b.w.block[b.w.letter == ord("F")]
@@ -68,7 +65,7 @@ def _stated(b: Batch) -> tuple[np.ndarray, bool]:
     return np.diff(count, prepend=0) > 0, len(blocks) > count[-1]
 
 
-def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
+def _special(b: Writing, rows: list[list[int]]) -> np.ndarray:
     """(N,) bool: corrected feeds in which axes beside X Y Z move."""
     m = b.m
     beside = rows[1] + rows[2]
@@ -83,7 +80,7 @@ def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
     return moves & feeds & known[rows[0]].all(axis=0)
 
 
-def _same_time(b: Batch, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
+def _same_time(b: Writing, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
     """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which nobody
     knows how far it moves: the time of that block is not known."""
     m, p = b.m, b.p
@@ -100,7 +97,7 @@ def _same_time(b: Batch, linear: list[int], beside: list[int], turned: np.ndarra
         )
 
 
-def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
+def _ratios(b: Writing, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     """(P,) by how much F must be larger in each piece, 1 where it stays. Raises BlockFault where F
     is not known as a number."""
     m, p = b.m, b.p
@@ -128,7 +125,7 @@ def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     return result
 
 
-def _along(b: Batch, rows: list[list[int]], way: np.ndarray, motion: np.ndarray):
+def _along(b: Writing, rows: list[list[int]], way: np.ndarray, motion: np.ndarray):
     """(K,) the length of `way` (A, K), ticks, that F is along, in mm, inches or degrees, and (K,)
     which of GROUPS that is."""
     linear = rows[0] + rows[1]
@@ -142,7 +139,7 @@ def _along(b: Batch, rows: list[list[int]], way: np.ndarray, motion: np.ndarray)
     return ways[own] * (TICKS_PER_MM / unit[own]), kind
 
 
-def _write(b: Batch, i: int, k: int, value: float) -> None:
+def _write(b: Writing, i: int, k: int, value: float) -> None:
     """F into piece k of motion i."""
     word, number = (
         b.m.feed_word[i],

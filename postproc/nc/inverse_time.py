@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.motions import RAPID
 from postproc.nc.numbers import INSERT_WORD
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
+from postproc.nc.writing import Writing
 
 
-def inverse_time(b: Batch) -> None:
+def inverse_time(b: Writing) -> None:
     """G93: every piece takes its part of the time. A take-up goes as fast as the motion it
     precedes."""
     m, p, w = b.m, b.p, b.w
@@ -33,7 +29,7 @@ def inverse_time(b: Batch) -> None:
             b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[motion] else b"F") + text])
 
 
-def _take_up_share(b: Batch, i: int) -> float:
+def _take_up_share(b: Writing, i: int) -> float:
     """Length of a take-up over the length of its motion."""
     p = b.p
     own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))

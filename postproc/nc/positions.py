@@ -345,7 +345,7 @@ def _reference(b: Batch, number: int, letter: str, drop: np.ndarray) -> None:
     block = b.single[number]
     named = np.zeros(b.n, bool)
     mine = np.zeros(b.n, bool)
-    reverse = {u: b.setup.axes[row] for u, row in b.interpreter.increment_rows.items()}
+    reverse = {u: b.setup.axes[row] for u, row in b.control.increment_rows.items()}
     for other, place in b.places.items():
         if ord(other) >= BARE:
             other = AXES[ord(other) - BARE]

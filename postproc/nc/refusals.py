@@ -80,9 +80,9 @@ AXES_OF_ANY = "ABCUVWXYZ"
 
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
-    for written in (x for x in b.places if x not in b.interpreter.letters):
+    for written in (x for x in b.places if x not in b.control.letters):
         letter, place = _letter(written), b.places[written]
-        if not letter or letter in b.interpreter.letters:
+        if not letter or letter in b.control.letters:
             continue
         axes = {*AXES_OF_ANY, *b.dialect.carried, *("E" if b.dialect.grammar.assigns else "")}
         if letter in axes:

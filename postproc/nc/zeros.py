@@ -16,8 +16,7 @@ from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
 from postproc.nc.dialects import Dialect
 from postproc.nc.rows import SECOND_REFERENCE
-from postproc.nc.state import NONE, Frame, Setup
-from postproc.units import TICKS_PER_MM
+from postproc.nc.state import NONE, Frame, ticks_of
 
 EXTERNAL = "EXT"
 MOST_NAMES = 8  # of offsets that are stated, in a sentence
@@ -149,14 +148,9 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
         return np.zeros((len(b.rows), 1), np.int64)
-    own = name not in b.offsets and name in b.interpreter.offset_ticks
-    shift = (b.interpreter.offset_ticks[name] if own else ticks_of(b.setup, place))[:, None]
+    own = name not in b.offsets and name in b.control.offset_ticks
+    shift = (b.control.offset_ticks[name] if own else ticks_of(b.setup, place))[:, None]
     return shift if everywhere else shift * where
-
-
-def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
-    """(A,) ticks of mm by axis."""
-    return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes], np.int64)
 
 
 # -- what the first block says ---------------------------------------------------------------------
