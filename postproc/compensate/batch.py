@@ -7,7 +7,6 @@ A stroke is a motion, or a part of one between two places where a two-way axis t
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,13 +15,11 @@ from postproc.compensate.approach import hold_last
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
+from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.compensate.compensator import Carry, Compensator
 
 
 def _leashed(kept: int, own: int, most: int) -> int:
@@ -48,15 +45,15 @@ class Batch:
 
     def __init__(
         self,
-        compensator: Compensator,
+        settings: Settings,
         motions: Motions,
         carry: Carry,
         span: tuple[float, float] = (0.0, 1.0),
     ):
         """span: from where to where in t, of one motion that is corrected in parts."""
-        self.c, self.m, self.carry, self.span = compensator, motions, carry, span
-        self.machine, self.options = compensator.machine, compensator.options
-        self.rows, self.fixed = compensator.rows, compensator.fixed
+        self.c, self.m, self.carry, self.span = settings, motions, carry, span
+        self.machine, self.options = settings.machine, settings.options
+        self.rows, self.fixed = settings.rows, settings.fixed
         self.notices: list[Notice] = []
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start

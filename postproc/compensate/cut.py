@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate import cutter, nodes
+from postproc.compensate import cutter, fit, nodes
+from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
-from postproc.compensate.fit import Fitter, Rows
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
 from postproc.pieces import Pieces
@@ -350,7 +350,7 @@ def arc_pieces(b: Batch):
         round_to=lambda r, row, exact: b.grid(r.stroke[row], exact),
         **cutter.arcs_inside(b),
     )  # fmt: skip
-    rows = fitter.settle(rows)
+    rows = fit.settle(fitter, rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)
     code = np.where(rows.chord, FEED, m.code[motion[rows.stroke]])
     nominal = np.rint(

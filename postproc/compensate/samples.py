@@ -8,17 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.inverse import command
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, Stretches, stretches
 from postproc.records import columns
-
-if TYPE_CHECKING:
-    from postproc.compensate.fit import Fitter, Rows
 
 MOST_SAMPLES = 80_000  # worked on at once: more leave the processor's cache, and take memory
 
