@@ -2,7 +2,7 @@
 before they are given.
 
 What is done by itself is what a person would do who reads the advice, and only where that changes
-nothing but the length of the program: DESIGN.md, "One run".
+nothing but the length of the program: docs/DESIGN.md.
 """
 
 from __future__ import annotations
