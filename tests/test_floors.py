@@ -17,6 +17,7 @@ FLOOR = {
     "units": 0,
     "style": 0,
     "spaces": 0,
+    "toml_text": 0,
     "errors": 0,
     "marks": 0,
     "intake": 0,

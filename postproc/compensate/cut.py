@@ -224,7 +224,7 @@ def _cuts(b: Batch, chosen: np.ndarray):
     rows = b.rows
     cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows]).nonzero()[0]
     if b.machine.turning:
-        return _on_increments(b, chosen, owner[cut], t[cut], exact.take(cut, axis=1))
+        return _on_increments(b, chosen, owner[cut], t[cut])
     return owner[cut], t[cut], exact.take(cut, axis=1)
 
 
@@ -250,9 +250,7 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
     return more
 
 
-def _on_increments(
-    b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray, exact: np.ndarray
-):
+def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray):
     """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one
     is 2 um at 200 mm."""
     rows = list(b.machine.turning)

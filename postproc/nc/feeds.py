@@ -15,7 +15,6 @@ import numpy as np
 from postproc.errors import BlockFault
 from postproc.motions import FEED, RAPID, THREAD
 from postproc.nc.lexer import Words
-from postproc.nc.numbers import INSERT_WORD
 from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
@@ -47,7 +46,8 @@ def kept_feeds(b: Writing) -> float:
             written = m.feed[i] if stands != stands else stands
             if p.code[k] == RAPID or abs(wanted - written) <= SAME * wanted:
                 continue
-            _write(b, i, k, wanted)
+            b.feed(k, np.format_float_positional(wanted, 7, fractional=False, trim="-").encode())
+            b.touched[i] = True
             stands = wanted if ratio[k] != 1.0 else np.nan
     return float("nan" if anew_behind else stands)
 
@@ -137,21 +137,3 @@ def _along(b: Writing, rows: list[list[int]], way: np.ndarray, motion: np.ndarra
     kind = np.argmax(ways > 0, axis=0)
     own = (kind, np.arange(len(motion)))
     return ways[own] * (TICKS_PER_MM / unit[own]), kind
-
-
-def _write(b: Writing, i: int, k: int, value: float) -> None:
-    """F into piece k of motion i."""
-    word, number = (
-        b.m.feed_word[i],
-        np.format_float_positional(value, 7, fractional=False, trim="-").encode(),
-    )
-    if b.first[k] and word >= 0:
-        b.splice.texts([b.w.number[word]], [b.w.stop[word]], [0], [number])
-    else:
-        at, rank = (
-            (b.at[i], INSERT_WORD + 50)
-            if b.first[k]
-            else (b.behind()[i], b.rank(np.array([k]))[0] + 50)
-        )
-        b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[i] else b"F") + number])
-    b.touched[i] = True

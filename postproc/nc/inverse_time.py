@@ -5,28 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.motions import RAPID
-from postproc.nc.numbers import INSERT_WORD
 from postproc.nc.writing import Writing
 
 
 def inverse_time(b: Writing) -> None:
     """G93: every piece takes its part of the time. A take-up goes as fast as the motion it
     precedes."""
-    m, p, w = b.m, b.p, b.w
+    m, p = b.m, b.p
     for i in map(int, (m.inverse[p.motion] & b.several & (p.code != RAPID)).nonzero()[0]):
         motion = p.motion[i]
         share = p.share[i] or _take_up_share(b, i)
         text = _plain(m.feed[motion] / share)
-        word = m.feed_word[motion]
-        if b.first[i] and word >= 0:
-            b.splice.texts([w.number[word]], [w.stop[word]], [0], [text])
-        else:
-            at, rank = (
-                (b.at[motion], INSERT_WORD + 50)
-                if b.first[i]
-                else (b.behind()[motion], b.rank(np.array([i]))[0] + 50)
-            )
-            b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[motion] else b"F") + text])
+        b.feed(i, text)
 
 
 def _take_up_share(b: Writing, i: int) -> float:

@@ -49,6 +49,8 @@ SKIPPED = {
     "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
     "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),
 }
+OF_WORDS = ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
+OF_BLOCKS = ("block_start", "block_stop", "line", "skip")
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
@@ -84,40 +86,12 @@ class Words:
     def blocks(self) -> int:
         return len(self.block_start)
 
-    def part(self, first: int, stop: int) -> Words:
+    def part(self, first: int, stop: int, fault: BlockFault | None = None) -> Words:
         """Blocks first to stop - 1 alone; offsets still count bytes of the whole text."""
         low, high = (int(np.searchsorted(self.block, b)) for b in (first, stop))
-        words = {
-            name: getattr(self, name)[low:high]
-            for name in ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
-        }
-        blocks = {
-            name: getattr(self, name)[first:stop]
-            for name in ("block_start", "block_stop", "line", "skip")
-        }
-        return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=None)
-
-    def before(self, block: int, fault: BlockFault | None = None) -> Words:
-        """The same batch as if it ended before `block`."""
-        n = int(np.searchsorted(self.block, block))
-        words = {
-            name: getattr(self, name)[:n]
-            for name in (
-                "letter",
-                "mantissa",
-                "decimals",
-                "pointed",
-                "block",
-                "start",
-                "number",
-                "stop",
-            )
-        }
-        blocks = {
-            name: getattr(self, name)[:block]
-            for name in ("block_start", "block_stop", "line", "skip")
-        }
-        return replace(self, **words, **blocks, fault=fault)
+        words = {name: getattr(self, name)[low:high] for name in OF_WORDS}
+        blocks = {name: getattr(self, name)[first:stop] for name in OF_BLOCKS}
+        return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=fault)
 
 
 @lru_cache
@@ -268,8 +242,8 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         tape=tape,
     )
     if tape >= 0 and (fault is None or fault.block > _block_at(words, tape)):
-        return words.before(_block_at(words, tape))
-    return words.before(fault.block, fault) if fault else words
+        return words.part(0, _block_at(words, tape))
+    return words.part(0, fault.block, fault) if fault else words
 
 
 def _blank(comment: re.Match[bytes]) -> bytes:

@@ -11,7 +11,7 @@ from postproc.nc.columns import begins, cells
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import RELATIVE
 from postproc.nc.lexer import Words
-from postproc.nc.numbers import MOST_DECIMALS, POWERS, counts
+from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
 from postproc.pieces import Pieces
 from postproc.records import record
@@ -189,6 +189,18 @@ class Writing:
     def behind(self) -> np.ndarray:
         """(N,) offset where blocks behind each motion's own begin."""
         return np.minimum(self.w.block_stop[self.m.block] + 1, len(self.w.text))
+
+    def feed(self, piece: int, number: bytes) -> None:
+        """F of a piece: its number in the block that has it, else a word put in."""
+        motion, first = self.p.motion[piece], self.first[piece]
+        word = self.m.feed_word[motion]
+        if first and word >= 0:
+            self.splice.texts([self.w.number[word]], [self.w.stop[word]], [0], [number])
+            return
+        at = self.at[motion] if first else self.behind()[motion]
+        rank = INSERT_WORD if first else self.rank(np.array([piece]))[0]
+        text = (b" F" if self.spaced[motion] else b"F") + number
+        self.splice.texts([at], [at], [rank + 50], [text])
 
     def tail(self, word: np.ndarray) -> np.ndarray:
         """(K,) offsets behind words, with the parenthesis of X=IC(5)."""
