@@ -303,13 +303,11 @@ class Filter:
                     line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1,
                 )
             )
-        self.modal, self.carry, self.written, self.contours, self.warmth = (
-            modal,
-            carry,
-            written,
-            contours,
-            warmth,
-        )
+        self.modal = modal
+        self.carry = carry
+        self.written = written
+        self.contours = contours
+        self.warmth = warmth
         self._begun |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.blocks += words.blocks

@@ -82,10 +82,8 @@ class Batch:
         self.arc_of = np.empty(len(m), np.int64)
         self.arc_of.fill(-1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
-        self.arc_start, self.arc_target = (
-            m.start.take(arcs.motion, axis=1) / TICKS_PER_MM,
-            m.target.take(arcs.motion, axis=1) / TICKS_PER_MM,
-        )
+        self.arc_start = m.start.take(arcs.motion, axis=1) / TICKS_PER_MM
+        self.arc_target = m.target.take(arcs.motion, axis=1) / TICKS_PER_MM
         motion, t0 = np.arange(len(m)), np.zeros(len(m))
         t1 = t0 + 1.0
         self.tip = isinstance(self.machine, TipMachine)
@@ -170,10 +168,8 @@ class Batch:
         for end, column in ((1.0, m.target), (0.0, m.start)):
             if np.count_nonzero(t == end) == n:
                 return column.take(motion, axis=1) / TICKS_PER_MM
-        start, target = (
-            m.start.take(motion, axis=1) / TICKS_PER_MM,
-            m.target.take(motion, axis=1) / TICKS_PER_MM,
-        )
+        start = m.start.take(motion, axis=1) / TICKS_PER_MM
+        target = m.target.take(motion, axis=1) / TICKS_PER_MM
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
         if on_arc.any():
@@ -355,11 +351,9 @@ class Batch:
         onward = ~jumped
         onward[:1] = False
         onward[1:] &= still[1:] == still[:-1] + 1
-        exact, hold, stays = (
-            self.exact[row, still] * TICKS_PER_MM,
-            self.hold[still],
-            self.left[row, still],
-        )
+        exact = self.exact[row, still] * TICKS_PER_MM
+        hold = self.hold[still]
+        stays = self.left[row, still]
         side = self.bound[row, still] * self.weight_begin[row, still]
         # It rests where it is between these; what keeps its side is not moved back.
         low = np.where(stays | (side < 0), -np.inf, exact - hold)

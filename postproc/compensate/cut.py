@@ -168,11 +168,9 @@ def _cuts(b: Batch, chosen: np.ndarray):
     beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
     owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
     for more, at in _ramp_ends(b, chosen):
-        owner, t, axis = (
-            np.concatenate([owner, more]),
-            np.concatenate([t, at]),
-            np.concatenate([axis, np.full(len(at), -1)]),
-        )
+        owner = np.concatenate([owner, more])
+        t = np.concatenate([t, at])
+        axis = np.concatenate([axis, np.full(len(at), -1)])
     if b.inside:
         may = cutter.may_cut(b, chosen, owner, t)
         more, at = cutter.edges(b, chosen)
@@ -189,34 +187,24 @@ def _cuts(b: Batch, chosen: np.ndarray):
     correction = exact - (start.take(owner, axis=1) + (target - start).take(owner, axis=1) * t)
     # The ends are settled already, rounding and all.
     every = np.arange(len(chosen))
-    begin, end = (
-        b.begin.take(chosen, axis=1) / TICKS_PER_MM - start,
-        b.end.take(chosen, axis=1) / TICKS_PER_MM - target,
-    )
-    owner, t = (
-        np.concatenate([owner, every, every]),
-        np.concatenate([t, np.zeros(len(every)), np.ones(len(every))]),
-    )
-    correction, exact = (
-        np.concatenate([correction, begin, end], axis=1),
-        np.concatenate([exact, start, target], axis=1),
-    )
+    begin = b.begin.take(chosen, axis=1) / TICKS_PER_MM - start
+    end = b.end.take(chosen, axis=1) / TICKS_PER_MM - target
+    owner = np.concatenate([owner, every, every])
+    t = np.concatenate([t, np.zeros(len(every)), np.ones(len(every))])
+    correction = np.concatenate([correction, begin, end], axis=1)
+    exact = np.concatenate([exact, start, target], axis=1)
     written = correction + np.concatenate(
         [written, np.zeros((len(written), 2 * len(every)))], axis=1
     )
     order = nodes.tidy(owner, t)
-    owner, t, correction, exact = (
-        owner[order],
-        t[order],
-        correction.take(order, axis=1),
-        exact.take(order, axis=1),
-    )
+    owner = owner[order]
+    t = t[order]
+    correction = correction.take(order, axis=1)
+    exact = exact.take(order, axis=1)
     onward = _onward(b, chosen[owner], t, exact)
-    correction, exact, written = (
-        correction + onward,
-        exact + onward,
-        written.take(order, axis=1) + onward,
-    )
+    correction = correction + onward
+    exact = exact + onward
+    written = written.take(order, axis=1) + onward
     tolerance = np.where(b.travel.take(chosen, axis=1) == 0, b.c.chord / 2, b.c.chord)
     tolerance += (
         b.m.grid.take(b.motion[chosen], axis=1) / TICKS_PER_MM / 2
@@ -262,10 +250,8 @@ def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarra
     )
     k = np.arange(len(owner))
     turns = way[row, k] != 0
-    start, step = (
-        b.begin_nominal[row, chosen[owner]],
-        b.m.grid[row, b.motion[chosen[owner]]] / TICKS_PER_MM,
-    )
+    start = b.begin_nominal[row, chosen[owner]]
+    step = b.m.grid[row, b.motion[chosen[owner]]] / TICKS_PER_MM
     moved = (start + np.rint(way[row, k] * t / step) * step - start) / np.where(
         turns, way[row, k], 1.0
     )

@@ -47,11 +47,9 @@ class Cutting:
 
     def pick(self, which: np.ndarray) -> None:
         """Go on with some rows alone."""
-        self.rows, self.samples, self.low = (
-            self.rows.pick(which),
-            self.samples.pick(which),
-            self.low[which],
-        )
+        self.rows = self.rows.pick(which)
+        self.samples = self.samples.pick(which)
+        self.low = self.low[which]
 
     def run(self, final: bool) -> None:
         """Cut all; final: what is no arc is made a chord."""

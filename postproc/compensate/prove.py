@@ -108,11 +108,9 @@ class Proof:
             holds = ~good & held
             way = np.where(holds, there - self.begin, 0.0)
             ticks = np.rint(way * TICKS_PER_MM).astype(np.int64)
-            good, radius, centre = (
-                good | holds,
-                np.where(holds, word, radius),
-                np.where(holds, ticks, centre),
-            )
+            good = good | holds
+            radius = np.where(holds, word, radius)
+            centre = np.where(holds, ticks, centre)
             if good.all():
                 break
         self.rows = replace(rows, centre=centre, radius=radius)

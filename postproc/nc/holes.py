@@ -96,10 +96,8 @@ def in_cycle(
     if of_lathe:
         level, has_level = np.where(has_level, level, cycle.initial), np.ones(b.n, bool)
     elif b.dialect.hole_from_start and not has_level.all():
-        level, has_level = (
-            _from_start(b, mask & drills, level, has_level, cycle),
-            np.ones(b.n, bool),
-        )
+        level = _from_start(b, mask & drills, level, has_level, cycle)
+        has_level = np.ones(b.n, bool)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
     stored = _repeats(b, mask, drills, cycle.stored)

@@ -333,10 +333,8 @@ class Verifier:
         nominal direction. which: (K,) motions of the run, those of the nominal program, and t
         there."""
         (row, owner, t), (command, weight) = which, commands
-        start, target = (
-            (nominal.start / TICKS_PER_MM)[:, owner],
-            (nominal.target / TICKS_PER_MM)[:, owner],
-        )
+        start = (nominal.start / TICKS_PER_MM)[:, owner]
+        target = (nominal.target / TICKS_PER_MM)[:, owner]
         moves = all_known(self.machine, nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
         should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
         actual = np.zeros_like(should)

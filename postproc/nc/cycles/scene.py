@@ -170,10 +170,8 @@ class Scene:
 
     def shifted(self, named: set[str]) -> None:
         """A block has chosen a shift of the coordinates and named these axes in it."""
-        state, stated = (
-            self.tracker.state,
-            {**self.tracker.setup.offsets, **self.tracker.state.offsets},
-        )
+        state = self.tracker.state
+        stated = {**self.tracker.setup.offsets, **self.tracker.state.offsets}
         work = self.table.get(state.codes.get("work offset", -1))
         unknown = bool(state.frame is not None and state.frame.unknown) or (
             work is not None and work.word not in stated

@@ -101,10 +101,8 @@ class LinuxcncThread:
         for depth in depths:
             below = depth * math.tan(thread.angle)
             bottom = x0 + thread.out * (thread.offset + depth)
-            top, clear = (
-                bottom - thread.out * thread.depth,
-                bottom - thread.out * (thread.depth + thread.offset),
-            )
+            top = bottom - thread.out * thread.depth
+            clear = bottom - thread.out * (thread.depth + thread.offset)
             m.move("G0", {"X": clear, "Z": z0 - below})
             if thread.taper and thread.ends & ENTRY:
                 m.move("G33", {"X": top}, *slanted)

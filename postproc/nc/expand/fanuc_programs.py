@@ -141,11 +141,9 @@ class Source:
         if not tapes:
             return -1
         stop = tapes[0] + 1
-        self.texts, self.numbers, self.special = (
-            self.texts[:stop],
-            self.numbers[:stop],
-            self.special[:stop],
-        )
+        self.texts = self.texts[:stop]
+        self.numbers = self.numbers[:stop]
+        self.special = self.special[:stop]
         return tapes[0]
 
     def _sections(self) -> list[Section]:

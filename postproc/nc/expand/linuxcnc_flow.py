@@ -325,11 +325,9 @@ class Flow:
         advice = (
             "define it before its call or behind M2, or have its file where gcomp looks (--library)"
         )
-        self.skip, self.seek, self.since = (
-            short,
-            True,
-            (place, Refusal(f"there is no {what} {where}", advice)),
-        )
+        self.skip = short
+        self.seek = True
+        self.since = (place, Refusal(f"there is no {what} {where}", advice))
 
     def _load(self, name: str) -> File | None:
         if name not in self.files:

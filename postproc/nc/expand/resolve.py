@@ -466,14 +466,10 @@ def _polar(block: Block) -> bool:
 def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
     """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned),
     a tool's offset."""
-    codes, names = (
-        [],
-        [
-            rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])"
-            for n in numbers
-            if n >= KEYWORD
-        ],
-    )
+    codes = []
+    names = [
+        rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])" for n in numbers if n >= KEYWORD
+    ]
     names += [r"[AR]P[ \t]*="] if names else []
     for number in (n for n in numbers if n < KEYWORD):
         whole, tenth = divmod(number, 10)
