@@ -19,8 +19,7 @@ from postproc.nc.axis_words import axis_words, last_code, motion_codes
 from postproc.nc.centres import centre_words
 from postproc.nc.cycle_words import hole_words, preset_words
 from postproc.nc.dialects import Dialect
-from postproc.nc.feeds import kept_feeds, states_feed
-from postproc.nc.inverse_time import inverse_time
+from postproc.nc.feeds import inverse_time, kept_feeds, states_feed
 from postproc.nc.lexer import Words
 from postproc.nc.splice import Splice
 from postproc.nc.state import Setup

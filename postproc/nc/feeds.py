@@ -5,7 +5,8 @@ LinuxCNC takes F along X Y Z where any of them moves, else along U V W, else as 
 and gives the other axes the time that they need (emccanon.cc, getStraightVelocity; NIST IR 6556,
 2.1.2.5). With 9 um of correction in X a turn of 90 degrees at F360 would be one of 9 um at 360
 mm/min: as fast as the rotary axis can. So each piece gets the F with which it takes the time that
-it had, and the next motion the program's F again.
+it had, and the next motion the program's F again. Under G93 every piece of a block that was cut
+takes its part of the time.
 """
 
 from __future__ import annotations
@@ -137,3 +138,32 @@ def _along(b: Writing, rows: list[list[int]], way: np.ndarray, motion: np.ndarra
     kind = np.argmax(ways > 0, axis=0)
     own = (kind, np.arange(len(motion)))
     return ways[own] * (TICKS_PER_MM / unit[own]), kind
+
+
+def inverse_time(b: Writing) -> None:
+    """G93: every piece takes its part of the time. A take-up goes as fast as the motion it
+    precedes."""
+    m, p = b.m, b.p
+    for i in map(int, (m.inverse[p.motion] & b.several & (p.code != RAPID)).nonzero()[0]):
+        motion = p.motion[i]
+        share = p.share[i] or _take_up_share(b, i)
+        text = _seven_digits(m.feed[motion] / share)
+        b.feed(i, text)
+
+
+def _take_up_share(b: Writing, i: int) -> float:
+    """Length of a take-up over the length of its motion."""
+    p = b.p
+    own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
+    same = (p.motion == p.motion[i]).nonzero()[0]
+    whole = sum(
+        np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float))
+        for j in same
+        if not p.take_up[j]
+    )
+    return float(own / whole) if whole else 1.0
+
+
+def _seven_digits(value: float) -> bytes:
+    """A feed with seven digits, no exponent."""
+    return f"{value:.{max(0, 6 - len(str(int(abs(value)))) + 1)}f}".encode()
