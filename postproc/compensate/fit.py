@@ -5,6 +5,12 @@ A circle stays a circle only under a similarity; a map that stretches X and Z di
 an ellipse. So each arc is sampled so that nothing can hide between two samples
 (postproc.compensate.samples), once, and every piece is a run of these samples: all of the arc if
 that will do, else both halves, else as much at a time as will do. `Proof` says what will do.
+
+    samples          .  .  .  .  .  .  .  .  .  .  .  .  .
+    all              |-----------------------------------|
+    both halves      |-----------------|-----------------|
+    the longest run  |-----------|                            then the rest, in the same way
+    one interval     |--|                                     is looked at closer, with new samples
 """
 
 from __future__ import annotations
