@@ -131,10 +131,10 @@ class Batch:
         self.sure[1:] &= self.sure_after[:-1]
         # Strokes before which lost motion may be taken up.
         self.cutting = free & (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
-        self.told = self.places.rows.take(
+        self.correctable = self.places.rows.take(
             motion, axis=1
         )  # (A, S) axes whose correction can be told
-        self.left = ~(free & self.told) & (m.word < 0).take(motion, axis=1)
+        self.left = ~(free & self.correctable) & (m.word < 0).take(motion, axis=1)
         # So does everything where the nominal path does not move at all.
         self.left |= idle & free & self.sure & ~travel.any(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
@@ -258,7 +258,7 @@ class Batch:
             self.end[on, inner] = self.grid(inner, self.end_nominal.take(inner, axis=1))[self.fixed]
         for row in self.fixed:
             self.end[row, self.last] = nominal_ticks[row, self.last]
-        untold = ~(self.told & free)
+        untold = ~(self.correctable & free)
         if np.count_nonzero(untold):
             self.end = np.where(untold, nominal_ticks, self.end)
         self.before = np.empty_like(self.end)
@@ -293,7 +293,7 @@ class Batch:
             self.wanted[:, which] = self.grid(which, exact)
         for row in self.fixed:
             self.wanted[row] = self.before[row]
-        self.wanted = np.where(self.told, self.wanted, self.before)
+        self.wanted = np.where(self.correctable, self.wanted, self.before)
 
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its
@@ -302,7 +302,7 @@ class Batch:
         free, known = self.free[self.motion], self.known_before
         held = ~self.travel.all(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
-        quiet = known.all() and self.told.all() and self.leash is None
+        quiet = known.all() and self.correctable.all() and self.leash is None
         if quiet and not (
             np.count_nonzero(self.turning) or held[self.rows].any() or np.count_nonzero(self.left)
         ):

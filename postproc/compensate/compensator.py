@@ -52,7 +52,7 @@ class Compensator(Settings):
         if self.machine.is_zero:
             return _untouched(motions), carry, []
         turned = self.machine.turns and bool(motions.length.any())
-        if turned or motions.space.any() or carry.told[0] is not None or self.machine.growth:
+        if turned or motions.space.any() or carry.frame[0] is not None or self.machine.growth:
             return self._by_tool(motions, carry)
         return self._run(motions, carry)
 
@@ -113,12 +113,12 @@ class Compensator(Settings):
         there nothing moves it."""
         if space is None or not space.polar or "Y" not in self.machine.letters:
             return space
-        told, had = carry.told
-        if told is not None and replace(told, beside=0.0) == space:
-            return told
+        frame, had = carry.frame
+        if frame is not None and replace(frame, beside=0.0) == space:
+            return frame
         row = self.machine.letters.index("Y")
         length = np.array(had or (0,) * len(carry.issued)) / TICKS_PER_MM
-        slides = poses.out_of(self.machine, told, length, carry.issued[:, None] / TICKS_PER_MM)
+        slides = poses.out_of(self.machine, frame, length, carry.issued[:, None] / TICKS_PER_MM)
         return replace(space, beside=float(slides[row, 0] - one.start[row, 0] / TICKS_PER_MM))
 
     def _retold(
@@ -126,11 +126,11 @@ class Compensator(Settings):
     ) -> Carry:
         """The carry with `issued` told in a space, with a tool of `length` (A,) ticks; sides are
         the slides' own."""
-        one, had = carry.told
-        told = (space, tuple(length.tolist()))
+        one, had = carry.frame
+        frame = (space, tuple(length.tolist()))
         if one is None and space is None:
-            return replace(carry, told=told)
-        if carry.told == told:
+            return replace(carry, frame=frame)
+        if carry.frame == frame:
             return carry
         before = np.array(had or (0,) * len(length)) / TICKS_PER_MM
         slides = poses.out_of(self.machine, one, before, carry.issued[:, None] / TICKS_PER_MM)
@@ -139,7 +139,7 @@ class Compensator(Settings):
         if one is not None and one.polar:  # C is not led back to where it would stand uncorrected
             c = self.machine.letters.index("C")
             issued[c] = motions.start[c, 0]
-        return replace(carry, issued=issued, told=told, way=np.zeros_like(carry.way), sure=False)
+        return replace(carry, issued=issued, frame=frame, way=np.zeros_like(carry.way), sure=False)
 
     def _of_tool(
         self, length: np.ndarray, space: Space | None = None, heat: tuple[int, ...] = ()
@@ -218,7 +218,7 @@ class Compensator(Settings):
             sure=bool(b.sure_after[-1]),
             heading=cutter.heading(b),
             largest=max(carry.largest, largest),
-            told=carry.told,
+            frame=carry.frame,
             heat=carry.heat,
         )
         return pieces, after, b.notices

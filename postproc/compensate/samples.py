@@ -198,8 +198,8 @@ def _commands(
     guess -= found
     miss = np.abs(guess, out=guess).max(axis=0)
     exact = nominal + found
-    again = miss * machine.bounds.steepest > f.total * SHARE / 8
-    if again.any():
-        motion = f.arcs.motion[rows.arc][row[again]]
-        exact[:, again] = command(machine, nominal[:, again], weight[:, again], motion)
+    missed = miss * machine.bounds.steepest > f.total * SHARE / 8
+    if missed.any():
+        motion = f.arcs.motion[rows.arc][row[missed]]
+        exact[:, missed] = command(machine, nominal[:, missed], weight[:, missed], motion)
     return (f.led(rows, row, exact) if len(f.followed) else exact), miss

@@ -56,9 +56,9 @@ class Carry:
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal
     position needs; heading: unit tangent, in the plane of cutter radius compensation, in which the
     last motion inside it ended; level (A,): ticks commanded before the holes that ended at R, to
-    which their cycle goes back; largest: mm, the largest correction so far; told: the space and the
-    tool's length (A,) ticks in which `issued` is told; heat (D,): steps of the machine's growth for
-    which it was."""
+    which their cycle goes back; largest: mm, the largest correction so far; frame: the space and
+    the tool's length (A,) ticks in which `issued` counts; heat (D,): steps of the machine's growth
+    for which it was."""
 
     sides: approach.Sides
     issued: np.ndarray
@@ -67,7 +67,7 @@ class Carry:
     sure: bool = False
     heading: tuple[float, float] = (0.0, 0.0)
     largest: float = 0.0
-    told: tuple[Space | None, tuple[int, ...]] = (None, ())
+    frame: tuple[Space | None, tuple[int, ...]] = (None, ())
     heat: tuple[int, ...] = ()
 
 

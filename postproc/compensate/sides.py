@@ -109,7 +109,9 @@ class Course:
         if len(at):
             weight = self.spread(side).take(at, axis=1)
             found = b.command(at, b.t1[at], b.reached.take(at, axis=1), weight)
-            result[:, at] = np.where(b.told.take(at, axis=1), found, b.end_nominal.take(at, axis=1))
+            result[:, at] = np.where(
+                b.correctable.take(at, axis=1), found, b.end_nominal.take(at, axis=1)
+            )
         return result
 
     def wanted(

@@ -149,8 +149,8 @@ def _letters(b: Writing, row: int, letter: str, motion: np.ndarray) -> np.ndarra
     absolute_letter = np.full(len(motion), ord(letter), np.uint8)
     if letter == "C":  # the second coordinate of polar interpolation
         polar = [s.polar if s is not None else "" for s in b.m.spaces]
-        told = np.array([ord(x or letter) for x in polar], np.uint8)
-        absolute_letter = told[b.m.space[motion]]
+        letters = np.array([ord(x or letter) for x in polar], np.uint8)
+        absolute_letter = letters[b.m.space[motion]]
     # Blocks with U or W alone stay incremental for their own axis; other axes follow G90 G91.
     return np.where(word >= 0, own, absolute_letter)
 

@@ -137,7 +137,7 @@ class Batch:
         """Whether an M word takes the control back to the first block (M99 without P)."""
         w = self.words
         p = self.places.get("P", NO_WORDS)
-        return w.mantissa[place] in self.dialect.again and w.block[place] not in w.block[p]
+        return w.mantissa[place] in self.dialect.restarts and w.block[place] not in w.block[p]
 
     def once(self, letter: str) -> np.ndarray:
         """Word indices of a letter that may stand once in a block, or of which the last holds."""

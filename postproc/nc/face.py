@@ -53,7 +53,7 @@ def spellings(b: Batch, plain: Spellings) -> Spellings:
     if not b.polar:
         return plain
     own, more = b.polar, INCREMENT[b.polar]
-    told = {
+    polar_axes = {
         "C": (
             "C",
             (own, chr(ABSOLUTE + AXES.index(own))),
@@ -61,7 +61,7 @@ def spellings(b: Batch, plain: Spellings) -> Spellings:
         ),
         "Y": ("Y", (), ()),
     }
-    return [told.get(axis, (axis, one, two)) for axis, one, two in plain]
+    return [polar_axes.get(axis, (axis, one, two)) for axis, one, two in plain]
 
 
 def planes(b: Batch) -> dict[int, tuple[str, str, str, str]]:

@@ -300,9 +300,9 @@ def columns(
     if np.count_nonzero(mode == 930):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if untold is not None:
-            told = inverse & np.isin(block, b.words.block[untold])
+            unknown = inverse & np.isin(block, b.words.block[untold])
             b.blame(
-                block[told],
+                block[unknown],
                 "G93 and an F whose value only the machine knows",
                 "write the number of every F, or G94",
             )

@@ -188,7 +188,7 @@ def m_codes(b: Batch) -> None:
         return
     for number in sorted(set(b.words.mantissa[place].tolist())):
         of = place[b.words.mantissa[place] == number]
-        of = of[[not b.begins_again(int(i)) for i in of]] if number in b.dialect.again else of
+        of = of[[not b.begins_again(int(i)) for i in of]] if number in b.dialect.restarts else of
         if not len(of):
             continue
         block = b.words.block[of]

@@ -55,7 +55,7 @@ TURNING: Form = (
 HEAD = re.compile(r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*")
 LAST = re.compile(r"M0*(2|30|99)\s*")
 ADVICE = "give the G10 blocks that the control punched, or state the offsets one by one"
-NO_X = "X is read as a {}: nobody said whether the control stores it as diameter or radius"
+NO_X = "X is read as a {}: it was not stated whether the control stores it as diameter or radius"
 
 
 @dataclass

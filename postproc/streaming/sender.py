@@ -492,11 +492,11 @@ class Sender:
         self._finish(Outcome(*verdict(self.tally, off, self.check)))
 
     def _stalled(self, now: float, how: str) -> None:
-        again = self.protocol.overdue()
-        if not again:
+        overdue_line = self.protocol.overdue()
+        if not overdue_line:
             self._end_soon(endings.stalled(self.waiting, how), now, hold=True)
             return
-        self.out.put(again)  # a numbered line that the receiver will not take twice
+        self.out.put(overdue_line)  # a numbered line that the receiver will not take twice
         self._moved, self._idle_since = now, None
 
     def _end_soon(

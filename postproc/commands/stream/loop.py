@@ -40,7 +40,7 @@ QUEUE = 256  # lines that the sender has ready
 STANDS = 2.0
 RELEASE = "gcomp control resume releases it"
 CHECK_WORDS = {"[MSG:Enabled]", "[MSG:Disabled]", "[MSG:Pgm End]"}
-CLOSED = "nobody reads standard output any more: the pipe was closed"
+CLOSED = "the reader of standard output is gone: the pipe was closed"
 
 
 def interrupt(port: Port, greeting: Greeting, name: str) -> None:

@@ -42,7 +42,7 @@ class Outcome(NamedTuple):
     there."""
 
     lines: list[bytes]
-    told: list[bytes] | None = None
+    heard: list[bytes] | None = None
     skip: tuple[int, int] | None = None
     then: int | None = None
     stays: bool = False

@@ -318,8 +318,8 @@ class KlartextPaths:
 
     def _from(self, kind: bytes, words: Words, plane: tuple[str, str, str]) -> Point | None:
         """Where a path begins; None: not known, and LP to a place does not ask."""
-        told = kind == b"LP" and all(not words.get(x, (True, 0.0))[0] for x in ("PR", "PA"))
-        if told and None in (self.scene.known(plane[0]), self.scene.known(plane[1])):
+        both_named = kind == b"LP" and all(not words.get(x, (True, 0.0))[0] for x in ("PR", "PA"))
+        if both_named and None in (self.scene.known(plane[0]), self.scene.known(plane[1])):
             return None
         return self.scene.at(plane[0]), self.scene.at(plane[1])
 

@@ -70,7 +70,7 @@ class Dialect:
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs
     are looked for outside of them. `excludes`: like `signs`: what its programs never have.
     `holes_written_out`: whether `--expand` writes its canned cycles out (postproc.nc.cycles).
-    `ends`: M codes after which nothing is read; `again`: so, without P, if no `/` stands before it,
+    `ends`: M codes after which nothing is read; `restarts`: likewise, unless P or `/` stands there,
     as the program begins again. `modal_motion`: whether a block may leave its motion code out; if
     not, every block and every added one must name it. `one_command`: a line is one command, its
     first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an
@@ -149,7 +149,7 @@ class Dialect:
     excludes: tuple[str, ...] = ()
     holes_written_out: bool = True
     ends: tuple[int, ...] = END_OF_PROGRAM
-    again: tuple[int, ...] = ()
+    restarts: tuple[int, ...] = ()
     modal_motion: bool = True
     one_command: bool = False
     m_takes: bool = False

@@ -71,7 +71,7 @@ DIALECT = Dialect(
         43: "gear",
         44: "gear",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS, NAMED_PROGRAM)),

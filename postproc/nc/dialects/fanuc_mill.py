@@ -203,7 +203,7 @@ DIALECT = Dialect(
         88: "coolant through the spindle",
         89: "coolant off",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(PRINTS, NAMED_PROGRAM)),

@@ -187,7 +187,7 @@ DIALECT = Dialect(
         158: "mist collector on",
         159: "mist collector off",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={
         46: codes.INLINE,

@@ -214,7 +214,7 @@ DIALECT = Dialect(
         154: "C axis engages",
         155: "C axis disengages",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={96: codes.INLINE, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(PRINTS,)),

@@ -231,8 +231,10 @@ class Reader:
     def wrong(self, message: str, advice: str = SYNTAX) -> Refusal:
         """A Refusal at the place where reading has come to."""
         if self.next == "(":
-            message = message + ": a comment stands there"
-            advice = "put comments between words, not into them"
+            message, advice = (
+                message + ": a comment stands there",
+                "put comments between words, not into them",
+            )
         return Refusal(message, advice, *self.code.span(self.at, self.at + 1))
 
     def value(self) -> Node:

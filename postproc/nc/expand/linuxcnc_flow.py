@@ -215,10 +215,10 @@ class Flow:
         else:
             opened = self._opened(name, control, (kind.removeprefix("end"),))
             control.values()
-            again = self.skip is None or self.continuing
+            repeats = self.skip is None or self.continuing
             self.continuing = self.continuing and self.skip is None
             self.skip = None
-            if again:
+            if repeats:
                 self._go(opened)
 
     def _begin(self, control: Control, name: str, place: Place) -> None:

@@ -323,9 +323,9 @@ class Resolver:
         if outcome.stays:
             scene.settle()
             return lead + self._tell(outcome.lines, False)
-        if outcome.told is None:
+        if outcome.heard is None:
             return lead + self._out(outcome.lines, False, places=True)
-        return lead + self._tapping(outcome.lines, outcome.told)
+        return lead + self._tapping(outcome.lines, outcome.heard)
 
     def _check_alone(self, code: int, others: list[int]) -> None:
         also = [c for c in others if self._taken([c])]
@@ -336,10 +336,10 @@ class Resolver:
                 "write each in a block of its own",
             )
 
-    def _tapping(self, lines: list[bytes], told: list[bytes]) -> list[bytes]:
+    def _tapping(self, lines: list[bytes], heard: list[bytes]) -> list[bytes]:
         """A cycle that stays in the program, while the tracker reads what it does (`told`)."""
         if self.control is None or not self.control.active:
-            for text in told:
+            for text in heard:
                 self._told(text)
             return lines
         if not self.control.frames.map.leaves(self.scene.plane[2]):
@@ -349,7 +349,7 @@ class Resolver:
         kept = self.control.snapshot()
         texts = [self.control.take(Block.of(text, self.grammar)) for text in lines]
         self.control.restore(kept)
-        self._out(told, False, places=True)
+        self._out(heard, False, places=True)
         return [text for part in texts for text in part]
 
     def _loud(self, block: Block, codes: list[int]) -> bool:
