@@ -171,7 +171,7 @@ class _Tries:
         if options.expand:
             written = expansion.written_out(done.filter, self.source, options)
         else:
-            # Not asked for: no text is taken that nobody named.
+            # Not asked for: no text is taken that was not named.
             here = Path(options.file).parent if options.file not in (None, "-") else Path()
             library = expansion.Library([*map(Path, options.library)], done.filter.notices, (here,))
             text = self.source.read(intake.PROGRAM)

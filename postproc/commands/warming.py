@@ -96,7 +96,7 @@ def _told_by_then(read: log.Log, used: list[str], begin: float) -> None:
 
 def _fresh(name: str, first: log.Log, used: list[str]) -> Callable[[], log.Log]:
     """The log as it is now, read again where it was written, and looked at each time. Raises
-    LogError: a job must not go on with what nobody measured."""
+    LogError: a job must not go on with what was not measured."""
     held, stamp, since, text = first, None, time.monotonic(), b""
 
     def fresh() -> log.Log:

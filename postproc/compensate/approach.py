@@ -32,7 +32,7 @@ FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
 @columns
 class Sides:
-    """What of the lost motion one batch hands to the next. side (A,): -1, 0 (nobody knows), +1;
+    """What of the lost motion one batch hands to the next. side (A,): -1, 0 (unknown), +1;
     middle (A,): ticks, the state r; taken (A,): ticks of the ramp that have been travelled, from
     -reach to +reach; begun (A,): whether the axis has stood at a known place."""
 

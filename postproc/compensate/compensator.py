@@ -39,8 +39,8 @@ class Compensator(Settings):
         self.by_tool: dict[tuple[Space | None, tuple[int, ...], tuple[int, ...]], Compensator] = {}
 
     def initial(self, stands: np.ndarray | None = None) -> Carry:
-        """Before the first motion. stands (A,): ticks, where the slides stand (0 where nobody
-        knows), which is their last command: distances count from there."""
+        """Before the first motion. stands (A,): ticks, where the slides stand (0 where that
+        is unknown), which is their last command: distances count from there."""
         zero = np.zeros(len(self.machine.axes), np.int64)
         stands = zero if stands is None else stands
         return Carry(approach.initial(len(zero)), stands, zero, stands)

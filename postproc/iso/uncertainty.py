@@ -100,7 +100,7 @@ def _of_length(stated: Stated, length: float, of: frozenset[str]) -> Iterator[Te
 
 
 def missing(stated: Stated, has_device: bool, length: bool, angle: bool = False) -> str:
-    """A sentence that names the influences that nobody has stated, empty where all are."""
+    """A sentence that names the influences that are not stated, empty where all are."""
     own = stated.device_angle if angle else stated.device
     needed: dict[str, tuple[float | None, ...]] = {
         "the device": () if has_device else (own,),

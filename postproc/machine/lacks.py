@@ -1,4 +1,4 @@
-"""What a machine's map does not hold: what nobody measured is zero in it, and looks like a machine
+"""What a machine's map does not hold: what was not measured is zero in it, and looks like a machine
 without that error."""
 
 from __future__ import annotations

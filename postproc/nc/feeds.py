@@ -26,7 +26,7 @@ SAME = 0.01  # of a feed: less is what every correction does to the length of a 
 def kept_feeds(b: Writing) -> float:
     """Write F where a block's pieces would else be run in another time. Returns the F that the
     output has in force where the program has another one, else nan. Raises BlockFault where a
-    correction would change a time that nobody knows."""
+    correction would change an unknown time."""
     m, p = b.m, b.p
     # rows of each group of axes
     rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
@@ -82,8 +82,8 @@ def _special(b: Writing, rows: list[list[int]]) -> np.ndarray:
 
 
 def _same_time(b: Writing, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
-    """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which nobody
-    knows how far it moves: the time of that block is not known."""
+    """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which it is
+    not known how far it moves: the time of that block is not known."""
     m, p = b.m, b.p
     led = (m.target != m.start)[linear].any(axis=0)
     shifted = np.zeros(len(m), bool)

@@ -1,7 +1,7 @@
 """Shifts of the coordinates: G52, G92 and its kin, G10, G43 and its kin, G54.1, TRANS.
 
 A block that changes a shift begins a segment of its own, so that within a segment every shift is
-one number per axis and all else stays columns. What a shift depends on and nobody has said becomes
+one number per axis and all else stays columns. What a shift depends on and is not stated becomes
 a reason beside the motions: it matters only where a correction depends on the place.
 
 Sources: NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc

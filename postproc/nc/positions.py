@@ -308,7 +308,7 @@ def _due(
     b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray
 ) -> np.ndarray:
     """Values with the shift that the first increment after TRANS travels too, as this control does
-    unless it is set otherwise; what that setting is nobody knows here, so no correction may depend
+    unless it is set otherwise; that setting is not known here, so no correction may depend
     on it."""
     due = int(b.frame.due[row])
     b.frame = replace(b.frame, due=np.where(np.arange(len(b.frame.due)) == row, 0, b.frame.due))

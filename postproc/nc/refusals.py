@@ -182,7 +182,7 @@ def _in_force(b: Batch, number: int) -> int:
 
 
 def m_codes(b: Batch) -> None:
-    """M codes that call other text are foreign; ones that nobody knows are passed with a notice."""
+    """M codes that call other text are foreign; unknown ones are passed with a notice."""
     place = b.places.get("M")
     if place is None:
         return

@@ -128,7 +128,7 @@ class ModalState:
     axes that G28 has taken elsewhere since the last motion; cycle: the canned cycle in force;
     beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43
     without H means, and next_tool the last T; -1: none named. loose: axes that an engraving left
-    beside its text, nobody knows how far."""
+    beside its text, by an unknown way."""
 
     codes: dict[str, int]
     position: np.ndarray

@@ -93,7 +93,7 @@ def stated(b: Batch, name: str) -> dict[str, float] | None:
 def homed(b: Batch) -> dict[str, float] | None:
     """mm by axis: where G28 takes the axes: the reference point that the program or the user
     states, else the places after homing, else, on printers and routers, where the machine is said
-    to have stood. None: nobody says."""
+    to have stood. None: not stated."""
     found = b.offsets.get("G28")  # G28.1 of the program
     if found is not None:
         return found

@@ -114,7 +114,7 @@ class Source:
         return MM_PER_INCH if self.inch else 1.0
 
     def unit_notice(self) -> list[str]:
-        """What to tell where nobody named the unit."""
+        """What to tell where the unit was not named."""
         return [NO_UNIT] if self.inch is None else []
 
 

@@ -267,7 +267,7 @@ def _add_milling_tool(offsets: Offsets, kind: str, n: int, value: float, shared:
 
 
 def _is_diameter(source: Source, memory: Memory, lathe: bool, offsets: Offsets) -> bool:
-    """Whether X is stored as a diameter; where nobody said it, and it matters, with a notice."""
+    """Whether X is stored as a diameter; where it is not stated, and it matters, with a notice."""
     if source.diameter is not None:
         return source.diameter
     places = memory.place.values()

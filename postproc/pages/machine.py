@@ -340,7 +340,7 @@ def _note(x: float, y: float, text: str, across: str, up: str) -> dict:
 
 
 def _stated(term: EffectTerm) -> dict[str, float]:
-    """Parameters of an effect but for those that are as they are where nobody states them."""
+    """Parameters of an effect but for those that are as they are where they are not stated."""
     usual = getattr(term.module, "OPTIONAL", {})
     return {k: v for k, v in term.parameters.items() if k not in usual or v != usual[k]}
 

@@ -38,7 +38,7 @@ class Sender:
     order, None: it does not report them.
     spindle_off: stop the spindle when the job has ended in a hold, where the controller can (it
     starts again with resume).
-    path: to see whether it stands on the lines' path while it moves; None: nobody looks.
+    path: to see whether it stands on the lines' path while it moves; None: it is not asked.
     `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected",
     line, time), ("status", status, time), ("told", text, time), and ("hold", text, time),
     ("resumed", text, time) for what gcomp did not order.

@@ -17,8 +17,8 @@ from postproc.nc.lexer import Words
 
 
 class Warm:
-    """The drivers of a filter's machine along both programs; none where nobody follows
-    temperatures."""
+    """The drivers of a filter's machine along both programs; none where temperatures are not
+    followed."""
 
     def __init__(self, filter_: Filter):
         self.heat = filter_.heat

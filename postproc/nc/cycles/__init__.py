@@ -174,7 +174,7 @@ def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def grblhal(dialect: Dialect, synchronised: bool) -> Family:
-    """Its holes and threads stay: nobody has measured them."""
+    """Its holes and threads stay: they are not measured."""
     splines = Splines(nurbs=False)
     return Family(dict.fromkeys(splines.codes, splines))
 
@@ -289,7 +289,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
 
 
 def family(dialect: Dialect, synchronised: bool = False) -> Family:
-    """The cycles and frames of a dialect; none where nobody has written them."""
+    """The cycles and frames of a dialect; none where they are not written."""
     found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
     if not found:
         return Family()

@@ -89,7 +89,7 @@ class FanucDrilling(Drilling):
         return self.start(scene, axis) + value if scene.incremental else value
 
     def start(self, scene: Scene, axis: str) -> float:
-        """The initial level. Raises ProgramError where nobody knows it."""
+        """The initial level. Raises ProgramError where it is unknown."""
         if self.initial is None and self.code:
             raise scene.fault(
                 f"the initial level is where {axis} stood when the cycles began, and that is not"
