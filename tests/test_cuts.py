@@ -175,8 +175,8 @@ def test_between_two_candidates_products_bend_by_the_slack_at_most(tmp_path):
 
 
 def test_a_slide_does_not_turn_back_inside_its_play(tmp_path):
-    """The straightness of X leads Z by 0.8 um up and down along one block that rises by 1 um, within
-    the hysteresis of 1 um: on the way Z goes on or rests, since back it would move within its play alone."""
+    """The straightness of X leads Z by 0.8 um up and down along a block that rises by 1 um, within
+    the hysteresis of 1 um: Z goes on or rests, since back it would move within its play alone."""
     folder = machine(
         tmp_path / "m",
         "X_mm,EZX_um\n-10,0\n0,0\n100,-0.8\n200,-0.1\n300,-0.9\n400,-0.2\n",
@@ -188,3 +188,30 @@ def test_a_slide_does_not_turn_back_inside_its_play(tmp_path):
     z = [float(row.split("Z")[1]) for row in behind if "Z" in row]
     assert len(behind) > 1 and len(z) > 1, out
     assert z == sorted(z), out
+
+
+def test_without_take_ups_the_reversal_fades_along_the_block(tmp_path):
+    """By hand, on the way back: Z stands 6 um beside the command that its other side needs, 4 um of
+    it after a third of the way, 2 um after two thirds; so the command 200, which stands for 200.023
+    from above, belongs to 200.019, and 100, which stands for 100.003, to 100.001."""
+    table = "Z_mm,EZZ_um_fwd,EZZ_um_rev\n-10,-3,3\n100,-3,3\n200,17,23\n900,17,23\n"
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n400,0\n", table))
+    options = Options(tolerance=0.2 * UM, reversal="off")
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), options)
+    text = b"G21 G90\nG1 X0 Z0 F500\nX300 Z300\nX0 Z0\nM2\n"
+    out = (filter_.feed(text) + filter_.finish()).decode().splitlines()
+    assert out[5:] == [
+        "X300.00000Z299.98300",
+        "X200.01900 Z200.00000",
+        "X100.00100Z100.00000",
+        "X0.00000Z-0.00300",
+        "M2",
+    ]
+
+
+def test_a_code_before_an_assigned_word_is_set_off(tmp_path):
+    """Sinumerik: G64X=200 would be no code and its word."""
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n100,0\n200,20\n400,20\n"))
+    filter_ = Filter(m, dialects.load("siemens"), setup_of(m, {}), Options(tolerance=0.2 * UM))
+    text = b"G71G90\nG1X0Z0F500\nG60X300\nX=0\nM30\n"
+    assert b"\nG64 X=200.0" in filter_.feed(text) + filter_.finish()
