@@ -215,3 +215,12 @@ def test_a_code_before_an_assigned_word_is_set_off(tmp_path):
     filter_ = Filter(m, dialects.load("siemens"), setup_of(m, {}), Options(tolerance=0.2 * UM))
     text = b"G71G90\nG1X0Z0F500\nG60X300\nX=0\nM30\n"
     assert b"\nG64 X=200.0" in filter_.feed(text) + filter_.finish()
+
+
+@pytest.mark.parametrize("um, moves", [(0.30, False), (0.32, True)])
+def test_an_axis_that_rests_moves_for_more_than_half_its_share(tmp_path, um, moves):
+    """By hand: of 1 um an eighth pays for products, the rest is shared by two axes: 0.875 / sqrt 2
+    = 0.619 um for each, and half of it is 0.309."""
+    x = f"X_mm,EZX_um\n-10,0\n0,0\n100,{um}\n400,{um}\n"
+    out = corrected(machine(tmp_path / "m", x), "G21 G90\nG1 X0 Z0 F500\nX300\nM2\n", 1.0 * UM)
+    assert (f"X300Z-{um * UM:.5f}" in out) is moves and ("Z-" in out) is moves
