@@ -28,6 +28,7 @@ PAUSE = 4.0  # times the usual wait between two readings: between two runs or re
 NOTHING = 1e-12  # mm
 NEVER = 1e5  # s: an axis that has not turned back
 FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
+SMOOTH, WAVE = 4, 0.2  # degree of a curve; share of a wave's squares that it must leave
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
 
 
@@ -164,12 +165,30 @@ def blocks(rows: Rows) -> list[Block]:
             for shape in shapes:
                 columns = read(rows, module, axis, shape)
                 keep = np.abs(columns).max(axis=0) > 1e-9
-                if keep.all() and np.isfinite(columns).all():
+                if not keep.all() or not np.isfinite(columns).all():
+                    continue
+                if "period_mm" not in shape or not _looks_smooth(rows, axis, columns):
                     found.append((shape, columns))
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
             made = [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
             result += made if axis else [b for b in made if not _of_one_axis(b, result)]
     return result
+
+
+def _looks_smooth(rows: Rows, axis: str, columns: np.ndarray) -> bool:
+    """Whether a wave in place is, at the targets of every signal, nearly a polynomial: the targets
+    stand farther apart than half its period, in step with it (aliasing; ISO 230-2 asks for targets
+    at uneven distances for that reason)."""
+    share = rows.state.share(axis)
+    seen = np.abs(columns).max(axis=1) > NOTHING
+    for signal in np.unique(rows.signal[seen]):
+        own = seen & (rows.signal == signal)
+        curve = np.polynomial.legendre.legvander(share[own], SMOOTH)
+        left = columns[own] - curve @ np.linalg.lstsq(curve, columns[own], rcond=None)[0]
+        whole = columns[own] - columns[own].mean(axis=0)
+        if np.sum(left**2) > WAVE * np.sum(whole**2):
+            return False
+    return True
 
 
 def _of_one_axis(block: Block, others: list[Block]) -> bool:
