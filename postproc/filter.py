@@ -352,7 +352,7 @@ class Filter:
             (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
         )
         advice = fault.advice
-        runs = self.dialect.language and not self.dialect.grammar.klartext
+        runs = self.dialect.language in ("fanuc", "linuxcnc", "siemens")
         if advice in (faults.ADVICE_EXPRESSION, faults.ADVICE_POLAR) and not runs:
             advice = faults.ADVICE_NO_LANGUAGE
         if advice == faults.ADVICE_CORNER and self.dialect.language != "fanuc":

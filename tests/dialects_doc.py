@@ -99,13 +99,11 @@ def chapter(dialect: dialects.Dialect) -> str:
     rows.append(
         (
             "tool lengths",
-            (
-                "by T, with its offset"
-                if dialect.tool_offsets
-                else {"H": "G43 H", "D": "D, at once", "T": "T, at once"}[dialect.length_letter]
-            ),
+            ("by T, with its offset" if dialect.tool_offsets else _lengths(dialect)),
         )
     )
+    if dialect.change_takes:
+        rows.append(("behind M6", f"{dialect.change_takes} is unknown until it is named"))
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
         (
@@ -136,6 +134,11 @@ def _of_printers(dialect: dialects.Dialect) -> list[tuple[str, str]]:
         rows.append(("names, macros and files", "pass; places are lost behind them, modes stay"))
     rows += [("refused among them", reason) for reason in dialect.macro_refuses]
     return rows
+
+
+def _lengths(dialect: dialects.Dialect) -> str:
+    at_once = dialect.length_letter != "H" or dialect.length_at_once
+    return f"{dialect.length_letter}, at once" if at_once else "G43 H"
 
 
 def _tolerance(dialect: dialects.Dialect) -> str:

@@ -67,6 +67,7 @@ CHAPTERS = (
     ("Written out: Fanuc's macros", ("nc/expand/fanuc",)),
     ("Written out: Sinumerik's control structures", ("nc/expand/siemens",)),
     ("Written out: Heidenhain Klartext", ("nc/expand/klartext",)),
+    ("Written out: Fadal's subroutines", ("nc/expand/fadal",)),
     ("Written out: all languages", ("nc/expand",)),
     ("Machine folders", ("machine", "effects")),
     ("Heat over time", ("heat", "commands/warming")),

@@ -41,8 +41,8 @@ class Code:
 KEYWORD = 10_000
 KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
 # What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44,
-# G49; G54.1 P; G59 P; TRANS, ATRANS, G58, G59; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800,
-# PLANE; G12.1, G13.1.
+# G49; G54.1 P; G54 where a letter chooses the offset; G59 P; TRANS, ATRANS, G58, G59; G43.4,
+# TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
 FRAME_KEYS = (
     "local",
     "set",
@@ -56,6 +56,7 @@ FRAME_KEYS = (
     "length minus",
     "no length",
     "extended",
+    "fixture",
     "trans",
     "atrans",
     "axis shift",

@@ -33,6 +33,7 @@ from postproc.nc.zeros import (
     EXTERNAL,
     ask_for,
     changed,
+    chosen,
     note_presets,
     number_of,
     stated,
@@ -55,6 +56,7 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         if number in begun and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
     _edge(b)
+    chosen(b)
     if b.dialect.extended_by_p and b.given.get("work offset", (NONE,))[0] == 540 and b.live[0]:
         if number_of(b, "P"):
             _extended(b, axis_words, "G54")
@@ -77,7 +79,7 @@ def _edge(b: Batch) -> None:
     """D with its length, where the control has no G43; a new tool comes with its first edge."""
     letter = b.dialect.length_letter
     number, tool = number_of(b, letter), number_of(b, "T")
-    if letter != "H" and number is not None:
+    if number is not None and (letter != "H" or b.dialect.length_at_once):
         length_by(b, letter, int(number))
     elif letter == "D" and tool is not None:
         length_by(b, letter, 1 if tool else 0)
@@ -375,6 +377,7 @@ ACTIONS = {
     "length minus": lambda b, a, w: _length(b, a, w, sign=-1),
     "no length": _no_length,
     "extended": _extended,
+    "fixture": chosen,
     "numbered": _numbered,
     "tip": tips.tip_by_length,
     "tip on": tips.tip_on,

@@ -115,16 +115,15 @@ class Interpreter(Control):
             return [0, words.blocks]
         place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
         switches = tip_codes(self.dialect, self.setup)
-        if not len(place) and self.dialect.length_letter == "H" and not switches:
+        letters = self.dialect.shifts_at_once
+        if not len(place) and not letters and not switches:
             return [0, words.blocks]
         tools: list[int] = []
         if switches:
             coded = np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
             tools = words.block[coded & (words.letter == ord("M"))].tolist()
-        if self.dialect.length_letter != "H":
-            tools += words.block[
-                np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])
-            ].tolist()
+        if letters:
+            tools += words.block[np.isin(words.letter, letters)].tolist()
         number = written_codes(words, place)
         begins = words.block[
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]

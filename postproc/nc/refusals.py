@@ -27,6 +27,7 @@ from postproc.nc.grammar import (
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
+TOOL_CHANGE = 6
 ARC = 20  # ten times G2, the first of the arcs
 CYCLE_CALL, TAPPING = 790, 2070  # of Klartext
 CENTRES = range(AXES.index("I"), len(AXES))
@@ -192,6 +193,9 @@ def m_codes(b: Batch) -> None:
         if not len(of):
             continue
         block = b.words.block[of]
+        if number == TOOL_CHANGE:
+            for letter in b.dialect.change_takes:
+                b.gone[letter] = np.isin(np.arange(b.n), block) | b.gone.get(letter, False)
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
@@ -316,7 +320,8 @@ def single_commands(b: Batch) -> None:
 def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without
     one."""
-    letters = [letter for letter in b.dialect.letters if letter in b.places]
+    own = b.dialect.offset_letter
+    letters = [x for x in b.dialect.letters if x in b.places and x != own]
     if not letters:
         return
     plain = moving & (motion >= 0) & (motion <= 30)
@@ -326,6 +331,12 @@ def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         centre = letter == "J" and "Y" in b.rows  # of an arc, where it is no other parameter
         idle = plain & (motion < ARC) if centre else plain
         place = place[idle[b.words.block[place]]]
+        if len(place) and letter in b.dialect.repeats:
+            raise b.fault(
+                place[0],
+                f"{letter} in a motion: the control runs the block several times",
+                "write it as often as it runs",
+            )
         if len(place):
             raise b.fault(
                 place[0], f"the letter {letter} has no meaning in a motion of {b.dialect.title}",

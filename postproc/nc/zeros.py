@@ -43,7 +43,9 @@ def offset_columns(b: Batch) -> None:
 
 def _work_offset(b: Batch, number: int) -> str:
     """The work offset that a code calls, "" for none: G54.1, and some controls' G54, the additional
-    one in force."""
+    one in force; where a letter chooses it, what that chose."""
+    if b.dialect.offset_letter:
+        return b.frame.extended or f"{b.dialect.offset_letter}0"
     if number == NONE:
         return ""
     extended = b.frame.extended
@@ -142,7 +144,7 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
     if not name or not (where if everywhere else np.count_nonzero(where)):
         return np.zeros((len(b.rows), 1), np.int64)
     place = stated(b, name)
-    if place is None and name == "G500":
+    if place is None and name in ("G500", f"{b.dialect.offset_letter}0"):
         place = {}  # no work offset, unless one is stated for it
     if place is None:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
@@ -176,6 +178,14 @@ def number_of(b: Batch, letter: str) -> float | None:
     if place is None or not len(place) or b.words.block[place[0]] != 0:
         return None
     return float(b.numbers(place[:1])[0])
+
+
+def chosen(b: Batch, axis_words=None, word: str = "") -> None:
+    """E of Fadal: the number names the work offset; its G54 is E1, G59 E6."""
+    letter = b.dialect.offset_letter
+    number = int(word[1:]) - 53 if word else number_of(b, letter) if letter else None
+    if number is not None:
+        b.frame = replace(b.frame, extended=f"{letter}{number:g}")
 
 
 def note_presets(b: Batch, axis_words, letters) -> None:

@@ -22,6 +22,7 @@ from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
 from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.drilling_fadal import FADAL, FadalDrilling
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
 from postproc.nc.cycles.drilling_fanuc import (
     LATHE,
@@ -257,6 +258,10 @@ def fagor(dialect: Dialect, synchronised: bool) -> Family:
     return Family(dict.fromkeys([*FAGOR, TAP], holes), forgets=True, until_g80=True)
 
 
+def fadal(dialect: Dialect, synchronised: bool) -> Family:
+    return Family(dict.fromkeys(FADAL, FadalDrilling(synchronised)), restores=True)
+
+
 def okuma(dialect: Dialect, synchronised: bool) -> Family:
     holes = OkumaDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*OKUMA, *TAPS], holes)
@@ -282,6 +287,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
     "heidenhain-iso": heidenhain_iso,
     "haas": haas,
     "haas-lathe": haas_lathe,
+    "fadal": fadal,
     "fagor": fagor,
     "okuma": okuma,
     "okuma-lathe": okuma_lathe,

@@ -210,6 +210,7 @@ DIALECT = Dialect(
     language="fanuc",
     tip_frame="call",
     plane=170,
+    change_takes="Z",
     dwell="PX",
     integer_notice=(
         "coordinates without a decimal point are read as whole millimetres or inches (calculator"

@@ -201,6 +201,7 @@ DIALECT = Dialect(
     language="fanuc",
     tip_frame="",
     plane=170,
+    change_takes="Z",
     dwell="P",
     integers="least increments",
     integer_notice=(
