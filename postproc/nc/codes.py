@@ -82,6 +82,7 @@ CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "engrave", "th
 CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
 STAY_KEYS = (
     "thread cycle",
+    "thread by diameter",
     "tapping cycle",
 )  # passes in step with the spindle: they stay as they are, uncorrected (left.py)
 # the axis words are data (limits, a pole): nothing moves, every place stays known
@@ -103,10 +104,6 @@ EXPAND = "--expand writes it out as plain blocks"
 # before a way out that a person must choose: nothing is written out by itself then
 IF_IT_IS = "if it is"
 CYCLE = f"its motions are worked out by the control: {EXPAND}"
-RADIUS_CYCLE = (
-    "its motions are worked out by the control: --expand writes it out under G8; under G7 releases"
-    " differ on I J K"
-)
 THREADING = (
     "it goes in step with the spindle and stays as it is: let the CAM program write its passes as"
     " G32 or G33"

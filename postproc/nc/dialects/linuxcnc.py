@@ -78,7 +78,12 @@ DIALECT = Dialect(
         *BACK_BORE,
         *THREAD,
         *rows("motion", {"33.1": "rigid tapping"}, does="there and back"),
-        *rows("motion", {"76": "threading in many passes"}, refuses=codes.RADIUS_CYCLE),
+        *rows(
+            "motion",
+            {"76": "threading in many passes"},
+            refuses=codes.CYCLE,
+            does="thread by diameter",
+        ),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
         *rows(
             "motion",

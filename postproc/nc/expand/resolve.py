@@ -277,6 +277,8 @@ class Resolver:
         axes = (*self.tracker.setup.axes, *self.tracker.dialect.increments, *"IJK")
         if not any(w.letter in axes for w in block.words) or self._taken(codes) or 40 in codes:
             return block
+        if self._stands(block):
+            return block
         code, self.missing = self.missing, None
         if code == UNDEFINED:
             raise self.scene.fault(
@@ -287,6 +289,12 @@ class Resolver:
             return block
         at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), len(block.words))
         return Block.of(block.written(set(), f"G{code // 10}".encode(), at), self.grammar)
+
+    def _stands(self, block: Block) -> bool:
+        """Whether its axis words are distances of 0 (W0): no motion, whatever the motion code."""
+        increments, axes = self.tracker.dialect.increments, self.tracker.setup.axes
+        words = [w for w in block.words if w.letter in (*axes, *increments, *"IJKR")]
+        return all(w.letter in increments and w.value == 0 for w in words)
 
     # -- a block of a cycle ------------------------------------------------------------------------
 
