@@ -74,6 +74,12 @@ def test_r0_with_a_sign_is_the_level(r):
     assert ends[-1][2] == 9.0
 
 
+def test_p_and_q_of_a_cycle_that_has_no_use_for_them_do_nothing():
+    ends, _, reasons = follow("G90 G0 X0. Y0. Z9.|G99 G81 X1. Z-3. R2. F90. Q2. P0.5|G83 Z-3.|G80")
+    assert not any(reasons)
+    assert ends[-1] == [1.0, 0.0, 2.0]
+
+
 def test_subroutines_run_where_they_are_called():
     lines = run(SUBS + "L102\nL201\nM2\n")
     holes = ["X1. Y2.", "X3. Y4."]

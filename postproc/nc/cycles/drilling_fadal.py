@@ -2,7 +2,9 @@
 
 What Autodesk's `fadal.cps` writes: I J K of G73 and G83 as on Haas, P of G73 what it backs off a
 chip, P of G82 and G89 milliseconds at the bottom. Assumed: P of G83 is how far above the last peck
-the next one begins; G83 goes out to R level; without P as on Fanuc (drilling_fanuc.RETRACT).
+the next one begins; G83 goes out to R level; without P as on Fanuc (drilling_fanuc.RETRACT); P and
+Q of a cycle without a dwell or pecks do nothing there (a real program has them in G81), and are
+not held.
 """
 
 from __future__ import annotations
@@ -40,7 +42,17 @@ class FadalDrilling(HaasDrilling):
     def hole_form(self, code: int) -> Form:
         own = {"P": "distance before the next peck"} if code in self.pecking else {}
         pecks = HAAS_PECKS | named(WORDS, "Q") | own if code in self.pecking else {}
-        return Form(KIND, named(WORDS, "XYZRL" + "P" * (code in self.dwells)) | pecks, axes=True)
+        takes = named(WORDS, "XYZRL" + "P" * (code in self.dwells)) | pecks
+        return Form(KIND, takes, idle="".join(x for x in "PQ" if x not in takes), axes=True)
+
+    def _hold(self, scene: Scene, block: Block, axis: str) -> None:
+        super()._hold(scene, block, axis)
+        code = next((c for c in block.codes if c in self.actions), None)
+        if code is None or code in self.pecking:
+            return
+        self.held.pop("Q", None)
+        if code not in self.dwells:
+            self.p = ""
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         job = super().job(scene, block, code)

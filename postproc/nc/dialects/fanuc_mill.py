@@ -184,7 +184,7 @@ DIALECT = Dialect(
             takes=True,
             does="words",
         ),
-        *rows("path", {"62": "corner override"}),
+        *rows("path", {"61.1": "geometry compensation of Mazak", "62": "corner override"}),
         *rows(
             "macro",
             {"66.1": "macro call in every block"},
