@@ -106,13 +106,9 @@ DIALECT = Dialect(
     repeats="L",
     letters="EL",
     signs=(
-        r"^[ \t]*(?:N[ \t]*\d+)?[ \t]*L\d+00[ \t]*$",
-        r"\b[GM]0*17[ \t]*$",
-        r"\bG(?:84|74)\.2\b",
         r"\bH0[ \t]+E0\b",
-        r"\bG8[ \t]*$",
-        r"\bE\d+[ \t]*$",
-        r"\bR0[+-][\d.]",
+        r"^[ \t]*(?:N[ \t]*\d+[ \t]*)?E\d+(?:[ \t]+[XY]|[ \t]*$)",
+        r"^[ \t]*(?:N[ \t]*\d+[ \t]*)?H\d+[ \t]+Z[-+.\d]",
     ),
     remarks=(r"\bFADAL\b",),
 )
