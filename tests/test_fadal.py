@@ -6,8 +6,9 @@ import pytest
 
 from postproc.errors import ProgramError
 from postproc.nc import dialects
-from postproc.nc.expand import Limits, Program, lines_of
+from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.tracker import Tracker
+from postproc.nc.expand.written import lines_of
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.state import Setup

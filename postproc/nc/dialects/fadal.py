@@ -14,7 +14,7 @@ to G68, repeated blocks.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BORE,
     CUTTER,
