@@ -264,4 +264,26 @@ POLYNOMIALS = [
     frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
     run("G1 X2 FB=200|X3", "G1 F50|X2 FB=200|X3"),
 ]
-ALL = [*DRILLING, *REMOVALS, *POCKETS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]
+FIVE = {
+    "machine": "example-five-axis",
+    **WRITE,
+    "offsets": {"G54": {}, "D1": {"Z": 100.0}},
+}
+
+
+def turned(before: str, after: str, then: str = "", **options) -> Case:
+    head = "G90 G54 T1 D1 G0 X0 Y0 Z-300 A0 C0|TRAORI|"
+    how = {**FIVE, **options.pop("how", {})}
+    return Case("siemens", head + before, head + after, then, how=how, **options)
+
+
+DIRECTIONS = [
+    turned("TRAFOOF|G1 X5 C3=1 F9", "G1 X5 C3=1 F9"),
+    turned("ORIMKS|G1 X5 C3=1 F9", "ORIWKS|G1 X5 C3=1 F9"),
+    turned("ROT Z30|G0 X1 Y1 Z-9|G1 X5 Y1 Z-9 C3=1 F9", "G1 X5 Y1 Z-300 A1 F9"),
+    turned("G1 X5 A5 C3=1 F9", "G1 X5 C3=1 F9"),
+    turned("G1 X5 A2=1 F9", "G1 X5 A1 F9"),
+    turned("G1 X5 LEAD=1 F9", "G1 X5 A1 F9"),
+    turned("G1 X5 C3=1 F9", "G1 X5 C3=1 F9", first={"expand": False}),
+]
+ALL = [*DIRECTIONS, *DRILLING, *REMOVALS, *POCKETS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]

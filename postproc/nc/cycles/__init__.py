@@ -21,6 +21,7 @@ from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
 from postproc.nc.cycles.direction_fanuc import ToolDirections
+from postproc.nc.cycles.direction_siemens import SiemensDirections
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fadal import FADAL, FadalDrilling
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
@@ -144,7 +145,13 @@ class ArcsAndCorners(Chain):
     codes = PlacedArcs.codes + Polynomials.codes
 
     def __init__(self, scene: Scene):
-        super().__init__(BlockFeed(scene), Openings(scene), PlacedArcs(scene), Polynomials(scene))
+        super().__init__(
+            BlockFeed(scene),
+            SiemensDirections(scene),
+            Openings(scene),
+            PlacedArcs(scene),
+            Polynomials(scene),
+        )
 
 
 class LatheBlocksAndCorners(Chain):

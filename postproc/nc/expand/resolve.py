@@ -91,6 +91,7 @@ class Resolver:
         if self.before_it is None or self._over(line) or not self.before_it.wants(line):
             return self._take(line)
         self.line, self.scene.source = line, line.source
+        self.scene.turned = self._turned
         try:
             whole = self.before_it.take(line)
         except BlockFault as error:
