@@ -5,8 +5,8 @@ the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis a
 helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
 XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
 klartext_corners.py, tangents: klartext_tangent.py, APPR and DEP: klartext_join.py; holes, bores,
-patterns: klartext_holes.py, klartext_bore.py, klartext_patterns.py; studs and pockets:
-klartext_stud.py, klartext_pocket.py.
+patterns: klartext_holes.py, klartext_bore.py, klartext_patterns.py; studs, pockets and faces:
+klartext_stud.py, klartext_pocket.py, klartext_face.py.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from collections.abc import Sequence
 
 from postproc.nc.cycles.klartext_bore import Tool, bore
 from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
+from postproc.nc.cycles.klartext_face import FACE, face
 from postproc.nc.cycles.klartext_holes import Holes, signed
 from postproc.nc.cycles.klartext_join import Joined
 from postproc.nc.cycles.klartext_patterns import PATTERNS, points
@@ -165,6 +166,8 @@ class KlartextPaths:
             return self.holes.tapped()
         if self.holes.cycle in POCKETS:
             lines = pocket(self.scene, self.tool, self.holes)
+        elif self.holes.cycle == FACE:
+            lines = face(self.scene, self.tool, self.holes)
         elif (cycle := self.holes.cycle) in STUDS:
             lines = stud(self.scene, self.tool, cycle, self.holes.value, self.holes.feed)
         else:
