@@ -249,6 +249,16 @@ POCKETS = [
     pocket(",1,6,,,3,2", ",21,6,,,0,2", POCKET.replace(",1,6", ",21,6")),
     pocket(",1,6,,,3", ",21,6,,,30", POCKET.replace(",1,6", ",21,6")),
 ]
+FACE = "CYCLE71(10,0,2,-3,0,0,60,40,0,2,8,5,0,400,11,2)"
+SPIGOT = "CYCLE77(10,0,2,-6,,20,40,30,3,0,0,400,150,0,1)"
+MILLED = {"how": {"offsets": TOOL}}
+MILLINGS = [
+    run(FACE.replace(",8,5", ",18,5"), FACE, **MILLED),
+    run(FACE.replace(",60,40", ",0,40"), FACE, **MILLED),
+    run(FACE.replace(",11,2)", ",51,2)"), SMOOTH, **MILLED),
+    run(SPIGOT.replace("400,150", "0,150"), SPIGOT, **MILLED),
+    run(SPIGOT.replace(",-6,", ",,"), SPIGOT, **MILLED),
+]
 POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
 POLYNOMIALS = [
     frame("G1 X50 RND=5|" + POLY, "G1 X50|" + POLY),
@@ -286,4 +296,15 @@ DIRECTIONS = [
     turned("G1 X5 LEAD=1 F9", "G1 X5 A1 F9"),
     turned("G1 X5 C3=1 F9", "G1 X5 C3=1 F9", first={"expand": False}),
 ]
-ALL = [*DIRECTIONS, *DRILLING, *REMOVALS, *POCKETS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]
+ALL = [
+    *DIRECTIONS,
+    *MILLINGS,
+    *DRILLING,
+    *REMOVALS,
+    *POCKETS,
+    *FRAMES,
+    *CORNERS,
+    *ARCS,
+    *PARTS,
+    *POLYNOMIALS,
+]
