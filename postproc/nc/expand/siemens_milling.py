@@ -101,12 +101,12 @@ def ending(tracker: Tracker, feed: bytes) -> list[bytes]:
 
 
 class Ways:
-    """Writes ways in the coordinates of a figure whose zero lies in PA PO and that STA turns.
+    """Writes ways in the coordinates of a figure whose zero lies in PA PO, and that STA turns.
     `ccw`: the sense of ways that are told counter-clockwise, -1: the other."""
 
     def __init__(self, call: Milling, tracker: Tracker):
         g = call.given
-        self.tracker, self.zero = tracker, (g["PA"], g["PO"])
+        self.tracker, self.zero = tracker, (call.get("PA"), call.get("PO"))
         turn = math.radians(call.get("STA"))
         self.cos, self.sin = math.cos(turn), math.sin(turn)
         self.plane = f" F{number(g['FFP1'], 3)}"
