@@ -45,6 +45,7 @@ KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in th
 # TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
 FRAME_KEYS = (
     "local",
+    "datum shift",
     "set",
     "set zero",
     "set off",

@@ -34,6 +34,7 @@ from postproc.nc.zeros import (
     ask_for,
     changed,
     chosen,
+    goes_on,
     note_presets,
     number_of,
     stated,
@@ -366,6 +367,7 @@ def _no_length(b: Batch, axis_words, word: str) -> None:
 
 ACTIONS = {
     "local": _local,
+    "datum shift": lambda b, a, w: None if goes_on(b, w) else _local(b, a, w),
     "set": _set,
     "set zero": _set_zero,
     "set off": _set_off,

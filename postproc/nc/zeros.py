@@ -219,3 +219,12 @@ def with_known(frame: Frame, part: str, reason: tuple[str, str] | None = None) -
     """The frame with a part known again, or unknown for a reason."""
     rest = {k: v for k, v in frame.unknown.items() if k != part}
     return replace(frame, unknown=rest if reason is None else {**rest, part: reason})
+
+
+def goes_on(b: Batch, word: str) -> bool:
+    """Whether a shift in G91 counts from the one in force, which is not followed."""
+    if int(np.broadcast_to(b.held("distance"), b.n)[0]) != 910:
+        return False
+    reason = (f"{word} in G91 counts from the datum in force", f"write {word} in G90")
+    b.frame = with_known(b.frame, "turned", reason)
+    return True

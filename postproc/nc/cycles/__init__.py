@@ -20,6 +20,7 @@ from postproc.nc.cycles.blocks_okuma_lathe import LatheBlocks
 from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
+from postproc.nc.cycles.corners_heidenhain import IsoCorners
 from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.direction_siemens import SiemensDirections
 from postproc.nc.cycles.drilling import Outcome
@@ -163,13 +164,13 @@ class LatheBlocksAndCorners(Chain):
         super().__init__(LatheBlocks(scene), FanucCorners(scene))
 
 
-class HolesAndPoles(Chain):
+class CornersHolesAndPoles(Chain):
     """Of Heidenhain's DIN/ISO."""
 
-    codes = IsoHoles.codes + PoleArcs.codes
+    codes = IsoCorners.codes + IsoHoles.codes + PoleArcs.codes
 
     def __init__(self, scene: Scene):
-        super().__init__(IsoHoles(scene), PoleArcs(scene))
+        super().__init__(IsoCorners(scene), IsoHoles(scene), PoleArcs(scene))
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
@@ -249,7 +250,7 @@ def siemens(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=HolesAndPoles)
+    return Family(before=CornersHolesAndPoles)
 
 
 def heidenhain(dialect: Dialect, synchronised: bool) -> Family:
