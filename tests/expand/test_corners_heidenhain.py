@@ -52,6 +52,14 @@ def test_the_rounding_of_the_manual():
     assert lines[-1] == "G01 X+10 Y+5 F300*"
 
 
+def test_a_line_without_a_corner_is_not_held_back():
+    """An arc behind it begins where it ends."""
+    lines = plain("G00 G90 X+0 Y+0|G01 X+50 Y+20 F100|G03 X+80 Y+50 I+50 J+50|G01 X+90|G24 R2|Y+99")
+    arc = path(lines[2:-3], (50.0, 20.0))
+    assert np.hypot(*(arc - [50, 50]).T) == pytest.approx(30, abs=1e-3)
+    assert lines[-3:] == ["G01 X88 Y50*", "G01 X90 Y52*", "Y+99*"]
+
+
 def test_corners_one_after_the_other_share_a_line():
     lines = plain(START + "G24 R3|Y+30|G24 R4|X+0")
     assert lines[1:] == [

@@ -25,14 +25,15 @@ from postproc.nc.expand import Line
 CHAMFER, ROUNDING, FEED, CALLED = 240, 250, 10, 99
 NAMES = {CHAMFER: "G24", ROUNDING: "G25"}
 ACROSS = "ZABCUVWIJKHRLQ"  # in a line that leaves the plane, or is none
+CORNER = re.compile(rb"(?<![A-Z])G[ \t]*0*2[45](?![0-9.])", re.IGNORECASE)
 LABEL = re.compile(rb"(?<![A-Z;])L[ \t]*[0-9]+[ \t]*,", re.IGNORECASE)
 PLACE = re.compile(rb"([XY])\+?(-?[0-9.]+)")
 WRITE = "write the corner out as G01"
 
 
 class IsoCorners:
-    """Holds a straight feed back until the next block is known. `corner`: of its end, name, size
-    and feed; `start`: where it begins, once it has a corner; `feed`, `motion`: in force."""
+    """Holds a straight feed with a corner back until the next block is known. `corner`: its name,
+    size and feed; `start`: where the line begins; `feed`, `motion`: in force."""
 
     rigid = False
     codes: tuple[int, ...] = (CHAMFER, ROUNDING)
@@ -43,6 +44,7 @@ class IsoCorners:
         self.corner: tuple[str, float, bytes] | None = None
         self.start: Point = (0.0, 0.0)
         self.feed, self.motion = b"", -1
+        self.before: set[int] | None = None  # source lines with a corner behind them
 
     def wants(self, line: Line) -> bool:
         """Every line may be one with a corner."""
@@ -60,7 +62,7 @@ class IsoCorners:
         body = line.text.partition(b"*")[0]
         block = scene.block = Block.of(body, scene.dialect.grammar)
         if scene.passes(line.text) or not body.partition(b";")[0].strip():
-            return [line] if self.corner or not self.held else [*self.finish(), line]
+            return [line]
         names = [NAMES[c] for c in block.codes if c in NAMES]
         if names:
             self._define(block, names[0])
@@ -78,8 +80,21 @@ class IsoCorners:
         if feed := block.word("F"):
             self.feed = feed.raw.encode()
         scene.block = block
-        self.held = (line, block) if straight else None
-        return lines if straight else [*lines, line]
+        if not (straight and self._has_corner()):
+            return [*lines, line]
+        self.held = line, block
+        return lines
+
+    def _has_corner(self) -> bool:
+        """Whether a corner stands behind the line at hand."""
+        if self.before is None:
+            self.before, last = set(), 0
+            for number, text in enumerate(self.scene.lines(), 1):
+                code = text.partition(b"*")[0].partition(b";")[0]
+                if CORNER.search(code):
+                    self.before.add(last)
+                last = number if code.strip() else last
+        return self.scene.source in self.before
 
     def _straight(self, block: Block) -> bool:
         """Whether a block is a feed in the plane to a place."""
