@@ -77,10 +77,11 @@ def path(side: int, first: int, last: int, kind: int = 2, fal: float = 0.0) -> l
 
 def test_a_path_by_hand():
     """To the left of a way up: with a radius of 5 and LP1 8 the quarter has a radius of 13 for the
-    tool's edge, about X-3, and begins at Y7; the half circle behind, of 6 and 5, ends at Y82."""
+    tool's edge, about X-3, and begins at Y7; the half circle behind, of 6 and 5, ends at Y82, where
+    the tool's middle stands at Y77."""
     one = [
         "G3 X10. Y20. I0. J13. F400.", "G1 X10. Y50.", "G2 X20. Y60. I10. J0.", "G1 X50. Y60.",
-        "G3 X50. Y82. I0. J11.", "G0 Z10.", "G0 G40 X50. Y82.",
+        "G3 X50. Y82. I0. J11.", "G0 Z10.", "G0 G40 X50. Y77.",
     ]  # fmt: skip
     begin = ["G0 G41 X-3. Y7.", "G0 Z2."]
     lines = path(41, 2, 3)
@@ -93,7 +94,7 @@ def test_a_path_to_the_right_with_straight_lines_and_between_its_depths_at_ff3()
     lines = path(42, 1, 1, kind=12)
     assert lines[:4] == ["G0 Z10.", "G0 G42 X10. Y12.", "G0 Z2.", "G1 Z-2. F150."]
     assert lines[4:6] == ["G1 X10. Y20. F400.", "G1 X10. Y50."]
-    assert lines[8:12] == ["G1 X56. Y60.", "G0 Z10.", "G0 G40 X56. Y60.", "G1 G42 X10. Y12. F900."]
+    assert lines[8:12] == ["G1 X56. Y60.", "G0 Z10.", "G0 G40 X56. Y55.", "G1 G42 X10. Y12. F900."]
 
 
 def test_a_path_on_the_middle_has_no_compensation():
@@ -171,6 +172,7 @@ def test_without_a_blank_the_start_lies_beside_the_tool_on_the_spigot():
         ("CYCLE76(10,0,2,-6,,-40,30,0,40,30,0,3,0,0,400,150,0,1)", "LENG=-40"),
         (PATH.format(fal=0, kind=2, side=41, first=12, last=1) + "\n" + PART, "AS1=12"),
         (PATH.format(fal=0, kind=2, side=40, first=2, last=1) + "\n" + PART, "RL=40 and AS1=2"),
+        (PATH.format(fal=1, kind=1, side=40, first=1, last=1) + "\n" + PART, "FAL=1"),
         (PATH.format(fal=11, kind=1, side=42, first=1, last=1) + "\n" + PART, "no room for FAL"),
         (PATH.format(fal=40, kind=1, side=42, first=1, last=1) + "\n" + PART, "no room for FAL"),
         ('CYCLE72("PART:PARTE",10,0,2,-4,2,0,0,0,150,1,41,1,8)\n' + PART, "without its feeds"),

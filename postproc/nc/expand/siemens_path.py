@@ -14,9 +14,10 @@ in MaTka's Sinumerik snippets.
   at FF3 instead of in rapid traverse.
 
 Contour, approach, depths and sides are those of the manual. Assumed: between the depths the tool is
-at RTP, where the control may stay lower (hundreds of VARI), and compensation goes on and off there.
-Refused: approaches in space (AS1 1x), arcs without compensation, G91, other planes, G41 and G42
-before it.
+at RTP, where the control may stay lower (hundreds of VARI), and compensation goes on and off there;
+off, the tool's middle stays where it is. The radius is D's.
+Refused: approaches in space (AS1 1x), arcs and FAL without compensation, G91, other planes, G41 and
+G42 before it.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ class Path(Milling):
         given = numbers_by_name(NAME, WORDS.split(), values[1:], "correct the call")
         path = cls(NAME, given)
         path.needs("RTP RFP DP FFP1 FFD VARI RL AS1 LP1")
-        path.check_kind(KINDS, "", "")
+        along = given["RL"] == 40 and given["VARI"] % 10 == 1
+        path.check_kind(KINDS, "FAL" if along else "", "")
         path.check_planes("FAL FALD MID SDIS LP1 LP2")
         given.setdefault("AS2", given["AS1"])
         given.setdefault("LP2", given["LP1"])
@@ -77,7 +79,10 @@ class Path(Milling):
         self.check_modes(tracker)
         g = self.given
         rough, side = g["VARI"] % 10 == 1, SIDE[int(g["RL"])]
-        way = self._way(tracker, side, rough)
+        radius = self.radius(tracker) if side else 0.0
+        way = self._way(tracker, side, rough, radius)
+        (x, y), t = way[-1].end, way[-1].tangent(True)
+        middle = x - side * radius * t[1], y + side * radius * t[0]  # of the tool at its end
         cut = Ways(self, tracker)
         on = "" if not side else f" G{int(g['RL'])}"
         slow = int(g["VARI"]) // 10 % 10 and self.get("FF3")
@@ -92,10 +97,10 @@ class Path(Milling):
             cut.pieces(way, begun=True)
             cut.to("G0", z=g["RTP"])
             if side:
-                cut.to("G0 G40", way[-1].end)
+                cut.to("G0 G40", middle)
         return [*cut.lines, *ending(tracker, feed)]
 
-    def _way(self, tracker: Tracker, side: int, rough: bool) -> list[Piece]:
+    def _way(self, tracker: Tracker, side: int, rough: bool, radius: float) -> list[Piece]:
         """Approach, contour and departure."""
         g, allowance = self.given, self.get("FAL") if rough else 0.0
         shape = [
@@ -110,8 +115,6 @@ class Path(Milling):
                     f"the contour of CYCLE72 leaves no room for FAL {allowance:g}",
                     "check FAL, or let the CAM program write it out",
                 ) from None
-        arcs = {QUARTER, HALF} & {g["AS1"], g["AS2"]}
-        radius = self.radius(tracker) if arcs else 0.0
         first, last = shape[0], shape[-1]
         on = self._joined(first.start, first.tangent(False), side, (int(g["AS1"]), g["LP1"]),
                           radius)  # fmt: skip
