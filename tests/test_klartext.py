@@ -164,6 +164,7 @@ def test_the_datum_in_force_is_g54_until_a_preset_is_chosen():
         ("FUNCTION TCPM F TCP", "swings"),
         ("FUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS", "swings"),
         ("FUNCTION TCPM F CONT AXIS POS PATHCTRL AXIS", "swings"),
+        ("FUNCTION TCPM F TCP AXIS POS PATHCTRL VECTOR", "swings"),
         ("FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT TIP-CENTER", "swings"),
         ("TOOL CALL 5 Y S100", "tool axis"),
         ("TOOL CALL S100 DL+1", "DL"),

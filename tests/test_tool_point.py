@@ -453,12 +453,12 @@ def test_m128_of_heidenhain(tmp_path):
     "call",
     [
         "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
-        "FUNCTION TCPM F TCP AXIS POS PATHCTRL VECTOR REFPNT TIP-TIP F1000",
+        "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT TIP-TIP F1000",
     ],
 )
 def test_function_tcpm_is_m128(call):
-    """TNC 640, "FUNCTION TCPM": F TCP is the speed of the tip, AXIS POS takes rotary words as
-    places of the axes; either PATHCTRL leads the tip straight. Programs move as under M128."""
+    """TNC 640, TNC 620, "FUNCTION TCPM": F TCP is the speed of the tip, AXIS POS takes rotary words
+    as places of the axes, PATHCTRL AXIS leads the tip straight. Programs move as under M128."""
     machine = places.load("example-five-axis")
     text = (
         "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z-300 A+0 C+0 R0 FMAX M3\n{}\n"

@@ -252,12 +252,7 @@ POCKETS = [
 FACE = "CYCLE71(10,0,2,-3,0,0,60,40,0,2,8,5,0,400,11,2)"
 SPIGOT = "CYCLE77(10,0,2,-6,,20,40,30,3,0,0,400,150,0,1)"
 MILLED = {"how": {"offsets": TOOL}}
-PATH = 'CYCLE72("PA:PE",10,0,2,-4,2,0,0,400,150,1,41,1,8)|M30|PA:|G1 X10 Y20|Y50|X30|PE:'
 MILLINGS = [
-    run(PATH.replace("41,1,8", "40,2,8"), PATH, **MILLED),
-    run(PATH.replace("400,150", "0,150"), PATH, **MILLED),
-    run(PATH.replace('"PA:PE"', ""), PATH, **MILLED),
-    run(PATH.replace("2,0,0,400", "2,30,0,400").replace("41", "42"), PATH, **MILLED),
     run(FACE.replace(",8,5", ",18,5"), FACE, **MILLED),
     run(FACE.replace(",60,40", ",0,40"), FACE, **MILLED),
     run(FACE.replace(",11,2)", ",51,2)"), SMOOTH, **MILLED),

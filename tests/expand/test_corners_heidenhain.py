@@ -37,8 +37,8 @@ def test_a_rounding_touches_both_lines():
     assert 5 - middles.min() <= 1.01e-3
 
 
-def test_the_rounding_of_the_manual():
-    """ISO programming, "Corner rounding G25": X+10 Y+40, X+40 Y+25, R5 F100, X+10 Y+5. The corner
+def test_a_rounding_at_a_sharp_corner_with_a_feed_of_its_own():
+    """X+10 Y+40, X+40 Y+25, R5 F100, X+10 Y+5. The corner
     of 60.255 degrees begins 5 / tan 30.13 degrees before it; F100 holds in it alone."""
     lines = plain("G01 G41 X+10 Y+40 F300 M3|G01 X+40 Y+25|G25 R5 F100|G01 X+10 Y+5")
     one, two = np.array([-30.0, 15.0]), np.array([-30.0, -20.0])

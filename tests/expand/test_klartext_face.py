@@ -1,5 +1,5 @@
 """Cycle 232 of Heidenhain Klartext by "Face milling (cycle 232)" of the TNC 640's Cycle Programming
-manual; every figure by hand, and what the tool passes measured on its ways."""
+manual, page 236; every figure by hand, and what the tool passes measured on its ways."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Face milling of Heidenhain Klartext, cycle 232, written out as L.
 
-HEIDENHAIN TNC 640 (34059x-01), Cycle Programming, "Face milling (cycle 232)", pages 235 to 239:
+HEIDENHAIN TNC 640 (34059x-01), Cycle Programming, "Face milling (cycle 232)", page 236:
 beside the surface, the tool's radius and Q357 from its edge, at the second clearance Q204 above
 Q227, down at Q253 to the first depth; along the first axis at Q207 to a place as far outside of the
 other edge. Q389 0: over to the next line at Q253 and back; 2: up by Q200, at Q253 to where the next
@@ -10,9 +10,10 @@ to Q386. "The surface is then machined in reverse direction" at the next depth; 
 Q385, takes Q369. At the end FMAX to the second clearance. The signs of Q218 and Q219 say to which
 side of Q225 Q226 the surface lies.
 
-Edges and depths are those of the manual. How far the first line lies within the edge it leaves
-open: here the strips of the lines share out the width. All of it lies in one plane. Refused: Q389 1
-(where its lines end within the surface is not certain).
+That page has strategies 1 and 2; the ends of 0 are those that 2 and cycle 233 (9/2015, page 175)
+have. Edges and depths are those of the manual. How far the first line lies within the edge it
+leaves open: here the strips of the lines share out the width. All of it lies in one plane. Refused:
+Q389 1 (where its lines end within the surface is not certain).
 """
 
 from __future__ import annotations

@@ -125,16 +125,16 @@ def corner(a: Piece, b: Piece) -> float:
 # -- the contour -----------------------------------------------------------------------------------
 
 
-def beside(shape: list[Piece], distance: float, side: int, closed: bool = True) -> list[Piece]:
-    """The shape `distance` to the left (`side` 1) or right (-1) of its way: cut off in inner
-    corners, round about outer ones; closed: at its end too. Raises DoesNotFit."""
+def beside(shape: list[Piece], distance: float, side: int) -> list[Piece]:
+    """The closed shape `distance` to the left (`side` 1) or right (-1) of its way: cut off in inner
+    corners, round about outer ones. Raises DoesNotFit."""
     moved = [_moved(p, distance * side) for p in shape]
     ends: list[Point] = []
     joints: list[Piece | None] = []
     for k, (a, b) in enumerate(zip(shape, [*shape[1:], shape[0]], strict=True)):
         one, other, turn = moved[k], moved[(k + 1) % len(moved)], corner(a, b)
         joint = None
-        if abs(turn) < TANGENT or not (closed or k < len(shape) - 1):
+        if abs(turn) < TANGENT:
             ends.append(one.end)
         elif turn * side > 0 and abs(turn) < math.pi - TANGENT:
             ends.append(_meeting(one, other))
@@ -145,8 +145,7 @@ def beside(shape: list[Piece], distance: float, side: int, closed: bool = True) 
     contour: list[Piece] = []
     for k, p in enumerate(moved):
         before = joints[k - 1]
-        begin = before.end if before else ends[k - 1] if closed or k else p.start
-        new = replace(p, start=begin, end=ends[k])
+        new = replace(p, start=before.end if before else ends[k - 1], end=ends[k])
         if math.dist(new.start, new.end) > NEAR or (p.turn and p.sweep == math.tau):
             _keeps_sense(p, new)
             contour.append(new)
@@ -155,7 +154,7 @@ def beside(shape: list[Piece], distance: float, side: int, closed: bool = True) 
             contour.append(joint)
     if not contour:
         raise DoesNotFit
-    keeps_away(walls(shape, side) if closed else shape, contour, distance)
+    keeps_away(walls(shape, side), contour, distance)
     return contour
 
 

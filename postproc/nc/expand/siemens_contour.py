@@ -1,10 +1,9 @@
-"""The contour that a cycle of Sinumerik cuts: its blocks, run by themselves, as lines and arcs in
-the plane.
+"""The contour that a turning cycle of Sinumerik cuts: its blocks, run by themselves, as lines and
+arcs in the ZX plane.
 
-Siemens "SINUMERIK 840D sl / 828D / 808D", "Contour definition" of CYCLE95 and CYCLE72: a
-subprogram, or the part of the program from one label to another; the first place that it names is
-the start of the contour, and must name both axes. Feeds and speeds in it are passed over, motions
-of other axes too.
+Siemens "SINUMERIK 840D sl / 828D / 808D", "Contour definition" of CYCLE95: a subprogram, or the
+part of the program from one label to another; the first place that it names is the start of the
+contour, and must name both axes. Feeds and speeds in it are passed over, motions of other axes too.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ def contour_of(
             if statement.control or statement.call or statement.jumps:
                 text = raw.decode("latin-1").strip()
                 raise Refusal(
-                    f"the contour of {call.name.upper()} has more than motions: {text}",
+                    f"the contour of CYCLE95 has more than motions: {text}",
                     "write its motions alone",
                 )
             found.append((statement.written(frame.scope) or "").encode("latin-1"))
@@ -71,14 +70,11 @@ def contour_of(
     return lines
 
 
-def elements(
-    tracker: Tracker, lines: list[bytes], name: str = "CYCLE95", plane: str = "ZX"
-) -> list[Element]:
-    """The contour of a cycle in the two axes of its plane, (z, x radius) or (x, y), program's unit.
-    Raises Refusal."""
+def elements(tracker: Tracker, lines: list[bytes]) -> list[Element]:
+    """The contour in (z, x radius), program's unit. Raises Refusal."""
     dialect, axes = tracker.dialect, tracker.setup.axes
-    if not set(plane) <= set(axes):
-        raise Refusal(f"{name} cuts in {' and '.join(sorted(plane))}", "choose the right --machine")
+    if "X" not in axes or "Z" not in axes:
+        raise Refusal("CYCLE95 turns in X and Z", "choose the right --machine")
     setup = Setup(
         axes,
         diameter=tracker.setup.diameter,
@@ -88,19 +84,19 @@ def elements(
     interpreter = Interpreter(dialect, setup)
     text = b"\n".join([_head(tracker), *lines, b""])
     try:
-        program = Program(f"the contour of {name}", text)
+        program = Program("the contour of CYCLE95", text)
         plain = b"".join(Written(program, interpreter, Limits(MOST_LINES, 1)))
         words = lex(plain, dialect.grammar, tracker.setup.block_delete)
         motions = interpreter.run(words, interpreter.initial())[0]
     except (ProgramError, BlockFault) as error:
-        raise Refusal(f"the contour of {name}: {error.message}", error.advice) from None
+        raise Refusal(f"the contour of CYCLE95: {error.message}", error.advice) from None
     if words.fault is not None:
-        raise Refusal(f"the contour of {name}: {words.fault.message}", words.fault.advice)
+        raise Refusal(f"the contour of CYCLE95: {words.fault.message}", words.fault.advice)
     bad = motions.reason.nonzero()[0]
     if len(bad):
         message, advice = motions.reasons[motions.reason[bad[0]]]
-        raise Refusal(f"the contour of {name}: {message}", advice)
-    return _shape(motions, [axes.index(x) for x in plane], tracker.inch, name)
+        raise Refusal(f"the contour of CYCLE95: {message}", advice)
+    return _shape(motions, [axes.index(x) for x in "ZX"], tracker.inch)
 
 
 def _head(tracker: Tracker) -> bytes:
@@ -116,11 +112,11 @@ def _head(tracker: Tracker) -> bytes:
     return " ".join(words).encode()
 
 
-def _shape(motions, rows: list[int], inch: bool, name: str) -> list[Element]:
+def _shape(motions, rows: list[int], inch: bool) -> list[Element]:
     unit = TICKS_PER_INCH if inch else TICKS_PER_MM
     mm = 25.4 if inch else 1.0
     if not len(motions.block) or not motions.target_known[rows, 0].all():
-        raise Refusal(f"the contour of {name} does not begin at a place in both axes", CHECK)
+        raise Refusal("the contour of CYCLE95 does not begin at a place in X and Z", CHECK)
     places = motions.target[rows].T / unit
     arc_of = {int(k): i for i, k in enumerate(motions.arcs.motion)}
     found: list[Element] = []
@@ -128,12 +124,12 @@ def _shape(motions, rows: list[int], inch: bool, name: str) -> list[Element]:
         start, end = ((float(places[i][0]), float(places[i][1])) for i in (k - 1, k))
         code = CODE.get(int(motions.code[k]))
         if code is None:
-            raise Refusal(f"the contour of {name} has more than lines and arcs", CHECK)
+            raise Refusal("the contour of CYCLE95 has more than lines and arcs", CHECK)
         if k in arc_of:
             centre = motions.arcs.centre[:, arc_of[k]] / mm
             found.append(Element(code, start, end, (), (float(centre[0]), float(centre[1]))))
         elif np.hypot(end[0] - start[0], end[1] - start[1]) > NEAR:
             found.append(Element(code, start, end))
     if not found:
-        raise Refusal(f"the contour of {name} has no way", CHECK)
+        raise Refusal("the contour of CYCLE95 has no way", CHECK)
     return found

@@ -1,9 +1,9 @@
 """CYCLE71 of Sinumerik: a rectangular surface milled in parallel ways.
 
-CYCLE71(RTP, RFP, SDIS, DP, PA, PO, LENG, WID, STA, MID, MIDA, FDP, FALD, FFP1, VARI, FDP1). Siemens
-"SINUMERIK 840D sl/840D/840Di/810D", Cycles (11/2006), CYCLE71; the order of the values as in
-MaTka's Sinumerik snippets (marketplace.visualstudio.com); daviderobrtoalovisi/toleranza0,
-js/interpreter/siemens-facing.js, has the same levels and ends of the ways.
+CYCLE71(RTP, RFP, SDIS, DP, PA, PO, LENG, WID, STA, MID, MIDA, FDP, FALD, FFP1, VARI, FDP1): order,
+levels and ends of the ways as in daviderobrtoalovisi/toleranza0, js/interpreter/siemens-facing.js,
+and in a STEP-NC translator that quotes the manual of the cycle (FDP "retraction travel in cutting
+direction", FDP1 "overrun on last cut as determined by the cutting edge geometry").
 
 - PA PO is a corner; the signs of LENG and WID say to which side of it the surface lies, turned by
   STA. VARI: 1x along the first axis, one way, 2x along the second, 3x and 4x the same to and fro;
@@ -16,7 +16,8 @@ js/interpreter/siemens-facing.js, has the same levels and ends of the ways.
   and in rapid traverse to the next. To and fro: over to the next at FFP1.
 - At the end to RTP.
 
-Refused: G91, other planes, G41 and G42, MIDA wider than the tool.
+Assumed: where the first and the last way lie within the edges; wherever they do, all of it is one
+plane, and is cut all over. Refused: G91, other planes, G41 and G42, MIDA wider than the tool.
 """
 
 from __future__ import annotations

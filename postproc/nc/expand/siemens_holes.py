@@ -12,7 +12,6 @@ from postproc.nc.expand import (
     siemens_drilling,
     siemens_face,
     siemens_kept,
-    siemens_path,
     siemens_patterns,
     siemens_pockets,
     siemens_removal,
@@ -23,7 +22,6 @@ from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_face import Face
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_kept import Tapping, Thread
-from postproc.nc.expand.siemens_path import Path
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_pockets import Pocket
 from postproc.nc.expand.siemens_removal import Removal
@@ -36,9 +34,8 @@ NAMES = {
     *siemens_boring.NAMES,
     *siemens_patterns.NAMES,
     *siemens_pockets.NAMES,
-    *siemens_spigots.NAMES,
+    siemens_spigots.NAME,
     siemens_face.NAME,
-    siemens_path.NAME,
     siemens_removal.NAME,
     *siemens_kept.NAMES,
     *siemens_kept.THREADS,
@@ -54,18 +51,17 @@ class Holes:
         self.feed = self.speed = b""  # the last F and S words that have left
         self.sense = 1  # -1: M4 turns the spindle
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.called: (
-            Drilling | Pattern | Face | Path | Pocket | Spigot | Removal | Thread | None
-        ) = None  # to be drilled behind this line
+        self.called: Drilling | Pattern | Face | Pocket | Spigot | Removal | Thread | None = (
+            None  # to be drilled behind this line
+        )
 
     def call(
         self, name: str, values: Sequence[Value | None], contour: Callable[[str], list[bytes]]
     ) -> None:
         """A cycle that stands alone; contour: the plain lines of one by its name. Raises
         Refusal."""
-        if name in (siemens_removal.NAME, siemens_path.NAME):
-            kind: type[Removal | Path] = Removal if name == siemens_removal.NAME else Path
-            self.called = kind.of(values, contour)
+        if name == siemens_removal.NAME:
+            self.called = Removal.of(values, contour)
             return
         if name in siemens_kept.THREADS:
             self.called = Thread(name, values)
@@ -80,8 +76,8 @@ class Holes:
         """A cycle that mills a figure; None: it is none."""
         if name in siemens_pockets.NAMES:
             return Pocket.of(name, values, self.sense)
-        if name in siemens_spigots.NAMES:
-            return Spigot.of(name, values, self.sense)
+        if name == siemens_spigots.NAME:
+            return Spigot.of(values, self.sense)
         return Face.of(values) if name == siemens_face.NAME else None
 
     def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:

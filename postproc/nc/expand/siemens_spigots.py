@@ -1,21 +1,19 @@
-"""CYCLE76 and CYCLE77 of Sinumerik: rectangular and circular spigots.
+"""CYCLE77 of Sinumerik: circular spigots.
 
-CYCLE76(RTP, RFP, SDIS, DP, DPR, LENG, WID, CRAD, PA, PO, STA, MID, FAL, FALD, FFP1, FFD, CDIR,
-VARI, AP1, AP2), CYCLE77 with PRAD for LENG WID CRAD and without STA and AP2. Siemens "SINUMERIK
-840D sl/840D/840Di/810D", Cycles (11/2006), and "SINUMERIK 840D sl", Operating Manual Milling
-(03/2010), page 301, "Approach/retraction"; the order of the values as in MaTka's Sinumerik
-snippets.
+CYCLE77(RTP, RFP, SDIS, DP, DPR, PRAD, PA, PO, MID, FAL, FALD, FFP1, FFD, CDIR, VARI, AP1): the
+order of the values as in MaTka's Sinumerik snippets (marketplace.visualstudio.com). Siemens
+"SINUMERIK 840D sl", Operating Manual Milling (03/2010), page 301, "Circular spigot (CYCLE77)",
+"Approach/retraction":
 
 - In rapid traverse at RTP to the start, on the spigot's positive first axis, and to SDIS above RFP;
   at FFD to the depth (even ones, MID at most), on a semicircle to the side at FFP1, once around it,
   and on a semicircle back to the start; at the end to RTP.
 - VARI 1 leaves FAL at the side and FALD at the bottom, VARI 2 goes to both.
-- CDIR 0 climb milling, 1 up-cut (with M3 with the clock and against it), 2 as G2, 3 as G3.
+- CDIR 0 climb milling, 1 up-cut (with M3 with the clock and against it), 2 as G2, 3 as G3: as those
+  of POCKET4.
 
-Side, depths and sense are those of the manual. Assumed: the start lies 2 mm beside the blank (AP1
-by AP2; CYCLE77: AP1 across), or, where none is stated, beside the way around. The control goes
-around once, whatever the blank. Refused: LENG or WID below 0 (measured from a corner), G91,
-other planes.
+Assumed: the start lies 2 mm beside the blank, AP1 across, or, where none is stated, beside the way
+around. The control goes around once, whatever the blank. Refused: G91, other planes.
 """
 
 from __future__ import annotations
@@ -29,15 +27,9 @@ from postproc.nc.expand.siemens_milling import WITH_M3, Milling, Ways, ending
 from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
 from postproc.nc.expand.tracker import Tracker
 
-_ENDS = "MID FAL FALD FFP1 FFD CDIR VARI AP1"
-NAMES = {
-    "CYCLE76": f"RTP RFP SDIS DP DPR LENG WID CRAD PA PO STA {_ENDS} AP2",
-    "CYCLE77": f"RTP RFP SDIS DP DPR PRAD PA PO {_ENDS}",
-}
-NEEDED = {
-    "CYCLE76": "RTP RFP LENG WID PA PO FFP1 FFD VARI",
-    "CYCLE77": "RTP RFP PRAD PA PO FFP1 FFD VARI",
-}
+NAME = "CYCLE77"
+WORDS = "RTP RFP SDIS DP DPR PRAD PA PO MID FAL FALD FFP1 FFD CDIR VARI AP1"
+NEEDED = "RTP RFP PRAD PA PO FFP1 FFD VARI"
 BESIDE_MM = 2.0
 
 
@@ -46,36 +38,29 @@ class Spigot(Milling):
     """A call with its values."""
 
     @classmethod
-    def of(cls, name: str, values: Sequence[Value | None], sense: int) -> Spigot:
+    def of(cls, values: Sequence[Value | None], sense: int) -> Spigot:
         """Raises Refusal for values that are none of a spigot that can be written out."""
-        given = numbers_by_name(name, NAMES[name].split(), values, "correct the call")
-        spigot = cls(name, given, sense)
-        spigot.needs(NEEDED[name])
+        given = numbers_by_name(NAME, WORDS.split(), values, "correct the call")
+        spigot = cls(NAME, given, sense)
+        spigot.needs(NEEDED)
         if spigot.get("DPR"):
             given["DP"] = given["RFP"] - abs(given["DPR"])
         spigot.needs("DP")
-        spigot.check_kind((1, 2), "", "LENG WID PRAD")
+        spigot.check_kind((1, 2), "", "PRAD")
         if spigot.get("CDIR") not in WITH_M3:
-            raise Refusal(f"CDIR of {name} is {given['CDIR']:g}", "0 to 3 are possible")
+            raise Refusal(f"CDIR of {NAME} is {given['CDIR']:g}", "0 to 3 are possible")
         if min(given["FFP1"], given["FFD"]) <= 0:
-            raise Refusal(f"{name} without its feeds FFP1 and FFD", "write them, above 0")
-        spigot.check_planes("FAL FALD MID SDIS AP1 AP2 CRAD")
+            raise Refusal(f"{NAME} without its feeds FFP1 and FFD", "write them, above 0")
+        spigot.check_planes("FAL FALD MID SDIS AP1")
         return spigot
-
-    def shape(self) -> Rounded:
-        """The side."""
-        g = self.given
-        if self.name == "CYCLE77":
-            return Rounded(g["PRAD"], g["PRAD"], g["PRAD"])
-        a, b = g["LENG"] / 2, g["WID"] / 2
-        return Rounded(a, b, min(self.get("CRAD"), a, b))
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         """The plain lines; feed: the F word in force. Raises Refusal."""
         self.check_modes(tracker)
         g, radius = self.given, self.radius(tracker)
         rough = g["VARI"] == 1
-        way = self.shape().less(-radius - (self.get("FAL") if rough else 0.0))
+        side = g["PRAD"] + radius + (self.get("FAL") if rough else 0.0)
+        way = Rounded(side, side, side)
         start = self._start(way.a, radius, tracker.inch)
         cut = Ways(self, tracker)
         # around a spigot climb milling goes the other way than within a pocket
