@@ -258,6 +258,7 @@ MILLINGS = [
     run(FACE.replace(",11,2)", ",51,2)"), SMOOTH, **MILLED),
     run(SPIGOT.replace("400,150", "0,150"), SPIGOT, **MILLED),
     run(SPIGOT.replace(",-6,", ",,"), SPIGOT, **MILLED),
+    run(SPIGOT.replace(",0,1)", ",0,1,25)"), SPIGOT.replace(",0,1)", ",0,1,50)"), **MILLED),
 ]
 POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
 POLYNOMIALS = [

@@ -110,6 +110,7 @@ def test_without_a_blank_the_start_lies_beside_the_tool_on_the_spigot():
         ("CYCLE71(10,0,2,3,0,0,60,40,0,2,8,5,0,400,11,2)", "planes of CYCLE71 are not in order"),
         ("CYCLE71(10,0,2,-3,0,0,0,40,0,2,8,5,0,400,11,2)", "without LENG and WID"),
         ("CYCLE77(10,0,2,-6,,20,40,30,3,0,0,400,150,7,1)", "CDIR of CYCLE77 is 7"),
+        ("CYCLE77(10,0,2,-6,,20,40,30,3,0,0,400,150,0,1,25)", "25 across, and the spigot 40"),
         ("CYCLE77(10,0,2,,,20,40,30,3,0,0,400,150,0,1)", "CYCLE77 without DP"),
         ("CYCLE77(10,0,2,-6,,20,40,30,3,0,0,0,150,0,1)", "without its feeds"),
         ("G91\nCYCLE77(10,0,2,-6,,20,40,30,3,0,0,400,150,0,1)", "in G91 or in diameters"),

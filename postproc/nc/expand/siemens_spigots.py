@@ -52,6 +52,12 @@ class Spigot(Milling):
         if min(given["FFP1"], given["FFD"]) <= 0:
             raise Refusal(f"{NAME} without its feeds FFP1 and FFD", "write them, above 0")
         spigot.check_planes("FAL FALD MID SDIS AP1")
+        if 0 < spigot.get("AP1") < 2 * given["PRAD"]:
+            raise Refusal(
+                f"the blank of {NAME} is {given['AP1']:g} across, and the spigot"
+                f" {2 * given['PRAD']:g}",
+                "write the diameter of the blank as AP1",
+            )
         return spigot
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
