@@ -51,6 +51,7 @@ CHAPTERS = (
             "nc/batch",
             "nc/refusals",
             "nc/interpreter",
+            "nc/control",
             "nc/positions",
             "nc/arcs",
             "nc/codes",

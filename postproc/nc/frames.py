@@ -1,12 +1,11 @@
 """Shifts of the coordinates: G52, G92 and its kin, G10, G43 and its kin, G54.1, TRANS.
 
-A block that changes a shift begins a segment of its own, so that within a segment every shift is
-one number per axis and all else stays columns. What a shift depends on and is not stated becomes
-a reason beside the motions: it matters only where a correction depends on the place.
+Within a segment, which a block that changes a shift begins, every shift is one number per axis.
+What a shift depends on and is not stated becomes a reason beside the motions: it matters only where
+a correction depends on the place.
 
-Sources: NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc
-B-63944EN, chapter "Coordinate system"; Siemens 840D Programming Guide Fundamentals, "Frame
-instructions".
+NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc B-63944EN,
+"Coordinate system"; Siemens 840D Programming Guide Fundamentals, "Frame instructions".
 """
 
 from __future__ import annotations
@@ -345,8 +344,8 @@ def _swivelled(b: Batch) -> None:
             known = b.state.known.copy()
             known[[row for x, row in b.rows.items() if x in "XYZ"]] = False
             b.state = replace(b.state, known=known)
-        if swivel.direction(b):
-            planes.plane_align(b, swivel.WORD, swivel.direction(b))
+        if does := swivel.direction(b):
+            planes.plane_align(b, swivel.WORD, does)
 
 
 def _plain(b: Batch, axis_words, word: str) -> None:
@@ -384,10 +383,9 @@ ACTIONS = {
     "tip": tips.tip_by_length,
     "tip on": tips.tip_on,
     "tip off": tips.tip_off,
-    # below, behind the rest
     "plane": planes.plane_on,
     "plane off": planes.plane_off,
-    "plane align": lambda b, a, w: None,
+    "plane align": lambda b, a, w: None,  # behind the rest
     "swivel": swivel.swivel,
     "spatial": spatial.spatial,
     "polar on": face.polar_on,
