@@ -81,13 +81,11 @@ class BlockFault(Exception):
 
     def __init__(self, block: int, message: str, advice: str = "", start: int = 0, stop: int = 0):
         super().__init__(message)
-        self.block, self.message, self.advice, self.start, self.stop = (
-            block,
-            message,
-            advice,
-            start,
-            stop,
-        )
+        self.block = block
+        self.message = message
+        self.advice = advice
+        self.start = start
+        self.stop = stop
 
 
 class MotionFault(Exception):

@@ -21,9 +21,11 @@ from postproc.motions import Motions
 from postproc.nc import checksums, faults
 from postproc.nc.beside_corrected import Contours, follow_both
 from postproc.nc.dialects import Dialect
-from postproc.nc.emitter import Emitter, Written
-from postproc.nc.interpreter import Interpreter, ModalState, Setup
+from postproc.nc.emitter import Emitter
+from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import Words, lex
+from postproc.nc.state import ModalState, Setup
+from postproc.nc.writing import Written
 from postproc.pieces import Pieces
 from postproc.units import UM
 
@@ -305,13 +307,11 @@ class Filter:
                     line=self.summary.lines + int(words.line[motions.block[notice.line]]) + 1,
                 )
             )
-        self.modal, self.carry, self.written, self.contours, self.warmth = (
-            modal,
-            carry,
-            written,
-            contours,
-            warmth,
-        )
+        self.modal = modal
+        self.carry = carry
+        self.written = written
+        self.contours = contours
+        self.warmth = warmth
         self._begun |= bool(len(words.letter))
         self.summary.lines += words.text.count(b"\n")
         self.summary.blocks += words.blocks
@@ -356,7 +356,7 @@ class Filter:
             (fault.start - line_start + 1, fault.stop - line_start + 1) if fault.stop else (0, 0)
         )
         advice = fault.advice
-        runs = self.dialect.language and not self.dialect.grammar.klartext
+        runs = self.dialect.language in ("fanuc", "linuxcnc", "siemens")
         if advice in (faults.ADVICE_EXPRESSION, faults.ADVICE_POLAR) and not runs:
             advice = faults.ADVICE_NO_LANGUAGE
         if advice == faults.ADVICE_CORNER and self.dialect.language != "fanuc":

@@ -47,10 +47,8 @@ class Space:
 
     def of(self, inner: Space) -> Space:
         """The frame of places of `inner` that are told in this one."""
-        turn, origin = (
-            self.matrix @ inner.matrix,
-            self.matrix @ np.array(inner.origin) + np.array(self.origin),
-        )
+        turn = self.matrix @ inner.matrix
+        origin = self.matrix @ np.array(inner.origin) + np.array(self.origin)
         return Space(
             tuple(turn.ravel().tolist()),
             (float(origin[0]), float(origin[1]), float(origin[2])),

@@ -340,9 +340,9 @@ def page(
         "| " + " | ".join(c) + " |" for c in [list(names), ["---"] * len(names), *cells]
     )
     return (
-        f"{head}{table}\n\nBy effect (singles, masked, pairs, triples): named of"
-        f" hidden\n\n{_by_effect(outcomes)}\n\nBy kind of noise (nulls): named of"
-        f" cases\n\n{_by_noise(outcomes, details)}\n"
+        f"{head}{table}\n\nNamed of hidden (singles, masked, pairs, triples):"
+        f" {_by_effect(outcomes)}.\n\nNamed of nulls, by kind of noise:"
+        f" {_by_noise(outcomes, details)}.\n"
     )
 
 
@@ -356,7 +356,8 @@ def _by_effect(outcomes: list[score.Outcome]) -> str:
                 seen[1] += o.in_set[k]
                 seen[2] += 1
     return ", ".join(
-        f"{name} {a} ({b} with sets) of {n}" for name, (a, b, n) in sorted(count.items())
+        f"{name} {a}{f' ({b} with sets)' * (a != b)} of {n}"
+        for name, (a, b, n) in sorted(count.items())
     )
 
 
@@ -369,7 +370,8 @@ def _by_noise(outcomes: list[score.Outcome], details: dict[str, Any]) -> str:
             }:
                 count[kind][0] += bool(o.names)
                 count[kind][1] += 1
-    return ", ".join(f"{kind} {a} of {n}" for kind, (a, n) in sorted(count.items()))
+    named = ", ".join(f"{kind} {a} of {n}" for kind, (a, n) in sorted(count.items()) if a)
+    return named or "none of any"
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ Generated from the declarations in `postproc/nc/cycles` by `python -m tests.cycl
 `tests/expand/test_words.py` reads it. {" ".join(GENERAL)}, comments and `/` mean here what
 they mean in any block. Every letter that a row does not name stops the program by its name, and so
 does one that stands twice. *Kept*: this cycle has no use for it, one behind it has. *Known*: the
-control has it, nobody follows it, and the sentence says so; *(0)*, *(1)*: unless its value is 0, or
+control has it, gcomp refuses it, and the sentence says so; *(0)*, *(1)*: unless its value is 0, or
 1. *axes*: the other axes of the machine, on lathes with U V W H beside them.
 
 | cycle | written | followed | kept | known, refused |

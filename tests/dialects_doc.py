@@ -20,41 +20,34 @@ def every() -> list[dialects.Dialect]:
 HEAD = """# Dialects
 
 What gcomp does with the codes of each control: look here before you use it with a control, or when
-a code was refused. How to add one: [ADDING](ADDING.md). An M code that stands in no row passes as
-it is; where the dialect does not know it, a notice says so. A G code that stands in no row is
-refused, but where a row says that macros pass.
+a code was refused. How to add one: [ADDING](ADDING.md). A G code that stands in no row is refused,
+but where a row says that macros pass; an M code passes, with a notice where the dialect does not
+know it.
 
-Generated from the tables by `python -m tests.dialects_doc`; a test compares them. A dialect is a
-file of data, `postproc/nc/dialects/NAME.py`, with its sources in its first lines; `--dialect NAME`
-or `control = "NAME"` in machine.toml chooses it, `--dialect auto` goes by what the program
-requires (`signs`) and what it excludes (`excludes`, and codes that the control has not). An error
-names another dialect only where the program, read in it, comes farther.
+`--dialect NAME` or `control = "NAME"` in machine.toml chooses a dialect; `--dialect auto` goes by
+what the program requires and excludes. Generated from `postproc/nc/dialects/NAME.py`, whose first
+lines name the sources, by `python -m tests.dialects_doc`.
 
 - **followed**: the code is obeyed, and motions under it are corrected. Beside a contour (G41 G42)
-  the map is read at the tool's centre where its radius is stated, else at the programmed place,
-  and the bound of that error is said.
-- **corrected in place**: the block stays what it is, and its words are corrected: holes of canned
-  cycles, ends of threads, taps of lathes, coordinates given to the place where the machine stands.
+  the map is read at the tool's centre where its radius is stated, else at the programmed place.
+- **corrected in place**: the block stays, and its words are corrected: holes of canned cycles, ends
+  of threads, taps of lathes, coordinates given to the place where the machine stands.
 - **left as it is**: a threading cycle of a lathe. It ends where it began, so all around it is
   corrected; its thread is cut uncorrected, which a notice says.
-- **passed**: they go to the control as they are; where the axes stand behind them is not known
-  until the next place.
-- **needs --expand**: the control works the motions out; `--expand` writes them out as plain blocks
-  first, and `gcomp FILE` does so by itself where nothing else corrects the program (DESIGN.md,
-  "One run").
+- **passed**: it goes to the control as it is; where the axes stand behind it is not known until the
+  next place.
+- **needs --expand**: it is written out as plain blocks first; `gcomp FILE` does so by itself where
+  nothing else corrects the program ([DESIGN](DESIGN.md)).
 - **refused**: only where a correction depends on the place; a machine without errors passes it.
 
-`home = { X = 0.0, Y = 0.0, Z = 0.0 }` in machine.toml says where the slides stand after homing
-(mm, radius): there G28 and `$H` take them, unless `--offset G28=` or G28.1 says otherwise, and
-there a program begins on printers and routers. Without it G28 leads them to `--start` there,
-elsewhere to places that nobody knows. What could not be corrected for that reason is counted in
-one line.
+`home = { X = 0.0, Y = 0.0, Z = 0.0 }` in machine.toml says where the slides stand after homing (mm,
+radius): there G28 and `$H` take them, unless `--offset G28=` or G28.1 says otherwise, and there a
+program begins on printers and routers. Without it they stand at `--start`, or at an unknown place;
+what could not be corrected for that reason is counted in one line.
 
 An F or S whose value only the machine knows (`F#<_hal[feed]>`, `S#5`) moves no axis and passes
-where the language has variables, with `--expand` too.
-
-Which axis words are diameters is said by machine.toml (`diameter`), by G7 G8 or DIAMON DIAMOF
-where there are such codes.
+where the language has variables. Which axis words are diameters is said by machine.toml
+(`diameter`), by G7 G8 or DIAMON DIAMOF.
 """
 
 
@@ -106,13 +99,11 @@ def chapter(dialect: dialects.Dialect) -> str:
     rows.append(
         (
             "tool lengths",
-            (
-                "by T, with its offset"
-                if dialect.tool_offsets
-                else {"H": "G43 H", "D": "D, at once", "T": "T, at once"}[dialect.length_letter]
-            ),
+            ("by T, with its offset" if dialect.tool_offsets else _lengths(dialect)),
         )
     )
+    if dialect.change_takes:
+        rows.append(("behind M6", f"{dialect.change_takes} is unknown until it is named"))
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
         (
@@ -143,6 +134,11 @@ def _of_printers(dialect: dialects.Dialect) -> list[tuple[str, str]]:
         rows.append(("names, macros and files", "pass; places are lost behind them, modes stay"))
     rows += [("refused among them", reason) for reason in dialect.macro_refuses]
     return rows
+
+
+def _lengths(dialect: dialects.Dialect) -> str:
+    at_once = dialect.length_letter != "H" or dialect.length_at_once
+    return f"{dialect.length_letter}, at once" if at_once else "G43 H"
 
 
 def _tolerance(dialect: dialects.Dialect) -> str:

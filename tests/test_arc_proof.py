@@ -68,14 +68,14 @@ def judged(f, rows, most):
 @pytest.mark.parametrize("two_way", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 def test_nothing_hides_between_samples(tmp_path, monkeypatch, two_way, seed):
-    found, settle = [], fit.Fitter.settle
+    found, settle = [], fit.settle
 
     def seen(f, rows):
         result = settle(f, rows)
         found.append((f, result))
         return result
 
-    monkeypatch.setattr(fit.Fitter, "settle", seen)
+    monkeypatch.setattr(fit, "settle", seen)
     machine = read_machine(write_mill(tmp_path / "mill", two_way))
     options = Options(tolerance=0.001)
     filter_ = Filter(machine, dialects.load("linuxcnc"), setup_of(machine, ZERO), options)

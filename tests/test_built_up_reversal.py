@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pytest import approx
 
-from postproc.compensate.compensator import Compensator, Options
+from postproc.compensate import Compensator, Options
 from postproc.machine.file import read_machine
 from postproc.units import TICKS_PER_MM
 

@@ -6,9 +6,13 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 from postproc.compensate import Options
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
+from postproc.machine.tables import AxisTable
 from postproc.nc import dialects
 from postproc.units import UM
 from postproc.verify import Verifier
@@ -28,3 +32,15 @@ def test_a_motion_from_the_last_interval_over_the_end_is_cut_at_the_end(tmp_path
     out = filter_.feed(b"G0 X75 Y0\nG1 X150 F500\n") + filter_.finish()
     assert b"\nG1 X100.0000 Y-0.0200 F500\nX150.0000\n" in out
     assert verifier.corrected.deviation < 0.1 * UM
+
+
+def test_beyond_its_ends_a_table_is_flat():
+    """What bounds cuts there: from slope to none, and the slope at most."""
+    nodes, rise = np.array([0.0, 50.0, 100.0]), np.zeros((6, 3))
+    rise[0] = 0.0, 0.010, 0.020  # mm: 200 um/m
+    table = AxisTable("X", nodes, rise, rise)
+    low, high = np.array([10.0, -10.0, 90.0]), np.array([90.0, 10.0, 110.0])
+    differs, largest = table.slope_range(low, high)
+    assert differs[0] == pytest.approx([0.0, 2e-4, 2e-4]) and largest[0] == pytest.approx(
+        [2e-4] * 3
+    )

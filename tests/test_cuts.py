@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from postproc.compensate import Options
+from postproc.compensate import Options, nodes
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -157,3 +157,70 @@ def test_a_node_of_a_table_of_two_axes_is_a_cut_where_nothing_else_bends(tmp_pat
     out = corrected(folder, text, 0.5 * UM)
     lines = [row for row in out.splitlines() if row[0] == "X"]
     assert len(lines) == 2 and "X100.0" in lines[0], out
+
+
+def test_between_two_candidates_products_bend_by_the_slack_at_most(tmp_path):
+    """By hand: an angle of 5 urad/mm along X turns the arm Z, so X is off by 1.8 t^2 mm on the way
+    from 0, 0 to 400, 900; equal parts of 1 / n miss it by 0.45 / n^2, 0.1 um with n = 68."""
+    folder = machine(tmp_path / "m", "X_mm,EBX_urad\n-10,-50\n400,2000\n")
+    m = read_machine(folder)
+    start, target = np.zeros((2, 1)), np.array([[400.0], [900.0]])
+    _, t, axis = nodes.candidates(m, start, target, 0.1 * UM)
+    assert len(t) == 67 and (axis == -1).all()
+    t = np.concatenate([[0.0], np.sort(t), [1.0]])
+    off = m.deviation(target * t, np.zeros((2, len(t))))
+    middle = m.deviation(target * (t[1:] + t[:-1]) / 2, np.zeros((2, len(t) - 1)))
+    bend = np.abs(middle - (off[:, 1:] + off[:, :-1]) / 2).max()
+    assert 0.09 * UM < bend <= 0.1 * UM
+
+
+def test_a_slide_does_not_turn_back_inside_its_play(tmp_path):
+    """The straightness of X leads Z by 0.8 um up and down along a block that rises by 1 um, within
+    the hysteresis of 1 um: Z goes on or rests, since back it would move within its play alone."""
+    folder = machine(
+        tmp_path / "m",
+        "X_mm,EZX_um\n-10,0\n0,0\n100,-0.8\n200,-0.1\n300,-0.9\n400,-0.2\n",
+        "Z_mm,EZZ_um_fwd,EZZ_um_rev\n-10,-3,3\n900,-3,3\n",
+    )
+    text = "G21 G90\nG1 X0 Z-5 F500\nZ0\nX400 Z0.001\nM2\n"
+    out = corrected(folder, text, 0.2 * UM)
+    behind = out.splitlines()[4:-1]
+    z = [float(row.split("Z")[1]) for row in behind if "Z" in row]
+    assert len(behind) > 1 and len(z) > 1, out
+    assert z == sorted(z), out
+
+
+def test_without_take_ups_the_reversal_fades_along_the_block(tmp_path):
+    """By hand, on the way back: Z stands 6 um beside the command that its other side needs, 4 um of
+    it after a third of the way, 2 um after two thirds; so the command 200, which stands for 200.023
+    from above, belongs to 200.019, and 100, which stands for 100.003, to 100.001."""
+    table = "Z_mm,EZZ_um_fwd,EZZ_um_rev\n-10,-3,3\n100,-3,3\n200,17,23\n900,17,23\n"
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n400,0\n", table))
+    options = Options(tolerance=0.2 * UM, reversal="off")
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, {}), options)
+    text = b"G21 G90\nG1 X0 Z0 F500\nX300 Z300\nX0 Z0\nM2\n"
+    out = (filter_.feed(text) + filter_.finish()).decode().splitlines()
+    assert out[5:] == [
+        "X300.00000Z299.98300",
+        "X200.01900 Z200.00000",
+        "X100.00100Z100.00000",
+        "X0.00000Z-0.00300",
+        "M2",
+    ]
+
+
+def test_a_code_before_an_assigned_word_is_set_off(tmp_path):
+    """Sinumerik: G64X=200 would be no code and its word."""
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n100,0\n200,20\n400,20\n"))
+    filter_ = Filter(m, dialects.load("siemens"), setup_of(m, {}), Options(tolerance=0.2 * UM))
+    text = b"G71G90\nG1X0Z0F500\nG60X300\nX=0\nM30\n"
+    assert b"\nG64 X=200.0" in filter_.feed(text) + filter_.finish()
+
+
+@pytest.mark.parametrize("um, moves", [(0.30, False), (0.32, True)])
+def test_an_axis_that_rests_moves_for_more_than_half_its_share(tmp_path, um, moves):
+    """By hand: of 1 um an eighth pays for products, the rest is shared by two axes: 0.875 / sqrt 2
+    = 0.619 um for each, and half of it is 0.309."""
+    x = f"X_mm,EZX_um\n-10,0\n0,0\n100,{um}\n400,{um}\n"
+    out = corrected(machine(tmp_path / "m", x), "G21 G90\nG1 X0 Z0 F500\nX300\nM2\n", 1.0 * UM)
+    assert (f"X300Z-{um * UM:.5f}" in out) is moves and ("Z-" in out) is moves

@@ -32,7 +32,7 @@ def test_how_a_rotary_axis_lies_is_no_squareness_of_slides():
     )
     found = lacks(bare)
     assert found[0].startswith("squareness of XY, XZ, YZ")
-    assert found[1] == "how the line of A lies, which nobody measured" and len(found) == 2
+    assert found[1] == "how the line of A lies, which was not measured" and len(found) == 2
 
 
 @pytest.mark.parametrize(

@@ -106,3 +106,24 @@ def test_a_tap_of_sinumerik_loses_its_axis_alone(machine):
     plain = run(head + tail, "siemens", machine)[0]
     lines = run(head + tap + "\n" + tail, "siemens", machine)[0]
     assert lines == [*plain[:2], tap, *plain[2:]]
+
+
+LINUXCNC = (
+    "G18 G{} G90 G21 G95\nS800 M3\nG0 X25. Z2.\nG76 P3 Z-23 I-.92 J.18 R1.5 K1.84 Q29.5 H1\n{}"
+)
+
+
+def test_g76_of_linuxcnc_stays_under_g7_and_leads_nowhere_known(machine):
+    """Releases differ on I J K of a diameter (cycles/threading.py), and it ends in Z at its word:
+    behind it the axes are known again where the program names them."""
+    lines, notices = run(LINUXCNC.format(7, "G0 X70.\nZ50.\nG1 Z-9. F.1\n"), "linuxcnc", machine)
+    assert lines[3] == "G76 P3 Z-23 I-.92 J.18 R1.5 K1.84 Q29.5 H1"
+    assert lines[4] == "G0 X70.", "Z is not known there"
+    assert lines[5] != "Z50."
+    assert any("stays as it is, in step with the spindle" in n for n in notices)
+
+
+def test_g76_of_linuxcnc_is_written_out_under_g8(machine):
+    with pytest.raises(ProgramError, match=r"G76 \(threading in many passes\)") as error:
+        run(LINUXCNC.format(8, "G0 X70. Z50.\n"), "linuxcnc", machine)
+    assert "--expand" in error.value.advice

@@ -16,7 +16,8 @@ from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
-from postproc.nc.lexer import Grammar, lex
+from postproc.nc.grammar import Grammar
+from postproc.nc.lexer import lex
 
 ROOT = Path(__file__).resolve().parents[1]
 SEMICOLON = st.sampled_from(["comment", "end of block"])

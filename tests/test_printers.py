@@ -141,6 +141,15 @@ def test_levelling_passes_and_places_are_lost_behind_it(level):
     assert filter_.modal.known[:3].all() == level.startswith("M420")
 
 
+def test_smoothie_stands_nowhere_behind_its_homing_by_hand():
+    """G92.4 (Robot.cpp): the slides stay, what they are called changes."""
+    lines = written("G0 X10 Y10 Z5\nG92.4 X0\nG0 X20\nG0 Y20\nG0 Z6\n", "smoothie", HOME)
+    assert lines[1] == "G92.4 X0"
+    assert lines[2].startswith("G0 X20")
+    assert "Y" not in lines[2]
+    assert "Z" not in lines[3]
+
+
 @pytest.mark.parametrize("dialect", ["grbl", "grblhal", "fluidnc", "smoothie"])
 def test_grbl_begins_in_g0(dialect):
     """gc_state is cleared before the first line, and 0 is MOTION_MODE_SEEK (gnea/grbl, gcode.c and

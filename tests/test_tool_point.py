@@ -447,3 +447,27 @@ def test_m128_of_heidenhain(tmp_path):
     assert verifier.passed
     judged = tool_point.judge(truth, text, output.replace("+", ""), "M128", "M129", LENGTH)
     assert judged.tip < TOLERANCE + 0.0001 + machine.bounds.second_order < judged.tip_before
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
+        "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT TIP-TIP F1000",
+    ],
+)
+def test_function_tcpm_is_m128(call):
+    """TNC 640, TNC 620, "FUNCTION TCPM": F TCP is the speed of the tip, AXIS POS takes rotary words
+    as places of the axes, PATHCTRL AXIS leads the tip straight. Programs move as under M128."""
+    machine = places.load("example-five-axis")
+    text = (
+        "BEGIN PGM A MM\nTOOL CALL 1 Z S1000\nL X+0 Y+0 Z-300 A+0 C+0 R0 FMAX M3\n{}\n"
+        "L X+10 Y+10 A-10 C+20 F500\nL X+20 Y+10 A-20 C+40\n{}\nL Z-200 FMAX\nEND PGM A MM\n"
+    )
+    offsets = {"T1": {"Z": 100.0}, "G54": {}}
+    old = corrected(machine, "heidenhain", text.format("M128", "M129"), offsets)[0]
+    new, verifier = corrected(
+        machine, "heidenhain", text.format(call, "FUNCTION RESET TCPM"), offsets
+    )
+    assert new.replace(call, "M128").replace("FUNCTION RESET TCPM", "M129") == old
+    assert verifier.passed and verifier.uncorrected.deviation > 0.005

@@ -120,7 +120,7 @@ def attempt(program: Any, machine: Machine, options: argparse.Namespace) -> atte
 
 
 def defaults() -> argparse.Namespace:
-    """The options of `gcomp compensate` as they are where nobody says anything."""
+    """The options of `gcomp compensate` as they are by default."""
     parser = argparse.ArgumentParser(add_help=False)
     command.arguments(parser)
     return parser.parse_args([])

@@ -2,7 +2,7 @@
 before they are given.
 
 What is done by itself is what a person would do who reads the advice, and only where that changes
-nothing but the length of the program: DESIGN.md, "One run".
+nothing but the length of the program: docs/DESIGN.md.
 """
 
 from __future__ import annotations
@@ -172,7 +172,7 @@ class _Tries:
         if options.expand:
             written = expansion.written_out(done.filter, self.source, options)
         else:
-            # Not asked for: no text is taken that nobody named.
+            # Not asked for: no text is taken that was not named.
             here = Path(options.file).parent if options.file not in (None, "-") else Path()
             library = expansion.Library([*map(Path, options.library)], done.filter.notices, (here,))
             text = self.source.read(intake.PROGRAM)

@@ -90,7 +90,7 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
 
     keys: dict[int, str] = {}
     standing: list[dict[str, Any]] = []
-    again = options.force or repeats(options)
+    repeat = options.force or repeats(options)
 
     def open_jobs() -> Iterator:
         for job in todo:
@@ -99,7 +99,7 @@ def _results(todo: list, options: argparse.Namespace, ledger) -> Iterator[dict[s
             except UsageError as error:
                 standing.append(_refused(job, str(error)))
                 continue
-            known = None if again else ledger.done(job.output, key)
+            known = None if repeat else ledger.done(job.output, key)
             if known:
                 standing.append(
                     {

@@ -55,10 +55,8 @@ def of_text(
     )
     # The tracker follows everything that is written out; what it can not follow matters only to the
     # filter behind it.
-    tracked, limits = (
-        Interpreter(filter_.dialect, filter_.setup),
-        Limits(options.max_steps, options.max_depth),
-    )
+    tracked = Interpreter(filter_.dialect, filter_.setup)
+    limits = Limits(options.max_steps, options.max_depth)
     compensator = filter_.compensator
     return Written(
         program, tracked, limits, compensator.keeps if keeps else None, compensator.tolerance

@@ -181,8 +181,8 @@ def _ballbar(options: argparse.Namespace) -> dict[str, float]:
 
 
 def _squareness(options: argparse.Namespace) -> dict[str, tuple[float, str, float | None]]:
-    """Name to rad, how it was found, and its standard uncertainty, rad, None where nobody said what
-    the lengths are worth. Raises UsageError for a pair that is said twice."""
+    """Name to rad, how it was found, and its standard uncertainty, rad, None where what
+    the lengths are worth is not stated. Raises UsageError for a pair that is said twice."""
     found: dict[str, tuple[float, str, float | None]] = {}
     pairs: dict[str, str] = {}
     for name, value, how, u_of in [*options.squareness, *options.drift, *options.diagonals]:

@@ -102,7 +102,7 @@ def _new(options: argparse.Namespace) -> int:
 
 
 def _check(machine: Machine, options: argparse.Namespace) -> int:
-    """What is doubtful, then what nobody measured. Returns DOUBTFUL where something is in doubt."""
+    """What is doubtful, then what is not measured. Returns DOUBTFUL where something is in doubt."""
     as_json.put(options.json, machine_facts.document([machine_facts.of(machine)]))
     out = as_json.beside(options.json)
     doubtful = implausible(machine)

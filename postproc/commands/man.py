@@ -23,7 +23,7 @@ STATUS = (
     ("2", "refused: the message says where, what, and the way out; nothing was written"),
     ("10 to 17", "a streamed job ended early: see docs/STREAMING.md"),
     ("130", "interrupted"),
-    ("141", "nobody read the output any more"),
+    ("141", "the reader of the output is gone"),
 )
 ENVIRONMENT = (
     ("NO_COLOR", "no colour on a terminal"),

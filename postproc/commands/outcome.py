@@ -27,7 +27,7 @@ class Verified:
     in its play;
     tolerance_um: what was asked; allowed_um: what is let pass (tolerance, hysteresis, half an
     increment); map_u_um: how well the map itself is known on the path (95 %), None where its folder
-    does not say; not_stated: errors of the map whose uncertainty nobody states; report: all of it
+    does not say; not_stated: errors of the map whose uncertainty is not stated; report: all of it
     as a sentence.
     """
 

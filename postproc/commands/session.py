@@ -176,10 +176,8 @@ def _entry(everywhere: Section, one: Section, base: ReadingOptions, format: str)
         both = {**everywhere.get(key, {}), **one.get(key, {})}
         return {x: one.number(x, at=key, of=both) for x in both}
 
-    others, moved = (
-        numbers("others"),
-        said("component", base.component)[-1:] or said("axis", base.axis),
-    )
+    others = numbers("others")
+    moved = said("component", base.component)[-1:] or said("axis", base.axis)
     _check_letters(everywhere, one, others)
     sign, first = said("sign", 1), said("first", "")
     for key, value, allowed in (("sign", sign, (1, -1)), ("first", first, ("", "+", "-"))):

@@ -248,8 +248,8 @@ def _nominal(
         )
     with ports.opened(options.nominal) as (source, name, _):
         text = source.read(intake.PROGRAM + 1)
-    run_, _, again = _timeline(options, machine, limits, text, name)
-    if again:
+    run_, _, marked = _timeline(options, machine, limits, text, name)
+    if marked:
         raise UsageError(
             f"{name} is corrected too", "--nominal names the program that was given to gcomp"
         )
@@ -280,10 +280,10 @@ def _read(options: argparse.Namespace, machine: Machine, text: bytes, name: str)
     from postproc.simulate.program import Reader
 
     def make(bare: Machine, start: dict[str, float]) -> Filter:
-        again = argparse.Namespace(
+        own = argparse.Namespace(
             **(vars(options) | {"start": options.start | start, "temperatures": None})
         )
-        return reading.filter_of(again, bare, text[: ports.HEAD])
+        return reading.filter_of(own, bare, text[: ports.HEAD])
 
     reader = Reader(machine, make, name, options.feed / 60.0)
     start: dict[str, float] = {}

@@ -35,7 +35,7 @@ file? PROGRAM  the program; - is standard input
 --resolution UM  step of a reading (0: none)
 --zero UM  zero of the set-up, or first (the first reading is zero), or random
 --sensor-noise K  standard deviation of temperatures
---without COLUMN,...  channels that nobody recorded, like T_screw_Z_C; T: all temperatures
+--without COLUMN,...  channels to leave out of the recording, like T_screw_Z_C; T: all temperatures
 [how the control and the room are]
 --corner LENGTH  by how much corners between feeds are cut (0.01mm; 0: not at all)
 --feed MM_MIN  of motions before the first F, mm/min

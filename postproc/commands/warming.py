@@ -63,7 +63,7 @@ def of(
     if live:
         read = log.Newest(read, _fresh(name, read, used))
     heat = Heat(
-        found, read, begin, options.pace, _rates(options, machine, dialect),
+        found, read, begin, options.pace, _rates(machine, dialect),
         steps(found, tolerance), live or options.hold_temperature,
     )  # fmt: skip
     notices += _notices(machine, heat, out)
@@ -96,7 +96,7 @@ def _told_by_then(read: log.Log, used: list[str], begin: float) -> None:
 
 def _fresh(name: str, first: log.Log, used: list[str]) -> Callable[[], log.Log]:
     """The log as it is now, read again where it was written, and looked at each time. Raises
-    LogError: a job must not go on with what nobody measured."""
+    LogError: a job must not go on with what was not measured."""
     held, stamp, since, text = first, None, time.monotonic(), b""
 
     def fresh() -> log.Log:
@@ -142,7 +142,7 @@ def _lines_of(name: str, before: bytes) -> bytes:
     return text
 
 
-def _rates(options: argparse.Namespace, machine: Machine, dialect: Dialect) -> clock.Rates:
+def _rates(machine: Machine, dialect: Dialect) -> clock.Rates:
     fastest = np.array([axis.velocity or clock.VELOCITY for axis in machine.axes.values()])
     slides = tuple(i for i, x in enumerate(machine.letters) if x in XYZ)
     return clock.Rates(fastest, slides, dialect)

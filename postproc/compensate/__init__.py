@@ -1,11 +1,12 @@
 """Motions + machine -> pieces: what to command so that the actual path is the nominal one.
 
 One inverse for the sum of all effects (inverse.py), one rule for the direction of approach
-(approach.py), straight motions cut at the nodes of the tables (lines.py), arcs kept where provably
-within tolerance (arcs.py).
+(approach.py), straight motions cut at the nodes of the tables (cut.py), arcs kept where they are
+provably within tolerance (fit.py).
 """
 
-from postproc.compensate.compensator import Carry, Compensator, Options
+from postproc.compensate.compensator import Compensator
+from postproc.compensate.settings import Carry, Options
 from postproc.pieces import Pieces
 
 __all__ = ["Carry", "Compensator", "Options", "Pieces"]

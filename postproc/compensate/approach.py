@@ -3,9 +3,14 @@
 A slide is driven through a nut with play B: commanded c, it stands at the nearest point of c - B/2
 .. c + B/2 to where it stood. So a slide that is to stand at w needs c = w + B/2 when it last moved
 in +, c = w - B/2 when it last moved in -, and the step from one to the other (the take-up) where it
-turns back. That holds for an axis that the program moves and for one that only its corrections
-move. The wanted positions of an axis that rests wander to and fro by less than anybody can see; a
-slide keeps its side until it has to turn back by more than the hysteresis H.
+turns back:
+
+    moving in +   [w---------c----------]  -->         <--  [----------c---------w]   moving in -
+                  c - B/2         c + B/2                   c - B/2         c + B/2
+
+That holds for an axis that the program moves and for one that only its corrections move. The wanted
+positions of an axis that rests wander to and fro; a slide keeps its side until it has to turn back
+by more than the hysteresis H.
 
 Both are one operator, the play (backlash) operator of Krasnosel'skii and Pokrovskii: a state r that
 is carried along inside w - H/2 .. w + H/2. The side is the direction in which r moved last, and r +
@@ -27,7 +32,7 @@ FAR = np.int64(2**62)  # ticks: a clamp that far apart holds nothing
 
 @columns
 class Sides:
-    """What of the lost motion one batch hands to the next. side (A,): -1, 0 (nobody knows), +1;
+    """What of the lost motion one batch hands to the next. side (A,): -1, 0 (unknown), +1;
     middle (A,): ticks, the state r; taken (A,): ticks of the ramp that have been travelled, from
     -reach to +reach; begun (A,): whether the axis has stood at a known place."""
 

@@ -7,7 +7,6 @@ A stroke is a motion, or a part of one between two places where a two-way axis t
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,13 +16,11 @@ from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
+from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.compensate.compensator import Carry, Compensator
 
 
 def _leashed(kept: int, own: int, most: int) -> int:
@@ -49,15 +46,15 @@ class Batch:
 
     def __init__(
         self,
-        compensator: Compensator,
+        settings: Settings,
         motions: Motions,
         carry: Carry,
         span: tuple[float, float] = (0.0, 1.0),
     ):
         """span: from where to where in t, of one motion that is corrected in parts."""
-        self.c, self.m, self.carry, self.span = compensator, motions, carry, span
-        self.machine, self.options = compensator.machine, compensator.options
-        self.rows, self.fixed = compensator.rows, compensator.fixed
+        self.c, self.m, self.carry, self.span = settings, motions, carry, span
+        self.machine, self.options = settings.machine, settings.options
+        self.rows, self.fixed = settings.rows, settings.fixed
         self.notices: list[Notice] = []
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
@@ -86,10 +83,8 @@ class Batch:
         self.arc_of = np.empty(len(m), np.int64)
         self.arc_of.fill(-1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
-        self.arc_start, self.arc_target = (
-            m.start.take(arcs.motion, axis=1) / TICKS_PER_MM,
-            m.target.take(arcs.motion, axis=1) / TICKS_PER_MM,
-        )
+        self.arc_start = m.start.take(arcs.motion, axis=1) / TICKS_PER_MM
+        self.arc_target = m.target.take(arcs.motion, axis=1) / TICKS_PER_MM
         motion, t0 = np.arange(len(m)), np.zeros(len(m))
         t1 = t0 + 1.0
         self.tip = isinstance(self.machine, TipMachine)
@@ -137,10 +132,10 @@ class Batch:
         self.sure[1:] &= self.sure_after[:-1]
         # Strokes before which lost motion may be taken up.
         self.cutting = free & (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
-        self.told = self.places.rows.take(
+        self.correctable = self.places.rows.take(
             motion, axis=1
         )  # (A, S) axes whose correction can be told
-        self.left = ~(free & self.told) & (m.word < 0).take(motion, axis=1)
+        self.left = ~(free & self.correctable) & (m.word < 0).take(motion, axis=1)
         # So does everything where the nominal path does not move at all.
         self.left |= idle & free & self.sure & ~travel.any(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
@@ -174,10 +169,8 @@ class Batch:
         for end, column in ((1.0, m.target), (0.0, m.start)):
             if np.count_nonzero(t == end) == n:
                 return column.take(motion, axis=1) / TICKS_PER_MM
-        start, target = (
-            m.start.take(motion, axis=1) / TICKS_PER_MM,
-            m.target.take(motion, axis=1) / TICKS_PER_MM,
-        )
+        start = m.start.take(motion, axis=1) / TICKS_PER_MM
+        target = m.target.take(motion, axis=1) / TICKS_PER_MM
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
         if on_arc.any():
@@ -260,7 +253,7 @@ class Batch:
             self.end[on, inner] = self.grid(inner, self.end_nominal.take(inner, axis=1))[self.fixed]
         for row in self.fixed:
             self.end[row, self.last] = nominal_ticks[row, self.last]
-        untold = ~(self.told & free)
+        untold = ~(self.correctable & free)
         if np.count_nonzero(untold):
             self.end = np.where(untold, nominal_ticks, self.end)
         self.before = np.empty_like(self.end)
@@ -295,7 +288,7 @@ class Batch:
             self.wanted[:, which] = self.grid(which, exact)
         for row in self.fixed:
             self.wanted[row] = self.before[row]
-        self.wanted = np.where(self.told, self.wanted, self.before)
+        self.wanted = np.where(self.correctable, self.wanted, self.before)
 
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its
@@ -304,7 +297,7 @@ class Batch:
         free, known = self.free[self.motion], self.known_before
         held = ~self.travel.all(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
-        quiet = known.all() and self.told.all() and self.leash is None
+        quiet = known.all() and self.correctable.all() and self.leash is None
         if quiet and not (
             np.count_nonzero(self.turning) or held[self.rows].any() or np.count_nonzero(self.left)
         ):
@@ -357,11 +350,9 @@ class Batch:
         onward = ~jumped
         onward[:1] = False
         onward[1:] &= still[1:] == still[:-1] + 1
-        exact, hold, stays = (
-            self.exact[row, still] * TICKS_PER_MM,
-            self.hold[still],
-            self.left[row, still],
-        )
+        exact = self.exact[row, still] * TICKS_PER_MM
+        hold = self.hold[still]
+        stays = self.left[row, still]
         side = self.bound[row, still] * self.weight_begin[row, still]
         # It rests where it is between these; what keeps its side is not moved back.
         low = np.where(stays | (side < 0), -np.inf, exact - hold)

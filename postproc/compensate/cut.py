@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.compensate import cutter, nodes
+from postproc.compensate import cutter, fit, nodes
+from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import points
 from postproc.compensate.batch import Batch, written_centre
-from postproc.compensate.fit import Fitter, Rows
 from postproc.compensate.increments import increments, rounded
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
@@ -169,11 +169,9 @@ def _cuts(b: Batch, chosen: np.ndarray):
     beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
     owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
     for more, at in _ramp_ends(b, chosen):
-        owner, t, axis = (
-            np.concatenate([owner, more]),
-            np.concatenate([t, at]),
-            np.concatenate([axis, np.full(len(at), -1)]),
-        )
+        owner = np.concatenate([owner, more])
+        t = np.concatenate([t, at])
+        axis = np.concatenate([axis, np.full(len(at), -1)])
     if b.inside:
         may = cutter.may_cut(b, chosen, owner, t)
         more, at = cutter.edges(b, chosen)
@@ -190,34 +188,24 @@ def _cuts(b: Batch, chosen: np.ndarray):
     correction = exact - (start.take(owner, axis=1) + (target - start).take(owner, axis=1) * t)
     # The ends are settled already, rounding and all.
     every = np.arange(len(chosen))
-    begin, end = (
-        b.begin.take(chosen, axis=1) / TICKS_PER_MM - start,
-        b.end.take(chosen, axis=1) / TICKS_PER_MM - target,
-    )
-    owner, t = (
-        np.concatenate([owner, every, every]),
-        np.concatenate([t, np.zeros(len(every)), np.ones(len(every))]),
-    )
-    correction, exact = (
-        np.concatenate([correction, begin, end], axis=1),
-        np.concatenate([exact, start, target], axis=1),
-    )
+    begin = b.begin.take(chosen, axis=1) / TICKS_PER_MM - start
+    end = b.end.take(chosen, axis=1) / TICKS_PER_MM - target
+    owner = np.concatenate([owner, every, every])
+    t = np.concatenate([t, np.zeros(len(every)), np.ones(len(every))])
+    correction = np.concatenate([correction, begin, end], axis=1)
+    exact = np.concatenate([exact, start, target], axis=1)
     written = correction + np.concatenate(
         [written, np.zeros((len(written), 2 * len(every)))], axis=1
     )
     order = nodes.tidy(owner, t)
-    owner, t, correction, exact = (
-        owner[order],
-        t[order],
-        correction.take(order, axis=1),
-        exact.take(order, axis=1),
-    )
+    owner = owner[order]
+    t = t[order]
+    correction = correction.take(order, axis=1)
+    exact = exact.take(order, axis=1)
     onward = _onward(b, chosen[owner], t, exact)
-    correction, exact, written = (
-        correction + onward,
-        exact + onward,
-        written.take(order, axis=1) + onward,
-    )
+    correction = correction + onward
+    exact = exact + onward
+    written = written.take(order, axis=1) + onward
     tolerance = np.where(b.travel.take(chosen, axis=1) == 0, b.c.chord / 2, b.c.chord)
     tolerance += (
         b.m.grid.take(b.motion[chosen], axis=1) / TICKS_PER_MM / 2
@@ -225,7 +213,7 @@ def _cuts(b: Batch, chosen: np.ndarray):
     rows = b.rows
     cut = nodes.merge(owner, t, correction[rows], written[rows], tolerance[rows]).nonzero()[0]
     if b.machine.turning:
-        return _on_increments(b, chosen, owner[cut], t[cut], exact.take(cut, axis=1))
+        return _on_increments(b, chosen, owner[cut], t[cut])
     return owner[cut], t[cut], exact.take(cut, axis=1)
 
 
@@ -251,9 +239,7 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
     return more
 
 
-def _on_increments(
-    b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray, exact: np.ndarray
-):
+def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray):
     """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one
     is 2 um at 200 mm."""
     rows = list(b.machine.turning)
@@ -265,10 +251,8 @@ def _on_increments(
     )
     k = np.arange(len(owner))
     turns = way[row, k] != 0
-    start, step = (
-        b.begin_nominal[row, chosen[owner]],
-        b.m.grid[row, b.motion[chosen[owner]]] / TICKS_PER_MM,
-    )
+    start = b.begin_nominal[row, chosen[owner]]
+    step = b.m.grid[row, b.motion[chosen[owner]]] / TICKS_PER_MM
     moved = (start + np.rint(way[row, k] * t / step) * step - start) / np.where(
         turns, way[row, k], 1.0
     )
@@ -354,7 +338,7 @@ def arc_pieces(b: Batch):
         ),
         **cutter.arcs_inside(b),
     )  # fmt: skip
-    rows = fitter.settle(rows)
+    rows = fit.settle(fitter, rows)
     order = np.rint((rows.t0 - b.t0[rows.stroke]) * 2**30).astype(np.int64)
     code = np.where(rows.chord, FEED, m.code[motion[rows.stroke]])
     nominal = np.rint(

@@ -105,10 +105,8 @@ def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
     on = np.flatnonzero((arc >= 0) & (b.m.cutter[b.motion] != FREE))
     if len(on):
         arcs, arc, travel = b.m.arcs, arc[on], travel.copy()
-        angle, sense = (
-            arcs.angle[arc] + arcs.sweep[arc] * (1 - 1e-4),
-            np.sign(arcs.sweep[arc]).astype(np.int64),
-        )
+        angle = arcs.angle[arc] + arcs.sweep[arc] * (1 - 1e-4)
+        sense = np.sign(arcs.sweep[arc]).astype(np.int64)
         travel[arcs.first[arc], on] = sense * np.sign(-np.sin(angle)).astype(np.int64)
         travel[arcs.second[arc], on] = sense * np.sign(np.cos(angle)).astype(np.int64)
     return travel

@@ -5,118 +5,41 @@ A circle stays a circle only under a similarity; a map that stretches X and Z di
 an ellipse. So each arc is sampled so that nothing can hide between two samples
 (postproc.compensate.samples), once, and every piece is a run of these samples: all of the arc if
 that will do, else both halves, else as much at a time as will do. `Proof` says what will do.
+
+    samples          .  .  .  .  .  .  .  .  .  .  .  .  .
+    all              |-----------------------------------|
+    both halves      |-----------------|-----------------|
+    the longest run  |-----------|                            then the rest, in the same way
+    one interval     |--|                                     is looked at closer, with new samples
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from postproc.compensate.arc_rows import Fitter, Rows, joined
 from postproc.compensate.prove import Proof
 from postproc.compensate.samples import Samples, taken
-from postproc.machine.model import Machine
-from postproc.motions import Arcs
-from postproc.records import columns
-from postproc.units import TICKS_PER_MM
 
-SHORTEST = 3  # least increments: a shorter arc is a chord
 NEARLY = 100  # a run is the longest that will do if one longer by a sixth of its samples will not
 LEVELS = 14  # times that what one sample interval is too long for is looked at closer
 
 
-@columns
-class Rows:
-    """R parts of arcs. arc (R,): row of Arcs; stroke (R,); t0, t1 (R,): part of the arc; begin, end
-    (A, R): ticks commanded; accepted as an arc with centre (2, R) ticks from begin, written as
-    radius (R,) ticks, the R word, where that is not 0, or as a chord where chord (R,)."""
-
-    arc: np.ndarray
-    stroke: np.ndarray
-    t0: np.ndarray
-    t1: np.ndarray
-    begin: np.ndarray
-    end: np.ndarray
-    centre: np.ndarray
-    radius: np.ndarray
-    chord: np.ndarray
-
-    def pick(self, which: np.ndarray) -> Rows:
-        if which.dtype == bool:
-            which = which.nonzero()[0]
-        fields = Rows.__dataclass_fields__
-        return Rows(**{f: getattr(self, f).take(which, axis=-1) for f in fields})
-
-    def __len__(self) -> int:
-        return len(self.arc)
-
-
-def joined(parts: Sequence[Rows]) -> Rows:
-    """Several sets of rows in one."""
-    fields = Rows.__dataclass_fields__
-    return Rows(**{f: np.concatenate([getattr(r, f) for r in parts], axis=-1) for f in fields})
-
-
-Needed = Callable[[Rows, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-
-
-@columns
-class Fitter:
-    """What the fit must know. start, target (A, n) mm of the arcs; tolerance mm in the plane, and
-    along the third axis, and total in all; needed(rows, row, t, nominal) -> (A, K) mm: the exact
-    command at a place; weight(rows) -> (A, R): side of approach along plain ones;
-    led(rows, row, command) -> (A, K) mm: not beyond where lost motion holds the axes `followed`;
-    round_to(stroke, command) -> ticks; plain (n,): arcs along which only the map bends the
-    command; single (n,): arcs that nothing stands before in their own block, where the word that
-    counts turns is."""
-
-    machine: Machine
-    arcs: Arcs
-    start: np.ndarray
-    target: np.ndarray
-    tolerance: float
-    tolerance_across: float
-    total: float
-    mismatch: float
-    needed: Needed
-    weight: Callable[[Rows], np.ndarray]
-    led: Callable[[Rows, np.ndarray, np.ndarray], np.ndarray]
-    round_to: Callable[[np.ndarray, np.ndarray], np.ndarray]
-    plain: np.ndarray
-    followed: np.ndarray
-    base: np.ndarray  # (2, n) ticks of the written centre words, from the start
-    step: np.ndarray  # (A, n) ticks of a least increment of each axis' word
-    single: np.ndarray
-    inside: np.ndarray  # (n,) bool: inside cutter radius compensation (postproc.compensate.cutter)
-    shortest: np.ndarray  # (n,) mm: a piece of such an arc has at least this way
-    tool: np.ndarray  # (n,) mm: radius of a tool on the arc's inside, 0: outside, nan: not stated
-
-    def settle(self, rows: Rows) -> Rows:
-        """Accept, cut or turn to chords until every part is within tolerance; in no particular
-        order."""
-        done: list[Rows] = []
-        closer = replace(self, plain=np.zeros_like(self.plain))
-        for level in range(LEVELS + 1):
-            if not len(rows):
-                break
-            rest: list[Rows] = []
-            for which, samples in taken(self if level == 0 else closer, rows):
-                Cutting(self, rows.pick(which), samples, done, rest).run(level == LEVELS)
-            rows = joined(rest) if rest else rows.pick(np.zeros(0, np.int64))
-        return joined(done)
-
-    def short(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
-        """(R,) parts not to be cut again: shorter than the control resolves well, and flatter
-        than a share of the tolerance."""
-        sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
-        radius = self.arcs.radius[rows.arc]
-        sagitta = radius * (1 - np.cos(np.minimum(sweep, np.pi) / 2))
-        tiny = (
-            sweep * radius
-            < SHORTEST * self.arcs.grid.take(rows.arc, axis=1).max(axis=0) / TICKS_PER_MM
-        )
-        return tiny, sagitta < self.tolerance / 8
+def settle(f: Fitter, rows: Rows) -> Rows:
+    """Accept, cut or turn to chords until every part is within tolerance; in no particular
+    order."""
+    done: list[Rows] = []
+    closer = replace(f, plain=np.zeros_like(f.plain))
+    for level in range(LEVELS + 1):
+        if not len(rows):
+            break
+        rest: list[Rows] = []
+        for which, samples in taken(f if level == 0 else closer, rows):
+            Cutting(f, rows.pick(which), samples, done, rest).run(level == LEVELS)
+        rows = joined(rest) if rest else rows.pick(np.zeros(0, np.int64))
+    return joined(done)
 
 
 class Cutting:
@@ -130,11 +53,9 @@ class Cutting:
 
     def pick(self, which: np.ndarray) -> None:
         """Go on with some rows alone."""
-        self.rows, self.samples, self.low = (
-            self.rows.pick(which),
-            self.samples.pick(which),
-            self.low[which],
-        )
+        self.rows = self.rows.pick(which)
+        self.samples = self.samples.pick(which)
+        self.low = self.low[which]
 
     def run(self, final: bool) -> None:
         """Cut all; final: what is no arc is made a chord."""

@@ -10,13 +10,14 @@ bends stays, and is said. The level R and the way back are rapids, and stay as w
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from postproc.compensate.batch import Batch
 from postproc.compensate.inverse import command
 from postproc.compensate.known import known
+from postproc.compensate.settings import Settings
 from postproc.errors import MotionFault, Notice
 from postproc.machine.model import Machine
 from postproc.machine.tip import TipMachine
@@ -24,9 +25,6 @@ from postproc.motions import Holes, Motions
 from postproc.units import TICKS_PER_MM, UM
 
 DEPTHS = 33  # places down a hole that lies along no slide
-
-if TYPE_CHECKING:
-    from postproc.compensate.compensator import Compensator
 
 
 class Axis(NamedTuple):
@@ -119,7 +117,7 @@ def _bends(b: Batch, k: int, bend: float, depth: np.ndarray) -> None:
         )
 
 
-def straight(c: Compensator, m: Motions, tolerance: float) -> bool:
+def straight(c: Settings, m: Motions, tolerance: float) -> bool:
     """Whether every hole of these motions bends by less than `tolerance` mm, from whatever side its
     place is reached, and keeps a depth: so its cycle can stay.
 
@@ -144,7 +142,7 @@ def straight(c: Compensator, m: Motions, tolerance: float) -> bool:
     return True
 
 
-def _sides(c: Compensator, row: int) -> np.ndarray:
+def _sides(c: Settings, row: int) -> np.ndarray:
     """(A, S): every side from which the axes but that of the hole may have come."""
     rows = [r for r in np.flatnonzero(c.machine.two_way) if r != row] if c.follows else []
     sides = np.zeros((len(c.machine.letters), 2 ** len(rows)))

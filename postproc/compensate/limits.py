@@ -261,14 +261,14 @@ def at_stop(b: Batch) -> np.ndarray:
     free = (b.free & (b.m.code <= FEED))[b.motion]
     for row in b.rows:
         edges = b.machine.axes[b.machine.letters[row]].travel
-        for nominal, place, told in (
+        for nominal, place, correctable in (
             (b.begin_nominal[row], b.begin[row], b.m.start_known[row, b.motion] & b.known_before),
             (b.end_nominal[row], b.end[row], b.m.target_known[row, b.motion]),
         ):
             low, high = (np.abs(nominal - edge) <= EDGE for edge in edges)
             at = place / TICKS_PER_MM
             out = (low & (at < edges[0] - EDGE)) | (high & (at > edges[1] + EDGE))
-            result[b.motion[free & told & out]] = True
+            result[b.motion[free & correctable & out]] = True
     return result
 
 
@@ -276,7 +276,7 @@ def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction,
     mm."""
     free = b.free[b.motion]
-    counts = (b.told & free).take(b.c.at, axis=0)
+    counts = (b.correctable & free).take(b.c.at, axis=0)
     correction = np.where(counts, np.abs(b.exact - b.end_nominal).take(b.c.at, axis=0), 0.0)
     largest = b.machine.limits.max_correction
     most = float(correction.max(initial=0.0))

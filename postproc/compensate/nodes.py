@@ -100,6 +100,13 @@ def merge(
     motion and axis. Greedy: from the last cut a piece grows while its chord, rounded ends and all,
     passes within tolerance of every candidate between; the slopes that do so form an interval per
     axis, which each further candidate narrows. All motions take their k-th step together.
+
+        correction            .-- high     high, low: the steepest and the flattest line from A
+              ^         o  .-'             that passes every candidate so far within tolerance
+              |      o  .-'    o   o
+              |   o  .-'  _.-- low         the chord from A to the next candidate must lie between
+              |  A .-'_.-'                 them; where it does not, the candidate before is a cut,
+              +--------------------> t     and the next A
     """
     first = np.flatnonzero(np.concatenate([[True], owner[1:] != owner[:-1]]))
     count = np.diff(np.concatenate([first, [len(owner)]]))

@@ -17,16 +17,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.samples import Samples, bend
 from postproc.motions import centre_by_radius
 from postproc.units import TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.compensate.fit import Fitter, Rows
 
 TURN = 2 * np.pi
 SAME_ANGLE = 1e-9  # rad: below what two ends one tick apart make of any arc within travel

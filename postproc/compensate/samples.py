@@ -8,17 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.inverse import command
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, Stretches, stretches
 from postproc.records import columns
-
-if TYPE_CHECKING:
-    from postproc.compensate.fit import Fitter, Rows
 
 MOST_SAMPLES = 80_000  # worked on at once: more leave the processor's cache, and take memory
 
@@ -201,8 +198,8 @@ def _commands(
     guess -= found
     miss = np.abs(guess, out=guess).max(axis=0)
     exact = nominal + found
-    again = miss * machine.bounds.steepest > f.total * SHARE / 8
-    if again.any():
-        motion = f.arcs.motion[rows.arc][row[again]]
-        exact[:, again] = command(machine, nominal[:, again], weight[:, again], motion)
+    missed = miss * machine.bounds.steepest > f.total * SHARE / 8
+    if missed.any():
+        motion = f.arcs.motion[rows.arc][row[missed]]
+        exact[:, missed] = command(machine, nominal[:, missed], weight[:, missed], motion)
     return (f.led(rows, row, exact) if len(f.followed) else exact), miss

@@ -103,7 +103,7 @@ class Course:
         if len(free):
             at, weight = at.take(free), self.spread(side.take(free, axis=1))
             found = b.command(at, b.t1.take(at), b.reached.take(at, axis=1), weight)
-            told = b.told.take(at, axis=1)
+            told = b.correctable.take(at, axis=1)
             result[:, free] = np.where(told, found, result.take(free, axis=1))
         return result
 

@@ -20,18 +20,14 @@ linear map misses its chord by kink * step / 4.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.arcs import points
 from postproc.compensate.inverse import command
 from postproc.compensate.nodes import spread
 from postproc.records import columns
 from postproc.units import TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.compensate.fit import Fitter, Rows
 
 TURN = 2 * np.pi
 WIDEST = 0.5  # rad between two samples

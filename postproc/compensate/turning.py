@@ -193,19 +193,15 @@ def _on_straight(
     """(K,) motion, (K,) t and (A, K) mm of places along straight motions, in order, between which
     no deviation turns unseen."""
     m = b.m
-    start, target = (
-        m.start.take(chosen, axis=1) / TICKS_PER_MM,
-        m.target.take(chosen, axis=1) / TICKS_PER_MM,
-    )
+    start = m.start.take(chosen, axis=1) / TICKS_PER_MM
+    target = m.target.take(chosen, axis=1) / TICKS_PER_MM
     of, t, _ = nodes.candidates(b.machine, start, target, b.c.slack)
     zero = np.zeros(len(chosen))
     owner, t = np.concatenate([chosen[of], chosen, chosen]), np.concatenate([t, zero, zero + 1])
     order = np.lexsort((t, owner))
     owner, t = owner[order], t[order]
-    begin, end = (
-        m.start.take(owner, axis=1) / TICKS_PER_MM,
-        m.target.take(owner, axis=1) / TICKS_PER_MM,
-    )
+    begin = m.start.take(owner, axis=1) / TICKS_PER_MM
+    end = m.target.take(owner, axis=1) / TICKS_PER_MM
     return owner, t, begin + (end - begin) * t
 
 

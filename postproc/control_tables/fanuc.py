@@ -69,10 +69,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         files, back = _files(settings, pitch, form, options, notices)
         _advice(settings, options, notices)
     if cross := [t for t in tables if t.moving != t.along]:
-        name, data = (
-            f"{options.program}_straightness.csv",
-            _straightness(cross, options, notices, shifts),
-        )
+        name = f"{options.program}_straightness.csv"
+        data = _straightness(cross, options, notices, shifts)
         files[name] = data
         back += straightness(Source(name, data), options)
     got = {t.name: t for t in back}

@@ -53,7 +53,7 @@ KEYS = (
 
 
 def _sign(options: ExportOptions) -> float:
-    """Of the deviation in the table. Raises UsageError where nobody said it."""
+    """Of the deviation in the table. Raises UsageError where it is not stated."""
     if "cec_sign" not in options.extra:
         raise UsageError("cec_sign is not said, - or +", STATED["cec_sign"])
     return common.sign(options, "cec_sign", "")

@@ -4,22 +4,24 @@ trusted."""
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import chi2
 
 from postproc.diagnose import telegraph
 from postproc.diagnose.answer import Diagnosis, Finding
-from postproc.diagnose.explained import shares
+from postproc.diagnose.explained import shares, white
+from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import PROCESSES
-from postproc.diagnose.sets import Found, Sets
+from postproc.diagnose.sets import MATERIAL, Found, Sets
 from postproc.diagnose.unknown import Unknown, mapped
 
-# smaller is not worth a word
-LEAST_MM = {"laser": 5e-4, "angle": 5e-7, "tool": 5e-4, "scale": 4e-4}
 OF_ALL = 0.2  # of what was there: less is not worth a word
 OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of their form
 # readings; parts into which targets are cut; of the squares without a curve
 FEWEST, FOLDS, FORETELLS = 6, 5, 0.95
 # times the noise of readings that took no part: 84 nulls left 2.05 at most
 UNFORETOLD = 2.5
+# lags and fewest readings of a test of white noise; one recording in a million fails it by chance
+LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
@@ -31,7 +33,8 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     for f in d.findings:
         if d.doubts:
             f.status = "tentative"
-    left = sorted([*_left(d, sets, state), *_unforetold(d, sets)], reverse=True)
+    found = [*_left(d, sets, state), *_unforetold(d, sets), *_autocorrelated(d, sets, state)]
+    left = sorted(found, reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
         sizes = [_size(f.contribution[own]) for own in parts]
@@ -108,6 +111,11 @@ def _size(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(off**4) / (3.0 * square))) if square > 0 else 0.0
 
 
+def _least(unit: Unit) -> float:
+    """mm or rad: what is smaller is as little worth a word as a name of it is."""
+    return MATERIAL * 1e-3 if unit.sees == "angle" else MATERIAL
+
+
 def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, int]]:
     """(times what is worth a word, rms mm, unit) of processes that are no error of form."""
     said = shares(sets.evidence, state.fit)
@@ -117,7 +125,7 @@ def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, in
         own = part.unit.rows
         values = sum((said[kind][own] for kind in PROCESSES if kind in said), np.zeros(len(own)))
         rms, explained = _size(values), _size(said["effects"][own])
-        least = LEAST_MM.get(part.unit.sees, LEAST_MM["tool"])
+        least = _least(part.unit)
         there = float(np.std(d.before[own]))
         if rms > max(least, OF_EXPLAINED * explained, OF_ALL * there):
             found.append((rms / least, rms, unit))
@@ -134,8 +142,33 @@ def _unforetold(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
             continue
         rms, ground = (float(np.sqrt(np.mean(v[own] ** 2))) for v in (d.after, d.noise))
         explained = float(np.std((d.before - d.after)[own]))
-        least = LEAST_MM.get(part.whole.sees, LEAST_MM["tool"])
+        least = _least(part.whole)
         if rms > max(UNFORETOLD * ground, least, OF_EXPLAINED * explained):
+            found.append((rms / least, rms, unit))
+    return found
+
+
+def _autocorrelated(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, int]]:
+    """The same of units of targets whose white noise is none: readings resemble those some readings
+    before. Box and Ljung, On a measure of lack of fit in time series models, Biometrika 65, 1978,
+    297, on residuals cut at three standard deviations."""
+    said = shares(sets.evidence, state.fit)
+    left = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
+    sigma = white(sets.evidence, state.fit)
+    found = []
+    for unit, part in enumerate(sets.evidence.parts):
+        own = part.unit.rows
+        if part.unit.dense or len(own) < SERIES:
+            continue
+        z = np.clip(left[own] / sigma[own], -3.0, 3.0)
+        z -= z.mean()
+        lags = np.arange(1, LAGS + 1)
+        r = np.array([z[k:] @ z[:-k] for k in lags]) / (z @ z)
+        n = len(z)
+        portmanteau = n * (n + 2) * float(np.sum(r**2 / (n - lags)))
+        rms, explained = float(np.std(left[own])), _size(said["effects"][own])
+        least = _least(part.unit)
+        if chi2.sf(portmanteau, LAGS) < BY_CHANCE and rms > max(least, OF_EXPLAINED * explained):
             found.append((rms / least, rms, unit))
     return found
 

@@ -4,7 +4,7 @@ enter linearly: blocks of columns as the readings would show them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import combinations
 from types import ModuleType
 
@@ -28,20 +28,20 @@ PAUSE = 4.0  # times the usual wait between two readings: between two runs or re
 NOTHING = 1e-12  # mm
 NEVER = 1e5  # s: an axis that has not turned back
 FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
+SMOOTH, WAVE = 4, 0.2  # degree of a curve; share of a wave's squares that it must leave
 FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
 
 
 @dataclass(frozen=True)
 class Block:
     """One way to explain: an effect, its axis, its shape, and the (N, K) mm that it would add to
-    the readings. tool: (K,) mm, by how much the tool is off at most; none: as the readings show."""
+    the readings."""
 
     module: ModuleType
     axis: str
     shape: tuple[tuple[str, float], ...]
     columns: np.ndarray
     siblings: int = 1
-    tool: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def largest(self) -> np.ndarray:
@@ -113,18 +113,10 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
 
 def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: the columns of an effect as the readings show them."""
-    return shown(rows, module, axis, shape)[0]
-
-
-def shown(
-    rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]
-) -> tuple[np.ndarray, np.ndarray]:
-    """(N, K) mm: the columns of an effect as the readings show them, and (K,) mm: by how much the
-    tool is off at most."""
     value = module.columns(rows.state, axis, **shape)
     seen = visible(rows, module)
     if value.ndim == 2:
-        return np.where(seen, value, 0.0).T, np.zeros(0)
+        return np.where(seen, value, 0.0).T
     # The difference of two places; what comes with time or with the tool is in one of its walls.
     both = not {"part", "material", "time"} & set(module.NEEDS) or getattr(module, "WALLS", False)
     if rows.other and "part" in module.SEES and module.PER != "all" and both:
@@ -132,8 +124,7 @@ def shown(
         there = second_place(rows, part)
         value = value.copy()
         value[:, :, part] -= module.columns(there, axis, **shape)
-    off = np.sqrt(np.max((value[:, :, seen] ** 2).sum(axis=1), axis=1, initial=0.0))
-    return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0), off
+    return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:
@@ -172,16 +163,32 @@ def blocks(rows: Rows) -> list[Block]:
             shapes = list(_shapes(rows, name, module, axis))
             found = []
             for shape in shapes:
-                columns, tool = shown(rows, module, axis, shape)
+                columns = read(rows, module, axis, shape)
                 keep = np.abs(columns).max(axis=0) > 1e-9
-                if keep.all() and np.isfinite(columns).all():
-                    found.append((shape, columns, tool))
+                if not keep.all() or not np.isfinite(columns).all():
+                    continue
+                if "period_mm" not in shape or not _looks_smooth(rows, axis, columns):
+                    found.append((shape, columns))
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
-            made = [
-                Block(module, axis, tuple(sorted(s.items())), c, number, t) for s, c, t in found
-            ]
+            made = [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
             result += made if axis else [b for b in made if not _of_one_axis(b, result)]
     return result
+
+
+def _looks_smooth(rows: Rows, axis: str, columns: np.ndarray) -> bool:
+    """Whether a wave in place is, at the targets of every signal, nearly a polynomial: the targets
+    stand farther apart than half its period, in step with it (aliasing; ISO 230-2 asks for targets
+    at uneven distances for that reason)."""
+    share = rows.state.share(axis)
+    seen = np.abs(columns).max(axis=1) > NOTHING
+    for signal in np.unique(rows.signal[seen]):
+        own = seen & (rows.signal == signal)
+        curve = np.polynomial.legendre.legvander(share[own], SMOOTH)
+        left = columns[own] - curve @ np.linalg.lstsq(curve, columns[own], rcond=None)[0]
+        whole = columns[own] - columns[own].mean(axis=0)
+        if np.sum(left**2) > WAVE * np.sum(whole**2):
+            return False
+    return True
 
 
 def _of_one_axis(block: Block, others: list[Block]) -> bool:
@@ -282,10 +289,9 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
                 shapes = [{"period_mm": p} | module.PLAIN for p in peaks]
             for shape in shapes:
-                columns, tool = shown(rows, module, axis, shape)
-                both = swings(columns)
-                columns, tool = columns[:, both], tool[both] if len(tool) else tool
+                columns = read(rows, module, axis, shape)
+                columns = columns[:, swings(columns)]
                 if columns.shape[1]:
                     named = tuple(sorted(shape.items()))
-                    result.append(Block(module, axis, named, columns, spectra.TRIED, tool))
+                    result.append(Block(module, axis, named, columns, spectra.TRIED))
     return result

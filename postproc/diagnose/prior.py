@@ -28,7 +28,9 @@ def cost_of(block: Block) -> float:
     """What a block pays for its name and for the shapes that it was chosen from, twice the
     logarithm."""
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
-    return ODDS + 2 * float(np.log(block.siblings)) + RARE.get(block.name, 0.0) + again
+    further = getattr(block.module, "further_cost", None)
+    rare = RARE.get(block.name, 0.0) + (further(block.axis, dict(block.shape)) if further else 0.0)
+    return ODDS + 2 * float(np.log(block.siblings)) + rare + again
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

@@ -166,18 +166,18 @@ class Search:
         """Without members, the weakest first, until every one is worth its place."""
         while True:
             best = self.sets.at_own_form(best)
-            rests = [(k, self.sets.without(best, k)) for k in best.members]
-            worth = [
-                (best.score - rest.score if self.sets.fits(best.fit, k) else -np.inf, rest)
-                for k, rest in rests
+            rests = [self.sets.without(best, k) for k in best.members]
+            if not self._plausible(best):
+                # One may be of no plausible size, or too small, because of another beside it.
+                best = max(rests, key=lambda rest: (self._plausible(rest), rest.score))
+                continue
+            rests += [
+                self.sets.of(best.members, best.fit.on - {process}, best) for process in best.fit.on
             ]
-            for process in best.fit.on:
-                rest = self.sets.of(best.members, best.fit.on - {process}, best)
-                worth.append((best.score - rest.score, rest))
-            weakest = min(worth, key=lambda w: w[0], default=None)
-            if weakest is None or weakest[0] >= self.least:
+            likeliest = max(rests, key=lambda rest: rest.score, default=None)
+            if likeliest is None or best.score - likeliest.score >= self.least:
                 return best
-            best = weakest[1]
+            best = likeliest
 
     def _exchanged(self, state: Found) -> list[Found]:
         """Sets in which another name stands in the place of one of the members."""

@@ -69,10 +69,10 @@ def worth(sets: Sets, fit: Fit, block: Block) -> float:
 
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     """The block in another shape; None where these readings do not show all of it."""
-    columns, tool = library.shown(sets.rows, block.module, block.axis, shape)
+    columns = library.read(sets.rows, block.module, block.axis, shape)
     if not (np.abs(columns).max(axis=0) > 1e-9).all():
         return None
-    return replace(block, shape=tuple(sorted(shape.items())), columns=columns, tool=tool)
+    return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
 
 
 def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:

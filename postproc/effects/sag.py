@@ -39,6 +39,9 @@ PARAMETERS = {
         " load"
     ),
 }
+# Twice the logarithm of how much seldomer a curve of the own place alone is sag: it is how straight
+# the axis moves, which `bow` stands for; a second axis or a load tells that a mass bends it.
+OWN_PLACE = 8.0
 NODES = 25  # over a travel: between them less than 1 % of the size is left
 OPTIONAL = {
     "lever": 0.0,
@@ -78,6 +81,13 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
     names = ("along", "lever", "beam", "overhang", "free_end", "begins", "ram", "usual_N")
     return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
+
+
+def further_cost(axis: str, shape: dict[str, float]) -> float:
+    """Twice the logarithm of how much seldomer a shape is than the others of this effect."""
+    beam = int(shape["beam"])
+    alone = not shape["lever"] and not shape["usual_N"] and (beam < 0 or XYZ[beam] == axis)
+    return OWN_PLACE if alone else 0.0
 
 
 def columns(

@@ -167,7 +167,7 @@ class Heat:
         return found
 
     def _stops(self, stops: int) -> list[Notice]:
-        """What is said of stops whose time nobody knows, where the clock counts."""
+        """What is said of stops of unknown time, where the clock counts."""
         if not stops or (isinstance(self.log, Newest) and all(d.column for d in self.drivers)):
             return []
         message = (

@@ -119,10 +119,12 @@ def _along_axis(recording: Recording, letter: str, at: dict[str, float]) -> Moti
     run = recording.columns.get("run", np.ones(len(recording)))
     test, subject, sign, why = _kind(recording, letter, sensitive)
     approach = _approach(recording, [letter], {letter: 1.0})
-    told = ("readings were taken towards - of the axis: their sign is turned",) if sign < 0 else ()
+    turned = (
+        ("readings were taken towards - of the axis: their sign is turned",) if sign < 0 else ()
+    )
     return Motion(
         test, subject, letter, {letter: 1.0}, stood, recording.position(letter), approach,
-        sign * recording.reading, run, recording, why, (*told, *_left_out(recording, approach)),
+        sign * recording.reading, run, recording, why, (*turned, *_left_out(recording, approach)),
     )  # fmt: skip
 
 
@@ -191,7 +193,7 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
     position = np.sum([recording.position(x) * v for x, v in unit.items()], axis=0)
     approach = _approach(recording, list(axes), unit)
     stood = {x: float(recording.position(x).mean()) for x in recording.axes if x not in axes}
-    told = (
+    turned = (
         ("readings were taken towards the other end: their sign is turned",) if cosine < 0 else ()
     )
     shown = " ".join(f"{x}{unit[x]:+.3f}" for x in axes)
@@ -199,7 +201,7 @@ def _along_diagonal(recording: Recording, direction: dict[str, float]) -> Motion
         "diagonal", name, axes, unit, stood, position - position.min(), approach,
         np.sign(cosine) * recording.reading, recording.columns.get("run", np.ones(len(recording))),
         recording, f"{', '.join(axes)} move together along {shown}, displacement is read along it",
-        (*told, *_left_out(recording, approach)),
+        (*turned, *_left_out(recording, approach)),
     )  # fmt: skip
 
 

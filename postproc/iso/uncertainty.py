@@ -100,7 +100,7 @@ def _of_length(stated: Stated, length: float, of: frozenset[str]) -> Iterator[Te
 
 
 def missing(stated: Stated, has_device: bool, length: bool, angle: bool = False) -> str:
-    """A sentence that names the influences that nobody has stated, empty where all are."""
+    """A sentence that names the influences that are not stated, empty where all are."""
     own = stated.device_angle if angle else stated.device
     needed: dict[str, tuple[float | None, ...]] = {
         "the device": () if has_device else (own,),
@@ -150,7 +150,7 @@ def of_positioning(test: Positioning) -> dict[str, float]:
             out["M"] = range_uncertainty(test.middle[None], _of_two(noise, 0.5))
     for name, value in test.values.items():
         if value is not None and name[0] in "RA":
-            out[name] = _of_s(test, name, noise)
+            out[name] = _of_s(test, name)
     return out
 
 
@@ -166,7 +166,7 @@ def _of_two(noise: Noise, factor: float) -> Noise:
     )
 
 
-def _of_s(test: Positioning, name: str, noise: Noise) -> float:
+def _of_s(test: Positioning, name: str) -> float:
     """U of R or A at the targets where it is found. Per cell: variance s^2/n of a mean,
     s^2/(2(n-1)) of an s."""
     rows = {"+": [0], "-": [1]}.get(name[1:], [0, 1])

@@ -248,10 +248,8 @@ class Bounds:
                 lean += 2 * float(np.linalg.norm(stands[3:]))
             if x in m.expansions:
                 rate = abs(m.expansions[x].rate)
-                shift, shift_rise = (
-                    shift + rate * self._travel(x),
-                    shift_rise + rate * np.abs(way[rows[x]]),
-                )
+                shift = shift + rate * self._travel(x)
+                shift_rise = shift_rise + rate * np.abs(way[rows[x]])
             total += 2 * shift_rise * angle + shift * angle**2
             total += lean_rise * (4 * angle * arm + 2 * slide) + lean * (
                 4 * angle**2 * arm + 4 * angle * slide
@@ -271,10 +269,8 @@ class Bounds:
             shift_rise = shift_rise + np.minimum(float(np.linalg.norm(slope[:3])) * way, 2 * more)
             lean_rise = lean_rise + np.minimum(float(np.linalg.norm(slope[3:])) * way, 2 * turn)
         for grid in self.machine.grids_of[letter]:
-            more, turn = (
-                float(np.linalg.norm(grid.sizes[:3])),
-                float(np.linalg.norm(grid.sizes[3:])),
-            )
+            more = float(np.linalg.norm(grid.sizes[:3]))
+            turn = float(np.linalg.norm(grid.sizes[3:]))
             shift, lean = shift + more, lean + turn
             shift_rise, lean_rise = shift_rise + 2 * more, lean_rise + 2 * turn
         return shift, lean, shift_rise, lean_rise

@@ -1,5 +1,9 @@
 """Who carries whom: "w-b-Z-X-t" reads workpiece, bed, Z carries X, tool. An axis between w and b
-carries the workpiece.
+carries the workpiece. A lathe, w-b-Z-X-t:
+
+    workpiece ... bed === Z carriage === X slide --- tool tip
+                             |<---------- r_Z ---------->|     the tool, and where X stands
+                                            |<-- r_X --->|     the tool alone
 
 Deviation of the tool relative to the workpiece, first order (ISO 230-1, rigid-body kinematics):
 

@@ -189,8 +189,8 @@ def _of_effect(
 
     name = f"{term.name} of {x}"
     if term.name == "spindle_growth" and p["tau_s"] > 0:
-        told = tuple(sorted(p.items()))
-        return [Driver(name, x, "", 0.0, nodes, np.full(2, UM), told)] if spindles else []
+        named = tuple(sorted(p.items()))
+        return [Driver(name, x, "", 0.0, nodes, np.full(2, UM), named)] if spindles else []
     columns_of, unit = _unit(term, nodes)
     column = _first(columns_of, columns)
     return [Driver(name, x, column, np.nan, nodes, unit * UM)] if column else []

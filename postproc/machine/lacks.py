@@ -1,4 +1,4 @@
-"""What a machine's map does not hold: what nobody measured is zero in it, and looks like a machine
+"""What a machine's map does not hold: what was not measured is zero in it, and looks like a machine
 without that error."""
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def _square(machine: Machine) -> list[str]:
     way = {x: high - low for x, (low, high) in ((x, a.travel) for x, a in machine.axes.items())}
     lengths = [max(way[a], way[b]) for a, b in pairs]
     return [
-        f"squareness of {', '.join(map(''.join, pairs))}, which nobody measured: 100 urad would be "
+        f"squareness of {', '.join(map(''.join, pairs))}, not measured: 100 urad would be "
         f"{', '.join(f'{SQUARE * v / UM:.1f}' for v in lengths)} um at the far corner"
     ]
 
@@ -70,7 +70,7 @@ def _lines(machine: Machine) -> list[str]:
     bare = [
         x for x in machine.chain.rotary if x not in stated and not machine.axes[x].location.any()
     ]
-    return [f"how the line of {', '.join(bare)} lies, which nobody measured"] if bare else []
+    return [f"how the line of {', '.join(bare)} lies, which was not measured"] if bare else []
 
 
 def _components(machine: Machine) -> list[str]:

@@ -39,7 +39,7 @@ class EffectTerm:
     slides stand, none for an effect that a place alone does not decide. spread: for each parameter
     whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
     by how much U changes the tables. measured mm: from where to where readings told it; its tables
-    stay beyond what they are at the ends; None where nobody said."""
+    stay beyond what they are at the ends; None where not stated."""
 
     name: str
     axis: str
@@ -85,7 +85,7 @@ class Machine:
     they are stated; signs: "verified" where a measurement after compensation has shown them,
     "unverified" where it is said that none has, "" where nothing is said; tool_stated: whether the
     folder states the tool's point; tool_point: how the control follows it; growth: what moves it
-    from moment to moment (growth.py), empty where nobody follows its temperatures."""
+    from moment to moment (growth.py), empty where its temperatures are not followed."""
 
     name: str
     title: str

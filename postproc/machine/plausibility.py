@@ -1,5 +1,5 @@
 """What looks like a slip in a machine's file: sizes that no machine has, lost motion of the wrong
-sign, corrections that its own limits refuse. What nobody measured is no slip: lacks.py."""
+sign, corrections that its own limits refuse. What was not measured is no slip: lacks.py."""
 
 from __future__ import annotations
 

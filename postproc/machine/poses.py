@@ -168,11 +168,9 @@ def _turns_to(machine: Machine, normal: np.ndarray) -> list[tuple[float, ...]]:
     if len(ways) == 1:
         return _about_to(ways[0], tool, normal)
     first, second = ways
-    along, across, lifted = (
-        tool - second * (second @ tool),
-        np.cross(second, tool),
-        second * (second @ tool),
-    )
+    along = tool - second * (second @ tool)
+    across = np.cross(second, tool)
+    lifted = second * (second @ tool)
     size, phase = np.hypot(first @ along, first @ across), np.arctan2(first @ across, first @ along)
     rest = (first @ normal - first @ lifted) / size if size > ONE else 2.0
     if abs(rest) > 1 + ONE:

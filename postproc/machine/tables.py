@@ -1,8 +1,14 @@
-"""The measured errors of one moving axis: six components over its position, by direction of
+r"""The measured errors of one moving axis: six components over its position, by direction of
 approach.
 
 Linear between nodes, as every documented control interpolates its own table; held beyond the ends
 (whether a position may lie there is not decided here).
+
+    forward    o---------o             value = mean + approach * half
+    mean      /     *     \              mean  = base + rise * share
+    reverse  o             o- - -        half  = (forward - reverse) / 2, interpolated likewise
+             |-------|-----|             approach: +1 bears forward, -1 reverse, 0 not known
+          interval 0 share
 """
 
 from __future__ import annotations

@@ -7,15 +7,14 @@ Writes no file. Numbers are given in the units of the format, deviations to 0.1 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
+from postproc import toml_text as toml
 from postproc.machine.chain import LINEAR
 
-BARE = re.compile(r"[A-Za-z0-9_-]+")
 DECIMALS = 4
 FIRST = ("format", "name", "title", "control", "chain", "diameter", "reversal", "source", "signs")
 NESTED = ("axes", "squareness")  # what they hold by a name is a section of its own
@@ -32,9 +31,9 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
     """machine.toml. data: as TOML reads it; comments: dotted key ("axes.Z.travel", or "" for the
     top of the file) to what stands behind it. Keys keep their order within the order of the
     format."""
-    lines = [f"# {_comment(line)}" for line in comments.get("", "").splitlines()]
+    lines = [f"# {toml.comment(line)}" for line in comments.get("", "").splitlines()]
     plain = [k for k in data if not _is_section(data[k])]
-    lines += [entry(k, data[k], comments.get(k, "")) for k in sorted(plain, key=_rank(FIRST))]
+    lines += [toml.entry(k, data[k], comments.get(k, "")) for k in sorted(plain, key=_rank(FIRST))]
     sections = [k for k in data if _is_section(data[k])]
     for key in sorted(sections, key=_rank(SECTIONS)):
         for section in _sections(key, data[key], comments):
@@ -45,11 +44,13 @@ def machine_toml(data: Mapping[str, Any], comments: Mapping[str, str]) -> str:
 def _sections(key: str, value: Any, comments: Mapping[str, str]) -> list[list[str]]:
     """The lines of a section and of those below it, or of each of a list."""
     if isinstance(value, list):
-        return [[f"[[{key}]]", *(entry(k, v, "") for k, v in part.items())] for part in value]
+        return [[f"[[{key}]]", *(toml.entry(k, v, "") for k, v in part.items())] for part in value]
     below = {k: part for k, part in value.items() if key in NESTED and isinstance(part, Mapping)}
     own = {k: value[k] for k in value if k not in below}
     found = [_section(key, own, comments)] * (key != "axes")
-    return found + [_section(f"{key}.{_key(name)}", part, comments) for name, part in below.items()]
+    return found + [
+        _section(f"{key}.{toml.key(name)}", part, comments) for name, part in below.items()
+    ]
 
 
 def axis_table(
@@ -58,7 +59,7 @@ def axis_table(
     """`Z.csv`. columns: name with unit and direction ("EZZ_um_fwd") to (K,) values in that unit;
     comments: lines above."""
     position = f"{letter}_mm" if letter in LINEAR else f"{letter}_deg"
-    lines = [f"# {_comment(c)}" for c in comments] + [",".join([position, *columns])]
+    lines = [f"# {toml.comment(c)}" for c in comments] + [",".join([position, *columns])]
     for k, node in enumerate(nodes):
         lines.append(
             ",".join(
@@ -73,7 +74,7 @@ def runs_table(letter: str, rows: Iterable[Mapping[str, Any]], comments: Iterabl
     below by name; None and NaN are left empty. No reader of machines needs it."""
     position = f"{letter}_mm" if letter in LINEAR else f"{letter}_deg"
     names = (position, "component", "approach", "unit", "runs", "mean", "s", "value", "u", "U95")
-    lines = [f"# {_comment(c)}" for c in comments] + [",".join(names)]
+    lines = [f"# {toml.comment(c)}" for c in comments] + [",".join(names)]
     for row in rows:
         cells = []
         for name in names:
@@ -103,46 +104,5 @@ def _is_section(value: Any) -> bool:
 
 def _section(name: str, data: Mapping[str, Any], comments: Mapping[str, str]) -> list[str]:
     return [f"[{name}]"] + [
-        entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()
+        toml.entry(key, value, comments.get(f"{name}.{key}", "")) for key, value in data.items()
     ]
-
-
-def entry(key: str, value: Any, comment: str = "") -> str:
-    """A line of TOML, with its comment."""
-    line = f"{_key(key)} = {_value(value)}"
-    return f"{line:<38} # {_comment(comment)}" if _comment(comment) else line
-
-
-def _key(key: str) -> str:
-    return key if BARE.fullmatch(key) else _text(key)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, float):
-        return repr(float(value))
-    if isinstance(value, Mapping):
-        inner = ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items())
-        return "{ " + inner + " }" if inner else "{}"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    return _text(str(value))
-
-
-def _text(value: str) -> str:
-    """A TOML basic string: quotes, backslashes and what can not be printed escaped."""
-    escaped = _encodable(value).replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in escaped) + '"'
-
-
-def _comment(text: str) -> str:
-    """One line that can stand behind a `#`: a file's name may hold anything."""
-    return "".join(c if c.isprintable() else " " for c in _encodable(text)).strip()
-
-
-def _encodable(text: str) -> str:
-    """Bytes of a file name that are no UTF-8 come as lone surrogates, which no file can hold."""
-    return text.encode("utf-8", "replace").decode()

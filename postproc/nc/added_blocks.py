@@ -3,18 +3,14 @@ act behind the last of them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.motions import RAPID
 from postproc.nc import codes
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
+from postproc.nc.writing import Writing
 
 
-def late_codes(b: Batch) -> None:
+def late_codes(b: Writing) -> None:
     """M codes that act after the motion go to its last piece."""
     m, w = b.m, b.w
     cut = np.zeros(w.blocks, bool)
@@ -48,7 +44,7 @@ PLAIN_LEADS = [
 KLARTEXT_LEADS = [b"/ L" if k % 2 else b"L" for k in range(-2, 20)]
 
 
-def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
+def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
     """What surrounds the words of an added block: line ends, block delete, a code that
     changed."""
     m, p, w = b.m, b.p, b.w
@@ -56,7 +52,7 @@ def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
     block = m.block[motion]
     stop, rank, at = w.block_stop[block], b.rank(added), b.behind(motion)
     end = b.byte[stop]
-    marks = [ord(mark) for mark in (";", b.e.dialect.block_end) if mark]
+    marks = [ord(mark) for mark in (";", b.dialect.block_end) if mark]
     # it ends with its line, as nearly all do
     line = (stop < len(w.text)) & ~np.isin(end, marks)
     returns = (b.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
@@ -83,7 +79,7 @@ def frames_of_blocks(b: Batch, added: np.ndarray) -> None:
     b.splice.texts(at[others], at[others], rank[others] + 90, tail)
 
 
-def _ends(b: Batch, stop: int) -> tuple[bytes, bytes]:
+def _ends(b: Writing, stop: int) -> tuple[bytes, bytes]:
     """What stands before and behind an added block, after a block that ends at `stop`: at the
     end of the text, or with a mark of its own."""
     text = b.w.text

@@ -15,7 +15,7 @@ from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.face import planes
-from postproc.nc.lexer import ABSOLUTE, RELATIVE
+from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.positions import Places
 from postproc.records import columns
 from postproc.units import TICKS_PER_MM
@@ -186,6 +186,15 @@ def _empty() -> Arcs:
     )
 
 
+def _whole(batch: Batch) -> str:
+    """What else may be meant where a number without a point counts least increments."""
+    if batch.integers != "least increments":
+        return ""
+    return (
+        "; numbers without a point count least increments here, --integers units takes them whole"
+    )
+
+
 def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, counter):
     """(2, n) mm: the centre; what can not be one is blamed."""
     length = np.hypot(*(end - start))
@@ -196,7 +205,7 @@ def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, count
             blocks[short],
             f"R {abs(radius[i]):.4f} is too short: the end lies {length[i]:.4f} mm away (diameter"
             f" {2 * abs(radius[i]):.4f})",
-            "check R and the end point",
+            f"check R and the end point{_whole(batch)}",
         )
     batch.blame(
         blocks[by_radius & (length == 0)],
@@ -258,5 +267,5 @@ def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
             f" {arc_tolerance_mm:.4g} mm)",
             "I J K were read as "
             + ("absolute" if batch.held_absolute(blocks[i]) else "incremental")
-            + ": if the program means it the other way, say so with --arc-centre",
+            + f": if the program means it the other way, say so with --arc-centre{_whole(batch)}",
         )

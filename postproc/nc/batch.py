@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,14 +10,12 @@ from postproc.errors import BlockFault, Notice
 from postproc.motions import no_presets
 from postproc.nc import codes
 from postproc.nc.columns import hold_last
+from postproc.nc.control import Control
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
-from postproc.nc.lexer import HOMING, KEYWORD_LETTER, POWERS, Words
-from postproc.nc.state import NONE, ModalState, no_frame
+from postproc.nc.grammar import HOMING, KEYWORD_LETTER
+from postproc.nc.lexer import POWERS, Words
+from postproc.nc.state import NONE, InCycle, ModalState, no_frame
 from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.nc.holes import InCycle
-    from postproc.nc.interpreter import Interpreter
 
 LINEAR = "XYZUVW"
 ANY = bytes(range(256))
@@ -61,13 +58,9 @@ def _last_digit(scale: int) -> np.ndarray:
 class Batch:
     """The columns of one batch while they are worked out."""
 
-    def __init__(self, interpreter: Interpreter, words: Words, state: ModalState):
-        self.dialect, self.setup, self.rows = (
-            interpreter.dialect,
-            interpreter.setup,
-            interpreter.rows,
-        )
-        self.interpreter, self.words, self.state = interpreter, words, state
+    def __init__(self, control: Control, words: Words, state: ModalState):
+        self.dialect, self.setup, self.rows = control.dialect, control.setup, control.rows
+        self.control, self.words, self.state = control, words, state
         self.notices: list[Notice] = []
         self.reasons: list[tuple[str, str]] = [("", "")]
         self.n = words.blocks
@@ -144,7 +137,7 @@ class Batch:
         """Whether an M word takes the control back to the first block (M99 without P)."""
         w = self.words
         p = self.places.get("P", NO_WORDS)
-        return w.mantissa[place] in self.dialect.again and w.block[place] not in w.block[p]
+        return w.mantissa[place] in self.dialect.restarts and w.block[place] not in w.block[p]
 
     def once(self, letter: str) -> np.ndarray:
         """Word indices of a letter that may stand once in a block, or of which the last holds."""

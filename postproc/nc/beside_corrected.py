@@ -87,8 +87,6 @@ def _block(motions: Motions, pieces: Pieces, k: int) -> Block:
         rows = [int(arcs.first[arc]), int(arcs.second[arc])]
         first, second = ((pieces.start[rows, k] + pieces.centre[:, k]) / TICKS_PER_MM).tolist()
         sweep = float(arcs.sweep[arc] * pieces.share[k])
-        block.centre, block.turns = (
-            (first, second),
-            int(np.sign(sweep)) * max(ceil(abs(sweep) / (2 * pi) - 1e-9), 1),
-        )
+        block.centre = (first, second)
+        block.turns = int(np.sign(sweep)) * max(ceil(abs(sweep) / (2 * pi) - 1e-9), 1)
     return block

@@ -3,21 +3,17 @@ cut, none in a chord."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.motions import CLOCKWISE, COUNTER
 from postproc.nc.face import ON_FACE, PLANES
-from postproc.nc.lexer import RELATIVE
+from postproc.nc.grammar import RELATIVE
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, counts
+from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_MM
 
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
 
-
-def centre_words(b: Batch) -> None:
+def centre_words(b: Writing) -> None:
     """I J K or R of kept arcs; R becomes a centre where no R will do; none in what became a
     chord."""
     m, p = b.m, b.p
@@ -31,7 +27,7 @@ def centre_words(b: Batch) -> None:
     piece, arc = first_piece[mine], arc_of[mine]
     later = (~b.first & (p.arc >= 0)).nonzero()[0]
     _turns(b, mine[b.several[piece]])
-    if b.e.dialect.skips_centre:
+    if b.dialect.skips_centre:
         _outside_plane(b, mine[p.arc[piece] < 0])
     _radii(b, mine, piece, arc, later)
     later = later[p.radius[later] == 0]
@@ -41,7 +37,7 @@ def centre_words(b: Batch) -> None:
 
 
 def _radii(
-    b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray
+    b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, later: np.ndarray
 ) -> None:
     """R words: their numbers in the blocks that have them, none where a piece needs a centre, new
     ones behind."""
@@ -50,8 +46,8 @@ def _radii(
     b.delete(word[gone], mine[gone])
     kept = (b.p.radius[piece] != 0).nonzero()[0]
     number, decimals = _radius_number(b, piece[kept], arc[kept])
-    differs = number != b._stands(word[kept], decimals)
-    b._replace(word[kept], number, decimals, differs)
+    differs = number != b.stands(word[kept], decimals)
+    b.renumber(word[kept], number, decimals, differs)
     b.touched[mine[kept[differs]]] = True
     later = later[b.p.radius[later] != 0]
     number, decimals = _radius_number(b, later, b.p.arc[later])
@@ -62,7 +58,7 @@ def _radii(
     )
 
 
-def _radius_number(b: Batch, piece: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _radius_number(b: Writing, piece: np.ndarray, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(K,) whole numbers and decimals of the R words of pieces; the programmed number keeps its own
     decimals."""
     word, radius = b.m.arcs.words[2, arc], b.p.radius[piece]
@@ -73,7 +69,7 @@ def _radius_number(b: Batch, piece: np.ndarray, arc: np.ndarray) -> tuple[np.nda
     return counts(radius, np.full(len(arc), 1), decimals, _unit(b, arc, 0)), decimals
 
 
-def _spelling(b: Batch, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
+def _spelling(b: Writing, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
     """(K, L) uint8: what stands before the number of an R word, as the motion's own block has it: "
     R", " CR="."""
     word = b.m.arcs.words[2, arc]
@@ -85,7 +81,7 @@ def _spelling(b: Batch, motion: np.ndarray, arc: np.ndarray) -> np.ndarray:
     return prefix
 
 
-def _centres(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: int) -> None:
+def _centres(b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: int) -> None:
     """The words for k = 0 or 1, the plane's first or second centre word, in the motions' own
     blocks."""
     m, p, w = b.m, b.p, b.w
@@ -116,7 +112,7 @@ def _centres(b: Batch, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k: 
     b.touched[mine[replace]] = b.touched[mine[add]] = True
 
 
-def _further_centres(b: Batch, later: np.ndarray, k: int) -> None:
+def _further_centres(b: Writing, later: np.ndarray, k: int) -> None:
     """The same in blocks put in behind."""
     m, p, arc = b.m, b.p, b.p.arc[later]
     decimals = _centre_decimals(b, arc, k, np.full(len(later), -1))
@@ -129,13 +125,13 @@ def _further_centres(b: Batch, later: np.ndarray, k: int) -> None:
     _insert_centre(b, motion, arc, k, number, decimals, b.behind(motion), b.rank(later) + 30 + k)
 
 
-def _centre(b: Batch, piece, arc, k):
+def _centre(b: Writing, piece, arc, k):
     """(K,) ticks of an absolute centre word."""
     axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
     return b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
 
 
-def _by_letter(b: Batch, word) -> np.ndarray:
+def _by_letter(b: Writing, word) -> np.ndarray:
     """(K,) bool: words whose own spelling says whether they are absolute."""
     return (
         (word >= 0) & (b.w.letter[np.maximum(word, 0)] >= RELATIVE)
@@ -144,7 +140,7 @@ def _by_letter(b: Batch, word) -> np.ndarray:
     )
 
 
-def _unit(b: Batch, arc, k):
+def _unit(b: Writing, arc, k):
     """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
     axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
     scale = b.m.scale[axis, b.m.arcs.motion[arc]]
@@ -155,13 +151,13 @@ def _unit(b: Batch, arc, k):
     )
 
 
-def _centre_decimals(b: Batch, arc, k, word):
+def _centre_decimals(b: Writing, arc, k, word):
     least = np.rint(np.log10(_unit(b, arc, k) / b.m.arcs.grid[k, arc])).astype(np.int64)
     own = np.where(word >= 0, b.w.decimals[np.maximum(word, 0)], 0)
     return np.minimum(np.maximum(least, own), MOST_DECIMALS)
 
 
-def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None:
+def _insert_centre(b: Writing, motion, arc, k, number, decimals, at, rank) -> None:
     """Put the words for k = 0 or 1, the plane's first or second centre word, in at the places
     `at`."""
     letters = {
@@ -179,7 +175,7 @@ def _insert_centre(b: Batch, motion, arc, k, number, decimals, at, rank) -> None
     b.splice.numbers(at, at, rank, number, decimals, prefix)
 
 
-def _outside_plane(b: Batch, motion: np.ndarray) -> None:
+def _outside_plane(b: Writing, motion: np.ndarray) -> None:
     """Centre words outside of the plane, in what became a chord: no control takes them there."""
     place = (
         np.isin(b.w.letter, [ord(x) for x in "IJK"]) & np.isin(b.w.block, b.m.block[motion])
@@ -188,9 +184,9 @@ def _outside_plane(b: Batch, motion: np.ndarray) -> None:
     b.delete(place, np.searchsorted(b.m.block, b.w.block[place]))
 
 
-def _turns(b: Batch, motion: np.ndarray) -> None:
+def _turns(b: Writing, motion: np.ndarray) -> None:
     """P of an arc that was cut."""
-    if b.e.dialect.turns:
+    if b.dialect.turns:
         place = ((b.w.letter == ord("P")) & np.isin(b.w.block, b.m.block[motion])).nonzero()[0]
         owner = np.searchsorted(b.m.block, b.w.block[place])
         b.delete(place, owner)

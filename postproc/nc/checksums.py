@@ -103,8 +103,8 @@ def renumber(text: bytes, state: Numbering = START) -> tuple[bytes, Numbering]:
 
 def _reset(code: bytes, number: re.Match[bytes] | None, state: Numbering) -> Numbering:
     """The numbering behind M110: the number that stands behind it, or its own."""
-    if again := LATER_NUMBER.search(code, number.end() if number else 0):
-        return Numbering(int(again[1]), 0)
+    if named := LATER_NUMBER.search(code, number.end() if number else 0):
+        return Numbering(int(named[1]), 0)
     return Numbering(int(number[2]), 0) if number else state
 
 

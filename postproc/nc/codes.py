@@ -41,10 +41,11 @@ class Code:
 KEYWORD = 10_000
 KEYWORDS: list[str] = []  # every keyword that a dialect has named so far, in that order
 # What a code does to the coordinates: G52; G92, G92.1, G92.2, G92.3; G10; G43 H, G43.1, G43.2, G44,
-# G49; G54.1 P; G59 P; TRANS, ATRANS, G58, G59; G43.4, TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800,
-# PLANE; G12.1, G13.1.
+# G49; G54.1 P; G54 where a letter chooses the offset; G59 P; TRANS, ATRANS, G58, G59; G43.4,
+# TRAORI, TRAFOOF; G68.2, G69, G53.1, CYCLE800, PLANE; G12.1, G13.1.
 FRAME_KEYS = (
     "local",
+    "datum shift",
     "set",
     "set zero",
     "set off",
@@ -56,6 +57,7 @@ FRAME_KEYS = (
     "length minus",
     "no length",
     "extended",
+    "fixture",
     "trans",
     "atrans",
     "axis shift",
@@ -81,6 +83,7 @@ CYCLE_KEYS = ("drill", "tap", "there and back", "tap Z", "tap X", "engrave", "th
 CUTTER_KEYS = ("cutter",)  # the path lies beside the programmed one by the tool's radius
 STAY_KEYS = (
     "thread cycle",
+    "thread by diameter",
     "tapping cycle",
 )  # passes in step with the spindle: they stay as they are, uncorrected (left.py)
 # the axis words are data (limits, a pole): nothing moves, every place stays known
@@ -102,10 +105,6 @@ EXPAND = "--expand writes it out as plain blocks"
 # before a way out that a person must choose: nothing is written out by itself then
 IF_IT_IS = "if it is"
 CYCLE = f"its motions are worked out by the control: {EXPAND}"
-RADIUS_CYCLE = (
-    "its motions are worked out by the control: --expand writes it out under G8; under G7 releases"
-    " differ on I J K"
-)
 THREADING = (
     "it goes in step with the spindle and stays as it is: let the CAM program write its passes as"
     " G32 or G33"

@@ -3,20 +3,16 @@ coordinates given to the place where the machine stands."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.motions import Motions
 from postproc.nc.lexer import Words
 from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS, counts
 from postproc.nc.splice import Splice
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
+from postproc.nc.writing import Writing
 
 
-def hole_words(b: Batch) -> None:
+def hole_words(b: Writing) -> None:
     """The bottom's word of every hole: kept where it holds, else anew, or put in where the one of
     the hole before would hold and is another."""
     m, p, w, holes = b.m, b.p, b.w, b.m.holes

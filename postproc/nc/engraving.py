@@ -16,7 +16,8 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import Batch, written_codes
-from postproc.nc.holes import ACROSS, InCycle, in_cycle
+from postproc.nc.holes import ACROSS, in_cycle
+from postproc.nc.state import InCycle
 
 RAPID_FIRST = "the width of its letters is the control's: go on with G0 X Y in G90"
 FEEDS = (10, 20, 30)

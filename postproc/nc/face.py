@@ -21,7 +21,7 @@ import numpy as np
 from postproc.motions import COUNTER
 from postproc.nc.batch import Batch
 from postproc.nc.codes import TRANSFORM
-from postproc.nc.lexer import ABSOLUTE, AXES, RELATIVE
+from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import with_known, work_columns
 from postproc.spaces import Kinematics, Space
@@ -53,7 +53,7 @@ def spellings(b: Batch, plain: Spellings) -> Spellings:
     if not b.polar:
         return plain
     own, more = b.polar, INCREMENT[b.polar]
-    told = {
+    polar_axes = {
         "C": (
             "C",
             (own, chr(ABSOLUTE + AXES.index(own))),
@@ -61,7 +61,7 @@ def spellings(b: Batch, plain: Spellings) -> Spellings:
         ),
         "Y": ("Y", (), ()),
     }
-    return [told.get(axis, (axis, one, two)) for axis, one, two in plain]
+    return [polar_axes.get(axis, (axis, one, two)) for axis, one, two in plain]
 
 
 def planes(b: Batch) -> dict[int, tuple[str, str, str, str]]:

@@ -45,7 +45,13 @@ SIEMENS_WORDS = (  # plain to read, and not followed: message and advice
         "moves an axis by itself, beside the path",
         "write a G0 or G1 of that axis in its place",
     ),
+    (
+        expression(rb"(LEAD|TILT)[ \t]*=", re.IGNORECASE),
+        "leans the tool from the surface's normal",
+        "let the CAM program write A3 B3 C3, or the rotary axes",
+    ),
 )
+ORIENTATION = expression(rb"(?:.*[^A-Z0-9_$])?[ABC]([2-5])[ \t]*", re.IGNORECASE)
 LETTER_O = expression(
     rb"[0-9.][ \t]*[Oo](?=[0-9.\s]|\Z)|[A-NP-Za-np-z][ \t]*-?[ \t]*[Oo](?=[0-9.\s]|\Z)"
 )
@@ -53,6 +59,16 @@ POLAR = expression(rb"[@^][ \t]*[-+.0-9]")
 CORNER = expression(rb",[ \t]*([RCrc]|[Aa])")
 COMMA = expression(rb"[0-9],[0-9]")
 TWO_POINTS = expression(rb"[0-9]*\.[0-9]*\.")
+ANGLES = (
+    "the tool's direction by angles (A2 B2 C2) or by the surface's normal is not followed",
+    "let the CAM program write A3 B3 C3, or the rotary axes",
+)
+ORIENTATIONS = {
+    b"3": (
+        "A3 B3 C3 are the tool's direction, not places of axes",
+        "--expand writes the rotary axes in their place",
+    )
+}
 LONE_RETURN = expression(rb"\r(?![\r\n]|\Z)")
 LONE = 0x1D  # stands for a lone carriage return in what the lexer looks at
 
@@ -62,6 +78,11 @@ def line_at(text: bytes, offset: int) -> bytes:
     start = text.rfind(b"\n", 0, offset) + 1
     stop = text.find(b"\n", offset)
     return text[start : stop if stop >= 0 else len(text)]
+
+
+def line_until(text: bytes, offset: int) -> bytes:
+    """The line that an offset lies in, up to there."""
+    return text[text.rfind(b"\n", 0, offset) + 1 : offset]
 
 
 def advice_at(code: bytes, offset: int) -> str:
@@ -146,6 +167,8 @@ def what(text: bytes, code: bytes, offset: int, slash: bool, in_number: bool) ->
         return _slash(code, offset)
     if in_number:
         return f"{character!r} does not belong to a number here", advice_at(code, offset)
+    if character == "=" and (named := ORIENTATION.fullmatch(line_until(code, offset))):
+        return ORIENTATIONS.get(named[1], ANGLES)
     if character == "(" and code[offset - 1 : offset].isalnum() and ARGUMENTS.match(code, offset):
         return f"{character!r} is not part of a plain NC block", ADVICE_EXPRESSION
     if character == "(":

@@ -5,34 +5,31 @@ LinuxCNC takes F along X Y Z where any of them moves, else along U V W, else as 
 and gives the other axes the time that they need (emccanon.cc, getStraightVelocity; NIST IR 6556,
 2.1.2.5). With 9 um of correction in X a turn of 90 degrees at F360 would be one of 9 um at 360
 mm/min: as fast as the rotary axis can. So each piece gets the F with which it takes the time that
-it had, and the next motion the program's F again.
+it had, and the next motion the program's F again. Under G93 every piece of a block that was cut
+takes its part of the time.
 """
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.errors import BlockFault
 from postproc.motions import FEED, RAPID, THREAD
-from postproc.nc.numbers import INSERT_WORD
+from postproc.nc.lexer import Words
+from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
-    from postproc.nc.lexer import Words
 
 GROUPS = ("XYZ", "UVW", "ABC")  # the first of them that moves is the one whose way F is along
 SAME = 0.01  # of a feed: less is what every correction does to the length of a block
 
 
-def kept_feeds(b: Batch) -> float:
+def kept_feeds(b: Writing) -> float:
     """Write F where a block's pieces would else be run in another time. Returns the F that the
     output has in force where the program has another one, else nan. Raises BlockFault where a
-    correction would change a time that nobody knows."""
+    correction would change an unknown time."""
     m, p = b.m, b.p
-    rows = b.e.groups
+    # rows of each group of axes
+    rows = [[i for i, x in enumerate(b.axes) if x in group] for group in GROUPS]
     stands = b.state.feed
     special = _special(b, rows)
     if not np.count_nonzero(special) and stands != stands:
@@ -50,7 +47,8 @@ def kept_feeds(b: Batch) -> float:
             written = m.feed[i] if stands != stands else stands
             if p.code[k] == RAPID or abs(wanted - written) <= SAME * wanted:
                 continue
-            _write(b, i, k, wanted)
+            b.feed(k, np.format_float_positional(wanted, 7, fractional=False, trim="-").encode())
+            b.touched[i] = True
             stands = wanted if ratio[k] != 1.0 else np.nan
     return float("nan" if anew_behind else stands)
 
@@ -60,7 +58,7 @@ def states_feed(words: Words) -> bool:
     return bool((words.letter == ord("F")).any())
 
 
-def _stated(b: Batch) -> tuple[np.ndarray, bool]:
+def _stated(b: Writing) -> tuple[np.ndarray, bool]:
     """(N,) bool: an F stands in the motion's block, or in one since the motion before; and whether
     one stands behind the last."""
     blocks = b.w.block[b.w.letter == ord("F")]
@@ -68,7 +66,7 @@ def _stated(b: Batch) -> tuple[np.ndarray, bool]:
     return np.diff(count, prepend=0) > 0, len(blocks) > count[-1]
 
 
-def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
+def _special(b: Writing, rows: list[list[int]]) -> np.ndarray:
     """(N,) bool: corrected feeds in which axes beside X Y Z move."""
     m = b.m
     beside = rows[1] + rows[2]
@@ -83,9 +81,9 @@ def _special(b: Batch, rows: list[list[int]]) -> np.ndarray:
     return moves & feeds & known[rows[0]].all(axis=0)
 
 
-def _same_time(b: Batch, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
-    """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which nobody
-    knows how far it moves: the time of that block is not known."""
+def _same_time(b: Writing, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
+    """Raises BlockFault where X Y Z move by their correction alone, beside an axis of which it is
+    not known how far it moves: the time of that block is not known."""
     m, p = b.m, b.p
     led = (m.target != m.start)[linear].any(axis=0)
     shifted = np.zeros(len(m), bool)
@@ -100,7 +98,7 @@ def _same_time(b: Batch, linear: list[int], beside: list[int], turned: np.ndarra
         )
 
 
-def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
+def _ratios(b: Writing, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     """(P,) by how much F must be larger in each piece, 1 where it stays. Raises BlockFault where F
     is not known as a number."""
     m, p = b.m, b.p
@@ -128,7 +126,7 @@ def _ratios(b: Batch, rows: list[list[int]], special: np.ndarray) -> np.ndarray:
     return result
 
 
-def _along(b: Batch, rows: list[list[int]], way: np.ndarray, motion: np.ndarray):
+def _along(b: Writing, rows: list[list[int]], way: np.ndarray, motion: np.ndarray):
     """(K,) the length of `way` (A, K), ticks, that F is along, in mm, inches or degrees, and (K,)
     which of GROUPS that is."""
     linear = rows[0] + rows[1]
@@ -142,19 +140,30 @@ def _along(b: Batch, rows: list[list[int]], way: np.ndarray, motion: np.ndarray)
     return ways[own] * (TICKS_PER_MM / unit[own]), kind
 
 
-def _write(b: Batch, i: int, k: int, value: float) -> None:
-    """F into piece k of motion i."""
-    word, number = (
-        b.m.feed_word[i],
-        np.format_float_positional(value, 7, fractional=False, trim="-").encode(),
+def inverse_time(b: Writing) -> None:
+    """G93: every piece takes its part of the time. A take-up goes as fast as the motion it
+    precedes."""
+    m, p = b.m, b.p
+    for i in map(int, (m.inverse[p.motion] & b.several & (p.code != RAPID)).nonzero()[0]):
+        motion = p.motion[i]
+        share = p.share[i] or _take_up_share(b, i)
+        text = _seven_digits(m.feed[motion] / share)
+        b.feed(i, text)
+
+
+def _take_up_share(b: Writing, i: int) -> float:
+    """Length of a take-up over the length of its motion."""
+    p = b.p
+    own = np.linalg.norm((p.end[:, i] - p.start[:, i]).astype(float))
+    same = (p.motion == p.motion[i]).nonzero()[0]
+    whole = sum(
+        np.linalg.norm((p.end[:, j] - p.start[:, j]).astype(float))
+        for j in same
+        if not p.take_up[j]
     )
-    if b.first[k] and word >= 0:
-        b.splice.texts([b.w.number[word]], [b.w.stop[word]], [0], [number])
-    else:
-        at, rank = (
-            (b.at[i], INSERT_WORD + 50)
-            if b.first[k]
-            else (b.behind(i), b.rank(np.array([k]))[0] + 50)
-        )
-        b.splice.texts([at], [at], [rank], [(b" F" if b.spaced[i] else b"F") + number])
-    b.touched[i] = True
+    return float(own / whole) if whole else 1.0
+
+
+def _seven_digits(value: float) -> bytes:
+    """A feed with seven digits, no exponent."""
+    return f"{value:.{max(0, 6 - len(str(int(abs(value)))) + 1)}f}".encode()

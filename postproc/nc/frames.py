@@ -1,12 +1,11 @@
 """Shifts of the coordinates: G52, G92 and its kin, G10, G43 and its kin, G54.1, TRANS.
 
-A block that changes a shift begins a segment of its own, so that within a segment every shift is
-one number per axis and all else stays columns. What a shift depends on and nobody has said becomes
-a reason beside the motions: it matters only where a correction depends on the place.
+Within a segment, which a block that changes a shift begins, every shift is one number per axis.
+What a shift depends on and is not stated becomes a reason beside the motions: it matters only where
+a correction depends on the place.
 
-Sources: NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc
-B-63944EN, chapter "Coordinate system"; Siemens 840D Programming Guide Fundamentals, "Frame
-instructions".
+NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md); Fanuc B-63944EN,
+"Coordinate system"; Siemens 840D Programming Guide Fundamentals, "Frame instructions".
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ import numpy as np
 from postproc.nc import face, planes, spatial, swivel, tips
 from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
+from postproc.nc.grammar import KEYWORD_LETTER
 from postproc.nc.lengths import (
     length_by,
     length_of,
@@ -27,12 +27,13 @@ from postproc.nc.lengths import (
     set_radius,
     set_tool,
 )
-from postproc.nc.lexer import KEYWORD_LETTER
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import (
     EXTERNAL,
     ask_for,
     changed,
+    chosen,
+    goes_on,
     note_presets,
     number_of,
     stated,
@@ -55,6 +56,7 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
         if number in begun and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
     _edge(b)
+    chosen(b)
     if b.dialect.extended_by_p and b.given.get("work offset", (NONE,))[0] == 540 and b.live[0]:
         if number_of(b, "P"):
             _extended(b, axis_words, "G54")
@@ -77,7 +79,7 @@ def _edge(b: Batch) -> None:
     """D with its length, where the control has no G43; a new tool comes with its first edge."""
     letter = b.dialect.length_letter
     number, tool = number_of(b, letter), number_of(b, "T")
-    if letter != "H" and number is not None:
+    if number is not None and (letter != "H" or b.dialect.length_at_once):
         length_by(b, letter, int(number))
     elif letter == "D" and tool is not None:
         length_by(b, letter, 1 if tool else 0)
@@ -342,8 +344,8 @@ def _swivelled(b: Batch) -> None:
             known = b.state.known.copy()
             known[[row for x, row in b.rows.items() if x in "XYZ"]] = False
             b.state = replace(b.state, known=known)
-        if swivel.direction(b):
-            planes.plane_align(b, swivel.WORD, swivel.direction(b))
+        if does := swivel.direction(b):
+            planes.plane_align(b, swivel.WORD, does)
 
 
 def _plain(b: Batch, axis_words, word: str) -> None:
@@ -364,6 +366,7 @@ def _no_length(b: Batch, axis_words, word: str) -> None:
 
 ACTIONS = {
     "local": _local,
+    "datum shift": lambda b, a, w: None if goes_on(b, w) else _local(b, a, w),
     "set": _set,
     "set zero": _set_zero,
     "set off": _set_off,
@@ -375,14 +378,14 @@ ACTIONS = {
     "length minus": lambda b, a, w: _length(b, a, w, sign=-1),
     "no length": _no_length,
     "extended": _extended,
+    "fixture": chosen,
     "numbered": _numbered,
     "tip": tips.tip_by_length,
     "tip on": tips.tip_on,
     "tip off": tips.tip_off,
-    # below, behind the rest
     "plane": planes.plane_on,
     "plane off": planes.plane_off,
-    "plane align": lambda b, a, w: None,
+    "plane align": lambda b, a, w: None,  # behind the rest
     "swivel": swivel.swivel,
     "spatial": spatial.spatial,
     "polar on": face.polar_on,

@@ -11,15 +11,13 @@ or not); Fanuc B-63944EN, "Canned cycle for drilling"; LinuxCNC as measured
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_index
-from postproc.nc.state import Cycle
+from postproc.nc.state import Cycle, InCycle
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
 PLANES = {letter: code for code, letter in ACROSS.items()}
@@ -29,27 +27,6 @@ WITHOUT_R = (
     "a canned cycle without R is drilled from the level where the tool stands, and goes back there"
 )
 BY_CAM = "let the CAM program write the hole out as G0 and G1"  # where nothing writes it out
-
-
-@dataclass(eq=False, repr=False)
-class InCycle:
-    """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
-    of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
-    bottom's word, that word, and whether the axis goes back to the initial level."""
-
-    letter: str
-    row: int
-    mask: np.ndarray
-    blocks: np.ndarray
-    target: np.ndarray
-    bottom: np.ndarray
-    level: np.ndarray
-    zero: np.ndarray
-    word: np.ndarray
-    initial: np.ndarray
-    code: np.ndarray
-    known: bool
-    after: Cycle | None
 
 
 def _way_out(b: Batch) -> str:
@@ -119,10 +96,8 @@ def in_cycle(
     if of_lathe:
         level, has_level = np.where(has_level, level, cycle.initial), np.ones(b.n, bool)
     elif b.dialect.hole_from_start and not has_level.all():
-        level, has_level = (
-            _from_start(b, mask & drills, level, has_level, cycle),
-            np.ones(b.n, bool),
-        )
+        level = _from_start(b, mask & drills, level, has_level, cycle)
+        has_level = np.ones(b.n, bool)
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
     stored = _repeats(b, mask, drills, cycle.stored)

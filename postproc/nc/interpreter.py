@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from postproc.errors import BlockFault, GcompError, Notice
+from postproc.errors import BlockFault, Notice
 from postproc.motions import FOREIGN, Motions, join, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
@@ -25,12 +25,13 @@ from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import at, hold_last_float, spread
 from postproc.nc.conditionals import conditionals
-from postproc.nc.dialects import Dialect
+from postproc.nc.control import Control, spelled
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
+from postproc.nc.grammar import ABSOLUTE, KEYWORD_LETTER, RELATIVE, UNTOLD
 from postproc.nc.holes import holes_of
 from postproc.nc.increments import count_increments
 from postproc.nc.left import left_as_they_are
-from postproc.nc.lexer import ABSOLUTE, AXES, KEYWORD_LETTER, RELATIVE, UNTOLD, Words
+from postproc.nc.lexer import Words
 from postproc.nc.planes import refuse_planes
 from postproc.nc.positions import Places, position
 from postproc.nc.refusals import (
@@ -49,48 +50,17 @@ from postproc.nc.refusals import (
     stray_words,
     unnamed_motions,
 )
-from postproc.nc.state import NONE, Frame, ModalState, Setup, no_frame
+from postproc.nc.state import NONE, Frame, ModalState, no_frame
+from postproc.nc.stops import stop_column
 from postproc.nc.threads import thread_columns
 from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, retold, tip_codes
-from postproc.nc.zeros import offset_columns, ticks_of
+from postproc.nc.zeros import offset_columns
 from postproc.units import TICKS_PER_MM
 
-PARAMETERS = "NOGMFSTDHLPQ"
-CENTRE_OF = {"X": "I", "Y": "J", "Z": "K"}
 
-
-class Interpreter:
-    """One dialect on one machine. Holds no state: `run` takes it and gives the next."""
-
-    def __init__(self, dialect: Dialect, setup: Setup):
-        self.dialect, self.setup = dialect, setup
-        self.rows = {letter: i for i, letter in enumerate(setup.axes)}
-        for own in (x for x in dialect.increments if x in self.rows):
-            raise GcompError(
-                f"the machine has an axis {own}, and {own} is an increment of"
-                f" {dialect.increments[own]} on {dialect.title}",
-                "name the dialect in which that axis is programmed: --dialect",
-            )
-        self.increment_rows = {
-            u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows
-        }
-        # of the offsets that no program sets
-        self.offset_ticks = {name: ticks_of(setup, at) for name, at in setup.offsets.items()}
-        centres = {CENTRE_OF[x] for x in setup.axes if x in CENTRE_OF}
-        self.letters = (
-            set(PARAMETERS)
-            | set(self.rows)
-            | set(self.increment_rows)
-            | {"I", "J", "K", "R"}
-            | centres
-            | set(dialect.letters)
-            | (set("YV") if dialect.polar == "Y" and "C" in self.rows else set())
-        )
-        letter = {row: u for u, row in self.increment_rows.items()}
-        self.spellings = [
-            (x, (x, spelled(ABSOLUTE, x)), (letter.get(row, ""), spelled(RELATIVE, x)))
-            for x, row in self.rows.items()
-        ]
+class Interpreter(Control):
+    """Follows programs of one dialect on one machine. Holds no state: `run` takes it and gives the
+    next."""
 
     def initial(self) -> ModalState:
         """The state before the first block."""
@@ -109,14 +79,6 @@ class Interpreter:
         frame = self._first_frame()
         position, known = retold(setup.kinematics, start, known, (None, frame))
         return ModalState(modal, position, known, frame=frame, tool_number=setup.tool)
-
-    def stands(self) -> tuple[np.ndarray, np.ndarray]:
-        """(A,) ticks, where the slides stand before the first block, and whether that is known."""
-        stands = {**self.setup.home, **self.setup.start} if self.dialect.homes else self.setup.start
-        start = [round(stands.get(x, 0.0) * TICKS_PER_MM) for x in self.setup.axes]
-        return np.array(start, np.int64), np.array(
-            [x in stands or x in self.dialect.carried for x in self.setup.axes]
-        )
 
     def _first_frame(self) -> Frame:
         """No shift, but a G92 that was in force before the program."""
@@ -153,20 +115,15 @@ class Interpreter:
             return [0, words.blocks]
         place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
         switches = tip_codes(self.dialect, self.setup)
-        if not len(place) and self.dialect.length_letter == "H" and not switches:
+        letters = self.dialect.shifts_at_once
+        if not len(place) and not letters and not switches:
             return [0, words.blocks]
         tools: list[int] = []
         if switches:
-            switch = (
-                (words.letter == ord("M"))
-                & np.isin(words.mantissa, list(switches))
-                & (words.decimals == 0)
-            )
-            tools = words.block[switch].tolist()
-        if self.dialect.length_letter != "H":
-            tools += words.block[
-                np.isin(words.letter, [ord(x) for x in {self.dialect.length_letter, "T"}])
-            ].tolist()
+            coded = np.isin(words.mantissa, list(switches)) & (words.decimals == 0)
+            tools = words.block[coded & (words.letter == ord("M"))].tolist()
+        if letters:
+            tools += words.block[np.isin(words.letter, letters)].tolist()
         number = written_codes(words, place)
         begins = words.block[
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
@@ -231,7 +188,7 @@ def _axis_words(b: Batch) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """The words of each axis, absolute and relative; sets b.has_axis."""
     words = {
         x: (b.one_of(*absolute), b.one_of(*relative))
-        for x, absolute, relative in face.spellings(b, b.interpreter.spellings)
+        for x, absolute, relative in face.spellings(b, b.control.spellings)
     }
     for place in itertools.chain(*words.values()):
         if len(place):
@@ -342,9 +299,9 @@ def columns(
     if np.count_nonzero(mode == 930):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if untold is not None:
-            told = inverse & np.isin(block, b.words.block[untold])
+            unknown = inverse & np.isin(block, b.words.block[untold])
             b.blame(
-                block[told],
+                block[unknown],
                 "G93 and an F whose value only the machine knows",
                 "write the number of every F, or G94",
             )
@@ -400,21 +357,6 @@ def columns(
     return refuse_beside(b, motions)
 
 
-def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
-    """(N,) ten times the code that makes the motion end in an exact stop, 0: none."""
-    stop = np.zeros(b.n, np.int16)
-    held = b.held("path")
-    for number in b.dialect.exact_stops:
-        if number in b.single:
-            stop[b.single[number]] = number
-        if isinstance(held, int):
-            if held == number:
-                stop.fill(number)
-        else:
-            stop[held == number] = number
-    return stop[block]
-
-
 def next_state(b: Batch, places: Places) -> ModalState:
     return ModalState(
         codes=b.after(),
@@ -450,11 +392,6 @@ def tool_in_use(b: Batch) -> int:
         return b.state.next_tool
     called = place[b.words.block[place] <= b.words.block[changes[-1]]]
     return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
-
-
-def spelled(how: int, letter: str) -> str:
-    """The letter under which X=AC() or X=IC() comes."""
-    return chr(how + AXES.index(letter)) if letter in AXES else ""
 
 
 CENTRES = {c: (c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": ("R",)}

@@ -4,10 +4,10 @@ length.
 L is G1, and G0 with FMAX, which holds in its own block alone. RL, RR and R0 are G41, G42 and G40;
 M91 is G53; APPR and DEP are G1 that begin and end the side; M140 MB MAX and M92 are G30, to a place
 that the machine knows; IX is an increment; TOOL CALL is T and S, its DL is Q; cycle 7 and TRANS
-DATUM are G52, and the preset of cycle 247 (Q339) is G247 P. What defines, names or remarks
-something without moving is blank; what moves otherwise is a MACRO with the number of its reason
-(REASONS). Lines are looked at one by one, whatever stands around them: any cut of the text reads
-alike.
+DATUM are G52, the preset of cycle 247 (Q339) is G247 P; FUNCTION TCPM .. PATHCTRL AXIS is M128.
+What defines, names or remarks something without moving is blank; what moves otherwise is a MACRO
+with the number of its reason (REASONS). Lines are looked at one by one, whatever stands around
+them: any cut of the text reads alike.
 
 HEIDENHAIN TNC 640 (81760x), TNC 620 (81760x), iTNC 530 user's manuals, Klartext programming:
 "Structure of an NC program", "Programming tool movements", "Miscellaneous functions", cycles 7, 8,
@@ -21,7 +21,7 @@ import re
 from collections.abc import Callable
 
 from postproc.nc import codes
-from postproc.nc.lexer import AXES, BARE, MACRO, RELATIVE, UNTOLD
+from postproc.nc.grammar import AXES, BARE, MACRO, RELATIVE, UNTOLD
 
 EXPAND_PATH = "its motions are worked out by the control: --expand writes it out as straight lines"
 DATUM = "it moves the datum by the tables of the control: program in one datum, with --offset G54="
@@ -94,6 +94,13 @@ ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are 
 TAPS = (2, 17, 206, 207, 209)
 ZERO = b"G52X0Y0Z0"
 PLANE = b"G268"
+# TCPM with places of rotary axes, about the tip and with its feed: M128. Not PATHCTRL VECTOR, with
+# which they may go to other ends than the programmed ones ("FUNCTION TCPM").
+AS_M128 = re.compile(
+    rb"FUNCTION[ \t]+TCPM[ \t]+F[ \t]*TCP[ \t]+AXIS[ \t]+POS"
+    rb"[ \t]+PATHCTRL[ \t]+AXIS(?:[ \t]+REFPNT[ \t]+TIP-TIP)?"
+    rb"(?:[ \t]+F[ \t]*[0-9.]+)?[ \t\r]*\Z"
+)
 ANGLES = re.compile(rb"(?:SP[ABC]|EUL(?:PR|NU|ROT))[ \t]*[-+]?Q")
 JOIN = re.compile(rb"(APPR|DEP)[ \t]+(P?)(LT|LN|CT|LCT)(?![A-Z])")
 JOIN_DATA = re.compile(
@@ -326,8 +333,12 @@ def _plane(text: bytes) -> bytes:
 
 
 def _function(text: bytes) -> bytes:
-    if re.match(rb"FUNCTION[ \t]+(?:RESET[ \t]+TCPM|MODE[ \t]+MILL|TCPM[ \t]+RESET)\b", text):
+    if re.match(rb"FUNCTION[ \t]+MODE[ \t]+MILL\b", text):
         return _blank(text)
+    if re.match(rb"FUNCTION[ \t]+(?:RESET[ \t]+TCPM|TCPM[ \t]+RESET)\b", text):
+        return b"M129"
+    if AS_M128.match(text):
+        return b"M128"
     return _macro(text, codes.TOOL_POINT if b"TCPM" in text else SETS)
 
 

@@ -5,7 +5,8 @@ they began, so what stands behind them is corrected as if they were not there; w
 which a notice says. Sources: Fanuc B-64304EN-1, "Multiple thread cutting cycle", "Thread cutting
 cycle"; Haas lathe operator's manual, G76, G92. G184 of Okuma taps at each C: 5238-E, P-139.
 Sinumerik's cycles (CYCLE97, CYCLE840) end elsewhere: no place is known behind a thread, nor along a
-tapped hole.
+tapped hole. G76 of LinuxCNC stays under G7 alone, where releases differ on I J K, and ends
+elsewhere too.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import NO_WORDS, Batch
-from postproc.nc.codes import KEYWORD
+from postproc.nc.codes import KEYWORD, Code
 from postproc.nc.columns import spread
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
+DIAMETER = 70  # ten times G7
 TURNS = 1840  # G184 of Okuma lathes turns C from hole to hole
 
 
@@ -37,7 +39,9 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
             mask = motion == number
         else:
             mask[b.single.get(number, [])] = True
-        if number >= KEYWORD:
+        if code.refuses:
+            mask &= b.has_axis & ~_by_radius(b, code, mask)
+        if number >= KEYWORD or code.refuses:
             _ends_elsewhere(b, code.does, mask)
         else:
             mask &= b.has_axis
@@ -50,6 +54,15 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
                 " is cut uncorrected"
             )
             b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[mask.argmax()])))
+
+
+def _by_radius(b: Batch, code: Code, mask: np.ndarray) -> np.ndarray:
+    """(B,) bool: the cycles where X is a radius, which --expand writes out."""
+    by_radius = mask & (spread(b.held("diameter"), b.n) != DIAMETER)
+    if by_radius.any():
+        b.foreign |= by_radius
+        b.reason[by_radius] = b.because(f"{code.word} ({code.meaning})", code.refuses)
+    return by_radius
 
 
 def _ends_elsewhere(b: Batch, does: str, mask: np.ndarray) -> None:

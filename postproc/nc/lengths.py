@@ -8,13 +8,13 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import Batch
+from postproc.nc.state import ticks_of
 from postproc.nc.zeros import (
     changed,
     note_presets,
     number_of,
     stated,
     stated_tool,
-    ticks_of,
     values_of,
     with_known,
     work_columns,

@@ -18,12 +18,12 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
 from postproc.errors import BlockFault
 from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare, what
+from postproc.nc.grammar import NUMBERLESS, SPELLED, Grammar
 from postproc.records import columns
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
@@ -45,84 +45,14 @@ COMMENTS = {
     "comment": re.compile(rb"\([^()\n]*\)|;[^\n]*"),
     "end of block": re.compile(rb"\([^()\n]*\)"),
 }
-
-
-class Grammar(NamedTuple):
-    """How a dialect's text is cut into words. `semicolon`: "comment", or "end of block" with
-    several blocks in a line.
-    `parentheses`: whether ( ) are comments. `keywords`: words that are codes by themselves (TRANS,
-    DIAMON). `spellings`: what else a word may be written as: "CR=" for R, "TURN=" for P. `assigns`:
-    whether X=1 is X1 and X=IC(1) a distance.
-    `checksums`: whether *85 may end a line.
-    `ignores`: regular expressions of text that moves nothing and is no word (MSG("...")); what
-    their group holds stays. `bare_letters`: whether a letter may stand without a number where it
-    moves nothing (G28 X Y, M84 E). `macros`: regular expressions of lines that run text which only
-    the machine has, what their group holds stays; each with 0, or with the number, from 1, of the
-    sentence why it can not be followed. `homing`: a regular expression of what homes all axes.
-    `untold`: whether F and S may be variables whose value only the machine knows. `block_end`: a
-    character that ends a block besides the line's end. `klartext`: whether its statements are those
-    of Heidenhain's Klartext."""
-
-    semicolon: str = "comment"
-    parentheses: bool = True
-    keywords: tuple[str, ...] = ()
-    spellings: tuple[tuple[str, str], ...] = ()
-    assigns: bool = False
-    checksums: bool = False
-    ignores: tuple[str, ...] = ()
-    bare_letters: bool = False
-    block_end: str = ""
-    macros: tuple[tuple[str, int], ...] = ()
-    homing: str = ""
-    untold: bool = False
-    klartext: bool = False
-
-    @property
-    def is_respelled(self) -> bool:
-        """Whether words may be written in other ways than as a letter and a number."""
-        return (
-            bool(
-                self.keywords
-                or self.spellings
-                or self.ignores
-                or self.bare_letters
-                or self.macros
-                or self.homing
-            )
-            or self.assigns
-            or self.checksums
-            or self.klartext
-        )
-
-
-PLAIN = Grammar()
-# Letters, beyond those of a program, under which other spellings are handed on
-# (postproc.nc.spellings): codes that are words, parameters that move nothing, and axis or centre
-# words with IC() or AC(). None of these has the case bit 0x20, which is taken off. Macros, F words
-# whose value only the machine knows, and axes that are named alone (G28 X) need no number.
-KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING, RELATIVE, ABSOLUTE, BARE = (
-    0x80,
-    0x81,
-    0x82,
-    0x83,
-    0x84,
-    0x90,
-    0xC0,
-    0xD0,
-)
-AXES = "XYZABCUVWEIJK"
-SPELLED = bytes(
-    [
-        KEYWORD_LETTER, PARAMETER, MACRO, UNTOLD, HOMING,
-        *(first + k for first in (RELATIVE, ABSOLUTE, BARE) for k in range(len(AXES))),
-    ]
-)  # fmt: skip
 NEEDS_NUMBER = np.ones(256, bool)
-NEEDS_NUMBER[[MACRO, UNTOLD, HOMING, *range(BARE, BARE + len(AXES))]] = False
+NEEDS_NUMBER[list(NUMBERLESS)] = False
 SKIPPED = {
     "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
     "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),
 }
+OF_WORDS = ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
+OF_BLOCKS = ("block_start", "block_stop", "line", "skip")
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
 
 
@@ -158,40 +88,12 @@ class Words:
     def blocks(self) -> int:
         return len(self.block_start)
 
-    def part(self, first: int, stop: int) -> Words:
+    def part(self, first: int, stop: int, fault: BlockFault | None = None) -> Words:
         """Blocks first to stop - 1 alone; offsets still count bytes of the whole text."""
         low, high = (int(np.searchsorted(self.block, b)) for b in (first, stop))
-        words = {
-            name: getattr(self, name)[low:high]
-            for name in ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
-        }
-        blocks = {
-            name: getattr(self, name)[first:stop]
-            for name in ("block_start", "block_stop", "line", "skip")
-        }
-        return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=None)
-
-    def before(self, block: int, fault: BlockFault | None = None) -> Words:
-        """The same batch as if it ended before `block`."""
-        n = int(np.searchsorted(self.block, block))
-        words = {
-            name: getattr(self, name)[:n]
-            for name in (
-                "letter",
-                "mantissa",
-                "decimals",
-                "pointed",
-                "block",
-                "start",
-                "number",
-                "stop",
-            )
-        }
-        blocks = {
-            name: getattr(self, name)[:block]
-            for name in ("block_start", "block_stop", "line", "skip")
-        }
-        return replace(self, **words, **blocks, fault=fault)
+        words = {name: getattr(self, name)[low:high] for name in OF_WORDS}
+        blocks = {name: getattr(self, name)[first:stop] for name in OF_BLOCKS}
+        return replace(self, **words, **blocks, block=self.block[low:high] - first, fault=fault)
 
 
 @lru_cache
@@ -236,7 +138,7 @@ def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes,
     if drop and b"/" in code:
         code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
     spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
-    if spelled:
+    if spelled:  # whose expressions cost start-up
         from postproc.nc.spellings import respelled
 
         code = respelled(code, grammar)
@@ -340,8 +242,8 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         tape=tape,
     )
     if tape >= 0 and (fault is None or fault.block > _block_at(words, tape)):
-        return words.before(_block_at(words, tape))
-    return words.before(fault.block, fault) if fault else words
+        return words.part(0, _block_at(words, tape))
+    return words.part(0, fault.block, fault) if fault else words
 
 
 def _blank(comment: re.Match[bytes]) -> bytes:

@@ -15,7 +15,8 @@ from postproc.motions import Motions
 from postproc.nc.batch import written_codes
 from postproc.nc.columns import hold_last, hold_last_float
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import KEYWORD_LETTER, PARAMETER, Words
+from postproc.nc.grammar import KEYWORD_LETTER, PARAMETER
+from postproc.nc.lexer import Words
 from postproc.units import TICKS_PER_MM
 
 # dialect (its first word) to the letters of a dwell and the seconds of one unit of each

@@ -170,12 +170,12 @@ def _slides(b: Batch, position: np.ndarray):
     known, slides as they are at `position` (A,)."""
     kinematics, frame = b.setup.kinematics, b.frame
     assert kinematics is not None
-    told = (frame.space, frame.length / TICKS_PER_MM)
+    here = (frame.space, frame.length / TICKS_PER_MM)
     known = b.state.known.copy()
     xyz = list(kinematics.linear)
     all_known = known[list(kinematics.needs)].all()
     slides = (
-        kinematics.convert(position / TICKS_PER_MM, told, (None, told[1])) if all_known else None
+        kinematics.convert(position / TICKS_PER_MM, here, (None, here[1])) if all_known else None
     )
     known[[b.rows[x] for x in kinematics.rotary]] = True
 
@@ -185,7 +185,7 @@ def _slides(b: Batch, position: np.ndarray):
             return after, known
         pose = after / TICKS_PER_MM
         pose[xyz] = slides[xyz]
-        place = kinematics.convert(pose, (None, told[1]), told)
+        place = kinematics.convert(pose, (None, here[1]), here)
         result = after.copy()
         result[xyz] = np.rint(place * TICKS_PER_MM).astype(np.int64)[xyz]
         return result, known

@@ -10,7 +10,7 @@ import numpy as np
 
 from postproc.nc.batch import LINEAR, NO_WORDS, Batch
 from postproc.nc.columns import at, hold_index, hold_last
-from postproc.nc.lexer import ABSOLUTE, AXES, BARE, RELATIVE
+from postproc.nc.grammar import ABSOLUTE, AXES, BARE, RELATIVE
 from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
@@ -308,7 +308,7 @@ def _due(
     b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray
 ) -> np.ndarray:
     """Values with the shift that the first increment after TRANS travels too, as this control does
-    unless it is set otherwise; what that setting is nobody knows here, so no correction may depend
+    unless it is set otherwise; that setting is not known here, so no correction may depend
     on it."""
     due = int(b.frame.due[row])
     b.frame = replace(b.frame, due=np.where(np.arange(len(b.frame.due)) == row, 0, b.frame.due))
@@ -345,7 +345,7 @@ def _reference(b: Batch, number: int, letter: str, drop: np.ndarray) -> None:
     block = b.single[number]
     named = np.zeros(b.n, bool)
     mine = np.zeros(b.n, bool)
-    reverse = {u: b.setup.axes[row] for u, row in b.interpreter.increment_rows.items()}
+    reverse = {u: b.setup.axes[row] for u, row in b.control.increment_rows.items()}
     for other, place in b.places.items():
         if ord(other) >= BARE:
             other = AXES[ord(other) - BARE]

@@ -13,7 +13,7 @@ from postproc.errors import Notice
 from postproc.nc import codes
 from postproc.nc.batch import Batch
 from postproc.nc.columns import hold_last
-from postproc.nc.lexer import (
+from postproc.nc.grammar import (
     ABSOLUTE,
     AXES,
     BARE,
@@ -27,6 +27,7 @@ from postproc.nc.lexer import (
 from postproc.nc.state import NONE
 from postproc.nc.tips import tip_codes
 
+TOOL_CHANGE = 6
 ARC = 20  # ten times G2, the first of the arcs
 CYCLE_CALL, TAPPING = 790, 2070  # of Klartext
 CENTRES = range(AXES.index("I"), len(AXES))
@@ -80,9 +81,9 @@ AXES_OF_ANY = "ABCUVWXYZ"
 
 def check_letters(b: Batch) -> None:
     """Refuse letters that mean nothing to the dialect or name an axis that the machine has not."""
-    for written in (x for x in b.places if x not in b.interpreter.letters):
+    for written in (x for x in b.places if x not in b.control.letters):
         letter, place = _letter(written), b.places[written]
-        if not letter or letter in b.interpreter.letters:
+        if not letter or letter in b.control.letters:
             continue
         axes = {*AXES_OF_ANY, *b.dialect.carried, *("E" if b.dialect.grammar.assigns else "")}
         if letter in axes:
@@ -182,16 +183,19 @@ def _in_force(b: Batch, number: int) -> int:
 
 
 def m_codes(b: Batch) -> None:
-    """M codes that call other text are foreign; ones that nobody knows are passed with a notice."""
+    """M codes that call other text are foreign; unknown ones are passed with a notice."""
     place = b.places.get("M")
     if place is None:
         return
     for number in sorted(set(b.words.mantissa[place].tolist())):
         of = place[b.words.mantissa[place] == number]
-        of = of[[not b.begins_again(int(i)) for i in of]] if number in b.dialect.again else of
+        of = of[[not b.begins_again(int(i)) for i in of]] if number in b.dialect.restarts else of
         if not len(of):
             continue
         block = b.words.block[of]
+        if number == TOOL_CHANGE:
+            for letter in b.dialect.change_takes:
+                b.gone[letter] = np.isin(np.arange(b.n), block) | b.gone.get(letter, False)
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
@@ -316,7 +320,8 @@ def single_commands(b: Batch) -> None:
 def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
     """Letters that belong to a code (E of M67, of a thread) and stand in a plain motion without
     one."""
-    letters = [letter for letter in b.dialect.letters if letter in b.places]
+    own = b.dialect.offset_letter
+    letters = [x for x in b.dialect.letters if x in b.places and x != own]
     if not letters:
         return
     plain = moving & (motion >= 0) & (motion <= 30)
@@ -326,6 +331,12 @@ def idle_letters(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         centre = letter == "J" and "Y" in b.rows  # of an arc, where it is no other parameter
         idle = plain & (motion < ARC) if centre else plain
         place = place[idle[b.words.block[place]]]
+        if len(place) and letter in b.dialect.repeats:
+            raise b.fault(
+                place[0],
+                f"{letter} in a motion: the control runs the block several times",
+                "write it as often as it runs",
+            )
         if len(place):
             raise b.fault(
                 place[0], f"the letter {letter} has no meaning in a motion of {b.dialect.title}",

@@ -172,12 +172,10 @@ class Shifted:
 
     def _meet(self, p: Point, theta: float, beta: float) -> Point:
         """Where the way before and a straight one towards p meet."""
-        front, r, op, c = (
-            self.queue[0] if self.queue else None,
-            self.radius,
-            self.programmed,
-            self.current,
-        )
+        front = self.queue[0] if self.queue else None
+        r = self.radius
+        op = self.programmed
+        c = self.current
         if front is None or front.centre is None:
             half = (beta + pi) / 2
             if half == 0.0:
@@ -255,10 +253,8 @@ class Shifted:
         front = self.queue[0]
         assert block.centre is not None and front.centre is not None
         end, m, f = self._in_plane(front.end), block.centre, front.centre
-        old, new = (
-            hypot(f[1] - end[1], f[0] - end[0]),
-            radius - self.radius if inside else radius + self.radius,
-        )
+        old = hypot(f[1] - end[1], f[0] - end[0])
+        new = radius - self.radius if inside else radius + self.radius
         apart = hypot(f[1] - m[1], f[0] - m[0])
         if old == 0 or apart == 0:
             raise Gouge("Arc to arc motion is invalid because the arcs have the same center")

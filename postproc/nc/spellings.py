@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 
 from postproc.expressions import expression
 from postproc.nc import checksums
-from postproc.nc.lexer import (
+from postproc.nc.grammar import (
     ABSOLUTE,
     AXES,
     HOMING,
@@ -25,7 +25,7 @@ from postproc.nc.lexer import (
     UNTOLD,
     Grammar,
 )
-from postproc.nc.lexer import BARE as ALONE
+from postproc.nc.grammar import BARE as ALONE
 
 NUMBER = rb"[ \t]*[+-]?[ \t]*(?:[0-9]+\.?[0-9]*|\.[0-9]+)"
 ASSIGNED = expression(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from postproc.nc.shifted import Shifted
 from postproc.records import columns, record
 from postproc.spaces import Kinematics, Space
+from postproc.units import TICKS_PER_MM
 
 NONE = -1  # no code of that group yet
 
@@ -127,7 +128,7 @@ class ModalState:
     axes that G28 has taken elsewhere since the last motion; cycle: the canned cycle in force;
     beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43
     without H means, and next_tool the last T; -1: none named. loose: axes that an engraving left
-    beside its text, nobody knows how far."""
+    beside its text, by an unknown way."""
 
     codes: dict[str, int]
     position: np.ndarray
@@ -146,3 +147,29 @@ class ModalState:
     next_tool: int = -1
     loose: tuple[str, ...] = ()
     offsets: dict[str, dict[str, float]] = field(default_factory=dict)
+
+
+def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
+    """(A,) ticks of mm by axis."""
+    return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes], np.int64)
+
+
+@dataclass(eq=False, repr=False)
+class InCycle:
+    """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
+    of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
+    bottom's word, that word, and whether the axis goes back to the initial level."""
+
+    letter: str
+    row: int
+    mask: np.ndarray
+    blocks: np.ndarray
+    target: np.ndarray
+    bottom: np.ndarray
+    level: np.ndarray
+    zero: np.ndarray
+    word: np.ndarray
+    initial: np.ndarray
+    code: np.ndarray
+    known: bool
+    after: Cycle | None

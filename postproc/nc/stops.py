@@ -6,19 +6,31 @@ acts in its own block (G9) moves to the last piece.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from postproc.nc.batch import Batch
 from postproc.nc.numbers import INSERT_WORD
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch
+from postproc.nc.writing import Writing
 
 RUN_ON = b"G64"
 
 
-def exact_stops(b: Batch) -> None:
+def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
+    """(N,) ten times the code that makes the motion end in an exact stop, 0: none."""
+    stop = np.zeros(b.n, np.int16)
+    held = b.held("path")
+    for number in b.dialect.exact_stops:
+        if number in b.single:
+            stop[b.single[number]] = number
+        if isinstance(held, int):
+            if held == number:
+                stop.fill(number)
+        else:
+            stop[held == number] = number
+    return stop[block]
+
+
+def exact_stops(b: Writing) -> None:
     """Write the codes around every motion that stops exactly and has several pieces."""
     m, w = b.m, b.w
     final = b.final.nonzero()[0]
@@ -29,7 +41,7 @@ def exact_stops(b: Batch) -> None:
         space = b" " if b.spaced[i] else b""
         low, high = np.searchsorted(w.block, [m.block[i], m.block[i] + 1])
         own = [k for k in range(low, high) if w.letter[k] == ord("G") and _is(w, k, number)]
-        single = bool(own) and number not in b.e.dialect.modal_stops
+        single = bool(own) and number not in b.dialect.modal_stops
         if single:
             b.delete(np.array(own), np.full(len(own), i))
         elif own:

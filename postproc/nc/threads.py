@@ -10,18 +10,14 @@ again, by design); Siemens, programming manual fundamentals, G33, chained thread
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.motions import THREAD
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.numbers import INSERT_WORD
+from postproc.nc.writing import Writing
 from postproc.units import TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.nc.emitter import Batch as Writing
 
 START_ANGLE = "Q"  # what it means in a block that does not start the thread, the manuals leave open
 
@@ -60,7 +56,7 @@ def thread_columns(
 def thread_words(b: Writing) -> None:
     """Every piece of a thread that was cut names the lead as its block does."""
     m, p, w = b.m, b.p, b.w
-    letters = [ord(x) for x in b.e.dialect.thread_words]
+    letters = [ord(x) for x in b.dialect.thread_words]
     for i in (~b.first & (m.code[p.motion] == THREAD)).nonzero()[0]:
         motion = p.motion[i]
         low, high = np.searchsorted(w.block, [m.block[motion], m.block[motion] + 1])

@@ -227,6 +227,6 @@ def first_frame(kinematics: Kinematics | None, frame: Frame) -> Frame:
 
 
 def _stands(b: Batch, letter: str) -> float | None:
-    """Ticks at which an axis stands, None where nobody knows."""
+    """Ticks at which an axis stands, None where unknown."""
     row = b.rows[letter]
     return int(b.state.position[row]) if b.state.known[row] else None

@@ -16,8 +16,7 @@ from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
 from postproc.nc.dialects import Dialect
 from postproc.nc.rows import SECOND_REFERENCE
-from postproc.nc.state import NONE, Frame, Setup
-from postproc.units import TICKS_PER_MM
+from postproc.nc.state import NONE, Frame, ticks_of
 
 EXTERNAL = "EXT"
 MOST_NAMES = 8  # of offsets that are stated, in a sentence
@@ -44,7 +43,9 @@ def offset_columns(b: Batch) -> None:
 
 def _work_offset(b: Batch, number: int) -> str:
     """The work offset that a code calls, "" for none: G54.1, and some controls' G54, the additional
-    one in force."""
+    one in force; where a letter chooses it, what that chose."""
+    if b.dialect.offset_letter:
+        return b.frame.extended or f"{b.dialect.offset_letter}0"
     if number == NONE:
         return ""
     extended = b.frame.extended
@@ -94,7 +95,7 @@ def stated(b: Batch, name: str) -> dict[str, float] | None:
 def homed(b: Batch) -> dict[str, float] | None:
     """mm by axis: where G28 takes the axes: the reference point that the program or the user
     states, else the places after homing, else, on printers and routers, where the machine is said
-    to have stood. None: nobody says."""
+    to have stood. None: not stated."""
     found = b.offsets.get("G28")  # G28.1 of the program
     if found is not None:
         return found
@@ -143,20 +144,15 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
     if not name or not (where if everywhere else np.count_nonzero(where)):
         return np.zeros((len(b.rows), 1), np.int64)
     place = stated(b, name)
-    if place is None and name == "G500":
+    if place is None and name in ("G500", f"{b.dialect.offset_letter}0"):
         place = {}  # no work offset, unless one is stated for it
     if place is None:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
         return np.zeros((len(b.rows), 1), np.int64)
-    own = name not in b.offsets and name in b.interpreter.offset_ticks
-    shift = (b.interpreter.offset_ticks[name] if own else ticks_of(b.setup, place))[:, None]
+    own = name not in b.offsets and name in b.control.offset_ticks
+    shift = (b.control.offset_ticks[name] if own else ticks_of(b.setup, place))[:, None]
     return shift if everywhere else shift * where
-
-
-def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
-    """(A,) ticks of mm by axis."""
-    return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes], np.int64)
 
 
 # -- what the first block says ---------------------------------------------------------------------
@@ -182,6 +178,14 @@ def number_of(b: Batch, letter: str) -> float | None:
     if place is None or not len(place) or b.words.block[place[0]] != 0:
         return None
     return float(b.numbers(place[:1])[0])
+
+
+def chosen(b: Batch, axis_words=None, word: str = "") -> None:
+    """E of Fadal: the number names the work offset; its G54 is E1, G59 E6."""
+    letter = b.dialect.offset_letter
+    number = int(word[1:]) - 53 if word else number_of(b, letter) if letter else None
+    if number is not None:
+        b.frame = replace(b.frame, extended=f"{letter}{number:g}")
 
 
 def note_presets(b: Batch, axis_words, letters) -> None:
@@ -215,3 +219,12 @@ def with_known(frame: Frame, part: str, reason: tuple[str, str] | None = None) -
     """The frame with a part known again, or unknown for a reason."""
     rest = {k: v for k, v in frame.unknown.items() if k != part}
     return replace(frame, unknown=rest if reason is None else {**rest, part: reason})
+
+
+def goes_on(b: Batch, word: str) -> bool:
+    """Whether a shift in G91 counts from the one in force, which is not followed."""
+    if int(np.broadcast_to(b.held("distance"), b.n)[0]) != 910:
+        return False
+    reason = (f"{word} in G91 counts from the datum in force", f"write {word} in G90")
+    b.frame = with_known(b.frame, "turned", reason)
+    return True

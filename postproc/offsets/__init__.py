@@ -23,12 +23,12 @@ LINEAR, ROTARY = "XYZUVW", "ABC"
 AXES = "XYZABCUVW"  # in the order in which LinuxCNC and grblHAL write them
 TOOL_KEYS = AXES + "RQ"
 NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
-WORK_NAME = re.compile(r"G5[4-9]|G59\.[1-3]|G500|G50[5-9]|G5[1-9][0-9]|G92|G52|G30|EXT")
+WORK_NAME = re.compile(r"G5[4-9]|G59\.[1-3]|G500|G50[5-9]|G5[1-9][0-9]|G92|G52|G30|EXT|E[0-9]{1,2}")
 EXTENDED_NAME = re.compile(r"(G54\.1\s*P|G15\s*H|G247\s*P)\s*0*([1-9][0-9]{0,2})")
 TOOL_NAME = re.compile(r"([HD])0*([1-9][0-9]{0,3})|T[0-9]{1,6}(D[0-9]{1,4})?")
 KNOWN_NAMES = (
-    "G54 to G59, G59.1 to G59.3, G54.1 P1, G15 H1, G247 P1, G505 to G599, G92, G52, G30, EXT;"
-    " tools: T0101, T1, T1D1, H1, D1"
+    "G54 to G59, G59.1 to G59.3, G54.1 P1, G15 H1, G247 P1, G505 to G599, G92, G52, G30, EXT,"
+    " E1; tools: T0101, T1, T1D1, H1, D1"
 )
 NO_UNIT = "the file does not say its unit: lengths are read as mm"
 BINARY = "give the file that the control punched or saved as text"
@@ -114,7 +114,7 @@ class Source:
         return MM_PER_INCH if self.inch else 1.0
 
     def unit_notice(self) -> list[str]:
-        """What to tell where nobody named the unit."""
+        """What to tell where the unit was not named."""
         return [NO_UNIT] if self.inch is None else []
 
 

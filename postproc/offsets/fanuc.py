@@ -55,7 +55,7 @@ TURNING: Form = (
 HEAD = re.compile(r"\s*%?\s*([O:]\s*[0-9]+|<[^<>]*>)?\s*")
 LAST = re.compile(r"M0*(2|30|99)\s*")
 ADVICE = "give the G10 blocks that the control punched, or state the offsets one by one"
-NO_X = "X is read as a {}: nobody said whether the control stores it as diameter or radius"
+NO_X = "X is read as a {}: it was not stated whether the control stores it as diameter or radius"
 
 
 @dataclass
@@ -267,7 +267,7 @@ def _add_milling_tool(offsets: Offsets, kind: str, n: int, value: float, shared:
 
 
 def _is_diameter(source: Source, memory: Memory, lathe: bool, offsets: Offsets) -> bool:
-    """Whether X is stored as a diameter; where nobody said it, and it matters, with a notice."""
+    """Whether X is stored as a diameter; where it is not stated, and it matters, with a notice."""
     if source.diameter is not None:
         return source.diameter
     places = memory.place.values()

@@ -77,7 +77,7 @@ def _band(x: np.ndarray, noise: np.ndarray, axis: str, shown: bool) -> charts.Tr
 
 
 def times(d: Diagnosis, which: np.ndarray) -> tuple[np.ndarray, str]:
-    """When rows were read; where nobody wrote it down, which came first."""
+    """When rows were read; where that was not written down, which came first."""
     time = d.rows.state.time[which]
     if np.ptp(time) > 0:
         return time, "time, s"

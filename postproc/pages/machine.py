@@ -36,13 +36,13 @@ def calibrated_html(machine: Machine, name: str, findings: Sequence[Finding]) ->
     made = page(machine)
     made.title = f"{name}: calibration"
     made.subject = [row for row in made.subject if row[0] not in ("name", "map")]
-    told = made.blocks
-    made.blocks = told[:1]
+    sections = made.blocks
+    made.blocks = sections[:1]
     if doubts := [f.message for f in findings if f.level == "doubt"]:
         made.mood = "open"
         made.section("In doubt")
         made.listing(doubts)
-    made.blocks += told[1:]
+    made.blocks += sections[1:]
     if notes := [f.message for f in findings if f.level != "doubt"]:
         made.section("To know")
         made.listing(notes)
@@ -339,8 +339,8 @@ def _note(x: float, y: float, text: str, across: str, up: str) -> dict:
     }
 
 
-def _told(term: EffectTerm) -> dict[str, float]:
-    """Parameters of an effect but for those that are as they are where nobody states them."""
+def _stated(term: EffectTerm) -> dict[str, float]:
+    """Parameters of an effect but for those that are as they are where they are not stated."""
     usual = getattr(term.module, "OPTIONAL", {})
     return {k: v for k, v in term.parameters.items() if k not in usual or v != usual[k]}
 
@@ -354,7 +354,7 @@ def _said(result: Page, machine: Machine, missing: list[str]) -> None:
         result.table(
             ("effect", "axis", "parameters"),
             [
-                (t.name, t.axis, ", ".join(f"{k} = {v:g}" for k, v in _told(t).items()))
+                (t.name, t.axis, ", ".join(f"{k} = {v:g}" for k, v in _stated(t).items()))
                 for t in machine.effects
             ],
         )
@@ -370,6 +370,6 @@ def _said(result: Page, machine: Machine, missing: list[str]) -> None:
     if missing:
         result.section(
             "Not in this map",
-            "What nobody measured is zero here, and no program is corrected for it:",
+            "What was not measured is zero here, and no program is corrected for it:",
         )
         result.listing(missing)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from postproc import intake
+from postproc import toml_text as toml
 from postproc.errors import GcompError, Place
 from postproc.recordings import (
     AXES,
@@ -68,7 +69,7 @@ def write(recording: Recording) -> str:
     out = io.StringIO()
     head = {"format": FORMAT, "kind": recording.kind} | recording.head
     for key, value in head.items():
-        out.write(f"# {_key(key)} = {_toml(value)}\n")
+        out.write(f"# {toml.key(key)} = {toml.text(value)}\n")
     table = csv.writer(out, lineterminator="\n")
     table.writerow(recording.columns)
     formats = [
@@ -87,34 +88,14 @@ def _format(name: str):
     return lambda v: "" if math.isnan(v) else f"{v:.{digits}f}".rstrip("0").rstrip(".")
 
 
-def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _toml(key)
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int):
-        return str(int(value))
-    if isinstance(value, float):
-        return repr(float(value))  # of a numpy number too
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{_key(k)} = {_toml(v)}" for k, v in value.items()) + " }"
-    if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    escaped = str(value).replace("\\", "\\\\").replace('"', '\\"')
-    plain = "".join(c if c.isprintable() else f"\\U{ord(c):08X}" for c in escaped)
-    return f'"{plain}"'
-
-
 def _head(
     source: Source, lines: list[str], more: dict[str, Any]
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
     """The head, with those keys of `more` that it does not say itself; a notice for each of the
     others whose value is another."""
-    toml = "\n".join(line[2:] if line.startswith("# ") else line[1:] for line in lines)
+    document = "\n".join(line[2:] if line.startswith("# ") else line[1:] for line in lines)
     try:
-        head = intake.toml(toml)
+        head = intake.toml(document)
     except ValueError as error:
         found = re.search(r"line (\d+)", str(error))
         raise source.fault(

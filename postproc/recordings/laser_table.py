@@ -90,7 +90,7 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     )
     found, faults = _sheet.cells(source, table, sheet, options)
     notices += _sheet.missing(faults)
-    _averages(source, sheet, table, found, notices)
+    _averages(sheet, table, found, notices)
     columns, noted, more = environment.taken(_keys(lines[weather + 1 :], lower=False).items())
     readings = _readings(found, scale, columns)
     head = {
@@ -193,7 +193,7 @@ def _means(found, runs: int) -> tuple[dict[int, float], float]:
     return {line: float(np.mean(v)) for line, v in own.items() if len(v) >= runs}, spread
 
 
-def _averages(source, sheet, table, found, notices) -> None:
+def _averages(sheet, table, found, notices) -> None:
     """The file's averages against its runs: where they differ, one of them is a slip."""
     at = next((j for j, h in enumerate(sheet.headings) if AVERAGE.match(h)), None)
     if at is None or not found:

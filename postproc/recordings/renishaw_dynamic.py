@@ -97,8 +97,8 @@ def read(source: Source, options: ReadingOptions) -> Recording:
     samples = _samples(source, begin.end(), at, notices)
     rate = _rate(source, keys)
     axis = _axis(source, keys, options)
-    position = _position(source, samples, options, at)
-    command = _command(source, position, options, at)
+    position = _position(samples, options, at)
+    command = _command(position, options, at)
     stated = _whole(keys.get("sample no", ("", 0))[0])
     if stated and stated != len(samples):
         notices.append(f"Sample no is {stated}, and there are {len(samples)} samples")
@@ -146,9 +146,7 @@ def _rate(source: Source, keys: dict[str, tuple[str, int]]) -> float:
     raise source.fault(1, "the header does not say the Actual sample rate")
 
 
-def _position(
-    source: Source, samples: np.ndarray, options: ReadingOptions, at: Place
-) -> np.ndarray:
+def _position(samples: np.ndarray, options: ReadingOptions, at: Place) -> np.ndarray:
     """mm."""
     if not options.unit:
         low, high = samples.min(), samples.max()
@@ -171,9 +169,7 @@ def _position(
     return samples * unit.factor * UM
 
 
-def _command(
-    source: Source, position: np.ndarray, options: ReadingOptions, at: Place
-) -> np.ndarray:
+def _command(position: np.ndarray, options: ReadingOptions, at: Place) -> np.ndarray:
     """mm: the commands that the user says the axis had."""
     how = options.extra.get("command", "")
     if how == "still":

@@ -18,7 +18,7 @@ ACCELERATION = 1000.0  # mm/s2 and degrees/s2, where the machine states none
 @dataclass(frozen=True)
 class Limits:
     """(A,) of each axis: velocity mm/s, acceleration mm/s2, jerk mm/s3 (inf: none; degrees for
-    rotary axes). assumed: the axes whose velocity or acceleration nobody has stated."""
+    rotary axes). assumed: the axes whose velocity or acceleration is not stated."""
 
     velocity: np.ndarray
     acceleration: np.ndarray

@@ -45,12 +45,10 @@ class Curves:
 
     def at(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(A, n) place, first and second derivative by t, at t (n,)."""
-        phi, r, dr, w = (
-            self.phi + self.sweep * t,
-            self.r0 + (self.r1 - self.r0) * t,
-            self.r1 - self.r0,
-            self.sweep,
-        )
+        phi = self.phi + self.sweep * t
+        r = self.r0 + (self.r1 - self.r0) * t
+        dr = self.r1 - self.r0
+        w = self.sweep
         out = self.e1 * np.cos(phi) + self.e2 * np.sin(phi)
         along = self.e2 * np.cos(phi) - self.e1 * np.sin(phi)
         return (
@@ -131,10 +129,8 @@ class Path:
         length = self.length[piece]
         share = np.where(length > 0, s / np.where(length > 0, length, 1.0), 0.0)
         way = (self.end - self.begin)[:, piece]
-        place, direction = (
-            self.begin[:, piece] + way * share,
-            way / np.where(length > 0, length, 1.0),
-        )
+        place = self.begin[:, piece] + way * share
+        direction = way / np.where(length > 0, length, 1.0)
         bend = np.zeros_like(place)
         of = np.flatnonzero(self.curve[piece] >= 0)
         if len(of):
@@ -263,10 +259,8 @@ def _turning(curves: Curves) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     for a, b in zip(curves.e1, curves.e2, strict=True):
         size = np.hypot(a, b)
         extreme = np.arctan2(b, a)
-        low, high = (
-            np.minimum(curves.phi, curves.phi + curves.sweep),
-            np.maximum(curves.phi, curves.phi + curves.sweep),
-        )
+        low = np.minimum(curves.phi, curves.phi + curves.sweep)
+        high = np.maximum(curves.phi, curves.phi + curves.sweep)
         first = np.ceil((low - extreme) / np.pi)
         count = np.where(
             size > 0, np.maximum(np.floor((high - extreme) / np.pi) - first + 1, 0), 0

@@ -8,6 +8,11 @@ shorter than a segment of 10 ms each segment is a block: 20 were counted on its 
 the lines answered, all are over but those behind which fewer motions than that stand. Only motions
 count that surely make a block: M and G words alone make none, nor does a motion below one step of
 the motors (planner.c, PLAN_EMPTY_BLOCK).
+
+    line   1 ............... | ............... a | a + 1 ........... s | s + 1 ...
+           over: executed    | answered, perhaps | sent, not answered: | not sent
+                             | in the planner    | in the buffer or    |
+                             | or in segments    | on the wire         |
 """
 
 from __future__ import annotations

@@ -172,7 +172,7 @@ class Greeting:
         elif now - self._started > self.listen:
             heard = " ".join(self.banner.split())[:120]
             unknown = f"this is no controller that gcomp knows: {heard!r}"
-            self._fail(*((unknown, "say --protocol, and check --baud") if heard else NOBODY))
+            self._fail(*((unknown, "say --protocol, and check --baud") if heard else NO_ANSWER))
         elif self._pokes and now >= self._poked + POKE_EVERY:
             self._out += self._pokes[0]
             self._pokes = [*self._pokes[1:], self._pokes[0]]
@@ -235,8 +235,8 @@ class Greeting:
         self.fault = GreetingError(message, advice)
 
 
-NOBODY = (
-    "nobody answers on this port",
+NO_ANSWER = (
+    "no answer on this port",
     (
         "is it the right port and --baud, is the controller on, and does no other program hold the"
         " port? --protocol says which it is"

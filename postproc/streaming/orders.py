@@ -212,10 +212,8 @@ class Order:
                 self._reported(event)
 
     def _reported(self, status: Status) -> None:
-        self.status, waits = (
-            status,
-            self.order in (HOME, JOG, SEND) and status.state in ("run", "jog", "home"),
-        )
+        self.status = status
+        waits = self.order in (HOME, JOG, SEND) and status.state in ("run", "jog", "home")
         if self._answered and self._fresh:
             self._rests = 0 if waits else self._rests + 1
             self.done = self._rests >= 2

@@ -27,13 +27,11 @@ class Block:
     __slots__ = ("acceleration", "entry", "least", "length", "most", "rate")
 
     def __init__(self, length: float, rate: float, acceleration: float, most: float, least: float):
-        self.length, self.rate, self.acceleration, self.most, self.least = (
-            length,
-            rate,
-            acceleration,
-            most,
-            least,
-        )
+        self.length = length
+        self.rate = rate
+        self.acceleration = acceleration
+        self.most = most
+        self.least = least
         self.entry = most
 
     def seconds(self, leave: float) -> float:
@@ -132,10 +130,8 @@ class Pace:
     def _chords(self, places: Sequence[Sequence[float]], acceleration: float) -> float:
         """Square of the speed at which a curve's chords may follow each other: a circle of its
         radius."""
-        first, second = (
-            _unit(places[0], places[1]),
-            _unit(places[1], places[2]) if len(places) > 2 else None,
-        )
+        first = _unit(places[0], places[1])
+        second = _unit(places[1], places[2]) if len(places) > 2 else None
         if first is None or second is None:
             return math.inf
         turn = math.acos(

@@ -46,7 +46,7 @@ def coarsest_step(controller: Controller) -> float:
 
 class Path:
     """judge() for every report, which also goes to the account. order: where each axis of a line's
-    `end` stands in the reports, (): in the same order. limit: mm. watched: False: nobody looks.
+    `end` stands in the reports, (): in the same order. limit: mm. watched: whether it looks.
     distance, nearest: mm beside the path, and the line that is nearest, as they were seen last;
     off_path: how often."""
 

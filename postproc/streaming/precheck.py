@@ -75,13 +75,11 @@ class Precheck:
         sent: str = NOTHING,
     ):
         self.sent = sent
-        self.controller, self.letters, self.order, self.name, self.grbl = (
-            controller,
-            letters,
-            order,
-            name,
-            grbl,
-        )
+        self.controller = controller
+        self.letters = letters
+        self.order = order
+        self.name = name
+        self.grbl = grbl
         self.travel = [self._setting(str(130 + k)) for k in order]
         self.soft = self._setting("20") not in (0.0, math.inf)
         mask = self._setting("23")

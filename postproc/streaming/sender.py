@@ -38,7 +38,7 @@ class Sender:
     order, None: it does not report them.
     spindle_off: stop the spindle when the job has ended in a hold, where the controller can (it
     starts again with resume).
-    path: to see whether it stands on the lines' path while it moves; None: nobody looks.
+    path: to see whether it stands on the lines' path while it moves; None: it is not asked.
     `log` is drained by the owner: ("sent", line, time), ("answered", line, time), ("rejected",
     line, time), ("status", status, time), ("told", text, time), and ("hold", text, time),
     ("resumed", text, time) for what gcomp did not order.
@@ -492,11 +492,11 @@ class Sender:
         self._finish(Outcome(*verdict(self.tally, off, self.check)))
 
     def _stalled(self, now: float, how: str) -> None:
-        again = self.protocol.overdue()
-        if not again:
+        overdue_line = self.protocol.overdue()
+        if not overdue_line:
             self._end_soon(endings.stalled(self.waiting, how), now, hold=True)
             return
-        self.out.put(again)  # a numbered line that the receiver will not take twice
+        self.out.put(overdue_line)  # a numbered line that the receiver will not take twice
         self._moved, self._idle_since = now, None
 
     def _end_soon(

@@ -59,10 +59,8 @@ class Source:
         self.delivered: list[WireLine] = []
         self._rest = b""
         self._seen: list[tuple[Words, Motions, Pieces, bytes, int]] = []
-        known, place = (
-            filter_.modal.known.tolist(),
-            (filter_.modal.position / TICKS_PER_MM).tolist(),
-        )
+        known = filter_.modal.known.tolist()
+        place = (filter_.modal.position / TICKS_PER_MM).tolist()
         self._end: tuple[float, ...] = tuple(
             v if k else math.nan for k, v in zip(known, place, strict=True)
         )

@@ -82,10 +82,8 @@ def found(past: Past, place: tuple[float, ...], near: float) -> tuple[int | None
         width = min(len(here), *map(len, places))
         points = np.array([[np.nan if v is None else v for v in at[:width]] for at in places])
         unknown = np.isnan(points) | np.isnan(here[:width])
-        points, to = (
-            np.where(unknown, 0.0, points),
-            np.where(unknown.any(axis=0), 0.0, here[:width]),
-        )
+        points = np.where(unknown, 0.0, points)
+        to = np.where(unknown.any(axis=0), 0.0, here[:width])
         points[:, unknown.any(axis=0)] = 0.0
         _, off = nearest(np.vstack([points, points[-1:]]), to)
         if off <= near:

@@ -79,7 +79,7 @@ class Verifier:
     ) -> None:
         """Compare a batch with its output. Raises GcompError when the output can not be read back
         or lost a motion."""
-        again, back = self._read_back(output, first_line)
+        lexed, back = self._read_back(output, first_line)
         for i in np.flatnonzero(back.reason)[:1] if not self.machine.is_zero else ():
             why = back.reasons[int(back.reason[i])][0]
             raise GcompError(
@@ -96,7 +96,7 @@ class Verifier:
                 self._near(words, motions, pieces, int(differ[0]), first_line),
             )
         self.tips |= bool(motions.space.any())
-        self.warm.see(words, motions, again, back)
+        self.warm.see(words, motions, lexed, back)
         self.motions_in += len(motions)
         self.motions_out += len(back)
         if len(motions):
@@ -107,24 +107,24 @@ class Verifier:
                 self.trace.begin(words, motions, line, first_line)
             self._measure_both(motions, back, pieces, line)
             if self.trace:
-                self.trace.end(words, pieces, output, again.line[back.block])
+                self.trace.end(words, pieces, output, lexed.line[back.block])
 
     def _read_back(self, output: bytes, first_line: int) -> tuple[Words, Motions]:
         """Words and motions of the output. Raises GcompError."""
-        again = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
+        lexed = lex(output, self.interpreter.dialect.grammar, self.interpreter.setup.block_delete)
         try:
-            back, self.state, _ = self.interpreter.run(again, self.state)
-            if again.fault and not self.state.ended:
-                raise again.fault
+            back, self.state, _ = self.interpreter.run(lexed, self.state)
+            if lexed.fault and not self.state.ended:
+                raise lexed.fault
         except BlockFault as fault:
-            at = int(again.line[fault.block]) if fault.block < again.blocks else -1
+            at = int(lexed.line[fault.block]) if fault.block < lexed.blocks else -1
             shown = output.split(b"\n")[at].decode("latin-1")
             raise GcompError(
                 f"the output can not be read back: {fault.message}",
                 REPORT_IT,
                 Place(self.name, int(self._own(np.array([first_line + 1]))[0]), shown),
             ) from None
-        return again, back
+        return lexed, back
 
     def _measure_both(
         self, motions: Motions, back: Motions, pieces: Pieces, line: np.ndarray
@@ -333,10 +333,8 @@ class Verifier:
         nominal direction. which: (K,) motions of the run, those of the nominal program, and t
         there."""
         (row, owner, t), (command, weight) = which, commands
-        start, target = (
-            (nominal.start / TICKS_PER_MM)[:, owner],
-            (nominal.target / TICKS_PER_MM)[:, owner],
-        )
+        start = (nominal.start / TICKS_PER_MM)[:, owner]
+        target = (nominal.target / TICKS_PER_MM)[:, owner]
         moves = all_known(self.machine, nominal.start_known)[owner] & (nominal.code[owner] != RAPID)
         should = axes_of(self.machine, np.where(moves, start + (target - start) * t, target))[1]
         actual = np.zeros_like(should)

@@ -124,10 +124,8 @@ class CentreVerifier:
         nominal, run = begun(motions, i), begun(motions, i)
         if nominal is None or run is None:
             return
-        self.nominal, self.run = (
-            Contour(nominal, weights[:, i].copy()),
-            Contour(run, weights[:, i].copy()),
-        )
+        self.nominal = Contour(nominal, weights[:, i].copy())
+        self.run = Contour(run, weights[:, i].copy())
         self.at_work = self.machine
         if motions.space[i]:
             space = motions.spaces[int(motions.space[i])]

@@ -34,10 +34,8 @@ def to_path(machine: Machine, nominal: Motions, owner, t, actual) -> np.ndarray:
     """(K,) mm from actual points to their nominal path, in the corrected axes of a machine as its
     motions see it."""
     rows = list(machine.corrected)
-    start, target = (
-        (nominal.start / TICKS_PER_MM)[:, owner],
-        (nominal.target / TICKS_PER_MM)[:, owner],
-    )
+    start = (nominal.start / TICKS_PER_MM)[:, owner]
+    target = (nominal.target / TICKS_PER_MM)[:, owner]
     point = actual[rows]
     way = (target - start)[rows]
     rapid = (nominal.code[owner] == RAPID) | ~all_known(machine, nominal.start_known)[owner]

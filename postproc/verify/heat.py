@@ -17,8 +17,8 @@ from postproc.nc.lexer import Words
 
 
 class Warm:
-    """The drivers of a filter's machine along both programs; none where nobody follows
-    temperatures."""
+    """The drivers of a filter's machine along both programs; none where temperatures are not
+    followed."""
 
     def __init__(self, filter_: Filter):
         self.heat = filter_.heat
@@ -28,13 +28,13 @@ class Warm:
         self.courses: dict[int, Course] = {}  # of the motions at hand
         self.alone = _alone(filter_.machine)
 
-    def see(self, words: Words, motions: Motions, again: Words, back: Motions) -> None:
+    def see(self, words: Words, motions: Motions, read_back: Words, back: Motions) -> None:
         """A batch and its output."""
         if self.heat is None:
             return
         first, second = self.warmth
         nominal, after = self.heat.course(words, motions, first)
-        own, behind = self.heat.course(again, back, second)
+        own, behind = self.heat.course(read_back, back, second)
         self.courses = {id(motions): nominal, id(back): own}
         self.warmth = [after, behind]
 

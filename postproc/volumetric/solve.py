@@ -227,10 +227,8 @@ class _Fixed:
         )
         if r.kind == "shift" and unknowns.bare.chain.rotary:
             turn = to_machine(unknowns.bare, r.q)
-            columns, known = (
-                np.einsum("ijn,pjn->pin", turn, columns),
-                np.einsum("ijn,jn->in", turn, known),
-            )
+            columns = np.einsum("ijn,pjn->pin", turn, columns)
+            known = np.einsum("ijn,jn->in", turn, known)
         return cls(
             columns, angle_columns(unknowns, r), nominal_tip(unknowns.bare, r.q, r.tool), known
         )

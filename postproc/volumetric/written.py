@@ -33,11 +33,6 @@ def _one(group: Group) -> tuple[str, float]:
     return ("urad", URAD) if angle else ("um", UM)
 
 
-def _has_own_section(group: Group) -> bool:
-    """A location of the table stands under its own section of machine.toml."""
-    return group.letter in ROTARY
-
-
 def _size(fit: Fit, g: Group) -> str:
     """How large an error is, with its u."""
     unit, one = _one(g)

@@ -10,9 +10,8 @@ INTRODUCTION = """\
 ## Real machines
 
 `python -m proof.real` (two minutes) takes recordings that others made of their machines, removes
-what the authors found from the model, lets `gcomp diagnose` find it, compares name and size, writes
-it into the machine and diagnoses again. `proof/real/data/README.md` names sources and licences;
-what may not be passed on is read from where it lies, or left out.
+what the authors found from the model, lets `gcomp diagnose` find it, writes it into the machine and
+diagnoses again. Sources and licences: `proof/real/data/README.md`.
 
 A row is *yes* if the first name is right, the second run does not find it again, the held-out rows
 fit better, at most a tenth of the readings is put aside, and the size agrees with independent
@@ -56,7 +55,7 @@ def row(r: dict[str, Any]) -> str:
         verdict += f". {r['note'][0].upper()}{r['note'][1:]}"
     cells = [
         r["title"],
-        f"{r['whom']}; {r['licence']}",
+        r["whom"],
         r["known"],
         r["concealed"],
         said,
@@ -71,7 +70,7 @@ def row(r: dict[str, Any]) -> str:
 def table(results: list[dict[str, Any]]) -> str:
     titles = [
         "recording",
-        "from; licence",
+        "from",
         "known",
         "model without it",
         "gcomp said",
@@ -115,8 +114,7 @@ def put_in(document: str, section: str) -> str:
 
 
 LIMITS = """
-**Limits.** Most authors measured one axis and one effect, none by two different means: *right*
-means as the authors, or simple arithmetic on their numbers, have it. The two grinder rows and their
-null compare a table with itself. Squareness, cyclic errors, heat and tool wear are missing: no
-recording was found that may be passed on and is small enough to check by eye.
+**Limits.** Most authors measured one axis and one effect, none by two different means: *right* is
+what they, or simple arithmetic on their numbers, have. The two grinder rows and their null compare
+a table with itself. Squareness, cyclic errors, heat and tool wear are missing.
 """

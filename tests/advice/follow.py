@@ -38,6 +38,7 @@ CHAPTERS = (
     "Written out: Fanuc's macros",
     "Written out: Sinumerik's control structures",
     "Written out: Heidenhain Klartext",
+    "Written out: Fadal's subroutines",
     "Written out: all languages",
 )
 WRITE = {"expand": True}

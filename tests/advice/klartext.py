@@ -66,6 +66,17 @@ def pocketed(old: str, new: str, spindle: str = "M3", number: int = 252) -> Case
     return klartext(text(data, spindle, number), text(ROUND, "M3"))
 
 
+FACE = (
+    "Q389=+2 Q225=+1 Q226=+2 Q227=+0 Q386=-2 Q218=+50 Q219=+20 Q202=+2 Q370=+1 Q207=+500 Q253=+750"
+    " Q200=+2 Q357=+3 Q204=+9"
+)
+
+
+def faced(old: str, new: str) -> Case:
+    head = "TOOL DEF 1 L+0 R+4|TOOL CALL 1 Z|L Z+9 R0 FMAX M3|"
+    return klartext(head + cycle(FACE.replace(old, new), 232), head + cycle(FACE, 232))
+
+
 RING_OF = (
     "CYCL DEF 220 R ~|Q216=+5 ~|Q217=+5 ~|Q244=+9 ~|Q245=+0 ~|Q200=+2 ~|Q203=+0 ~|"
     "Q246=+90 ~|Q247=+30 ~|Q241=+3|L X+9"
@@ -146,6 +157,10 @@ ALL = [
     klartext((PECK + "5 F9|L X+5 M99").replace("1.3 2", "1.3 .0001"), PECK + "5 F9|L X+5 M99"),
     klartext(cycle(DRILL + " Q257=+0.00001", 205), cycle(DRILL, 205)),
     klartext(cycle(DRILL, 254), "L Z-5 F99|L Z+5 FMAX"),
+    faced("Q389=+2", "Q389=+1"),
+    faced("Q218=+50", "Q218=+0"),
+    faced("Q386=-2", "Q386=+2"),
+    faced("Q202=+2", "Q202=+0"),
     pocketed("Q351=+1", "Q351=+0"),
     pocketed("Q215=+1", "Q215=+7"),
     pocketed("Q366=+0", "Q366=+7"),

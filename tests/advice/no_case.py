@@ -51,7 +51,7 @@ NO_CASE: dict[str, str] = {
     "to hold the tip there * goes to * *, beyond the * of * (* to * *)": ELSEWHERE,
     "what holds here is not known, because of a line before: *": ELSEWHERE,
     "within a cycle or a frame, and this block is more than words and numbers": ELSEWHERE,
-    "G43.5 turns the tool, and *": MACHINE,
+    "* turns the tool, and *": MACHINE,
     "* holds no numbers": ELSEWHERE,
     "the tool comes nearer than * mm to the line of C, where C turns half around within the width"
     " of a correction": "wants a lathe with C; tests/test_polar_interpolation.py has one",

@@ -31,6 +31,17 @@ POLE = [
     pole(SET + "N4 G2 X12 Y0 F99*", SET + "N4 G2 X10 Y0 F99*"),
     pole(SET + "N4 G2 X10 Y0 R2 F99*", SET + "N4 G2 X10 Y0 F99*"),
 ]
+CORNER = "N3 G1 X20 F99*|N4 G25 R5*|N5 Y30*"
+ISO_CORNERS = [
+    pole(CORNER.replace("R5", "L9"), CORNER),
+    pole(CORNER.replace("N3 G1", "N3 G0").replace("N5", "N5 G1 F99"), CORNER),
+    pole("N2 G91*|" + CORNER, CORNER),
+    pole(CORNER + "|N6 G98 L1*|N7 X9*|N8 L1,2*", CORNER),
+    pole(CORNER.replace("R5", "R5 F9").replace(" F99", ""), CORNER),
+    pole(CORNER.replace("R5", "R50"), CORNER),
+    pole(CORNER.replace("N5 Y30", "N5 X0"), CORNER),
+    pole("N2 G91*|N3 G54 X5*|N4 G90 G0 X5 Y5*", "N3 G54 X5*|N4 G90 G0 X5 Y5*"),
+]
 SPLINES = [
     nurbs("K0. X5. Y5. R1.", "K0. R1."),
     nurbs("|K1.|K1.|K1.", "|K1. P3|K1.|K1."),
@@ -68,4 +79,4 @@ OTHERS = [
     ),
     linuxcnc("G83 Z-900 R2 Q.00001", "G83 Z-9 R2 Q1|G80"),
 ]  # fmt: skip
-ALL = [*POLE, *SPLINES, *SHAPES, *OTHERS]
+ALL = [*ISO_CORNERS, *POLE, *SPLINES, *SHAPES, *OTHERS]

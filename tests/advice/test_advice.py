@@ -14,6 +14,7 @@ import pytest
 from postproc.errors import ProgramError
 from postproc.nc import dialects
 from tests.advice import (
+    fadal,
     follow,
     klartext,
     plain,
@@ -32,6 +33,7 @@ CASES = [
     *written_siemens.ALL,
     *rest.ALL,
     *klartext.ALL,
+    *fadal.ALL,
 ]
 ALL = {
     follow.bare(message): advice

@@ -249,6 +249,17 @@ POCKETS = [
     pocket(",1,6,,,3,2", ",21,6,,,0,2", POCKET.replace(",1,6", ",21,6")),
     pocket(",1,6,,,3", ",21,6,,,30", POCKET.replace(",1,6", ",21,6")),
 ]
+FACE = "CYCLE71(10,0,2,-3,0,0,60,40,0,2,8,5,0,400,11,2)"
+SPIGOT = "CYCLE77(10,0,2,-6,,20,40,30,3,0,0,400,150,0,1)"
+MILLED = {"how": {"offsets": TOOL}}
+MILLINGS = [
+    run(FACE.replace(",8,5", ",18,5"), FACE, **MILLED),
+    run(FACE.replace(",60,40", ",0,40"), FACE, **MILLED),
+    run(FACE.replace(",11,2)", ",51,2)"), SMOOTH, **MILLED),
+    run(SPIGOT.replace("400,150", "0,150"), SPIGOT, **MILLED),
+    run(SPIGOT.replace(",-6,", ",,"), SPIGOT, **MILLED),
+    run(SPIGOT.replace(",0,1)", ",0,1,25)"), SPIGOT.replace(",0,1)", ",0,1,50)"), **MILLED),
+]
 POLY = "POLY PO[X]=(9,2) PO[Y]=(5)"
 POLYNOMIALS = [
     frame("G1 X50 RND=5|" + POLY, "G1 X50|" + POLY),
@@ -264,4 +275,37 @@ POLYNOMIALS = [
     frame(POLY + " PO[]=(2,1) Z9", POLY + " PO[]=(2,1) PO[Z]=(9)"),
     run("G1 X2 FB=200|X3", "G1 F50|X2 FB=200|X3"),
 ]
-ALL = [*DRILLING, *REMOVALS, *POCKETS, *FRAMES, *CORNERS, *ARCS, *PARTS, *POLYNOMIALS]
+FIVE = {
+    "machine": "example-five-axis",
+    **WRITE,
+    "offsets": {"G54": {}, "D1": {"Z": 100.0}},
+}
+
+
+def turned(before: str, after: str, then: str = "", **options) -> Case:
+    head = "G90 G54 T1 D1 G0 X0 Y0 Z-300 A0 C0|TRAORI|"
+    how = {**FIVE, **options.pop("how", {})}
+    return Case("siemens", head + before, head + after, then, how=how, **options)
+
+
+DIRECTIONS = [
+    turned("TRAFOOF|G1 X5 C3=1 F9", "G1 X5 C3=1 F9"),
+    turned("ORIMKS|G1 X5 C3=1 F9", "ORIWKS|G1 X5 C3=1 F9"),
+    turned("ROT Z30|G0 X1 Y1 Z-9|G1 X5 Y1 Z-9 C3=1 F9", "G1 X5 Y1 Z-300 A1 F9"),
+    turned("G1 X5 A5 C3=1 F9", "G1 X5 C3=1 F9"),
+    turned("G1 X5 A2=1 F9", "G1 X5 A1 F9"),
+    turned("G1 X5 LEAD=1 F9", "G1 X5 A1 F9"),
+    turned("G1 X5 C3=1 F9", "G1 X5 C3=1 F9", first={"expand": False}),
+]
+ALL = [
+    *DIRECTIONS,
+    *MILLINGS,
+    *DRILLING,
+    *REMOVALS,
+    *POCKETS,
+    *FRAMES,
+    *CORNERS,
+    *ARCS,
+    *PARTS,
+    *POLYNOMIALS,
+]

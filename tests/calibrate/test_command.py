@@ -185,7 +185,7 @@ def test_what_the_map_lacks_is_said_in_the_output_in_the_file_and_when_it_is_sho
     """100 urad over the longer travel, 510 mm of Z: 51 um. EBX is not among the recordings."""
     _, names, place = made
     says = [
-        "squareness of XZ, which nobody measured: 100 urad would be 51.0 um at the far corner",
+        "squareness of XZ, not measured: 100 urad would be 51.0 um at the far corner",
         "EBX: never measured",
         (
             "Z beyond 0 to 510 mm, where it was measured; the travel goes 40 mm beyond it: places"

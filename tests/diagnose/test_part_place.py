@@ -10,7 +10,6 @@ import pytest
 
 from postproc import recordings
 from postproc.diagnose import assembly, held_out, library, part_place
-from postproc.effects import load
 from postproc.machine.file import read_machine
 
 STUDER = read_machine(Path(__file__).parents[2] / "machines" / "studer-s36")
@@ -115,20 +114,6 @@ def test_a_run_under_a_load_of_its_own_is_not_held_out():
     assert set(rows.run[held]) == {1}
     bare = replace(rows, state=replace(rows.state, channels={}))
     assert set(rows.run[held_out.of(bare, "", [read])[0]]) == {2}
-
-
-def test_a_beam_aslant_shows_a_part_of_what_the_tool_does():
-    """Of lost steps of X and Z that read alike along a diagonal that of the axis nearer the beam is
-    the smaller: its usual size is the same in mm of the slide, not of the reading."""
-    text = (
-        '# format = "gcomp-recording/1"\n# kind = "targets"\n# machine = "studer-s36"\n# instrument'
-        ' = "laser interferometer"\n# quantity = "displacement"\n# sensitive = { X = 0.28, Z ='
-        " 0.96 }\nrun,t_s,X_mm,Z_mm,approach_X,approach_Z,reading_um\n"
-    ) + "".join(f"1,{10 * k},{20 + 2.8 * k},{20 + 9.6 * k},1,1,0.0\n" for k in range(14))
-    rows = assembly.of([recordings.read(recordings.Source("r.csv", text.encode()))], STUDER)
-    for axis, shows in (("X", 0.28), ("Z", 0.96)):
-        columns, tool = library.shown(rows, load("step_loss"), axis, {"t_s": 65.0})
-        assert np.abs(columns).max() == pytest.approx(shows * tool.max())
 
 
 def test_wear_that_shows_on_diameters_alone_is_of_their_axis():

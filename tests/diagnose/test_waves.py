@@ -11,10 +11,12 @@ from postproc import recordings
 from postproc.diagnose import intervals, library, rounding, spectra
 from postproc.diagnose.analysis import diagnose
 from postproc.effects import State, cyclic, waves_of
+from postproc.machine import places
 from postproc.machine.file import read_machine
 
 RNG = np.random.default_rng(11)
 MILL = read_machine(Path(__file__).parents[2] / "machines" / "example-mill")
+MAP = places.load(Path(__file__).parents[2] / "machines" / "example-mill")
 
 
 def sampled(step: np.ndarray, each: int = 4) -> np.ndarray:
@@ -112,26 +114,51 @@ def test_a_cosine_that_has_lost_its_sine_is_no_wave():
     ]
 
 
-def test_targets_at_every_half_period_are_answered():
-    """Two runs there and back over targets 20 mm apart, every other one 6 um off."""
-    head = [
-        'format = "gcomp-recording/1"',
-        'kind = "targets"',
-        'machine = "example-mill"',
-        'instrument = "laser"',
-    ]
-    head += ['quantity = "displacement"', "sensitive = { X = 1.0 }"]
-    lines = [f"# {line}" for line in head] + [
+HEAD = [
+    'format = "gcomp-recording/1"',
+    'kind = "targets"',
+    'machine = "example-mill"',
+    'instrument = "laser"',
+    'quantity = "displacement"',
+    "sensitive = { X = 1.0 }",
+]
+
+
+def read_targets(places: np.ndarray, off_um, noise_um: float) -> list[recordings.Recording]:
+    """Three runs there and back over targets at these places (mm) of X."""
+    lines = [f"# {line}" for line in HEAD] + [
         "run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um"
     ]
     noise, t = np.random.default_rng(4), 0.0
     for run in (1, 2, 3):
         for way in (1, -1):
-            for k in range(-14, 15)[::way]:
+            for x in places[::way]:
                 t += 5.0
-                lines.append(
-                    f"{run},{t},{20 * k},0,0,{way},1,1,{6.0 * (-1) ** k + noise.normal(0, 0.3):.2f}"
-                )
-    read = [recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))]
-    d = diagnose(read, MILL)
+                off = off_um(x, way) + noise.normal(0, noise_um)
+                lines.append(f"{run},{t},{x:.3f},0,0,{way},1,1,{off:.2f}")
+    return [recordings.read(recordings.Source("a.csv", "\n".join([*lines, ""]).encode()))]
+
+
+def test_targets_at_every_half_period_are_answered():
+    """Two runs there and back over targets 20 mm apart, every other one 6 um off."""
+    even = 20.0 * np.arange(-14, 15)
+    d = diagnose(read_targets(even, lambda x, way: 6.0 * (-1) ** round(x / 20), 0.3), MILL)
     assert d.findings or d.unknown or d.places
+
+
+def test_targets_in_step_with_a_lead_show_no_cyclic_error():
+    """At every 30.08 mm a lead of 5 mm is a slow wave (aliasing): nothing tells that it is one,
+    and at uneven distances the lead is asked for."""
+    even = 30.08 * np.arange(-9, 10)
+    uneven = even + 2.5 * np.cos(37.0 * np.arange(len(even)))
+
+    def slow(x: float, way: int) -> float:
+        place, approach = np.array([[x], [0.0], [0.0]]), np.array([[way], [1.0], [1.0]])
+        known = 1e3 * MAP.deviation(place, approach.astype(float))[0, 0]
+        return known + 8.0 * np.cos(2 * np.pi * x / 5)
+
+    def names(places: np.ndarray) -> list[str]:
+        return [f.block.key for f in diagnose(read_targets(places, slow, 0.3), MILL).findings]
+
+    assert names(uneven) == ["cyclic:X"]
+    assert "cyclic:X" not in names(even)

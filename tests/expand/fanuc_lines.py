@@ -10,10 +10,11 @@ import pytest
 
 from postproc.errors import ProgramError
 from postproc.nc.dialects import load
-from postproc.nc.expand import Limits, Line, Program, lines_of
+from postproc.nc.expand import Limits, Line, Program
 from postproc.nc.expand.tracker import Tracker
+from postproc.nc.expand.written import lines_of
+from postproc.nc.grammar import PLAIN
 from postproc.nc.interpreter import Interpreter
-from postproc.nc.lexer import PLAIN
 from postproc.nc.state import Setup
 
 LEAST = dict.fromkeys("XYZ", 0.001)

@@ -220,3 +220,11 @@ def test_the_nose_of_a_haas_is_led_along_the_shape_of_the_roughing_too():
     assert [x.replace("G0 G42 ", "").replace(" G40", "") for x in lines[:-1]] == text_of(
         bare, "haas-lathe", LATHE
     )[:-1]
+
+
+def test_a_distance_of_nothing_behind_a_cycle_needs_no_motion_code():
+    """G28 U0 and then W0, as programs have it for the way to the reference point: whichever code
+    holds behind G71, nothing moves."""
+    shape = "N10 G0 X40.|N20 G1 Z-5."
+    lines = text_of(f"G0 X100. Z2.|G71 U2. R1.|G71 P10 Q20 F.2|{shape}|W0", "fanuc-lathe-a", LATHE)
+    assert lines[-1] == "W0"

@@ -194,7 +194,7 @@ def test_a_drilling_cycle_is_written_out_where_it_is_called(call):
         (HOLE.format("20", "L1,2|G79"), "program that calls labels"),
         (HOLE.format("20", "G91|G79"), "in G91, or not along Z"),
         (HOLE.format("20", "I+55 J+50|G03 X+60 Y+50|G79"), "neither G00 nor G01"),
-        (HOLE.format("20", "G79").replace("G200", "G252"), "cycle 252 is called"),
+        (HOLE.format("20", "G79").replace("G200", "G254"), "cycle 254 is called"),
         ("G00 G90 X+5|G79", "none is defined"),
     ],
 )

@@ -9,7 +9,8 @@ from postproc.errors import ProgramError
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
-from postproc.nc.interpreter import Interpreter, Setup
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.state import Setup
 
 HEAD = "G17 G90 G0 X0 Y0 Z50\nF200\n"
 

@@ -15,7 +15,8 @@ from postproc.errors import ProgramError
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
-from postproc.nc.interpreter import Interpreter, Setup
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.state import Setup
 from tests.expand.pocket_judge import assert_cleared, from_wall
 
 RADIUS = 5.0

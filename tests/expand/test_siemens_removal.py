@@ -13,7 +13,8 @@ from postproc.errors import ProgramError
 from postproc.nc import dialects
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
-from postproc.nc.interpreter import Interpreter, Setup
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.state import Setup
 
 STEP = "AA: G1 X20 Z0|Z-10|X30|BB: Z-20"
 CONE = "AA: G1 X20 Z0|BB: X40 Z-20"

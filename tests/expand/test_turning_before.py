@@ -7,9 +7,10 @@ import pytest
 
 from postproc.errors import ProgramError
 from postproc.nc import dialects
-from postproc.nc.expand import Limits, Program, lines_of
+from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
+from postproc.nc.expand.written import lines_of
 from postproc.nc.interpreter import Interpreter
 from tests.expand.plain_lines import LATHE
 

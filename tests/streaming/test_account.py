@@ -135,3 +135,11 @@ def test_nothing_is_said_to_be_over_that_the_model_has_not_made(seed):
         limit=3000,
     )
     assert sender.outcome.kind == "done" and not worst and seen > 5, (sender.outcome, worst[:3])
+
+
+def test_where_the_controller_does_not_say_its_steps_motions_of_a_twentieth_count():
+    """1 / 20 mm is coarser than any machine's step; what is shorter may make no block."""
+    long, short = account(planner=3, segments=1), account(planner=3, segments=1)
+    take(long, *((0.06 * i, 0.0) for i in range(1, 11)))
+    take(short, *((0.04 * i, 0.0) for i in range(1, 11)))
+    assert (long.executed, short.executed) == (6, 0)

@@ -225,6 +225,15 @@ def test_A7_a_long_line_loses_its_blanks_or_is_refused():
     assert protocols.load("grblhal").PROTOCOL().prepare(b"G1X" + b"1" * 80)
 
 
+def test_a_line_that_never_fits_the_buffer_is_refused():
+    """With its end it would take 51 of 50 bytes: it would wait for ever."""
+    made = Grbl()
+    made.controller.window = 50
+    assert made.prepare(b"G1X" + b"1" * 46)
+    with pytest.raises(Unsendable, match="characters"):
+        made.prepare(b"G1X" + b"1" * 47)
+
+
 @given(st.binary(max_size=90))
 def test_A7_no_realtime_byte_ever_leaves_in_a_line(data):
     try:

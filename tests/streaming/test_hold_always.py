@@ -215,7 +215,7 @@ def test_a_reader_that_closes_the_pipe(place):
         took = at_hold(host) - closed
         process.stdout = None
         _, err = process.communicate(timeout=PATIENCE)
-        assert process.returncode == 130 and "nobody reads standard output" in err.decode()
+        assert process.returncode == 130 and "the reader of standard output is gone" in err.decode()
         assert host.soon(lambda: host.model.state == "Idle")
         assert host.soon(lambda: host.orders() == [HOLD, RESET])
         records = (place / "job.nc.journal").read_text().splitlines()

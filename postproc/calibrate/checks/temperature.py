@@ -31,7 +31,7 @@ def check(calibration) -> Iterator[Finding]:
                 continue
             yield from _span(calibration, component, series, columns)
             if name == f"E{component.letter}{component.letter}":
-                yield from _expansion(calibration, component, series, columns)
+                yield from _expansion(calibration, component, columns)
     if bare:
         text = (
             f"no temperature was recorded with {', '.join(dict.fromkeys(bare))}: what the machine"
@@ -55,7 +55,7 @@ def _span(calibration, component, series, columns) -> list[Finding]:
     ]
 
 
-def _expansion(calibration, component, series, columns) -> list[Finding]:
+def _expansion(calibration, component, columns) -> list[Finding]:
     """A slope of the size and sign of an expansion."""
     letter = component.letter
     own = [n for n in columns if re.search(rf"_{letter}_C$", n)] or list(columns)

@@ -92,8 +92,8 @@ def _passed_and_streamed(
         if not options.quiet:
             print(f"gcomp: {first_pass.PASSED}", file=sys.stderr)
         port, greeting, signals = link
-        again = first_pass.greeted_again(port, options, greeting, machine, job, signals)
-        link = link._replace(greeting=again)
+        greeted = first_pass.greeted_again(port, options, greeting, machine, job, signals)
+        link = link._replace(greeting=greeted)
     return _stream(options, machine, link, job, load)
 
 

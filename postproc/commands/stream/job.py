@@ -348,7 +348,7 @@ def restarted(job: Job, line: int) -> None:
         return
     if sys.stdin is None or not sys.stdin.isatty():
         raise UsageError(
-            "nothing was sent: nobody is here to agree to this", "look at it, then say --yes"
+            "nothing was sent: there is no terminal to ask at", "look at it, then say --yes"
         )
     print("gcomp: send this? [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in ("y", "yes"):

@@ -40,7 +40,7 @@ QUEUE = 256  # lines that the sender has ready
 STANDS = 2.0
 RELEASE = "gcomp control resume releases it"
 CHECK_WORDS = {"[MSG:Enabled]", "[MSG:Disabled]", "[MSG:Pgm End]"}
-CLOSED = "nobody reads standard output any more: the pipe was closed"
+CLOSED = "the reader of standard output is gone: the pipe was closed"
 
 
 def interrupt(port: Port, greeting: Greeting, name: str) -> None:
@@ -98,20 +98,16 @@ class Run:
         answers: Answers | None = None,
     ):
         self.answers = answers
-        self.port, self.sender, self.prefetch, self.show, self.signals = (
-            port,
-            sender,
-            prefetch,
-            show,
-            signals,
-        )
+        self.port = port
+        self.sender = sender
+        self.prefetch = prefetch
+        self.show = show
+        self.signals = signals
         self.journal, self.trace, self.record, self.keys = journal, trace, record, keys
         self.started = time.monotonic()
-        self._pressed, self._resumed, self._stopped = (
-            signals.presses,
-            signals.resumes,
-            signals.holds,
-        )
+        self._pressed = signals.presses
+        self._resumed = signals.resumes
+        self._stopped = signals.holds
         self._asked = 0  # refused lines that were shown
         # why the job ends when the machine stands, and since when
         self._ending: tuple[str, float] | None = None

@@ -20,8 +20,11 @@ from postproc.nc.cycles.blocks_okuma_lathe import LatheBlocks
 from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
+from postproc.nc.cycles.corners_heidenhain import IsoCorners
 from postproc.nc.cycles.direction_fanuc import ToolDirections
+from postproc.nc.cycles.direction_siemens import SiemensDirections
 from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.drilling_fadal import FADAL, FadalDrilling
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
 from postproc.nc.cycles.drilling_fanuc import (
     LATHE,
@@ -143,7 +146,13 @@ class ArcsAndCorners(Chain):
     codes = PlacedArcs.codes + Polynomials.codes
 
     def __init__(self, scene: Scene):
-        super().__init__(BlockFeed(scene), Openings(scene), PlacedArcs(scene), Polynomials(scene))
+        super().__init__(
+            BlockFeed(scene),
+            SiemensDirections(scene),
+            Openings(scene),
+            PlacedArcs(scene),
+            Polynomials(scene),
+        )
 
 
 class LatheBlocksAndCorners(Chain):
@@ -155,13 +164,13 @@ class LatheBlocksAndCorners(Chain):
         super().__init__(LatheBlocks(scene), FanucCorners(scene))
 
 
-class HolesAndPoles(Chain):
+class CornersHolesAndPoles(Chain):
     """Of Heidenhain's DIN/ISO."""
 
-    codes = IsoHoles.codes + PoleArcs.codes
+    codes = IsoCorners.codes + IsoHoles.codes + PoleArcs.codes
 
     def __init__(self, scene: Scene):
-        super().__init__(IsoHoles(scene), PoleArcs(scene))
+        super().__init__(IsoCorners(scene), IsoHoles(scene), PoleArcs(scene))
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
@@ -174,7 +183,7 @@ def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def grblhal(dialect: Dialect, synchronised: bool) -> Family:
-    """Its holes and threads stay: nobody has measured them."""
+    """Its holes and threads stay: they are not measured."""
     splines = Splines(nurbs=False)
     return Family(dict.fromkeys(splines.codes, splines))
 
@@ -241,7 +250,7 @@ def siemens(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=HolesAndPoles)
+    return Family(before=CornersHolesAndPoles)
 
 
 def heidenhain(dialect: Dialect, synchronised: bool) -> Family:
@@ -255,6 +264,10 @@ def marlin(dialect: Dialect, synchronised: bool) -> Family:
 def fagor(dialect: Dialect, synchronised: bool) -> Family:
     holes = FagorDrilling(synchronised)
     return Family(dict.fromkeys([*FAGOR, TAP], holes), forgets=True, until_g80=True)
+
+
+def fadal(dialect: Dialect, synchronised: bool) -> Family:
+    return Family(dict.fromkeys(FADAL, FadalDrilling(synchronised)), restores=True)
 
 
 def okuma(dialect: Dialect, synchronised: bool) -> Family:
@@ -282,6 +295,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
     "heidenhain-iso": heidenhain_iso,
     "haas": haas,
     "haas-lathe": haas_lathe,
+    "fadal": fadal,
     "fagor": fagor,
     "okuma": okuma,
     "okuma-lathe": okuma_lathe,
@@ -289,7 +303,7 @@ FAMILIES: dict[str, Callable[[Dialect, bool], Family]] = {
 
 
 def family(dialect: Dialect, synchronised: bool = False) -> Family:
-    """The cycles and frames of a dialect; none where nobody has written them."""
+    """The cycles and frames of a dialect; none where they are not written."""
     found = max((p for p in FAMILIES if dialect.name.startswith(p)), key=len, default="")
     if not found:
         return Family()

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from postproc.nc.codes import code_number
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 
 _DIGITS = rb"[0-9](?:[ \t]*[0-9])*"
 _NUMBER = (

@@ -1,6 +1,10 @@
 """G70 and G71 of Haas mills: holes on a circle and on an arc, at each of which the canned cycle in
 force is called. They become the places, as blocks of that cycle.
 
+                3     2
+             4     +     1   <- the first hole: at radius I, at angle J from X+
+                5     6         G70: L holes, 360 / L apart; G71: L holes, K apart
+
 Haas mill operator's manual, "G70 Bolt Hole Circle", "G71 Bolt Hole Arc", and helmancnc.com, "G71
 Bolt Hole Arc": I is the radius, J the angle of the first hole, counter-clockwise from 3 o'clock, K
 of G71 the angle from hole to hole, L how many; the tool stands in the centre, or X Y of the block

@@ -3,6 +3,17 @@ becomes lines.
 
 NIST RS274/NGC 3.5.16. What a control makes of the words, and what it remembers from hole to hole,
 is in drilling_linuxcnc.py and drilling_fanuc.py.
+
+                G83, pecks                   G73, chips
+
+    R level     |   +---+   +---+   +        |            +     | feed   : rapid
+                |   :   :   :   :   :        |            :
+                v   :   :   :   :   :        v            :
+    peck 1      +---+   :*  :   :   :        +-+*         :     * `retract` above the last depth
+                        v   :   :   :          v          :
+    peck 2              +---+   :*  :          +-+*       :
+                                v   :            v        :
+    bottom                      +---+            +--------+     then G98: to the initial level
 """
 
 from __future__ import annotations
@@ -31,7 +42,7 @@ class Outcome(NamedTuple):
     there."""
 
     lines: list[bytes]
-    told: list[bytes] | None = None
+    heard: list[bytes] | None = None
     skip: tuple[int, int] | None = None
     then: int | None = None
     stays: bool = False

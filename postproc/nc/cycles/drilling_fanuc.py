@@ -13,6 +13,8 @@ they went in with (5149).
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drilling import (
@@ -62,7 +64,7 @@ AFTER_MOTION = (5, 9)
 class FanucDrilling(Drilling):
     """`held`: "R" and "depth" as programmed coordinates, "Q" I J K as written."""
 
-    whole = MILL_WHOLE
+    whole: ClassVar[tuple[int, ...]] = MILL_WHOLE
 
     def __init__(self, repeats: str = "KL", words: str = "RPQKL", synchronised: bool = False):
         super().__init__(MILL, MILL_TAPPING, MILL_REFUSED, words, AFTER_MOTION, synchronised)
@@ -89,7 +91,7 @@ class FanucDrilling(Drilling):
         return self.start(scene, axis) + value if scene.incremental else value
 
     def start(self, scene: Scene, axis: str) -> float:
-        """The initial level. Raises ProgramError where nobody knows it."""
+        """The initial level. Raises ProgramError where it is unknown."""
         if self.initial is None and self.code:
             raise scene.fault(
                 f"the initial level is where {axis} stood when the cycles began, and that is not"

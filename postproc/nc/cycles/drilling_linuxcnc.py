@@ -131,10 +131,8 @@ class LinuxcncDrilling(Drilling):
 
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """The control itself counts from where the axis stands when its own first cycle begins."""
-        axis, initial = (
-            job.hole.axis,
-            (self.initial or 0.0) * (2 if scene.is_diameter(job.hole.axis) else 1),
-        )
+        axis = job.hole.axis
+        initial = (self.initial or 0.0) * (2 if scene.is_diameter(job.hole.axis) else 1)
         counts = scene.incremental or scene.code("return") == INITIAL_LEVEL
         if self.stays or self.initial is None or not counts or not scene.differs(axis, initial):
             return [block.text]

@@ -1,5 +1,12 @@
 """G74 and G75 of Fanuc and Haas lathes (C: G76 G77): in by pecks, out, over by a step, and again.
 
+    X ^   end              start       G75; in G74 X and Z change places
+      |    +<. . . +<. . . +           over in rapid, by Q, the last step to the end
+      |    |       |       |
+      |    |       |       | P         in at F by P, back by the retract behind each peck
+      |    |       |       |
+      +----v-------v-------v----> Z    out in rapid to where the tool stood
+
 Fanuc B-64304EN-1, "End face peck drilling cycle (G74)", "Outer diameter / internal diameter
 drilling cycle (G75)": two blocks, the first with R, the second with P along X and Q along Z, which
 count least increments; and "Series 10/11 program format": one block, I along X and K along Z. Haas

@@ -1,8 +1,8 @@
-"""Drilling cycles of Heidenhain's DIN/ISO, written out as G00 and G01: G200, G201, G203 and G240,
-called by G79 or M99.
+"""Cycles of Heidenhain's DIN/ISO, written out as G00 and G01: drilling, and with the tool's radius
+(G99 R, or --offset) bores, pockets, slots, studs and faces, called by G79 or M99.
 
-What each does: klartext_holes.py; HEIDENHAIN user's manuals, ISO programming, "Calling a cycle".
-Behind the holes the motion code and the feed that were in force are named again. A program that
+What each does: klartext_called.py; HEIDENHAIN user's manuals, ISO programming, "Calling a cycle".
+Behind them the motion code and the feed that were in force are named again. A program that
 calls labels runs its text in another order than it stands in, so that nobody knows which cycle was
 defined last: it is refused.
 """
@@ -11,6 +11,9 @@ from __future__ import annotations
 
 import re
 
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.klartext_bore import DELTA, Tool
+from postproc.nc.cycles.klartext_called import called
 from postproc.nc.cycles.klartext_holes import Holes
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
@@ -21,6 +24,9 @@ DATUM = re.compile(rb"(?<![A-Z])Q([0-9]+)[ \t]*=[ \t]*([-+]?[0-9]*\.?[0-9]+)")
 CALLED = re.compile(rb"[ \t]*(?<![A-Z])(?:G[ \t]*79|M[ \t]*0*99)(?![0-9])")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+)")
 NUMBER = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:N[ \t]*[0-9]+[ \t]*)?")
+TOOL = re.compile(rb"(?<![A-Z])T[ \t]*([0-9]+)")
+RADIUS = re.compile(rb"(?<![A-Z])R[ \t]*([+]?[0-9]*\.?[0-9]+)")
+DEFINES = re.compile(rb"(?<![A-Z])G[ \t]*99(?![0-9])")
 LABEL = re.compile(rb"(?<![A-Z;])L[ \t]*[0-9]+[ \t]*,", re.IGNORECASE)
 MOTION = re.compile(rb"(?<![A-Z])G[ \t]*0*([0-35-7]|1[0-6])(?![0-9])")
 PLAIN_MOTIONS = (0, 1)
@@ -33,7 +39,7 @@ class IsoHoles:
     codes: tuple[int, ...] = (CALL_CODE,)
 
     def __init__(self, scene: Scene):
-        self.scene, self.holes = scene, Holes(scene)
+        self.scene, self.holes, self.tool = scene, Holes(scene), Tool(scene)
         self.feed, self.motion = b"", -1  # as the program named them last
 
     def wants(self, line: Line) -> bool:
@@ -55,6 +61,7 @@ class IsoHoles:
             self.holes.define(int(defined[1]))
             self.holes.data = {int(q): value for q, value in DATUM.findall(code)}
             return [line]
+        self._note(code)
         for motion in MOTION.findall(code):
             self.motion = int(motion)
         feed = FEED.search(code)
@@ -66,8 +73,24 @@ class IsoHoles:
         number = NUMBER.match(bare)
         assert number is not None
         lines = [bare + star + rest] if bare[number.end() :].strip() else []
+        for word in Block.of(bare, self.scene.dialect.grammar).words:
+            if word.letter in "XYZ" and word.value is not None:
+                self.scene.moved(word.letter, word.value)
         lines += self._holes()
         return [line._replace(text=text) for text in lines]
+
+    def _note(self, code: bytes) -> None:
+        """What a block says of the tool and the spindle."""
+        self.tool.note(code)
+        found = TOOL.search(code)
+        if found and DEFINES.search(code):
+            radius = RADIUS.search(code)
+            if radius:
+                self.tool.defined[f"T{int(found[1])}"] = float(radius[1])
+        elif found:
+            delta = DELTA.search(code)
+            self.tool.name = f"T{int(found[1])}"
+            self.tool.more = float(delta[1]) if delta else 0.0
 
     def _may_be_called(self) -> None:
         scene = self.scene
@@ -88,7 +111,7 @@ class IsoHoles:
     def _holes(self) -> list[bytes]:
         """The holes, and what was in force before them."""
         lines = []
-        for text in self.holes.lines():
+        for text in called(self.scene, self.tool, self.holes):
             lines += self._iso(text)
         if lines:
             feed = b" F" + self.feed if self.feed else b""
@@ -100,6 +123,6 @@ class IsoHoles:
         if text.startswith(b"CYCL"):
             dwell = text.partition(b"DWELL ")[2]
             return [] if dwell == b"TIME" else [b"G04 F" + dwell + b"*"]
-        _, place, feed = text.split(b" ", 2)
-        code = b"G00" if feed == b"FMAX" else b"G01"
-        return [code + b" " + place + (b"" if feed == b"FMAX" else b" " + feed) + b"*"]
+        words = text.split(b" ")[1:]
+        code = b"G00" if b"FMAX" in words else b"G01"
+        return [b" ".join([code, *(w for w in words if w != b"FMAX")]) + b"*"]

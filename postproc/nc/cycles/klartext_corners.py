@@ -91,7 +91,7 @@ class Corners:
         words = b" ".join(PLACE.sub(b" ", body).split())
         lines: list[tuple[bytes, bool]] = []
         if held is not None:
-            start, lines = self._corner(held, end)
+            start, lines = self.cut(held, end, held.name)
         self.held = self.coming = None
         if coming is None:
             return [*lines, (self._line(end, words), False)]
@@ -113,8 +113,9 @@ class Corners:
         x, y = (signed(self.scene, axis, v) for axis, v in zip("XY", to, strict=True))
         return b" ".join(part for part in (b"L", x, y, words) if part)
 
-    def _corner(self, held: Held, end: Point) -> tuple[Point, list[tuple[bytes, bool]]]:
-        """Where the next line begins then, and the lines up to there, as `line` has them."""
+    def cut(self, held: Held, end: Point, name: str) -> tuple[Point, list[tuple[bytes, bool]]]:
+        """Where the next line begins then, and the lines up to there, as `line` has them; name: of
+        the corner. Raises ProgramError."""
         scene, corner = self.scene, held.end
         before = held.start[0] - corner[0], held.start[1] - corner[1]
         behind = end[0] - corner[0], end[1] - corner[1]
@@ -126,11 +127,11 @@ class Corners:
         if math.pi - angle < NEAR:  # straight on
             return corner, [(self._line(corner, held.words), False)]
         if angle < NEAR:
-            raise scene.fault(f"{held.name} where the line runs back", WRITE)
+            raise scene.fault(f"{name} where the line runs back", WRITE)
         away = held.size / math.tan(angle / 2) if held.name == "RND" else held.size
         if away > min(lengths) + NEAR:
             raise scene.fault(
-                f"{held.name} {held.size:g} begins {away:.4g} before the corner, and a line there"
+                f"{name} {held.size:g} begins {away:.4g} before the corner, and a line there"
                 f" has {min(lengths):.4g}",
                 "the control stops at it: make the corner smaller",
             )

@@ -5,8 +5,7 @@ the pole CC, CR by its radius, LP and CP in polar coordinates, CP with an axis a
 helix (the geometry of arcs: pole_arc.py). The two axes of CC are the plane: angles count from X in
 XY, from Y in YZ, from Z in ZX. Lines leave the circle by the tolerance at most. Corners:
 klartext_corners.py, tangents: klartext_tangent.py, APPR and DEP: klartext_join.py; holes, bores,
-patterns: klartext_holes.py, klartext_bore.py, klartext_patterns.py; studs and pockets:
-klartext_stud.py, klartext_pocket.py.
+patterns, studs, pockets and faces: klartext_called.py.
 """
 
 from __future__ import annotations
@@ -15,13 +14,12 @@ import math
 import re
 from collections.abc import Sequence
 
-from postproc.nc.cycles.klartext_bore import Tool, bore
+from postproc.nc.cycles.klartext_bore import Tool
+from postproc.nc.cycles.klartext_called import called
 from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
 from postproc.nc.cycles.klartext_holes import Holes, signed
 from postproc.nc.cycles.klartext_join import Joined
 from postproc.nc.cycles.klartext_patterns import PATTERNS, points
-from postproc.nc.cycles.klartext_pocket import POCKETS, pocket
-from postproc.nc.cycles.klartext_stud import STUDS, stud
 from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
@@ -40,7 +38,6 @@ CALLED = re.compile(rb"[ \t]*(?<![A-Z])M[ \t]*0*99(?![0-9])")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*([0-9]*\.?[0-9]+|AUTO|MAX)")
 LATE = re.compile(rb"(?<![A-Z])M[ \t]*[0-9]")
 SHIFTED = re.compile(rb"[ \t]*(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)[ \t]*")
-BORE = 208
 WITH_PARTS = (1, 2, 17)  # whose data stand behind a point
 DATA_ONLY = (9, 13, 14, 32, 247, *TURNS)  # defined beside a drilling cycle, which holds on
 XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
@@ -132,7 +129,7 @@ class KlartextPaths:
         if kind in (b"APPR", b"DEP"):
             self.heading.lose()
             return self._fed(b"L", self.joined.take(code, self._centre))
-        called = kind == b"CALL" or CALLED.search(code) is not None
+        calls = kind == b"CALL" or CALLED.search(code) is not None
         if kind == b"L":
             self.heading.line(code)
         elif kind in (b"CALL", b"TOOL"):
@@ -144,7 +141,7 @@ class KlartextPaths:
             lines = self._fed(kind, bare) if bare.strip() else []
         else:
             lines = self._path(kind, CALLED.sub(b"", rest))
-        if not called:
+        if not calls:
             return lines
         self._note(lines)
         return lines + self._called()
@@ -163,12 +160,7 @@ class KlartextPaths:
         """The cycle that is defined, where the tool stands."""
         if self.holes.taps:
             return self.holes.tapped()
-        if self.holes.cycle in POCKETS:
-            lines = pocket(self.scene, self.tool, self.holes)
-        elif (cycle := self.holes.cycle) in STUDS:
-            lines = stud(self.scene, self.tool, cycle, self.holes.value, self.holes.feed)
-        else:
-            lines = self._bore() if self.holes.cycle == BORE else self.holes.lines()
+        lines = called(self.scene, self.tool, self.holes)
         self.due = self.due or bool(lines)
         return lines
 
@@ -202,16 +194,6 @@ class KlartextPaths:
         for new, own in self.corners.line(code):
             lines += [new] if own else self._fed(b"L", new)
             self.due = self.due or own
-        return lines
-
-    def _bore(self) -> list[bytes]:
-        """Cycle 208, and the second clearance behind it."""
-        values = {n: self.holes.value(n) for n in (200, 201, 203, 334, 335)}
-        values[351] = self.holes.value(351, 0.0)
-        lines = bore(self.scene, self.tool, values, self.holes.feed(206))
-        second = self.holes.value(204, values[200])
-        if second > values[200]:
-            lines.append(b"L " + signed(self.scene, "Z", values[203] + second) + b" FMAX")
         return lines
 
     # -- feeds and definitions ---------------------------------------------------------------------
@@ -318,8 +300,8 @@ class KlartextPaths:
 
     def _from(self, kind: bytes, words: Words, plane: tuple[str, str, str]) -> Point | None:
         """Where a path begins; None: not known, and LP to a place does not ask."""
-        told = kind == b"LP" and all(not words.get(x, (True, 0.0))[0] for x in ("PR", "PA"))
-        if told and None in (self.scene.known(plane[0]), self.scene.known(plane[1])):
+        both_named = kind == b"LP" and all(not words.get(x, (True, 0.0))[0] for x in ("PR", "PA"))
+        if both_named and None in (self.scene.known(plane[0]), self.scene.known(plane[1])):
             return None
         return self.scene.at(plane[0]), self.scene.at(plane[1])
 

@@ -146,12 +146,14 @@ def beside(shape: list[Piece], distance: float, side: int) -> list[Piece]:
     for k, p in enumerate(moved):
         before = joints[k - 1]
         new = replace(p, start=before.end if before else ends[k - 1], end=ends[k])
-        if math.dist(new.start, new.end) > NEAR or p.sweep == math.tau:
+        if math.dist(new.start, new.end) > NEAR or (p.turn and p.sweep == math.tau):
             _keeps_sense(p, new)
             contour.append(new)
         joint = joints[k]
         if joint is not None:
             contour.append(joint)
+    if not contour:
+        raise DoesNotFit
     keeps_away(walls(shape, side), contour, distance)
     return contour
 

@@ -23,7 +23,7 @@ from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
-AT_LAST_PLACE, LABEL = 290, 980
+AT_LAST_PLACE, LABEL, SHIFT = 290, 980, 540
 POLAR = {100: "G00", 110: "G01"}
 ROUND = {120: -1, 130: 1}  # G12 and G13, 1: against the clock
 FULL_TURN = 1e-6  # degrees: an end at the start is a full circle
@@ -78,6 +78,8 @@ class PoleArcs:
         taken = any(row.takes for row in rows)
         if AT_LAST_PLACE in block.codes:
             self.pole = {CENTRES[x]: scene.at(x) for x in scene.plane[:2]}
+        elif SHIFT in block.codes:  # whether the pole goes along is not said
+            self.pole = {}
         elif not taken:
             self._set(block)
         if taken:

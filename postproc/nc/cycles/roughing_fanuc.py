@@ -1,4 +1,12 @@
-"""G71 and G72 of Fanuc and Haas lathes: cuts parallel to Z or X over a shape, then one along it.
+r"""G71 and G72 of Fanuc and Haas lathes: cuts parallel to Z or X over a shape, then one along it.
+
+    X ^                              c   start point, moved by the allowances
+      |     3 /. . . . . . . . . . . |   1  down to the next level, counted from c
+      |      / <-------- 2 ----------+   2  along at F, to the shape
+      |  ___/                            3  out at 45 degrees by the retract, back above the cut
+      |     \_________                      and so on; the last cut runs along the shape itself
+      |       shape   \______
+      +--------------------------------> Z     (G71; in G72 X and Z change places)
 
 What is followed, what is assumed, and where it comes from: turning_fanuc.py, and pockets_fanuc.py
 for type II.

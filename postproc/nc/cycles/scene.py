@@ -1,5 +1,5 @@
 """Where a cycle or a frame finds the program: modes and positions, asked of the tracker only where
-nobody knows better."""
+they are not known here."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DIAM90 = "DIAM90"
 # first and second axis, and the one across
 PLANES = {170: ("X", "Y", "Z"), 180: ("Z", "X", "Y"), 190: ("Y", "Z", "X")}
 CENTRES = {"X": "I", "Y": "J", "Z": "K"}
-# how far lines may leave a curve where nobody says it: a least increment of most controls
+# how far lines may leave a curve where it is not stated: a least increment of most controls
 CHORD_MM = 0.001
 
 
@@ -164,16 +164,14 @@ class Scene:
         unit = (TICKS_PER_INCH if self.inch and axis in "XYZUVW" else TICKS_PER_MM) / (
             2 if self.is_diameter(axis) else 1
         )
-        # An offset that nobody has stated is in neither of the two, and a block has named the axis
+        # An offset that is not stated is in neither of the two, and a block has named the axis
         # behind it.
         return float((ticks - state.origin[self.tracker.setup.axes.index(axis)]) / unit)
 
     def shifted(self, named: set[str]) -> None:
         """A block has chosen a shift of the coordinates and named these axes in it."""
-        state, stated = (
-            self.tracker.state,
-            {**self.tracker.setup.offsets, **self.tracker.state.offsets},
-        )
+        state = self.tracker.state
+        stated = {**self.tracker.setup.offsets, **self.tracker.state.offsets}
         work = self.table.get(state.codes.get("work offset", -1))
         unknown = bool(state.frame is not None and state.frame.unknown) or (
             work is not None and work.word not in stated

@@ -1,9 +1,19 @@
-"""LinuxCNC's G76, threading in many passes, as its passes: G33 with the rapids between.
+r"""LinuxCNC's G76, threading in many passes, as its passes: G33 with the rapids between.
 
 LinuxCNC "G codes", G76; convert_threading_cycle of its interpreter, and measured on 2.9. All
 motions of a pass stay synchronised with the spindle from one G33 to the next, so a tapered entry or
-exit is a G33 of its own, with the pitch along the taper. Where X is a diameter the block stays as
-it is: 2.9 takes I, J and K for a quarter of what its manual says.
+exit is a G33 of its own, with the pitch along the taper.
+
+    drive line  - - - - - - - - - - - -   between passes the tool goes back by I + K
+                         | I
+    peak        _________|__       ____
+                         |  \  1  /       pass n is J n^(1/R) deep: with R 1 all are as deep as the
+                       K |   \ 2 /        first, with R 2 all cut as much metal; each begins depth *
+                         |    \3/         tan(Q) farther along, so that one flank cuts
+    bottom      . . . . .|. . .v
+
+Where X is a diameter the block stays as it is: 2.9 takes I, J and K for a quarter of what its
+manual says.
 """
 
 from __future__ import annotations
@@ -101,10 +111,8 @@ class LinuxcncThread:
         for depth in depths:
             below = depth * math.tan(thread.angle)
             bottom = x0 + thread.out * (thread.offset + depth)
-            top, clear = (
-                bottom - thread.out * thread.depth,
-                bottom - thread.out * (thread.depth + thread.offset),
-            )
+            top = bottom - thread.out * thread.depth
+            clear = bottom - thread.out * (thread.depth + thread.offset)
             m.move("G0", {"X": clear, "Z": z0 - below})
             if thread.taper and thread.ends & ENTRY:
                 m.move("G33", {"X": top}, *slanted)

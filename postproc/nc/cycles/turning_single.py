@@ -106,5 +106,5 @@ class Stays:
         return any(block.get(x) is not None for x in "XZUWR")
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
-        told = Moves(scene, own_words(block, OWN, {code})).finish()
-        return Outcome([block.text], told)
+        heard = Moves(scene, own_words(block, OWN, {code})).finish()
+        return Outcome([block.text], heard)

@@ -24,7 +24,7 @@ class Form:
 
     `kind`: what it is, with its article; `name`: which of several ways ("" where there is one).
     `takes`: letter to what is done with it; `keeps`: letter to what a later cycle does with it.
-    `refused`: letter to what the control means by it, where nobody follows that; those in `zero`
+    `refused`: letter to what the control means by it, where that is not followed; those in `zero`
     may stand with the value 0, those in `one` with 1, those in `idle` with any: they say nothing,
     which a notice tells. `axes`: words of the machine's other axes say
     the place too;

@@ -22,7 +22,7 @@ from postproc.nc.codes import (
     Code,
     code_number,
 )
-from postproc.nc.lexer import PLAIN, Grammar
+from postproc.nc.grammar import PLAIN, Grammar
 from postproc.records import record
 
 NO_GROUP, UNKNOWN = -1, -2
@@ -70,7 +70,7 @@ class Dialect:
     `remarks`: like `signs`, but looked for in comments (a CAM program's or slicer's name); signs
     are looked for outside of them. `excludes`: like `signs`: what its programs never have.
     `holes_written_out`: whether `--expand` writes its canned cycles out (postproc.nc.cycles).
-    `ends`: M codes after which nothing is read; `again`: so, without P, if no `/` stands before it,
+    `ends`: M codes after which nothing is read; `restarts`: likewise, unless P or `/` stands there,
     as the program begins again. `modal_motion`: whether a block may leave its motion code out; if
     not, every block and every added one must name it. `one_command`: a line is one command, its
     first G or M or T word, and all other words are its parameters. `m_takes`: what stands behind an
@@ -80,11 +80,13 @@ class Dialect:
     arc that has no further turns. `arc_centre`: how I J K are meant without G90.1 or G91.1:
     "incremental"; "pole": absolute, and kept from block to block. `length_letter`: whose number
     names the tool's length offset: "H" of G43; "D", at once (Siemens); "T", at once (Heidenhain,
-    printers). `carried_codes`: M codes that make the carried axes absolute and incremental;
-    `carried_by_distance`: whether G90 and G91 do so too, the last one counts. `block_end`: a
-    character that ends a block besides the line's end (* of DIN/ISO). `tip_frame`: where the tables
-    stand while the axes of the tool point's frame are the machine's: "zero", "call" (as they stand
-    when it is called), "" (not said: asked for where it matters);
+    printers). `length_at_once`: that letter needs no G43 before it. `offset_letter`: whose number
+    chooses the work offset by that name (E1 of Fadal), 0 for none. `carried_codes`: M codes that
+    make the carried axes absolute and incremental; `carried_by_distance`: whether G90 and G91 do so
+    too, the last one counts. `block_end`: a character that ends a block besides the line's end (*
+    of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
+    are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for
+    where it matters);
     `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on
     (True) and off.
 
@@ -94,7 +96,8 @@ class Dialect:
     `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of the plane is
     passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
     code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them.
-    `tools_move`: T runs macros that may move the tool.
+    `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to a
+    place of its own.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
@@ -149,7 +152,7 @@ class Dialect:
     excludes: tuple[str, ...] = ()
     holes_written_out: bool = True
     ends: tuple[int, ...] = END_OF_PROGRAM
-    again: tuple[int, ...] = ()
+    restarts: tuple[int, ...] = ()
     modal_motion: bool = True
     one_command: bool = False
     m_takes: bool = False
@@ -160,6 +163,8 @@ class Dialect:
     returns: int = -1
     arc_centre: str = "incremental"
     length_letter: str = "H"
+    length_at_once: bool = False
+    offset_letter: str = ""
     carried_codes: tuple[int, ...] = ()
     carried_by_distance: bool = False
     block_end: str = ""
@@ -173,6 +178,7 @@ class Dialect:
     relative_with_distance: bool = False
     macro_refuses: tuple[str, ...] = ()
     tools_move: bool = False
+    change_takes: str = ""
     other_codes_are_macros: bool = False
     hole_from_start: bool = False
     level_from_start: bool = False
@@ -181,6 +187,13 @@ class Dialect:
     drawn: str = ""
     nose_in_tool: bool = False
     polar: str = ""
+
+    @cached_property
+    def shifts_at_once(self) -> list[int]:
+        """Letters, as bytes, whose word alone changes a shift of the coordinates."""
+        own = self.length_letter != "H"
+        lengths = {self.length_letter, "T"} if own else {"H"} if self.length_at_once else set()
+        return [ord(x) for x in {*lengths, *self.offset_letter}]
 
     @cached_property
     def by_number(self) -> dict[int, Code]:

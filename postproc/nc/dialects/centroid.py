@@ -9,7 +9,7 @@ program, or returns from a subprogram; what follows it is not read.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BORE,
     COMMON,

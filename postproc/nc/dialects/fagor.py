@@ -12,7 +12,7 @@ once, as on the 8065; where G43 calls them they do so too.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CUTTER,
     DISTANCE,

@@ -9,7 +9,7 @@ without a decimal point: parameter 3401 bit 0 (DPI), B-64310EN.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BLANKS,
     CUTTER,
@@ -71,7 +71,7 @@ DIALECT = Dialect(
         43: "gear",
         44: "gear",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS, NAMED_PROGRAM)),

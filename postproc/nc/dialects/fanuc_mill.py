@@ -10,7 +10,7 @@ their kin: B-64484EN-2, five-axis functions.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BACK_BORE,
     BORE,
@@ -184,7 +184,7 @@ DIALECT = Dialect(
             takes=True,
             does="words",
         ),
-        *rows("path", {"62": "corner override"}),
+        *rows("path", {"61.1": "geometry compensation of Mazak", "62": "corner override"}),
         *rows(
             "macro",
             {"66.1": "macro call in every block"},
@@ -203,13 +203,14 @@ DIALECT = Dialect(
         88: "coolant through the spindle",
         89: "coolant off",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(PRINTS, NAMED_PROGRAM)),
     language="fanuc",
     tip_frame="call",
     plane=170,
+    change_takes="Z",
     dwell="PX",
     integer_notice=(
         "coordinates without a decimal point are read as whole millimetres or inches (calculator"

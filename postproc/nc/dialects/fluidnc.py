@@ -7,7 +7,7 @@ Codes: bdring/FluidNC, FluidNC/src/GCode.cpp (gc_execute_line), Flowcontrol.cpp,
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.grbl import HOMING, ONE_AXIS
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CENTRE_BY_START,
     COMMON,

@@ -7,7 +7,7 @@ looked at); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """
 
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CENTRE_BY_START,
     COMMON,

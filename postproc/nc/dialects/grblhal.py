@@ -8,7 +8,7 @@ and M-codes".
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.grbl import HOMING, ONE_AXIS
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BORE,
     CENTRE_BY_START,

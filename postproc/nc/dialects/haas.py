@@ -9,7 +9,7 @@ manual; G52 and G92 as with setting 33 (Coordinate System) FANUC.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BORE,
     COMMON,
@@ -187,7 +187,7 @@ DIALECT = Dialect(
         158: "mist collector on",
         159: "mist collector off",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={
         46: codes.INLINE,
@@ -201,6 +201,7 @@ DIALECT = Dialect(
     language="fanuc",
     tip_frame="",
     plane=170,
+    change_takes="Z",
     dwell="P",
     integers="least increments",
     integer_notice=(

@@ -10,7 +10,7 @@ manual. The drilling cycles give R as a place, and have no return level.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CUTTER,
     DATA,
@@ -214,7 +214,7 @@ DIALECT = Dialect(
         154: "C axis engages",
         155: "C axis disengages",
     },
-    again=(99,),
+    restarts=(99,),
     motion=0,
     m_refuses={96: codes.INLINE, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(PRINTS,)),

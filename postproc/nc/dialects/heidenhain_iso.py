@@ -9,7 +9,7 @@ their shape from what came before. Numbers without a point are whole units.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, MOTION, PLANE, rows
 
 _POLE = (
@@ -19,6 +19,7 @@ _POLE = (
 _POLAR = "its end is an angle and a radius about the pole: let the CAM program write X Y Z"
 _TO_POLE = "its end is an angle and a radius about the pole: --expand writes X and Y"
 _ROUND = "its end is an angle about the pole: --expand writes it out as straight lines"
+_CORNER = "the corner between two lines is the control's own: --expand writes it out"
 _DATUM = (
     "it moves the datum, by the tables of the control or by its last one: program in one datum,"
     " with --offset G54="
@@ -73,13 +74,12 @@ DIALECT = Dialect(
         *rows(
             "",
             {
-                "24": "chamfer",
-                "25": "rounded corner",
                 "26": "tangential approach",
                 "27": "tangential departure",
             },
             refuses=codes.CORNER,
         ),
+        *rows("", {"24": "chamfer", "25": "rounded corner"}, refuses=_CORNER),
         *rows(
             "paraxial",
             {"43": "longer by the radius", "44": "shorter by the radius"},
@@ -107,10 +107,11 @@ DIALECT = Dialect(
         ),
         *rows(
             "datum",
-            {"53": "datum from a table", "54": "datum shift", "247": "preset"},
+            {"53": "datum from a table", "247": "preset"},
             takes=True,
             refuses=_DATUM,
         ),
+        *rows("", {"54": "datum shift"}, takes=True, does="datum shift"),
         *rows("mirror", {"28": "mirror"}, refuses=codes.UNTURNED),
         *rows("rotation", {"73": "rotation of the coordinates"}, refuses=codes.UNTURNED),
         *rows("scaling", {"72": "scaling"}, refuses=codes.UNTURNED),

@@ -21,7 +21,7 @@ from postproc.nc.dialects.marlin import (
     SETS,
     SLICED,
 )
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import DISTANCE, DWELL, MOTION, PLANE, SET, rows
 
 _END = r"(?![A-Z0-9_])[^;\n]*"

@@ -8,7 +8,7 @@ Arc tolerances: rs274ngc's constants of these names, measured on the interpreter
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     ARC_CENTRE,
     BACK_BORE,
@@ -78,7 +78,12 @@ DIALECT = Dialect(
         *BACK_BORE,
         *THREAD,
         *rows("motion", {"33.1": "rigid tapping"}, does="there and back"),
-        *rows("motion", {"76": "threading in many passes"}, refuses=codes.RADIUS_CYCLE),
+        *rows(
+            "motion",
+            {"76": "threading in many passes"},
+            refuses=codes.CYCLE,
+            does="thread by diameter",
+        ),
         *rows("motion", {"70": "finishing cycle"}, refuses=codes.CYCLE),
         *rows(
             "motion",

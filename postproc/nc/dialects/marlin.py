@@ -15,7 +15,7 @@ last one holds (parser.h, set).
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     DISTANCE,
     DWELL,

@@ -11,7 +11,7 @@ point, macros are refused.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, DWELL, MOTION, NO_MOTION, PLANE, SPINDLE, UNITS, rows
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\w+[ \t]+)?"

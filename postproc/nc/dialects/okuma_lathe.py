@@ -13,7 +13,7 @@ variables, jumps and calls.
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import CUTTER, DISTANCE, DWELL, MOTION, PER_TIME, PLANE, SPINDLE, rows
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\w+[ \t]+)?(?:/[ \t]*)?"

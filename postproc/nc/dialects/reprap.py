@@ -13,7 +13,7 @@ HandleGcode: G1009.g). Arcs take the two centre words of the plane (GCodes.cpp, 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.marlin import _M, _SHIFTS, HEAD, NAMED, PRINTS, SETS, SLICED, TEXT
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     DATA,
     DISTANCE,

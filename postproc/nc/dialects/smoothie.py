@@ -6,13 +6,14 @@ G17-G21, G43, G49, G53-G59.3, G90-G92; compute_arc: the two centre words of the 
 src/modules/communication/GcodeDispatch.cpp (several commands in a line, `;` and `(` begin comments,
 modal G0-G3, first G0), src/modules/tools/endstops/Endstops.cpp (G28),
 tools/drillingcycles/Drillingcycles.cpp (G81-G83, G98, G99), tools/zprobe/ZProbe.cpp (G29-G32, G38).
+G92.4 with A and S: Carvera-Community/Carvera_Community_Firmware, src/modules/robot/Robot.cpp.
 G90 and G91 hold for E too, until M82 or M83. T chooses an extruder with an offset of its own.
 """
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.marlin import _M, _SHIFTS, TEXT
-from postproc.nc.lexer import Grammar
+from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     DATA,
     DISTANCE,
@@ -67,6 +68,7 @@ DIALECT = Dialect(
                 "30": "probe the bed",
                 "31": "level the bed",
                 "32": "calibrate",
+                "92.4": "home, by hand; with A and S whole turns of A taken off",
             },
             takes=True,
         ),

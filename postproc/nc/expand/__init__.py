@@ -9,13 +9,11 @@ It knows nothing of machines, and of positions only what the tracker tells it.
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from postproc.errors import Place, ProgramError
-from postproc.nc.expand.tracker import Tracker
 
 
 class Line(NamedTuple):
@@ -57,9 +55,3 @@ def fault(
     return ProgramError(
         message, advice, Place(name, source, text[:1000].decode("latin-1"), *columns)
     )
-
-
-def lines_of(language: str, program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
-    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the
-    limits."""
-    return importlib.import_module(f"{__name__}.{language}").lines(program, tracker, limits)

@@ -38,11 +38,9 @@ DEEPEST = 40  # brackets in each other; the control itself allows 5
 OPERATOR = re.compile(r"\*|/|\+|-|AND|AN|MOD|XOR|XO|OR|EQ|NE|GT|GE|LT|LE")
 NUMBER = re.compile(r"\d+\.?\d*|\.\d+", re.ASCII)
 NAME = re.compile(r"[A-Z]+2?", re.ASCII)
-PRODUCT, SUM, COMPARE = (
-    ("*", "/", "AND", "MOD"),
-    ("+", "-", "OR", "XOR"),
-    ("EQ", "NE", "GT", "GE", "LT", "LE"),
-)
+PRODUCT = ("*", "/", "AND", "MOD")
+SUM = ("+", "-", "OR", "XOR")
+COMPARE = ("EQ", "NE", "GT", "GE", "LT", "LE")
 
 
 class Memory(Protocol):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from postproc.errors import ProgramError
@@ -100,39 +100,30 @@ class Source:
             apart |= {
                 i for i, text in enumerate(self.texts) if all_of_them or SECOND_LABEL.search(text)
             }
+        self._put((i, _pieces(self.texts[i])) for i in sorted(apart) if b";" in self.texts[i])
+
+    def _take_apart(self) -> None:
+        """Cut blocks of several statements, which a Haas has."""
+        cut = ((i, parts(self.texts[i], self.semicolon)) for i in self._flagged())
+        for behind, number in self._put((i, pieces) for i, pieces in cut if len(pieces) > 1):
+            self.continues |= set(range(behind - number + 1, behind))
+
+    def _put(self, cut: Iterable[tuple[int, list[bytes]]]) -> list[tuple[int, int]]:
+        """Put pieces in the place of entries, in order; of each: where it ends now, and the number
+        of its pieces."""
         texts: list[bytes] = []
         numbers: list[int] = []
-        special, at = bytearray(), 0
-        for i in sorted(i for i in apart if b";" in self.texts[i]):
-            pieces = _pieces(self.texts[i])
+        special, at, ends = bytearray(), 0, []
+        for i, pieces in cut:
             texts += [*self.texts[at:i], *pieces]
             numbers += [*self.numbers[at:i], *[self.numbers[i]] * len(pieces)]
             special += self.special[at:i] + bytes([self.special[i]]) * len(pieces)
+            ends.append((len(texts), len(pieces)))
             at = i + 1
         if at:
             self.texts, self.numbers = [*texts, *self.texts[at:]], [*numbers, *self.numbers[at:]]
             self.special = special + self.special[at:]
-
-    def _take_apart(self) -> None:
-        """Cut blocks of several statements, which a Haas has."""
-        texts: list[bytes] = []
-        numbers: list[int] = []
-        special, last = bytearray(), 0
-        for i in self._flagged():
-            pieces = parts(self.texts[i], self.semicolon)
-            if len(pieces) == 1:
-                continue
-            texts += [*self.texts[last:i], *pieces]
-            numbers += [*self.numbers[last:i], *[self.numbers[i]] * len(pieces)]
-            special += self.special[last:i] + bytes([1]) * len(pieces)
-            self.continues |= set(range(len(texts) - len(pieces) + 1, len(texts)))
-            last = i + 1
-        if last:
-            self.texts, self.numbers = (
-                [*texts, *self.texts[last:]],
-                [*numbers, *self.numbers[last:]],
-            )
-            self.special = special + self.special[last:]
+        return ends
 
     def behind(self, entry: int) -> int:
         """The first entry of the next block."""
@@ -150,11 +141,9 @@ class Source:
         if not tapes:
             return -1
         stop = tapes[0] + 1
-        self.texts, self.numbers, self.special = (
-            self.texts[:stop],
-            self.numbers[:stop],
-            self.special[:stop],
-        )
+        self.texts = self.texts[:stop]
+        self.numbers = self.numbers[:stop]
+        self.special = self.special[:stop]
         return tapes[0]
 
     def _sections(self) -> list[Section]:

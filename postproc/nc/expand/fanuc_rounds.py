@@ -20,13 +20,13 @@ class Rounds:
         self._taken: dict[tuple[int, int], tuple[object, ...]] = {}
         self._more = False  # whether the texts are found to name one
 
-    def back(self, at: int, frames: Sequence[Frame], variables: Variables, again: bool) -> None:
-        """A way back from an entry of the program that runs; `again`: the whole runs a second time.
+    def back(self, at: int, frames: Sequence[Frame], variables: Variables, repeated: bool) -> None:
+        """A way back from an entry of the program that runs; `repeated`: all of it runs once more.
         Raises Misread where it has no end."""
         if self._more:
             return
         levels = ((id(f.source), f.at, f.left, *sorted(f.local.items())) for f in frames)
-        state = (again, *levels, *sorted(variables.common.items()))
+        state = (repeated, *levels, *sorted(variables.common.items()))
         site = (id(frames[-1].source), at)
         if self._taken.get(site) == state:
             self._more = variables.mentions(SYSTEM)

@@ -215,10 +215,10 @@ class Flow:
         else:
             opened = self._opened(name, control, (kind.removeprefix("end"),))
             control.values()
-            again = self.skip is None or self.continuing
+            repeats = self.skip is None or self.continuing
             self.continuing = self.continuing and self.skip is None
             self.skip = None
-            if again:
+            if repeats:
                 self._go(opened)
 
     def _begin(self, control: Control, name: str, place: Place) -> None:
@@ -325,11 +325,9 @@ class Flow:
         advice = (
             "define it before its call or behind M2, or have its file where gcomp looks (--library)"
         )
-        self.skip, self.seek, self.since = (
-            short,
-            True,
-            (place, Refusal(f"there is no {what} {where}", advice)),
-        )
+        self.skip = short
+        self.seek = True
+        self.since = (place, Refusal(f"there is no {what} {where}", advice))
 
     def _load(self, name: str) -> File | None:
         if name not in self.files:

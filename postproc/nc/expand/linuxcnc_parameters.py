@@ -28,13 +28,11 @@ LAST = 5601  # the largest parameter number
 LOCAL = range(1, 31)  # parameters that every call has its own of
 AXES = "XYZABCUVW"  # in the order of the parameters
 PROBE, FIRST_REFERENCE, SECOND_REFERENCE = range(5061, 5071), range(5161, 5170), range(5181, 5190)
-PRESET, WORK, INPUT, TOOL, TOOL_SHAPE = (
-    range(5210, 5220),
-    range(5220, 5391),
-    5399,
-    range(5400, 5410),
-    range(5410, 5414),
-)
+PRESET = range(5210, 5220)
+WORK = range(5220, 5391)
+INPUT = 5399
+TOOL = range(5400, 5410)
+TOOL_SHAPE = range(5410, 5414)
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
 SAY = "say it with --start or --offset, or write the value itself in its place"
 WRITE_VALUE = (

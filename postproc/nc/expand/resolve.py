@@ -91,6 +91,7 @@ class Resolver:
         if self.before_it is None or self._over(line) or not self.before_it.wants(line):
             return self._take(line)
         self.line, self.scene.source = line, line.source
+        self.scene.turned = self._turned
         try:
             whole = self.before_it.take(line)
         except BlockFault as error:
@@ -277,6 +278,8 @@ class Resolver:
         axes = (*self.tracker.setup.axes, *self.tracker.dialect.increments, *"IJK")
         if not any(w.letter in axes for w in block.words) or self._taken(codes) or 40 in codes:
             return block
+        if self._stands(block):
+            return block
         code, self.missing = self.missing, None
         if code == UNDEFINED:
             raise self.scene.fault(
@@ -287,6 +290,12 @@ class Resolver:
             return block
         at = next((i for i, w in enumerate(block.words) if w.letter not in "NG"), len(block.words))
         return Block.of(block.written(set(), f"G{code // 10}".encode(), at), self.grammar)
+
+    def _stands(self, block: Block) -> bool:
+        """Whether its axis words are distances of 0 (W0): no motion, whatever the motion code."""
+        increments, axes = self.tracker.dialect.increments, self.tracker.setup.axes
+        words = [w for w in block.words if w.letter in (*axes, *increments, *"IJKR")]
+        return all(w.letter in increments and w.value == 0 for w in words)
 
     # -- a block of a cycle ------------------------------------------------------------------------
 
@@ -323,9 +332,9 @@ class Resolver:
         if outcome.stays:
             scene.settle()
             return lead + self._tell(outcome.lines, False)
-        if outcome.told is None:
+        if outcome.heard is None:
             return lead + self._out(outcome.lines, False, places=True)
-        return lead + self._tapping(outcome.lines, outcome.told)
+        return lead + self._tapping(outcome.lines, outcome.heard)
 
     def _check_alone(self, code: int, others: list[int]) -> None:
         also = [c for c in others if self._taken([c])]
@@ -336,10 +345,10 @@ class Resolver:
                 "write each in a block of its own",
             )
 
-    def _tapping(self, lines: list[bytes], told: list[bytes]) -> list[bytes]:
+    def _tapping(self, lines: list[bytes], heard: list[bytes]) -> list[bytes]:
         """A cycle that stays in the program, while the tracker reads what it does (`told`)."""
         if self.control is None or not self.control.active:
-            for text in told:
+            for text in heard:
                 self._told(text)
             return lines
         if not self.control.frames.map.leaves(self.scene.plane[2]):
@@ -349,7 +358,7 @@ class Resolver:
         kept = self.control.snapshot()
         texts = [self.control.take(Block.of(text, self.grammar)) for text in lines]
         self.control.restore(kept)
-        self._out(told, False, places=True)
+        self._out(heard, False, places=True)
         return [text for part in texts for text in part]
 
     def _loud(self, block: Block, codes: list[int]) -> bool:
@@ -466,14 +475,10 @@ def _polar(block: Block) -> bool:
 def _interest(numbers: list[int], tools: bool) -> re.Pattern[bytes]:
     """Finds, in a line, a code of ours or of a shift, a spindle code (G86 must know how it turned),
     a tool's offset."""
-    codes, names = (
-        [],
-        [
-            rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])"
-            for n in numbers
-            if n >= KEYWORD
-        ],
-    )
+    codes = []
+    names = [
+        rf"(?<![A-Za-z_]){KEYWORDS[n - KEYWORD]}(?![A-Za-z0-9_])" for n in numbers if n >= KEYWORD
+    ]
     names += [r"[AR]P[ \t]*="] if names else []
     for number in (n for n in numbers if n < KEYWORD):
         whole, tenth = divmod(number, 10)

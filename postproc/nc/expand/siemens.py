@@ -192,9 +192,14 @@ class Run:
     def leave(self) -> None:
         """A program is at its end: again, or back behind the line that called it."""
         frame = self.frames.pop()
-        if frame.passes > 1 and frame.again:
+        if frame.passes > 1 and frame.new_scope:
             self.frames.append(
-                Frame(frame.source, frame.again(), passes=frame.passes - 1, again=frame.again)
+                Frame(
+                    frame.source,
+                    frame.new_scope(),
+                    passes=frame.passes - 1,
+                    new_scope=frame.new_scope,
+                )
             )
         elif self.frames:
             caller = self.frames[-1]
@@ -276,7 +281,7 @@ class Run:
                     inner.variables[parameter.name] = Variable(parameter.kind, (), [value])
             return inner
 
-        self.frames.append(Frame(source, scope(), passes=passes, again=scope))
+        self.frames.append(Frame(source, scope(), passes=passes, new_scope=scope))
 
     def values(self, frame: Frame, call: Call) -> list[Value | None]:
         """What a call hands over, None: left out."""

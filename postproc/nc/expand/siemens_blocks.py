@@ -176,10 +176,8 @@ class Words(Parser):
                     )
                 address, left = axis.name, axis.name
             elif letter or name in ADDRESSES or name in COMMANDS or scope.is_axis(name):
-                address, left = (
-                    name,
-                    filled(text, start, target.stop, target.indices, argument, scope),
-                )
+                address = name
+                left = filled(text, start, target.stop, target.indices, argument, scope)
             else:
                 raise undefined(name)
             return left + filled(

@@ -34,7 +34,7 @@ class Frame:
     # end values of the FOR loops that run, by line
     ends: dict[int, float] = field(default_factory=dict)
     passes: int = 1
-    again: Callable[[], Scope] | None = None
+    new_scope: Callable[[], Scope] | None = None
 
     def go(self, at: int, to: int) -> None:
         """Control goes from line `at` to line `to`, or back to the begin of what is repeated."""

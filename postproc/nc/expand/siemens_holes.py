@@ -10,18 +10,22 @@ from collections.abc import Callable, Iterator, Sequence
 from postproc.nc.expand import (
     siemens_boring,
     siemens_drilling,
+    siemens_face,
     siemens_kept,
     siemens_patterns,
     siemens_pockets,
     siemens_removal,
+    siemens_spigots,
 )
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
+from postproc.nc.expand.siemens_face import Face
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_kept import Tapping, Thread
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_pockets import Pocket
 from postproc.nc.expand.siemens_removal import Removal
+from postproc.nc.expand.siemens_spigots import Spigot
 from postproc.nc.expand.siemens_values import Refusal, Value
 from postproc.nc.expand.tracker import Tracker
 
@@ -30,6 +34,8 @@ NAMES = {
     *siemens_boring.NAMES,
     *siemens_patterns.NAMES,
     *siemens_pockets.NAMES,
+    siemens_spigots.NAME,
+    siemens_face.NAME,
     siemens_removal.NAME,
     *siemens_kept.NAMES,
     *siemens_kept.THREADS,
@@ -45,7 +51,7 @@ class Holes:
         self.feed = self.speed = b""  # the last F and S words that have left
         self.sense = 1  # -1: M4 turns the spindle
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.called: Drilling | Pattern | Pocket | Removal | Thread | None = (
+        self.called: Drilling | Pattern | Face | Pocket | Spigot | Removal | Thread | None = (
             None  # to be drilled behind this line
         )
 
@@ -60,11 +66,19 @@ class Holes:
         if name in siemens_kept.THREADS:
             self.called = Thread(name, values)
             return
-        if name in siemens_pockets.NAMES:
-            self.called = Pocket.of(name, values, self.sense)
+        if milling := self._milling(name, values):
+            self.called = milling
             return
         pattern = name in siemens_patterns.NAMES
         self.called = Pattern.of(name, values) if pattern else hole_of(name, values)
+
+    def _milling(self, name: str, values: Sequence[Value | None]) -> Face | Pocket | Spigot | None:
+        """A cycle that mills a figure; None: it is none."""
+        if name in siemens_pockets.NAMES:
+            return Pocket.of(name, values, self.sense)
+        if name == siemens_spigots.NAME:
+            return Spigot.of(values, self.sense)
+        return Face.of(values) if name == siemens_face.NAME else None
 
     def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:
         """The plain lines behind a line that has left. own: it is one of the program. Raises

@@ -40,8 +40,8 @@ class Tapping(Drilling):
         high = b"G0 " + self._to(tracker, axis)(self.given["RTP"])
         values = [self.given.get(word) for word in NAMES[self.name].split()]
         motion = tracker.code("motion")
-        again = [b"G%d" % (motion // 10)] if motion > 0 else []
-        return [high, _written(self.name, values), high, *again]
+        motion_code = [b"G%d" % (motion // 10)] if motion > 0 else []
+        return [high, _written(self.name, values), high, *motion_code]
 
 
 @dataclass

@@ -42,6 +42,7 @@ WRAPPERS = ("IC", "AC", "DC", "ACP", "ACN", "CAC", "CIC", "CDC", "CACP", "CACN",
 # addresses whose values are whole numbers
 WHOLE = ("G", "M", "T", "D", "L", "N", "P", "TURN", "SD", "DL")
 # written with as many decimals as radii
+VECTORS, VECTOR_DECIMALS = ("A3", "B3", "C3"), 9  # of the tool's direction
 LENGTHS = ("CR", "RP", "RND", "RNDM", "CHR", "CHF", "POS", "POSA", "PL")
 
 
@@ -59,6 +60,8 @@ def word(scope: Scope, address: str, value: Value) -> str:
                 f"{address} takes a whole number, this is {value:.12g}", "correct the expression"
             )
         return str(int(value))
+    if address in VECTORS:
+        return number(float(numeric(value)), VECTOR_DECIMALS)
     decimals = scope.decimals.get(base)
     if decimals is None:
         letter = "R" if base in LENGTHS else base if len(base) == 1 else "?"

@@ -8,17 +8,14 @@ batch.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from postproc.errors import BlockFault
 from postproc.motions import Motions
+from postproc.nc.expand import Line
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.nc.expand import Line
 
 NOTHING_AHEAD: tuple[bytes | None, ModalState | None] = (None, None)
 

@@ -3,18 +3,25 @@ where it came from."""
 
 from __future__ import annotations
 
+import importlib
 from array import array
 from collections.abc import Callable, Iterator
 
 from postproc.errors import Notice
 from postproc.motions import Motions
 from postproc.nc.cycles.scene import CHORD_MM
-from postproc.nc.expand import Limits, Line, Program, lines_of
+from postproc.nc.expand import Limits, Line, Program
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
 
 LINES_AT_ONCE = 4000
+
+
+def lines_of(language: str, program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
+    """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the
+    limits."""
+    return importlib.import_module(f"postproc.nc.expand.{language}").lines(program, tracker, limits)
 
 
 class Written:

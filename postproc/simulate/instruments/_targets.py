@@ -88,11 +88,11 @@ def _passages(place: np.ndarray, approach: np.ndarray) -> np.ndarray:
     first = known[0] if len(known) else 1.0
     run, result = 1, [1]
     for k in range(1, len(place)):
-        again = approach[k] == first and (
+        begins = approach[k] == first and (
             approach[k - 1] == -first
             or (approach[k - 1] in (0.0, first) and (place[k] - place[k - 1]) * first < -STILL)
         )
-        run += bool(again)
+        run += bool(begins)
         result.append(run)
     return np.array(result, float)
 

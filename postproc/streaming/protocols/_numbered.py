@@ -72,7 +72,7 @@ def _line_asked_for(text: str) -> int | None:
 class Frame:
     """A line on its way. n: its number, None: it has none; oks: answers that it still gets; unread:
     refused, or not read as a numbered line, as far as was heard; nudges: times sent again without
-    being asked for; again: whether it is on its way (not so those that were lost behind one that
+    being asked for; resent: whether it is on its way (not so those that were lost behind one that
     was asked for, until their turn comes); seen: its report was heard."""
 
     number: int
@@ -82,7 +82,7 @@ class Frame:
     oks: int = 1
     unread: str = ""
     nudges: int = 0
-    again: bool = True
+    resent: bool = True
     seen: bool = False
 
 
@@ -278,17 +278,17 @@ class Numbered(Protocol):
         return self._ok_without_number(text, events)
 
     def _ok_without_number(self, text: str, events: list[Event]) -> list[Event]:
-        told = [*events, Message(text)]
+        answers = [*events, Message(text)]
         frame = self._waiting[0] if self._waiting else None
         if self._numbers and frame is not None and frame.n is not None:
-            return told  # it belongs to a request
+            return answers  # it belongs to a request
         if self._spare:
             self._spare -= 1
-            return told
+            return answers
         if frame is None:
             return [*events, Stray(text)]
         self._missed = 0
-        return events + self._taken(frame) if self._has_all_oks(frame) else told
+        return events + self._taken(frame) if self._has_all_oks(frame) else answers
 
     def _ok_of(self, n: int, text: str) -> list[Event]:
         """An ok that names its line: those before it were taken too."""
@@ -313,8 +313,8 @@ class Numbered(Protocol):
 
     def _next(self) -> list[Event]:
         """The next of the lines that were lost behind one that was asked for."""
-        if self._again and self._again[0] is self._waiting[0] and not self._again[0].again:
-            self._again[0].again = True
+        if self._again and self._again[0] is self._waiting[0] and not self._again[0].resent:
+            self._again[0].resent = True
             return [Write(self._again[0].data)]
         return []
 
@@ -360,9 +360,9 @@ class Numbered(Protocol):
         self._ask.late = len(self._waiting) - 1
         self._again = deque(self._waiting)
         for frame in self._again:
-            frame.again = False
+            frame.resent = False
         first = self._again[0]
-        first.again, first.unread, first.oks = True, "", self.answers(first.text)
+        first.resent, first.unread, first.oks = True, "", self.answers(first.text)
         return [*events, Busy(text), Write(first.data)]
 
     def _strange(self, text: str) -> list[Event]:

@@ -5,6 +5,13 @@ Rules: gnea/grbl, doc/markdown/interface.md (streaming, EEPROM, status reports),
 protocol.c (every line end is answered; realtime bytes are taken out wherever they stand; control
 characters and blanks do not count towards the 79 characters of a line, but all bytes towards the
 128 of the buffer), grbl/report.c (formats).
+
+Character counting. Lines that no answer came for yet may all be in the buffer, with their ends; a
+line leaves while they and it fit the window (127, or what [OPT: says):
+
+    leaves   G1X10.5F600   G1X11   G1X12      used 12, 18, 24, with their line ends
+    comes    ok                               used 12: the oldest line is out of the buffer
+    leaves   the next line, as soon as used + its length + 1 <= 127
 """
 
 from __future__ import annotations

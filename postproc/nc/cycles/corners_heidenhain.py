@@ -1,0 +1,151 @@
+"""G24 and G25 of Heidenhain's DIN/ISO: a chamfer and a rounding between two straight lines, written
+out as G01.
+
+HEIDENHAIN iTNC 530, TNC 320 (34055x), TNC 407 user's manuals, ISO programming, "Inserting a chamfer
+between two straight lines", "Corner rounding G25": in a block of its own behind the line whose end
+is the corner; R of G24 is how far the chamfer begins and ends from the corner on both lines, R of
+G25 the radius of the arc that touches both; F beside R holds in the corner alone. The geometry:
+klartext_corners.py.
+
+Refused: G91, corners at arcs, at rapids, and at lines that leave the plane XY, a corner that is
+longer than its lines, programs that call labels.
+"""
+
+from __future__ import annotations
+
+import re
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.klartext_corners import Corners, Held
+from postproc.nc.cycles.moves import own_words
+from postproc.nc.cycles.pole_arc import Point
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.expand import Line
+
+CHAMFER, ROUNDING, FEED, CALLED = 240, 250, 10, 99
+NAMES = {CHAMFER: "G24", ROUNDING: "G25"}
+ACROSS = "ZABCUVWIJKHRLQ"  # in a line that leaves the plane, or is none
+CORNER = re.compile(rb"(?<![A-Z])G[ \t]*0*2[45](?![0-9.])", re.IGNORECASE)
+LABEL = re.compile(rb"(?<![A-Z;])L[ \t]*[0-9]+[ \t]*,", re.IGNORECASE)
+PLACE = re.compile(rb"([XY])\+?(-?[0-9.]+)")
+WRITE = "write the corner out as G01"
+
+
+class IsoCorners:
+    """Holds a straight feed with a corner back until the next block is known. `corner`: its name,
+    size and feed; `start`: where the line begins; `feed`, `motion`: in force."""
+
+    rigid = False
+    codes: tuple[int, ...] = (CHAMFER, ROUNDING)
+
+    def __init__(self, scene: Scene):
+        self.scene, self.corners = scene, Corners(scene)
+        self.held: tuple[Line, Block] | None = None
+        self.corner: tuple[str, float, bytes] | None = None
+        self.start: Point = (0.0, 0.0)
+        self.feed, self.motion = b"", -1
+        self.before: set[int] | None = None  # source lines with a corner behind them
+
+    def wants(self, line: Line) -> bool:
+        """Every line may be one with a corner."""
+        return True
+
+    def finish(self) -> list[Line]:
+        """A line that has no next one."""
+        held, self.held, self.corner = self.held, None, None
+        return [held[0]] if held else []
+
+    def take(self, line: Line) -> list[Line]:
+        """The lines that are known now. Raises ProgramError."""
+        scene = self.scene
+        scene.forget()
+        body = line.text.partition(b"*")[0]
+        block = scene.block = Block.of(body, scene.dialect.grammar)
+        if scene.passes(line.text) or not body.partition(b";")[0].strip():
+            return [line]
+        names = [NAMES[c] for c in block.codes if c in NAMES]
+        if names:
+            self._define(block, names[0])
+            return []
+        straight = self._straight(block)
+        if self.corner is None:
+            lines = self.finish()
+        elif straight:
+            own = self.corner[2]
+            lines = self._cornered(block)
+            if own and block.word("F") is None:
+                line = line._replace(text=block.written(set(), b"F" + self.feed) + b"*")
+        else:
+            raise self._beside(self.corner[0])
+        if feed := block.word("F"):
+            self.feed = feed.raw.encode()
+        scene.block = block
+        if not (straight and self._has_corner()):
+            return [*lines, line]
+        self.held = line, block
+        return lines
+
+    def _has_corner(self) -> bool:
+        """Whether a corner stands behind the line at hand."""
+        if self.before is None:
+            self.before, last = set(), 0
+            for number, text in enumerate(self.scene.lines(), 1):
+                code = text.partition(b"*")[0].partition(b";")[0]
+                if CORNER.search(code):
+                    self.before.add(last)
+                last = number if code.strip() else last
+        return self.scene.source in self.before
+
+    def _straight(self, block: Block) -> bool:
+        """Whether a block is a feed in the plane to a place."""
+        scene = self.scene
+        self.motion = [self.motion, *scene.own_codes(block, "motion")][-1]
+        if not block.plain or any(w.letter in ACROSS for w in block.words):
+            return False
+        rows = [scene.table[c] for c in block.codes if c in scene.table]
+        if CALLED in block.m_codes() or any(row.takes or row.refuses for row in rows):
+            return False
+        return self.motion == FEED and any(w.letter in "XY" for w in block.words)
+
+    def _beside(self, name: str) -> Exception:
+        return self.scene.fault(f"{name} beside something else than a straight feed in XY", WRITE)
+
+    def _define(self, block: Block, name: str) -> None:
+        scene, size, feed = self.scene, block.get("R"), block.word("F")
+        odd = [w for w in block.words if w.letter not in "NGRF"]
+        if size is None or size <= 0 or odd or len(block.codes) > 1:
+            raise scene.fault(f"{name} with more than its size R, or without it", WRITE)
+        if self.held is None or self.corner is not None:
+            raise self._beside(name)
+        if any(LABEL.search(text.partition(b";")[0]) for text in scene.lines()):
+            raise scene.fault(
+                "a corner in a program that calls labels", "write the program out without L first"
+            )
+        if scene.code_of(self.held[1], "distance") == 910 or scene.plane[2] != "Z":
+            raise scene.fault(f"{name} in G91, or in another plane than XY", WRITE)
+        if feed is not None and not self.feed:
+            raise scene.fault(f"the feed behind {name} is not known", "write F before it")
+        self.corner = name, size, feed.raw.encode() if feed else b""
+        self.start = scene.at("X"), scene.at("Y")
+
+    def _end(self, block: Block, start: Point) -> Point:
+        x, y = block.get("X"), block.get("Y")
+        return start[0] if x is None else x, start[1] if y is None else y
+
+    def _cornered(self, block: Block) -> list[Line]:
+        """The line with a corner, up to where the next one begins."""
+        assert self.held is not None and self.corner is not None
+        (line, before), (name, size, feed) = self.held, self.corner
+        kind = "CHF" if name == NAMES[CHAMFER] else "RND"
+        corner = self._end(before, self.start)
+        held = Held(b"", self.start, corner, kind, size, b"")
+        _, lines = self.corners.cut(held, self._end(block, corner), name)
+        self.held = self.corner = None
+        star = line.text.partition(b"*")[1:]
+        places = [b" ".join(b"%s%s" % p for p in PLACE.findall(text)) for text, _ in lines]
+        own = own_words(before, "XY", set())
+        first = before.written(own, places[0]) + b"".join(star)
+        places[1] += b" F" + feed if feed else b""
+        return [
+            line._replace(text=text) for text in (first, *(b"G01 " + p + b"*" for p in places[1:]))
+        ]

@@ -1,0 +1,61 @@
+"""Drilling cycles of a Fadal, written out: L repeats them, L0 holds their words without a hole.
+
+What Autodesk's `fadal.cps` writes: I J K of G73 and G83 as on Haas, P of G73 what it backs off a
+chip, P of G82 and G89 milliseconds at the bottom. Assumed: P of G83 is how far above the last peck
+the next one begins; G83 goes out to R level; without P as on Fanuc (drilling_fanuc.RETRACT); P and
+Q of a cycle without a dwell or pecks do nothing there (a real program has them in G81), and are
+not held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.drilling import KIND, WORDS, Drilling, Job, bore
+from postproc.nc.cycles.drilling_fanuc import (
+    AFTER_MOTION,
+    HAAS_PECKS,
+    MILL,
+    SHIFT,
+    HaasDrilling,
+)
+from postproc.nc.cycles.scene import Scene
+from postproc.nc.cycles.words import Form, named
+
+TAPPING = (740, 741, 840, 841)
+FINE_BORE = 760
+FADAL = (*(code for code in MILL if code not in (842, 843)), *TAPPING, FINE_BORE)
+
+
+class FadalDrilling(HaasDrilling):
+    dwells: tuple[int, ...] = (820, 890)
+    whole = (FINE_BORE,)
+
+    def __init__(self, synchronised: bool = False):
+        actions = {**MILL, **dict.fromkeys(TAPPING, bore)}
+        Drilling.__init__(
+            self, actions, TAPPING, {FINE_BORE: SHIFT}, "RPQLIJK", AFTER_MOTION, synchronised
+        )
+        self.repeats = "L"
+
+    def hole_form(self, code: int) -> Form:
+        own = {"P": "distance before the next peck"} if code in self.pecking else {}
+        pecks = HAAS_PECKS | named(WORDS, "Q") | own if code in self.pecking else {}
+        takes = named(WORDS, "XYZRL" + "P" * (code in self.dwells)) | pecks
+        return Form(KIND, takes, idle="".join(x for x in "PQ" if x not in takes), axes=True)
+
+    def _hold(self, scene: Scene, block: Block, axis: str) -> None:
+        super()._hold(scene, block, axis)
+        code = next((c for c in block.codes if c in self.actions), None)
+        if code is None or code in self.pecking:
+            return
+        self.held.pop("Q", None)
+        if code not in self.dwells:
+            self.p = ""
+
+    def job(self, scene: Scene, block: Block, code: int) -> Job:
+        job = super().job(scene, block, code)
+        if code not in self.pecking or not self.p:
+            return job
+        return replace(job, hole=replace(job.hole, retract=float(self.p)))

@@ -1,0 +1,90 @@
+"""CYCLE77 of Sinumerik: circular spigots.
+
+CYCLE77(RTP, RFP, SDIS, DP, DPR, PRAD, PA, PO, MID, FAL, FALD, FFP1, FFD, CDIR, VARI, AP1): the
+order of the values as in MaTka's Sinumerik snippets (marketplace.visualstudio.com). Siemens
+"SINUMERIK 840D sl", Operating Manual Milling (03/2010), page 301, "Circular spigot (CYCLE77)",
+"Approach/retraction":
+
+- In rapid traverse at RTP to the start, on the spigot's positive first axis, and to SDIS above RFP;
+  at FFD to the depth (even ones, MID at most), on a semicircle to the side at FFP1, once around it,
+  and on a semicircle back to the start; at the end to RTP.
+- VARI 1 leaves FAL at the side and FALD at the bottom, VARI 2 goes to both.
+- CDIR 0 climb milling, 1 up-cut (with M3 with the clock and against it), 2 as G2, 3 as G3: as those
+  of POCKET4.
+
+Assumed: the start lies 2 mm beside the blank, AP1 across, or, where none is stated, beside the way
+around. The control goes around once, whatever the blank. Refused: G91, other planes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from postproc.nc.cycles.pocket_path import Piece
+from postproc.nc.cycles.rounded import Rounded
+from postproc.nc.expand.siemens_milling import WITH_M3, Milling, Ways, ending
+from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
+from postproc.nc.expand.tracker import Tracker
+
+NAME = "CYCLE77"
+WORDS = "RTP RFP SDIS DP DPR PRAD PA PO MID FAL FALD FFP1 FFD CDIR VARI AP1"
+NEEDED = "RTP RFP PRAD PA PO FFP1 FFD VARI"
+BESIDE_MM = 2.0
+
+
+@dataclass
+class Spigot(Milling):
+    """A call with its values."""
+
+    @classmethod
+    def of(cls, values: Sequence[Value | None], sense: int) -> Spigot:
+        """Raises Refusal for values that are none of a spigot that can be written out."""
+        given = numbers_by_name(NAME, WORDS.split(), values, "correct the call")
+        spigot = cls(NAME, given, sense)
+        spigot.needs(NEEDED)
+        if spigot.get("DPR"):
+            given["DP"] = given["RFP"] - abs(given["DPR"])
+        spigot.needs("DP")
+        spigot.check_kind((1, 2), "", "PRAD")
+        if spigot.get("CDIR") not in WITH_M3:
+            raise Refusal(f"CDIR of {NAME} is {given['CDIR']:g}", "0 to 3 are possible")
+        if min(given["FFP1"], given["FFD"]) <= 0:
+            raise Refusal(f"{NAME} without its feeds FFP1 and FFD", "write them, above 0")
+        spigot.check_planes("FAL FALD MID SDIS AP1")
+        if 0 < spigot.get("AP1") < 2 * given["PRAD"]:
+            raise Refusal(
+                f"the blank of {NAME} is {given['AP1']:g} across, and the spigot"
+                f" {2 * given['PRAD']:g}",
+                "write the diameter of the blank as AP1",
+            )
+        return spigot
+
+    def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
+        """The plain lines; feed: the F word in force. Raises Refusal."""
+        self.check_modes(tracker)
+        g, radius = self.given, self.radius(tracker)
+        rough = g["VARI"] == 1
+        side = g["PRAD"] + radius + (self.get("FAL") if rough else 0.0)
+        way = Rounded(side, side, side)
+        start = self._start(way.a, radius, tracker.inch)
+        cut = Ways(self, tracker)
+        # around a spigot climb milling goes the other way than within a pocket
+        kind = int(self.get("CDIR"))
+        cut.ccw = WITH_M3[kind] * (-self.sense if kind < 2 else 1)
+        middle = ((way.a + start) / 2, 0.0)
+        on, off = ((start, 0.0), way.start), (way.start, (start, 0.0))
+        around = [Piece(-1, *on, middle), *way.ring(), Piece(-1, *off, middle)]
+        cut.to("G0", z=g["RTP"])
+        cut.to("G0", (start, 0.0))
+        cut.to("G0", z=g["RFP"] + self.get("SDIS"))
+        for z in self.depths(g["DP"] + (self.get("FALD") if rough else 0.0)):
+            cut.to("G1", z=z, feed=cut.down)
+            cut.pieces(around, begun=True)
+        cut.to("G0", z=g["RTP"])
+        return [*cut.lines, *ending(tracker, feed)]
+
+    def _start(self, side: float, radius: float, inch: bool) -> float:
+        """Where the tool's middle begins on the first axis."""
+        beside = BESIDE_MM / (25.4 if inch else 1.0)
+        return max(self.get("AP1") / 2 + radius, side) + beside

@@ -1,0 +1,56 @@
+"""How a dialect's text is cut into words, and the letters under which other spellings of a word are
+handed on: what the lexer, the spellings and the dialects agree on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Grammar(NamedTuple):
+    """What is a word in a dialect's text, and what is none. Regular expressions are searched
+    without regard to case, line by line; what their group holds stays."""
+
+    semicolon: str = "comment"  # or "end of block": a line then holds several blocks
+    parentheses: bool = True  # whether ( ) are comments
+    keywords: tuple[str, ...] = ()  # words that are codes by themselves: TRANS, DIAMON
+    spellings: tuple[tuple[str, str], ...] = ()  # ("CR=", "R"); "" for what moves nothing
+    assigns: bool = False  # whether X=1 is X1, and X=IC(1) a distance
+    checksums: bool = False  # whether *85 may end a line
+    ignores: tuple[str, ...] = ()  # expressions of text that moves nothing: MSG("...")
+    bare_letters: bool = False  # whether a letter may lack its number where it moves nothing: M84 E
+    block_end: str = ""  # a character that ends a block, besides the line's end
+    # Expressions of lines that run what only the machine has; each with 0, or with the number, from
+    # 1, of the sentence that says why they can not be followed.
+    macros: tuple[tuple[str, int], ...] = ()
+    homing: str = ""  # an expression of what homes all axes
+    untold: bool = False  # whether F and S may be variables whose value only the machine knows
+    klartext: bool = False  # whether its statements are those of Heidenhain's Klartext
+
+    @property
+    def is_respelled(self) -> bool:
+        """Whether words may be written in other ways than as a letter and a number."""
+        patterns = (self.keywords, self.spellings, self.ignores, self.macros, self.homing)
+        return any((*patterns, self.assigns, self.checksums, self.bare_letters, self.klartext))
+
+
+PLAIN = Grammar()
+# Letters, beyond those of a program, under which other spellings are handed on
+# (postproc.nc.spellings). None has the case bit 0x20, which is taken off.
+KEYWORD_LETTER = 0x80  # a code that is a word: TRANS
+PARAMETER = 0x81  # a parameter that moves nothing
+MACRO = 0x82  # a line that only the machine can follow; its number is the reason
+UNTOLD = 0x83  # an F whose value only the machine knows
+HOMING = 0x84
+# Of the axes and centres AXES, in their order from here on: X=IC(), X=AC(), X without a number.
+RELATIVE, ABSOLUTE, BARE = 0x90, 0xC0, 0xD0
+AXES = "XYZABCUVWEIJK"
+NUMBERLESS = (MACRO, UNTOLD, HOMING, *range(BARE, BARE + len(AXES)))
+SPELLED = bytes(
+    (
+        KEYWORD_LETTER,
+        PARAMETER,
+        *range(RELATIVE, RELATIVE + len(AXES)),
+        *range(ABSOLUTE, ABSOLUTE + len(AXES)),
+        *NUMBERLESS,
+    )
+)
