@@ -12,7 +12,7 @@ Kinds of noise, of physics and of tests that `held` draws were opened in no deve
 trial has shown them by name; a third family, `fresh`, bears numbers instead of names; its cases of
 commit `3eaefd253c` were looked at one by one after their trial, so it is fresh no more; a fourth,
 `sealed`, bears numbers too; its cases of commit `251846cf0d` were looked at after their trial; a
-fifth, `unseen`, bears numbers and has had no trial yet.
+fifth, `unseen`, bears numbers too.
 The seed of a tier is SHA-256 of the freeze commit, "strangers" and the tier; the truth's salted
 hash is laid down before the tool is run, that of the answers before the truth is opened. Follow-up
 recordings and the loop are not part of it (see proof.trial).
