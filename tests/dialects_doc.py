@@ -103,7 +103,8 @@ def chapter(dialect: dialects.Dialect) -> str:
         )
     )
     if dialect.change_takes:
-        rows.append(("behind M6", f"{dialect.change_takes} is unknown until it is named"))
+        unknown = f"{dialect.change_takes} is unknown until it is named"
+        rows.append(("behind M6", f"{unknown}; in G91 it stands where it stood, but for G28"))
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
         (

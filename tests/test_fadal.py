@@ -104,6 +104,17 @@ def test_behind_a_tool_change_nobody_knows_z(name):
     assert all(row[0] for row in known)
 
 
+@pytest.mark.parametrize("name", ["haas", "fadal", "fanuc-mill"])
+def test_a_distance_behind_a_tool_change_counts_from_where_z_stood(name):
+    """A program that goes on in G91 means that the change takes Z back there; behind G91 G28 Z0 and
+    M6 the mode alone says nothing, and a place is awaited."""
+    ends, known, _ = follow("G90 G54 G0 X1. Y1. Z9.|G91|T2 M6|X5. Y5.|Z-3.|X6.", name)
+    assert all(row[2] for row in known)
+    assert ends[-1][2] == ends[0][2] - 3.0
+    _, known, _ = follow("G90 G54 G0 X1. Y1. Z9.|G91 G28 Z0|T2 M6|G90 X5. Y5.|G43 H3 Z5.", name)
+    assert [row[2] for row in known][-2:] == [False, True]
+
+
 def test_a_repeated_block_is_refused():
     with pytest.raises(Exception, match="the control runs the block several times"):
         follow("G90 G0 X0. Y0.|G91 G3 I-1. Z-.3 L10")

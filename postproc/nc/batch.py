@@ -79,6 +79,7 @@ class Batch:
         self.taken = np.zeros(self.n, bool)  # (B,) its axis words are no motion
         self.loses = np.zeros(self.n, bool)  # (B,) sends axes to places that are not known
         self.gone: dict[str, np.ndarray] = {}  # (B,) the same of single axes
+        self.changed: dict[str, np.ndarray] = {}  # (B,) a tool change moves an axis
         self.foreign = np.zeros(self.n, bool)  # (B,) moves, or may, in a way that is not followed
         self.machine = np.zeros(self.n, bool)  # (B,) G53
         # (A, B) or (A, 1) ticks, zero of absolute words

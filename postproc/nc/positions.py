@@ -85,7 +85,7 @@ class _Shared:
         self.any_taken, self.any_machine, self.forgets = map(
             np.count_nonzero, (b.taken, b.machine, self.forget)
         )
-        self.forgets += len(b.gone)
+        self.forgets += len(b.gone) + len(b.changed)
         self.distance, self.carried = b.held("distance"), b.held("carried")
         self.inch = b.held("units") == 200
         # whether any word says by itself that it is absolute or a distance
@@ -194,14 +194,16 @@ class _Axis:
         drop = b.foreign if self.carried else shared.forget
         if self.letter in b.gone:
             drop = drop | b.gone[self.letter]
-        sent = bool(shared.sent[self.row])
+        sent, away = bool(shared.sent[self.row]), np.zeros(b.n, bool)
         if shared.sends and not self.carried:  # homing takes the slides away, not the filament
             self.position, self.named, drop, away = _away(
                 b, self.letter, self.position, self.named, drop
             )
             _since(p, self.row, away, block, sent)
         elif sent:
-            _since(p, self.row, np.zeros(b.n, bool), block, True)
+            _since(p, self.row, away, block, True)
+        if self.letter in b.changed:
+            drop = drop | self._changed(away, block, sent)
         self.known: np.ndarray | None = None
         unsure = self.cycle is not None and not self.cycle.known
         if not self.was_known or shared.forgets or unsure:
@@ -209,6 +211,15 @@ class _Axis:
             if self.cycle is not None and unsure:
                 event[self.cycle.blocks[self.cycle.initial]] = 0
             self.known = hold_last(event, int(self.was_known)).astype(bool)
+
+    def _changed(self, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
+        """(B,) bool: where a tool change takes it to a place that is not known: not where a program
+        that measures from there goes on in G91 (it means that the change takes the axis back), but
+        for what G28 has sent away."""
+        event = np.full(self.b.n, -1)
+        event[block], event[away] = 0, 1
+        is_away = hold_last(event, int(sent)).astype(bool)
+        return self.b.changed[self.letter] & (is_away | (self.distance != 910))
 
     def write(self, p: Places, block: np.ndarray) -> None:
         """Fill the axis' row of `p` at the moving blocks."""

@@ -195,7 +195,7 @@ def m_codes(b: Batch) -> None:
         block = b.words.block[of]
         if number == TOOL_CHANGE:
             for letter in b.dialect.change_takes:
-                b.gone[letter] = np.isin(np.arange(b.n), block) | b.gone.get(letter, False)
+                b.changed[letter] = np.isin(np.arange(b.n), block)
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
