@@ -43,6 +43,7 @@ class PtyHost:
         self.heard = bytearray()
         self.times: list[tuple[float, int]] = []
         self._pressed = b""
+        self._taking = False
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> PtyHost:
@@ -70,9 +71,9 @@ class PtyHost:
         return [value for _, value in self.times]
 
     def read_all(self) -> bool:
-        """Whether the model has read all that was written."""
+        """Whether the model has read all that was written, and done with it."""
         unread = fcntl.ioctl(self.master, termios.FIONREAD, struct.pack("i", 0))
-        return struct.unpack("i", unread)[0] == 0
+        return struct.unpack("i", unread)[0] == 0 and not self._taking
 
     def idle(self) -> bool:
         """The same, and executed it."""
@@ -85,7 +86,9 @@ class PtyHost:
     def _run(self) -> None:
         started = heard = time.monotonic()
         while True:
+            self._taking = False
             ready = select.select([self.master], [], [], 0.001)[0]
+            self._taking = bool(ready)  # before the bytes leave the terminal, see read_all
             if self._stop and not ready and time.monotonic() - heard > LAST_BYTES:
                 return
             now = (time.monotonic() - started) * self.speed
