@@ -162,6 +162,8 @@ def _autocorrelated(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float,
             continue
         z = np.clip(left[own] / sigma[own], -3.0, 3.0)
         z -= z.mean()
+        if not z.any():
+            continue
         lags = np.arange(1, LAGS + 1)
         r = np.array([z[k:] @ z[:-k] for k in lags]) / (z @ z)
         n = len(z)

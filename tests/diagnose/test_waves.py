@@ -124,13 +124,15 @@ HEAD = [
 ]
 
 
-def read_targets(places: np.ndarray, off_um, noise_um: float) -> list[recordings.Recording]:
-    """Three runs there and back over targets at these places (mm) of X."""
+def read_targets(
+    places: np.ndarray, off_um, noise_um: float, runs: int = 3
+) -> list[recordings.Recording]:
+    """Runs there and back over targets at these places (mm) of X."""
     lines = [f"# {line}" for line in HEAD] + [
         "run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um"
     ]
     noise, t = np.random.default_rng(4), 0.0
-    for run in (1, 2, 3):
+    for run in range(1, runs + 1):
         for way in (1, -1):
             for x in places[::way]:
                 t += 5.0
@@ -162,3 +164,20 @@ def test_targets_in_step_with_a_lead_show_no_cyclic_error():
 
     assert names(uneven) == ["cyclic:X"]
     assert "cyclic:X" not in names(even)
+
+
+@pytest.mark.parametrize("height, verdict", [(15.0, True), (0.0, False)])
+def test_a_sawtooth_in_time_is_no_white_noise(height, verdict):
+    """15 um over every five and a half readings, whatever the place: 4.3 um rms that comes back in
+    time; without it nothing is left out."""
+    reading = iter(range(10_000))
+
+    def off(x: float, way: int) -> float:
+        place, approach = np.array([[x], [0.0], [0.0]]), np.array([[way], [1.0], [1.0]])
+        known = 1e3 * MAP.deviation(place, approach.astype(float))[0, 0]
+        return known + height * (next(reading) / 5.5 % 1.0)
+
+    uneven = 30.0 * np.arange(-9, 10) + 2.5 * np.cos(37.0 * np.arange(19))
+    d = diagnose(read_targets(uneven, off, 0.3, runs=1), MILL)
+    assert (d.unknown is not None) == verdict
+    assert not [f for f in d.findings if f.status == "accepted"]

@@ -16,6 +16,7 @@ from postproc.errors import Notice
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.expand import Line
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
@@ -32,6 +33,10 @@ class Directions:
     def __init__(self, scene: Scene):
         self.scene = scene
         self.said = False
+
+    def finish(self) -> list[Line]:
+        """What is held back at the end of the program: nothing."""
+        return []
 
     def kinematics(self) -> Kinematics:
         """Of the machine. Raises ProgramError where it can not turn the tool."""

@@ -38,9 +38,6 @@ class ToolDirections(Directions):
         """Whether a line must go through here."""
         return self.on or b"43" in line.text
 
-    def finish(self) -> list[Line]:
-        return []
-
     def take(self, line: Line) -> list[Line]:
         """The line as G43.4 would have it. Raises ProgramError."""
         scene = self.scene

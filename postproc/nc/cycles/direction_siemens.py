@@ -44,9 +44,6 @@ class SiemensDirections(Directions):
         """Whether a line must go through here."""
         return bool(VECTOR.search(line.text) or WORDS.search(line.text))
 
-    def finish(self) -> list[Line]:
-        return []
-
     def take(self, line: Line) -> list[Line]:
         """The line with rotary words in the place of a vector. Raises ProgramError."""
         scene = self.scene
