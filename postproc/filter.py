@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 # a batch, its output, the lines before it
 Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]
 # bytes without a line end: no program, or one for which memory would not stay flat
-MOST_ARCS = 4000
+MOST_ARCS = 5000
 DEFAULTS = Options()
 TOO_LONG = (
     f"a line of more than {intake.LINE:,} characters",

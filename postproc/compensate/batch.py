@@ -297,10 +297,9 @@ class Batch:
         free, known = self.free[self.motion], self.known_before
         held = ~self.travel.all(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
-        quiet = known.all() and self.correctable.all() and self.leash is None
-        if quiet and not (
-            np.count_nonzero(self.turning) or held[self.rows].any() or np.count_nonzero(self.left)
-        ):
+        unknown = np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
+        moved = np.count_nonzero(self.turning) or np.count_nonzero(self.left)
+        if not (unknown or moved or held[self.rows].any() or self.leash is not None):
             self.begin = self.before
             return
         code = self.m.code[self.motion]

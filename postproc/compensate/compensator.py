@@ -51,8 +51,9 @@ class Compensator(Settings):
             return _none(len(self.machine.axes)), carry, []
         if self.machine.is_zero:
             return _untouched(motions), carry, []
-        turned = self.machine.turns and bool(motions.length.any())
-        if turned or motions.space.any() or carry.frame[0] is not None or self.machine.growth:
+        turned = self.machine.turns and np.count_nonzero(motions.length) > 0
+        spaced = np.count_nonzero(motions.space) > 0
+        if turned or spaced or carry.frame[0] is not None or self.machine.growth:
             return self._by_tool(motions, carry)
         return self._run(motions, carry)
 

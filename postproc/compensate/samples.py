@@ -12,12 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.compensate.arc_rows import Fitter, Rows
-from postproc.compensate.inverse import command
+from postproc.compensate.inverse import ROUNDS
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, Stretches, stretches
 from postproc.records import columns
 
-MOST_SAMPLES = 80_000  # worked on at once: more leave the processor's cache, and take memory
+MOST_SAMPLES = 100_000  # worked on at once: more leave the processor's cache, and take memory
 
 
 @columns
@@ -186,7 +186,8 @@ def _commands(
     were foreseen wrongly.
 
     Between the ends, whose commands are known, the shift is nearly linear, so one look at the map
-    tells it: looked up beside the true place by d, it is wrong by `steepest` d."""
+    tells it: looked up beside the true place by d, it is wrong by `steepest` d, and by as much less
+    again after each further look, which are taken where that is too much."""
     machine = f.machine
     share = (t - rows.t0.take(row)) / (rows.t1 - rows.t0).take(row)
     guess = (shift[1] - shift[0]).take(row, axis=1)
@@ -198,8 +199,12 @@ def _commands(
     guess -= found
     miss = np.abs(guess, out=guess).max(axis=0)
     exact = nominal + found
-    missed = miss * machine.bounds.steepest > f.total * SHARE / 8
-    if missed.any():
-        motion = f.arcs.motion[rows.arc][row[missed]]
-        exact[:, missed] = command(machine, nominal[:, missed], weight[:, missed], motion)
+    wrong = miss
+    for _ in range(ROUNDS):
+        wrong = wrong * machine.bounds.steepest
+        at = (wrong > f.total * SHARE / 8).nonzero()[0]
+        if not len(at):
+            break
+        found = machine.deviation(exact.take(at, axis=1), weight.take(at, axis=1))
+        exact[:, at] = nominal.take(at, axis=1) - found
     return (f.led(rows, row, exact) if len(f.followed) else exact), miss

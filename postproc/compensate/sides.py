@@ -150,7 +150,7 @@ class Course:
         """(T, S) side and state behind each stroke, of wanted places at begins and ends."""
         begin, end = self.begin, self.end
         self.twice = np.zeros(end.shape, bool)
-        if (begin == NOWHERE).all():
+        if not np.count_nonzero(begin != NOWHERE):
             return bear(end, self.band, self.sense, self.given, self.stays, self.carry)
         none = np.zeros_like(self.given)
         pairs = (

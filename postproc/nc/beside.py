@@ -18,7 +18,7 @@ import numpy as np
 
 from postproc.motions import ENTRY, FREE, OFFSET
 from postproc.nc.batch import Batch
-from postproc.nc.columns import spread
+from postproc.nc.columns import one_of, spread
 from postproc.nc.face import planes
 from postproc.nc.state import NONE, Beside
 from postproc.nc.zeros import lathe_tool, stated, stated_tool
@@ -67,7 +67,7 @@ def beside_columns(b: Batch, block: np.ndarray) -> dict[str, np.ndarray]:
             "radius": np.zeros(n),
             "nose": np.zeros((2, n)),
         }
-    on = np.isin(spread(held, b.n)[block], b.dialect.beside)
+    on = one_of(spread(held, b.n)[block], b.dialect.beside)
     before = np.concatenate([[b.state.beside.on], on[:-1]])
     radius, nose = _tools(b)
     b.beside = replace(b.beside, on=bool(on[-1]) if n else b.state.beside.on)
@@ -98,7 +98,7 @@ def _tools(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     """(B,) mm radius, + where the centre lies left of the path, and (2, B) mm from it to the point
     that is driven."""
     given = b.given.get("cutter")
-    begins = np.flatnonzero(np.isin(given, b.dialect.beside)).tolist() if given is not None else []
+    begins = np.flatnonzero(one_of(given, b.dialect.beside)).tolist() if given is not None else []
     named = b.places.get("D", np.zeros(0, np.int64))
     offsets = (
         dict(zip(b.words.block[named].tolist(), b.numbers(named).tolist(), strict=True))

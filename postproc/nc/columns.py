@@ -3,6 +3,8 @@ stay a number."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from postproc.nc.state import NONE
@@ -22,6 +24,15 @@ def spread(column, n: int) -> np.ndarray:
     result = np.empty(n, np.int64)
     result.fill(column)
     return result
+
+
+def one_of(column: np.ndarray, few: Iterable[int]) -> np.ndarray:
+    """(n,) bool: where a column has one of a few numbers; for one block ten times as fast as
+    `np.isin`."""
+    found = np.zeros(len(column), bool)
+    for number in few:
+        found |= column == number
+    return found
 
 
 def changes(column) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import Batch, written_codes
+from postproc.nc.columns import one_of
 from postproc.nc.holes import ACROSS, in_cycle
 from postproc.nc.state import InCycle
 
@@ -46,10 +47,10 @@ def as_motion(b: Batch, motion: np.ndarray) -> np.ndarray:
 def cycle_of(b: Batch, motion: np.ndarray, axis_words: dict) -> InCycle | None:
     """The engraving of a segment, or the canned cycle that holds its blocks. motion (B,): the
     motion code in force."""
-    mask = np.isin(motion, b.dialect.engraves)
+    mask = one_of(motion, b.dialect.engraves)
     return (
         _place_of_text(b, mask, motion, axis_words)
-        if mask.any()
+        if np.count_nonzero(mask)
         else in_cycle(b, motion, axis_words)
     )
 

@@ -23,7 +23,7 @@ from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
-from postproc.nc.columns import at, hold_last_float, spread
+from postproc.nc.columns import at, hold_last_float, one_of, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
@@ -128,7 +128,7 @@ class Interpreter(Control):
         begins = words.block[
             place[self.dialect.begins_segment[np.maximum(number, 0)] & (number >= 0)]
         ].tolist()
-        ends = (words.block[place[np.isin(number, self.dialect.engraves)]] + 1).tolist()
+        ends = (words.block[place[one_of(number, self.dialect.engraves)]] + 1).tolist()
         return sorted({0, words.blocks, *begins, *tools, *ends})
 
 

@@ -45,7 +45,7 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
             _ends_elsewhere(b, code.does, mask)
         else:
             mask &= b.has_axis
-        if mask.any():
+        if np.count_nonzero(mask):
             b.taken |= mask
             if number == TURNS and "C" in b.rows:
                 b.loses[mask & _names(b, "CQ")] = True
@@ -59,7 +59,7 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
 def _by_radius(b: Batch, code: Code, mask: np.ndarray) -> np.ndarray:
     """(B,) bool: the cycles where X is a radius, which --expand writes out."""
     by_radius = mask & (spread(b.held("diameter"), b.n) != DIAMETER)
-    if by_radius.any():
+    if np.count_nonzero(by_radius):
         b.foreign |= by_radius
         b.reason[by_radius] = b.because(f"{code.word} ({code.meaning})", code.refuses)
     return by_radius
@@ -68,7 +68,7 @@ def _by_radius(b: Batch, code: Code, mask: np.ndarray) -> np.ndarray:
 def _ends_elsewhere(b: Batch, does: str, mask: np.ndarray) -> None:
     """Cycles that are words: where X and Z end behind a thread is not said, nor the axis of a
     hole behind a tap without its retraction plane."""
-    if not mask.any():
+    if not np.count_nonzero(mask):
         return
     plane = spread(b.held("plane"), b.n)
     for axis in "XYZ":

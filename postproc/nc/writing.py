@@ -128,7 +128,7 @@ class Writing:
         m, p = self.m, self.p
         motion = p.motion[piece]
         absolute = cells(p.end, row, piece) - cells(m.origin, row, motion)
-        if not self.has_spelled and not m.incremental.any():
+        if not self.has_spelled and not np.count_nonzero(m.incremental):
             return absolute
         incremental = m.incremental[row, motion]
         if self.has_spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
