@@ -89,7 +89,7 @@ class Cutting:
         rows, samples = self.rows, self.samples
         if not isinstance(which, slice):
             rows, samples = rows.pick(which), samples.pick(which)
-        begins, ends = low > samples.begin, high < samples.last
+        begins, ends = low > self.low[which], high < samples.last
         begin, end = rows.begin, rows.end
         if begins.any():
             begin = np.where(begins, self._ticks(rows, low), begin)

@@ -19,6 +19,8 @@ W on a head Z): links of the chain like any other, whose errors the slides X Y Z
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from postproc.records import record
@@ -41,7 +43,7 @@ class Chain:
     axes: tuple[str, ...]
     workpiece_side: int
 
-    @property
+    @cached_property
     def rotary(self) -> tuple[str, ...]:
         """Rotary axes that the chain names."""
         return tuple(x for x in self.axes if x in ROTARY)
