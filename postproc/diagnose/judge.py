@@ -9,7 +9,7 @@ from scipy.stats import chi2
 from postproc.diagnose import telegraph
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.explained import shares, white
-from postproc.diagnose.noise import Unit
+from postproc.diagnose.noise import FEW, Unit, spread, step
 from postproc.diagnose.nuisances import PROCESSES
 from postproc.diagnose.sets import MATERIAL, Found, Sets
 from postproc.diagnose.unknown import Unknown, mapped
@@ -20,8 +20,12 @@ OF_EXPLAINED = 0.25  # of what the names explain in a unit: less is an error of 
 FEWEST, FOLDS, FORETELLS = 6, 5, 0.95
 # times the noise of readings that took no part: 84 nulls left 2.05 at most
 UNFORETOLD = 2.5
+# mm: what an instrument of which nothing is stated is taken to scatter by at most (unverified; 345
+# signals of 100 nulls scattered by 1.44 um at most)
+SCATTERS = 1e-3
 # lags and fewest readings of a test of white noise; one recording in a million fails it by chance
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
+Said = dict[str, np.ndarray]
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
@@ -33,7 +37,10 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     for f in d.findings:
         if d.doubts:
             f.status = "tentative"
-    found = [*_left(d, sets, state), *_unforetold(d, sets), *_autocorrelated(d, sets, state)]
+    said = shares(sets.evidence, state.fit)
+    rest = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
+    found = [*_left(d, sets, state, said), *_unforetold(d, sets)]
+    found += [*_autocorrelated(sets, state, said, rest), *_scattered(d, sets, said, rest)]
     left = sorted(found, reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
@@ -116,9 +123,9 @@ def _least(unit: Unit) -> float:
     return MATERIAL * 1e-3 if unit.sees == "angle" else MATERIAL
 
 
-def _left(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, int]]:
-    """(times what is worth a word, rms mm, unit) of processes that are no error of form."""
-    said = shares(sets.evidence, state.fit)
+def _left(d: Diagnosis, sets: Sets, state: Found, said: Said) -> list[tuple[float, float, int]]:
+    """(times what is worth a word, rms mm, unit) of processes that are no error of form. said: of
+    `shares`."""
     found = []
     for unit in sorted({u for u, _ in state.fit.on}):
         part = sets.evidence.parts[unit]
@@ -148,19 +155,19 @@ def _unforetold(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
     return found
 
 
-def _autocorrelated(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float, float, int]]:
+def _autocorrelated(
+    sets: Sets, state: Found, said: Said, rest: np.ndarray
+) -> list[tuple[float, float, int]]:
     """The same of units of targets whose white noise is none: readings resemble those some readings
     before. Box and Ljung, On a measure of lack of fit in time series models, Biometrika 65, 1978,
-    297, on residuals cut at three standard deviations."""
-    said = shares(sets.evidence, state.fit)
-    left = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
+    297, on residuals cut at three standard deviations. rest (N,) mm: white noise as fitted."""
     sigma = white(sets.evidence, state.fit)
     found = []
     for unit, part in enumerate(sets.evidence.parts):
         own = part.unit.rows
         if part.unit.dense or len(own) < SERIES:
             continue
-        z = np.clip(left[own] / sigma[own], -3.0, 3.0)
+        z = np.clip(rest[own] / sigma[own], -3.0, 3.0)
         z -= z.mean()
         if not z.any():
             continue
@@ -168,9 +175,27 @@ def _autocorrelated(d: Diagnosis, sets: Sets, state: Found) -> list[tuple[float,
         r = np.array([z[k:] @ z[:-k] for k in lags]) / (z @ z)
         n = len(z)
         portmanteau = n * (n + 2) * float(np.sum(r**2 / (n - lags)))
-        rms, explained = float(np.std(left[own])), _size(said["effects"][own])
-        least = _least(part.unit)
-        if chi2.sf(portmanteau, LAGS) < BY_CHANCE and rms > max(least, OF_EXPLAINED * explained):
+        rms, least = float(np.std(rest[own])), _least(part.unit)
+        worth = max(least, OF_EXPLAINED * _size(said["effects"][own]))
+        if chi2.sf(portmanteau, LAGS) < BY_CHANCE and rms > worth:
+            found.append((rms / least, rms, unit))
+    return found
+
+
+def _scattered(
+    d: Diagnosis, sets: Sets, said: Said, rest: np.ndarray
+) -> list[tuple[float, float, int]]:
+    """The same of units whose readings scatter by much more than their file states that one reading
+    is uncertain, or than instruments do where it states nothing: something varies that was not
+    recorded."""
+    found = []
+    for unit, part in enumerate(sets.evidence.parts):
+        own, least = part.unit.rows, _least(part.unit)
+        stated = d.recordings[int(d.rows.file[own[0]])].u
+        sure = max(stated or SCATTERS * least / MATERIAL, step(d.rows.y[own]))
+        rms = spread(rest[own])
+        worth = max(least, UNFORETOLD * sure, OF_EXPLAINED * _size(said["effects"][own]))
+        if len(own) >= FEW and rms > worth:
             found.append((rms / least, rms, unit))
     return found
 

@@ -151,11 +151,11 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
             ),
             floor,
         )
-    size = np.maximum(size, np.maximum(rows.grain[which], _step(rows.y[which])))
+    size = np.maximum(size, np.maximum(rows.grain[which], step(rows.y[which])))
     return np.hypot(size, rows.rounding[which]) if unit.dense else size
 
 
-def _step(y: np.ndarray) -> float:
+def step(y: np.ndarray) -> float:
     """mm: what an instrument's rounding gives, where its readings are whole numbers of a step."""
     values = np.unique(np.round(y, 9))
     if len(values) < 3 or len(values) > 0.5 * len(y):

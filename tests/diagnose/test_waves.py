@@ -125,10 +125,11 @@ HEAD = [
 
 
 def read_targets(
-    places: np.ndarray, off_um, noise_um: float, runs: int = 3
+    places: np.ndarray, off_um, noise_um: float, runs: int = 3, u_um: float | None = None
 ) -> list[recordings.Recording]:
-    """Runs there and back over targets at these places (mm) of X."""
-    lines = [f"# {line}" for line in HEAD] + [
+    """Runs there and back over targets at these places (mm) of X; u_um: stated, of one reading."""
+    stated = [] if u_um is None else [f"u_um = {u_um}"]
+    lines = [f"# {line}" for line in HEAD + stated] + [
         "run,t_s,X_mm,Y_mm,Z_mm,approach_X,approach_Y,approach_Z,reading_um"
     ]
     noise, t = np.random.default_rng(4), 0.0
@@ -166,9 +167,9 @@ def test_targets_in_step_with_a_lead_show_no_cyclic_error():
     assert "cyclic:X" not in names(even)
 
 
-@pytest.mark.parametrize("height, verdict", [(15.0, True), (0.0, False)])
+@pytest.mark.parametrize("height, verdict", [(6.0, True), (0.0, False)])
 def test_a_sawtooth_in_time_is_no_white_noise(height, verdict):
-    """15 um over every five and a half readings, whatever the place: 4.3 um rms that comes back in
+    """6 um over every five and a half readings, whatever the place: 1.7 um rms that comes back in
     time; without it nothing is left out."""
     reading = iter(range(10_000))
 
@@ -179,5 +180,30 @@ def test_a_sawtooth_in_time_is_no_white_noise(height, verdict):
 
     uneven = 30.0 * np.arange(-9, 10) + 2.5 * np.cos(37.0 * np.arange(19))
     d = diagnose(read_targets(uneven, off, 0.3, runs=1), MILL)
+    assert (d.unknown is not None) == verdict
+    assert not [f for f in d.findings if f.status == "accepted"]
+
+
+@pytest.mark.parametrize(
+    "noise_um, u_um, verdict",
+    [
+        (1.8, 0.4, True),
+        (1.8, 1.5, False),
+        (1.8, None, False),
+        (4.0, None, True),
+        (4.0, 3.0, False),
+        (0.8, 0.1, False),
+    ],
+)
+def test_readings_scatter_by_no_more_than_is_stated_or_usual(noise_um, u_um, verdict):
+    """Scatter by more than two and a half times the standard uncertainty that a file states, or
+    1 um where it states none, is unknown; what is below 1 um is none."""
+    uneven = 30.0 * np.arange(-9, 10) + 2.5 * np.cos(37.0 * np.arange(19))
+
+    def exact(x: float, way: int) -> float:
+        place, approach = np.array([[x], [0.0], [0.0]]), np.array([[way], [1.0], [1.0]])
+        return 1e3 * float(MAP.deviation(place, approach.astype(float))[0, 0])
+
+    d = diagnose(read_targets(uneven, exact, noise_um, u_um=u_um), MILL)
     assert (d.unknown is not None) == verdict
     assert not [f for f in d.findings if f.status == "accepted"]
