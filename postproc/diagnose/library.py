@@ -83,13 +83,7 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "velocity" and not any(np.any(state.velocity[x]) for x in letters):
             return False
-        # Two axes are compared where both move at once: a circle in another plane says nothing of
-        # the pair.
-        if (
-            need == "velocity"
-            and module.PER == "pair"
-            and not np.any(state.velocity[axis[0]] * state.velocity[axis[1]])
-        ):
+        if need == "velocity" and module.PER == "pair" and not _compared(rows, axis):
             return False
         if need == "acceleration" and not any(np.any(state.acceleration[x]) for x in letters):
             return False
@@ -109,6 +103,17 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
         if need == "angles" and axis not in state.angles:
             return False
     return True
+
+
+def _compared(rows: Rows, pair: str) -> bool:
+    """Whether both axes move at once, or the lag of each shows by itself: a circle in another plane
+    says nothing of the pair."""
+    speed = [rows.state.velocity[x] for x in pair]
+    alone = [
+        np.any(v[rows.direction[:, XYZ.index(x)] == np.abs(rows.direction).sum(axis=1)])
+        for v, x in zip(speed, pair, strict=True)
+    ]
+    return all(alone) or bool(np.any(speed[0] * speed[1]))
 
 
 def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
@@ -256,6 +261,7 @@ def _steps_moving(rows: Rows) -> list[float]:
             own = here[rows.signal[here] == signal]
             own = own[np.argsort(rows.state.time[own], kind="stable")]
             at, size = telegraph.changes(rows.residual[own])
+            at = telegraph.sharpest(rows.residual[own], at)
             scale = max(float(np.median(size)), 1e-9) if len(size) else 1.0
             t = rows.state.time[own]
             abrupt += [(-s / scale, (t[k - 1] + t[k]) / 2) for k, s in zip(at, size, strict=True)]

@@ -10,7 +10,7 @@ from postproc.diagnose.library import Block
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 AGAIN = 4.0  # of a further jump of the same axis
 RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
-    "servo_mismatch": -3.0,
+    "servo_mismatch": -1.0,
     "squareness": -2.0,
     "bow": 2.0,
     "viscous_friction": 6.0,

@@ -39,7 +39,8 @@ class Search:
         self.sets = sets
         self.least = LEAST
         self._looked: set[tuple] = set()
-        self._barred: set[str] = set()  # names whose jumps no readings bear out
+        # names whose jumps no readings bear out: from how many at once on
+        self._barred: dict[str, int] = {}
 
     def calibrate(self, rng: np.random.Generator) -> None:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
@@ -56,7 +57,7 @@ class Search:
         while True:
             state = self._chosen()
             false = {
-                self.sets.blocks[k].key
+                self.sets.blocks[k].key: len(self.sets.blocks[k].shape)
                 for k in state.members
                 if self.sets.blocks[k].name == abrupt.NAME
                 and not abrupt.borne_out(self.sets, state, k)
@@ -242,11 +243,15 @@ class Search:
 
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
         """An effect and axis once: what its shape leaves is a process."""
-        taken = self._barred.union(self.sets.blocks[c].key for c in chosen)
-        return self.sets.blocks[k].key not in taken
+        taken = {self.sets.blocks[c].key for c in chosen}
+        return self.sets.blocks[k].key not in taken and self._borne_out(k)
+
+    def _borne_out(self, k: int) -> bool:
+        moments = len(self.sets.blocks[k].shape)
+        return moments < self._barred.get(self.sets.blocks[k].key, moments + 1)
 
     def _free(self, state: Found) -> bool:
-        return not any(self.sets.blocks[k].key in self._barred for k in state.members)
+        return all(map(self._borne_out, state.members))
 
     def _plausible(self, state: Found) -> bool:
         return all(self.sets.fits(state.fit, k) for k in state.members)

@@ -11,7 +11,7 @@ PARAMETERS = {"delta_tau_ms": "ms, lag of the first axis minus that of the secon
 # can go round (unverified).
 PLAUSIBLE = {"delta_tau_ms": (-125.0, 125.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "pair"
-NEEDS, SEES = ("velocity",), ("tool",)
+NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = "Two axes follow with different lags. Match the position gains of the two drives."
 
 
