@@ -9,6 +9,7 @@ smooth process of one instrument.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -183,13 +184,23 @@ class Search:
     def _exchanged(self, state: Found) -> list[Found]:
         """Sets in which another name stands in the place of one of the members."""
         result = []
-        for k in state.members if len(state.members) > 1 or state.fit.on else ():
+        for k in state.members:
             rest = self.sets.without(state, k)
-            for other in self._best(rest.fit, EXCHANGED).values():
-                if other != k:
-                    child = self.sets.of((*rest.members, other), rest.fit.on, state)
-                    if self.sets.fits(child.fit, other):
-                        result.append(child)
+            # as it is learned without the member, and as it is learned with it
+            with_it = self.sets.evidence.learn(
+                rest.fit.chosen, state.fit, rest.fit.on, 0, state.least
+            )
+            others = {
+                other
+                for fit in (rest.fit, with_it)
+                for other in self._best(fit, EXCHANGED).values()
+            }
+            # of neither an error of form is known there
+            own = self.sets.of((*rest.members, k), rest.fit.on, rest).score
+            for other in others - {k}:
+                child = self.sets.of((*rest.members, other), rest.fit.on, rest)
+                if self.sets.fits(child.fit, other):
+                    result.append(replace(child, score=state.score + child.score - own))
         return result
 
     def children(
