@@ -253,9 +253,15 @@ class Search:
         return best
 
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
-        """An effect and axis once: what its shape leaves is a process."""
-        taken = {self.sets.blocks[c].key for c in chosen}
-        return self.sets.blocks[k].key not in taken and self._borne_out(k)
+        """An effect and axis once: what its shape leaves is a process. An instrument is set up anew
+        for each recording."""
+        return self._borne_out(k) and not any(self._again(c, k) for c in chosen)
+
+    def _again(self, one: int, other: int) -> bool:
+        blocks = self.sets.blocks[one], self.sets.blocks[other]
+        files = {dict(b.shape).get("file", -1.0) for b in blocks}
+        anew = blocks[0].module.KIND == "instrument" and len(files) > 1 and min(files) >= 0
+        return blocks[0].key == blocks[1].key and not anew
 
     def _borne_out(self, k: int) -> bool:
         moments = len(self.sets.blocks[k].shape)
