@@ -185,9 +185,7 @@ def sharpest(y: np.ndarray, at: np.ndarray) -> np.ndarray:
     tell it to some readings."""
     size = np.abs(np.diff(y, prepend=y[:1]))
     first = np.maximum(at - WINDOW, 1)
-    return np.array(
-        [k + int(np.argmax(size[k : k + 2 * WINDOW])) for k in first], dtype=int
-    )
+    return np.array([k + int(np.argmax(size[k : k + 2 * WINDOW])) for k in first], dtype=int)
 
 
 def _jump(y: np.ndarray) -> np.ndarray:
