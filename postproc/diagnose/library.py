@@ -35,13 +35,15 @@ FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of
 @dataclass(frozen=True)
 class Block:
     """One way to explain: an effect, its axis, its shape, and the (N, K) mm that it would add to
-    the readings."""
+    the readings. siblings: shapes that it is one of; apart: of two axes, each of which shows by
+    itself."""
 
     module: ModuleType
     axis: str
     shape: tuple[tuple[str, float], ...]
     columns: np.ndarray
     siblings: int = 1
+    apart: bool = False
 
     @property
     def largest(self) -> np.ndarray:
@@ -83,7 +85,14 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
             return False
         if need == "velocity" and not any(np.any(state.velocity[x]) for x in letters):
             return False
-        if need == "velocity" and module.PER == "pair" and not _compared(rows, axis):
+        # Two axes are compared where both move at once: a circle in another plane says nothing of
+        # the pair.
+        if (
+            need == "velocity"
+            and module.PER == "pair"
+            and not np.any(state.velocity[axis[0]] * state.velocity[axis[1]])
+            and not apart(rows, axis)
+        ):
             return False
         if need == "acceleration" and not any(np.any(state.acceleration[x]) for x in letters):
             return False
@@ -105,15 +114,13 @@ def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
     return True
 
 
-def _compared(rows: Rows, pair: str) -> bool:
-    """Whether both axes move at once, or the lag of each shows by itself: a circle in another plane
-    says nothing of the pair."""
-    speed = [rows.state.velocity[x] for x in pair]
-    alone = [
-        np.any(v[rows.direction[:, XYZ.index(x)] == np.abs(rows.direction).sum(axis=1)])
-        for v, x in zip(speed, pair, strict=True)
-    ]
-    return all(alone) or bool(np.any(speed[0] * speed[1]))
+def apart(rows: Rows, pair: str) -> bool:
+    """Whether the lag of each of two axes shows by itself, in signals along that axis alone."""
+    size = np.abs(rows.direction)
+    along = [size[:, XYZ.index(x)] == size.sum(axis=1) for x in pair]
+    return all(
+        bool(np.any(rows.state.velocity[x][own])) for x, own in zip(pair, along, strict=True)
+    )
 
 
 def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
@@ -175,7 +182,10 @@ def blocks(rows: Rows) -> list[Block]:
                 if "period_mm" not in shape or not _looks_smooth(rows, axis, columns):
                     found.append((shape, columns))
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
-            made = [Block(module, axis, tuple(sorted(s.items())), c, number) for s, c in found]
+            alone = module.PER == "pair" and "velocity" in module.NEEDS and apart(rows, axis)
+            made = [
+                Block(module, axis, tuple(sorted(s.items())), c, number, alone) for s, c in found
+            ]
             result += made if axis else [b for b in made if not _of_one_axis(b, result)]
     return result
 

@@ -8,9 +8,10 @@ import numpy as np
 from postproc.diagnose.library import Block
 
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
+APART = 7.0  # of two axes, where each shows by itself: one of them leads, or both lag
 AGAIN = 4.0  # of a further jump of the same axis
 RARE = {  # further cost, twice the logarithm of how much seldomer it is than its kin
-    "servo_mismatch": -1.0,
+    "servo_mismatch": -3.0,
     "squareness": -2.0,
     "bow": 2.0,
     "viscous_friction": 6.0,
@@ -30,6 +31,7 @@ def cost_of(block: Block) -> float:
     again = AGAIN * (len(block.shape) - 1) if block.name == "step_loss" else 0.0
     further = getattr(block.module, "further_cost", None)
     rare = RARE.get(block.name, 0.0) + (further(block.axis, dict(block.shape)) if further else 0.0)
+    rare += APART if block.apart else 0.0
     return ODDS + 2 * float(np.log(block.siblings)) + rare + again
 
 

@@ -259,6 +259,11 @@ class Search:
 
     def _again(self, one: int, other: int) -> bool:
         blocks = self.sets.blocks[one], self.sets.blocks[other]
+        if {b.name for b in blocks} == {"servo_lag", "servo_mismatch"}:
+            # where each lag shows by itself they are two lags
+            return any(b.apart for b in blocks) and bool(
+                set.intersection(*(set(b.axis) for b in blocks))
+            )
         files = {dict(b.shape).get("file", -1.0) for b in blocks}
         anew = blocks[0].module.KIND == "instrument" and len(files) > 1 and min(files) >= 0
         return blocks[0].key == blocks[1].key and not anew

@@ -54,11 +54,29 @@ def test_friction_opposes_motion_in_both_directions(size, slope, difference, hol
     )
 
 
-def test_a_pair_is_compared_where_both_of_its_axes_move():
-    """A circle in XY tells X from Y, and nothing of Z, which stands still."""
-    angle = np.linspace(0.0, 6.28, 90)
-    place = {"X": 50 * np.cos(angle), "Y": 50 * np.sin(angle), "Z": np.zeros(90)}
-    speed = {"X": -50 * np.sin(angle), "Y": 50 * np.cos(angle), "Z": np.zeros(90)}
+ANGLE = np.linspace(0.0, 6.28, 90)
+FIRST = np.arange(90) < 45  # readings of a test of two parts
+
+
+@pytest.mark.parametrize(
+    "place, direction, pairs",
+    [
+        # A circle in XY tells X from Y, and nothing of Z, which stands still.
+        (
+            {"X": 50 * np.cos(ANGLE), "Y": 50 * np.sin(ANGLE), "Z": 0 * ANGLE},
+            np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1),
+            {"XY"},
+        ),
+        # X moves first and is read along X, then Z along Z: each lag shows by itself.
+        (
+            {"X": np.where(FIRST, ANGLE, 0.0), "Y": 0 * ANGLE, "Z": np.where(FIRST, 0.0, ANGLE)},
+            np.stack([FIRST, 0 * ANGLE, ~FIRST], axis=1).astype(float),
+            {"XZ"},
+        ),
+    ],
+)
+def test_a_pair_is_compared_where_both_of_its_axes_move(place, direction, pairs):
+    speed = {x: np.where(p != 0, np.gradient(p, ANGLE), 0.0) for x, p in place.items()}
     state = State(
         place,
         {x: np.sign(v) for x, v in speed.items()},
@@ -66,9 +84,5 @@ def test_a_pair_is_compared_where_both_of_its_axes_move():
         velocity=speed,
     )
     module = effects.load("servo_mismatch")
-    told = {
-        pair
-        for pair in ("XY", "XZ", "YZ")
-        if library.needed(SimpleNamespace(state=state), module, pair)
-    }
-    assert told == {"XY"}
+    rows = SimpleNamespace(state=state, direction=direction)
+    assert {p for p in ("XY", "XZ", "YZ") if library.needed(rows, module, p)} == pairs
