@@ -8,8 +8,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from postproc.diagnose.library import Block
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found
+from postproc.effects import load
 
 FRICTION, LAG = 0, 1
 
@@ -62,3 +64,51 @@ def test_of_members_that_do_not_fit_the_one_is_dropped_that_leaves_most(scores, 
     sets = Scored(scores | {(): 0.0, (FRICTION, LAG): 301.0}, unfit)
     search = Search(cast(Any, sets))
     assert search._dropped(found((FRICTION, LAG), 301.0)).members == left
+
+
+class Dictionary(Scored):
+    """With blocks of these names, axes and shapes."""
+
+    def __init__(self, *blocks: tuple[str, str, dict[str, float], bool]):
+        self.blocks = [
+            Block(load(name), axis, tuple(sorted(shape.items())), np.zeros((1, 1)), apart=apart)
+            for name, axis, shape, apart in blocks
+        ]
+
+
+@pytest.mark.parametrize(
+    "one, other, allowed",
+    [
+        (("backlash", "X", {}, False), ("backlash", "X", {}, False), False),
+        (("backlash", "X", {}, False), ("backlash", "Y", {}, False), True),
+        # A laser is set up anew for every recording, a frame is not.
+        (("cosine", "", {"file": 0.0}, False), ("cosine", "", {"file": 1.0}, False), True),
+        (("cosine", "", {"file": 0.0}, False), ("cosine", "", {"file": 0.0}, False), False),
+        (("cosine", "", {"file": -1.0}, False), ("cosine", "", {"file": 1.0}, False), False),
+        (
+            ("structure_drift", "X", {"file": 0.0}, False),
+            ("structure_drift", "X", {"file": 1.0}, False),
+            False,
+        ),
+        # Where each lag shows by itself, a lag and a mismatch are two lags.
+        (("servo_lag", "X", {}, False), ("servo_mismatch", "XZ", {}, True), False),
+        (("servo_lag", "Y", {}, False), ("servo_mismatch", "XZ", {}, True), True),
+        (("servo_lag", "X", {}, False), ("servo_mismatch", "XZ", {}, False), True),
+    ],
+)
+def test_what_may_stand_beside_a_member(one, other, allowed):
+    search = Search(cast(Any, Dictionary(one, other)))
+    assert search._allowed((0,), 1) is allowed
+    assert search._allowed((), 1)
+
+
+def test_of_several_jumps_that_are_none_a_single_one_is_asked_for_next():
+    """Two jumps of X of which one does not show: one of them is left to be tried, then none."""
+    single, both = {"t_s": 3.0}, {"t_s": 3.0, "second_s": 5.0}
+    blocks = [("step_loss", axis, shape, False) for axis in "XY" for shape in (single, both)]
+    search = Search(cast(Any, Dictionary(*blocks)))
+    allowed = []
+    for moments in (3, 2, 1):
+        search._barred = {"step_loss:X": moments}
+        allowed.append([search._allowed((), k) for k in range(4)])
+    assert allowed == [[True] * 4, [True, False, True, True], [False, False, True, True]]
