@@ -105,6 +105,9 @@ def chapter(dialect: dialects.Dialect) -> str:
     if dialect.change_takes:
         unknown = f"{dialect.change_takes} is unknown until it is named"
         rows.append(("behind M6", f"{unknown}; in G91 it stands where it stood, but for G28"))
+    if dialect.length_left_open:
+        changed = "its axis is unknown until the program names its place"
+        rows.append(("where a tool length changes", changed))
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
         (

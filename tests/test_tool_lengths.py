@@ -13,6 +13,7 @@ from postproc.machine import places
 from postproc.nc import dialects
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
+from postproc.nc.lexer import lex
 from postproc.nc.state import Setup
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import ours
@@ -126,3 +127,59 @@ def test_the_tool_of_the_main_spindle_is_a_tool(word):
         for w in (word, "T2", "T1")
     )
     assert named == plain != other
+
+
+LEFT_OPEN = ["fanuc-mill", "haas", "centroid"]
+HEAD = "G90 G54 G0 X10. Y10. Z10.\n"
+
+
+@pytest.mark.parametrize("dialect", LEFT_OPEN)
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("G91 G43 H1 Z-3.\nX6.\nG90 Z5.\nX7.\n", [True, False, False, True, True]),
+        ("G43 H1\nX6.\nZ5.\nX7.\n", [True, False, True, True]),
+        ("G43 H1 Z5.\nG91 Z-1.\nX1.\nG49 Z-1.\nX1.\n", [True, True, True, True, False, False]),
+        ("G43 H1 Z5.\nG49\nX6.\nG53 Z0\nX7.\n", [True, True, False, True, True]),
+        ("G43 H1 Z5.\nG49 Z5.\nX7.\n", [True, True, True, True]),
+        ("G91 G43 H0 Z-3.\nX6.\n", [True, True, True]),  # no length, none before
+        ("G43 H1 Z5.\nG43 H1\nX6.\n", [True, True, True]),  # the same again
+    ],
+)
+def test_z_is_not_known_where_its_length_changes_and_no_place_is_named(text, known, dialect):
+    """Fanuc B-64304EN-2, "Tool length compensation": the length is added to the end of the block in
+    G91 too, and moves Z where the block does not name it; with shift types (parameter 5006#6) an
+    increment stays as it is written. LinuxCNC moves nothing."""
+    setup = Setup(("X", "Y", "Z"), offsets={"G54": {}, **LENGTHS}, start=dict.fromkeys("XYZ", 0.0))
+    for name, expected in ((dialect, known), ("linuxcnc", [True] * len(known))):
+        interpreter = Interpreter(dialects.load(name), setup)
+        words = lex((HEAD + text).encode(), dialects.load(name).grammar, False)
+        motions, _, _ = interpreter.run(words, interpreter.initial())
+        assert motions.target_known[2].tolist() == expected
+
+
+@pytest.mark.parametrize("dialect", [*LEFT_OPEN, "linuxcnc"])
+def test_an_increment_behind_another_length_is_not_corrected_at_a_guessed_height(dialect):
+    """H1 is 30 mm: Z stands at 7 or at 37 behind G91 G43 Z-3, and the map is not the same there.
+    LinuxCNC stands at 7."""
+    text = HEAD + "G91 {}Z-3.\nG1 X20. F100\n"
+    plain = corrected(text.format(""), dialect)[0]
+    assert corrected(text.format("G43 H0 "), dialect)[0].replace("G43 H0 ", "") == plain
+    if dialect == "linuxcnc":
+        corrected(text.format("G43 H1 "), dialect)
+        return
+    with pytest.raises(ProgramError, match="where Z stands is not known"):
+        corrected(text.format("G43 H1 "), dialect)
+    corrected(text.replace("G91 {}Z-3.", "G43 H1 Z7.\nG91"), dialect)  # as the advice says
+
+
+def test_an_increment_behind_another_edge_travels_it_or_not():
+    """Sinumerik SD42442: so no correction may depend on it; without another length, or behind an
+    absolute Z, it is sure."""
+    head = "G90 G500 G0 X10 Y10 Z50\nG91\n{}Z-3\nG1 X20 F100\n"
+    lengths = {"D1": {"Z": 30.0}, "D2": {}}
+    plain, other = (corrected(head.format(w), "siemens", lengths)[0] for w in ("", "D2\n"))
+    assert other.replace("D2\n", "") == plain
+    with pytest.raises(ProgramError, match="zero or its tool length was changed"):
+        corrected(head.format("D1\n"), "siemens", lengths)
+    corrected(head.format("D1\nZ=AC(20)\n"), "siemens", lengths)

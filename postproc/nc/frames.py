@@ -19,6 +19,7 @@ from postproc.nc.batch import Batch
 from postproc.nc.codes import code_number
 from postproc.nc.grammar import KEYWORD_LETTER
 from postproc.nc.lengths import (
+    left_open,
     length_by,
     length_of,
     length_words,
@@ -55,7 +56,7 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
     for number, does in b.dialect.frame_codes.items() if begun else ():
         if number in begun and b.live[0]:
             ACTIONS[does](b, axis_words, b.dialect.by_number[number].word)
-    _edge(b)
+    _edge(b, axis_words)
     chosen(b)
     if b.dialect.extended_by_p and b.given.get("work offset", (NONE,))[0] == 540 and b.live[0]:
         if number_of(b, "P"):
@@ -75,14 +76,14 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
             spatial.turned_in(b)
 
 
-def _edge(b: Batch) -> None:
+def _edge(b: Batch, axis_words) -> None:
     """D with its length, where the control has no G43; a new tool comes with its first edge."""
     letter = b.dialect.length_letter
     number, tool = number_of(b, letter), number_of(b, "T")
     if number is not None and (letter != "H" or b.dialect.length_at_once):
-        length_by(b, letter, int(number))
+        length_by(b, axis_words, letter, int(number))
     elif letter == "D" and tool is not None:
-        length_by(b, letter, 1 if tool else 0)
+        length_by(b, axis_words, letter, 1 if tool else 0)
 
 
 LOST = (
@@ -348,20 +349,14 @@ def _swivelled(b: Batch) -> None:
             planes.plane_align(b, swivel.WORD, does)
 
 
-def _plain(b: Batch, axis_words, word: str) -> None:
-    """A length that takes the tool point back, where one code of the group calls it."""
+def _length(b: Batch, axis_words, word: str, then=length_of, **how) -> None:
+    """A length, or none; where one code of the group calls the tool point, it takes that back."""
+    before, tip = b.frame.length, b.frame.tip
     if "tip" in b.dialect.frame_codes.values():
         tips.tip_off(b, axis_words, word)
-
-
-def _length(b: Batch, axis_words, word: str, sign: int = 1) -> None:
-    _plain(b, axis_words, word)
-    length_of(b, axis_words, word, sign)
-
-
-def _no_length(b: Batch, axis_words, word: str) -> None:
-    _plain(b, axis_words, word)
-    no_length(b, axis_words, word)
+    then(b, axis_words, word, **how)
+    if tip is None:
+        left_open(b, axis_words, before)
 
 
 ACTIONS = {
@@ -376,7 +371,7 @@ ACTIONS = {
     "length words": length_words,
     "length more": lambda b, a, w: length_of(b, a, w, add=True),
     "length minus": lambda b, a, w: _length(b, a, w, sign=-1),
-    "no length": _no_length,
+    "no length": lambda b, a, w: _length(b, a, w, then=no_length),
     "extended": _extended,
     "fixture": chosen,
     "numbered": _numbered,

@@ -119,6 +119,22 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
     b.frame = with_known(replace(b.frame, length=length, length_units=units), "length")
 
 
+def left_open(b: Batch, axis_words, before: np.ndarray) -> None:
+    """Forget where the axes stand whose length is another one than before, unless the block says
+    their place. Fanuc adds the length to the end of the block "regardless of whether the absolute
+    or incremental mode is selected", and moves the axis where the block does not name it, or shifts
+    the coordinates under a distance that stays as written (parameter 5006#6 TOS; B-64304EN-2,
+    "Tool length compensation", "Shift types"): which, the program does not say. LinuxCNC moves
+    nothing, as measured."""
+    changes = b.frame.length != before
+    if not b.dialect.length_left_open or b.frame.space is not None or not changes.any():
+        return
+    if int(np.broadcast_to(b.held("distance"), b.n)[0]) != 910:
+        named = (x for x, (_, is_inc) in values_of(b, axis_words).items() if not is_inc)
+        changes[[b.rows[x] for x in named]] = False
+    b.state = replace(b.state, known=b.state.known & ~changes)
+
+
 def _of_h0(b: Batch, add: bool) -> float:
     """The tool whose length H0 of LinuxCNC takes: the one in the spindle (G43.2: before the block's
     own M6, as measured); before any M6 none, which is said."""
@@ -162,9 +178,10 @@ def _units_changed(b: Batch) -> bool:
     return True
 
 
-def length_by(b: Batch, letter: str, number: int) -> None:
+def length_by(b: Batch, axis_words, letter: str, number: int) -> None:
     """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none, and
-    so is less."""
+    so is less. The next increment of an axis travels a length that has changed, or not (Siemens
+    SD42442)."""
     name = f"{letter}{number}"
     place = stated_tool(b, letter, number) if number > 0 else {}  # T-1: no tool at all
     reason = None
@@ -182,8 +199,11 @@ def length_by(b: Batch, letter: str, number: int) -> None:
             f"the tool length {name} is not stated",
             f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",
         )
-    length = ticks_of(b.setup, place or {}) + _delta(b)
-    b.frame = with_known(replace(b.frame, length=length), "length", reason)
+    before, length = b.frame.length, ticks_of(b.setup, place or {}) + _delta(b)
+    travels = b.dialect.increments_travel_shifts and b.frame.space is None
+    due = b.frame.due + length - before if travels else b.frame.due
+    b.frame = with_known(replace(b.frame, length=length, due=due), "length", reason)
+    left_open(b, axis_words, before)
 
 
 def _delta(b: Batch) -> np.ndarray | int:

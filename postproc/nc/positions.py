@@ -318,18 +318,18 @@ def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool
 def _due(
     b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray
 ) -> np.ndarray:
-    """Values with the shift that the first increment after TRANS travels too, as this control does
-    unless it is set otherwise; that setting is not known here, so no correction may depend
-    on it."""
+    """Values with the change that the first increment after TRANS or D travels too, as this control
+    does unless it is set otherwise (SD42440, SD42442); that setting is not known here, so no
+    correction may depend on it."""
     due = int(b.frame.due[row])
     b.frame = replace(b.frame, due=np.where(np.arange(len(b.frame.due)) == row, 0, b.frame.due))
     if not is_inc[0]:
         return value
     b.blame(
         by[:1],
-        f"an increment of {letter} right after its zero was shifted: whether it travels the shift"
-        " is a setting of the control",
-        f"write {letter} as an absolute place after TRANS",
+        f"an increment of {letter} right after its zero or its tool length was changed: whether it"
+        " travels the change is a setting of the control",
+        f"write {letter} as an absolute place behind TRANS or D",
     )
     value = value.copy()
     value[0] += due

@@ -44,11 +44,11 @@ class Frame:
     radius.
 
     local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of
-    Siemens, added: whether parts of it were (ATRANS); due: what of it the next increment of an axis
-    travels too. extended: the name of the work offset that G54.1 P has chosen. length_units: ten
-    times the code of the units in which the length was set. unknown: message and advice, by part,
-    for a shift that is in force and not known. tip: the tool point's frame, plane: a tilted
-    plane's, face: that of polar interpolation, where they are in force."""
+    Siemens, added: whether parts of it were (ATRANS); due: what of it and of the length the next
+    increment of an axis travels too. extended: the name of the work offset that G54.1 P has chosen.
+    length_units: ten times the code of the units in which the length was set. unknown: message and
+    advice, by part, for a shift that is in force and not known. tip: the tool point's frame, plane:
+    a tilted plane's, face: that of polar interpolation, where they are in force."""
 
     local: np.ndarray
     preset: np.ndarray

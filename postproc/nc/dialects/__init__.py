@@ -97,7 +97,8 @@ class Dialect:
     passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
     code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them.
     `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to a
-    place of its own.
+    place of its own. `length_left_open`: where an axis stands whose tool length changes is not said
+    until the program names its place (postproc/nc/lengths.py).
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
@@ -179,6 +180,7 @@ class Dialect:
     macro_refuses: tuple[str, ...] = ()
     tools_move: bool = False
     change_takes: str = ""
+    length_left_open: bool = False
     other_codes_are_macros: bool = False
     hole_from_start: bool = False
     level_from_start: bool = False

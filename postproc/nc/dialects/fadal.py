@@ -95,6 +95,7 @@ DIALECT = Dialect(
     language="fadal",
     plane=170,
     change_takes="Z",
+    length_left_open=True,
     integers="least increments",
     integer_notice=(
         "coordinates without a decimal point are read as least increments; if the control counts"

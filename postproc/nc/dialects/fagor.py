@@ -206,6 +206,7 @@ DIALECT = Dialect(
         "its end is an angle and a radius about the pole: let the CAM program write X Y Z",
     ),
     plane=170,
+    length_left_open=True,
     dwell="K",
     length_letter="D",
     repeats="",

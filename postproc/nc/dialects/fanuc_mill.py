@@ -211,6 +211,7 @@ DIALECT = Dialect(
     tip_frame="call",
     plane=170,
     change_takes="Z",
+    length_left_open=True,
     dwell="PX",
     integer_notice=(
         "coordinates without a decimal point are read as whole millimetres or inches (calculator"

@@ -202,6 +202,7 @@ DIALECT = Dialect(
     tip_frame="",
     plane=170,
     change_takes="Z",
+    length_left_open=True,
     dwell="P",
     integers="least increments",
     integer_notice=(

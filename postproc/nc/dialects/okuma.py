@@ -146,6 +146,7 @@ DIALECT = Dialect(
         "its value may stand for a place, or shift the zero: write the numbers",
     ),
     plane=170,
+    length_left_open=True,
     dwell="F",
     extended_name="G15 H",
     repeats="",
