@@ -322,6 +322,15 @@ def test_places_are_lost_behind_files_of_reprap(line):
     assert not filter_.modal.known[:3].any()
 
 
+@pytest.mark.parametrize("line", ["T0 R ; switch extruder", "T0 S", "N4 T0 S"])
+def test_a_letter_without_a_value_behind_t_moves_nothing(line):
+    """Marlin 2, gcode/parser.h: a parameter may have no value; T's (F, S) are the change's own.
+    Aura (Anisoprint) writes the first."""
+    head, behind = "G28\nG1 X60 Y50 Z1 F600\n", "G1 X65 Y51 Z2 E1\n"
+    lines = written(head + line + "\n" + behind, "marlin", HOME)
+    assert line in lines and lines[-1] == written(head + "T0\n" + behind, "marlin", HOME)[-1]
+
+
 def test_a_tool_without_an_offset_is_said():
     filter_, out = filtered("G28\nT1\nG1 X60 Y50 Z1\nG1 X65\n", home=HOME)
     assert "--offset T1=" in notice(filter_, "T1") and "G1 X64.9" in out

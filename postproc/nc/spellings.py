@@ -39,9 +39,9 @@ ASSIGNED = expression(
 # T="MILL 8": a name, no number
 NAMED = expression(rb"(?<![A-Za-z0-9_$\]])[A-Za-z][0-9]?[ \t]*=[ \t]*\"[^\"\n]*\"")
 ARGUMENTS = rb"(?![A-Za-z0-9_=])(?:[ \t]*\((?:\"[^\"\n]*\"|[^()\"\n]|\([^()\n]*\))*\))?"
-MOVELESS = expression(
-    rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:[Gg]["
-    rb" \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*"
+MOVELESS = expression(  # T0 R: the parser of Marlin takes letters without a value
+    rb"(?m)^[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?(?:(?:[Gg]["
+    rb" \t]*(?!0*(?:[01235]|92)(?![0-9]))[0-9]|[Mm])[^\n]*|[Tt][ \t]*[0-9][^\nGg]*$)"
 )
 BARE = expression(rb"(?<![A-Za-z])[A-Za-z](?=[ \t]*(?:[A-Za-z]|\r?$))")
 SETTINGS = expression(rb"[D-FH-MO-TQ][ \t]*[+-]?[0-9.]+", re.IGNORECASE)  # of homing: R5, P0 T300
@@ -170,7 +170,7 @@ def _stands(letter: bytes, match: re.Match[bytes]) -> bytes:
 
 
 def _without_bare(match: re.Match[bytes]) -> bytes:
-    """Homing and M codes name axes without a number; which ones G28 names says what it moves."""
+    """Homing, M and T codes name letters without a number; which ones G28 names says what it moves."""
     home = HOME.match(match[0])
     if home:
         behind = SETTINGS.sub(_blank, match[0][home.end() :])
