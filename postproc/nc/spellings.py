@@ -170,7 +170,7 @@ def _stands(letter: bytes, match: re.Match[bytes]) -> bytes:
 
 
 def _without_bare(match: re.Match[bytes]) -> bytes:
-    """Homing, M and T codes name letters without a number; which ones G28 names says what it moves."""
+    """Homing, M and T have letters without a number; which ones G28 names says what it moves."""
     home = HOME.match(match[0])
     if home:
         behind = SETTINGS.sub(_blank, match[0][home.end() :])

@@ -107,6 +107,30 @@ def test_a_deep_tap_turns_back_on_its_own_helix():
     assert back == ["Z-8.", "Z2.", "Z-10.", "Z2."]
 
 
+def test_the_extended_cycles_of_autodesk_are_the_plain_ones():
+    """siemens-840d.cps, "Extended cycles" (on by default in newer ones): the same holes as its
+    shorter calls; a left-hand tap by AMODE, its lead positive too; PITA 1 is mm, 3 is inches."""
+    for long, short in (
+        ("CYCLE81(10,0,2,-20,,0,0,10)", "CYCLE81(10,0,2,-20)"),
+        ("CYCLE82(10,0,2,-20,,0.5,0,0,10)", "CYCLE82(10,0,2,-20,,0.5)"),
+        (
+            "CYCLE83(10,0,2,-12,,-5,,0,0.5,0,1,1,,5,0,0,0,0,0,1001110)",
+            "CYCLE83(10,0,2,-12,,-5,,0,0.5,0,1,1)",
+        ),
+        (
+            "CYCLE83(10,1,2,-12,,-4,,0,,0,1,0,,5,0.4,0.5,0,0,0,1001110)",
+            "CYCLE83(10,1,2,-12,,-4,,0,0,0,1,0,,,0.4,0.5)",
+        ),
+    ):
+        assert holes(long + "\n") == holes(short + "\n") != []
+    tap = "S300 M3\nCYCLE84(5,0,2,-10,,0,3,,1.25,0,500,500,0,1,,0,,,,,,0,0,{})\n"
+    right, left = (holes(tap.format(mode)) for mode in (1001002, 1002002))
+    assert right == holes("S300 M3\nCYCLE84(5,0,2,-10,,0,3,,1.25,0,500,500)\n")
+    assert left == [x.replace("K1.25", "K-1.25") for x in right] != right
+    inch = "G70\n" + tap.format(1001002).replace("0,1,,0", "0,3,,0").replace("1.25", ".05")
+    assert [x for x in holes(inch) if x.startswith("G331")] == ["G331 Z-10. K0.05 S500."]
+
+
 def test_a_boring_bar_is_lifted_off_and_comes_back_above_the_hole():
     """CYCLE86: RPA along X, RPO along Y, RPAP along Z, as distances."""
     assert holes("CYCLE86(5,0,2,-10,,0.5,3,-0.2,0.1,0.3,45)\n") == [
@@ -144,6 +168,10 @@ def test_a_factor_of_deep_holes_goes_down_to_the_least_stroke():
         ("CYCLE84(5,0,2,-10,,,,,1,0,500)", "without SDAC"),
         ("CYCLE84(5,0,2,-10,,,3,,,0,500)", "without PIT or SST"),
         ("CYCLE84(5,0,2,-10,,,3,13,,0,500)", "no metric thread"),
+        ("CYCLE83(10,0,2,-12,,-5,,1,0,0,1,1,,2,0,0,0,0,0,1001110)", "in a way that is not"),
+        ("CYCLE83(10,0,2,-12,,-5,,0,0,0,1,1,,5,0,0,0,0,0,1011110)", "in a way that is not"),
+        ("CYCLE81(10,0,2,-20,,0,0,10,2)", "in a way that is not written out"),
+        ("CYCLE84(5,0,2,-10,,0,3,,1,0,500,500,0,3,,0)", "in a way that is not written out"),
         ("CYCLE84(5,0,2,-10,,,3,,1,0,500,,,0,1)", "in a way that is not written out"),
         ("CYCLE84(5,0,2,-10,,,3,,1,0,500,,,0,0,1,0.0001)", "more than 10000 strokes"),
         ("CYCLE86(5,0,2,-10,,,7)", "by SDIR = 7"),

@@ -8,8 +8,9 @@ of a metric thread, 3 to 48: its lead is that of the coarse series, ISO 261.
 
 VARI of CYCLE84 is 1 to break chips and 2 to bring them out: it goes DAM deeper each time, counted
 from RFP, and back by VRT (1 mm where it is 0) or to RFP + SDIS, dwelling DTB before. All of it is
-on the one helix of G331 and G332: how often the tap turns back leaves the thread as it is. What its
-newer values ask for (TECHNO, PTAB) is refused.
+on the one helix of G331 and G332: how often the tap turns back leaves the thread as it is. PITA
+says what PIT counts: 1 mm, 3 inches (Autodesk's siemens-840d.cps); what its newer values ask for
+else (TECHNO, PTAB) is refused.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ COARSE = {  # mm, ISO 261
 }  # fmt: skip
 LEAD = {"Z": "K", "Y": "J", "X": "I"}
 PLANE = {"Z": "XY", "Y": "ZX", "X": "YZ"}
+LEFT_HANDED = 1002002  # AMODE of CYCLE84
 PECKS = (0, 1, 2)  # VARI of CYCLE84
 
 
@@ -86,7 +88,7 @@ class Boring(Drilling):
         if (
             g.get("TECHNO")
             or g.get("VARI", 0) not in PECKS
-            or g.get("PITA", 0) not in (0, 1 - tracker.inch)
+            or g.get("PITA", 0) not in (0, 3 if tracker.inch else 1)
         ):
             raise self._odd()
         lead = g.get("PIT") or 0.0
@@ -99,6 +101,8 @@ class Boring(Drilling):
             )
         if not lead or not g.get("SST"):
             raise Refusal("CYCLE84 without PIT or SST", "write its lead and its speed")
+        if g.get("AMODE", 0) >= 1000:
+            lead = abs(lead) * (-1 if g["AMODE"] == LEFT_HANDED else 1)
         pitch = f" {LEAD[axis]}{number(lead, 5)} S".encode()
         into, out = (number(x, 3).encode() for x in (g["SST"], g.get("SST1") or g["SST"]))
         found = [b"SPOS=" + number(g.get("POSS", 0.0), 3).encode()]

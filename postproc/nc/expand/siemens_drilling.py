@@ -6,6 +6,12 @@ operations, and for CYCLE83 "first drilling depth, degression": DAM below 0 is a
 MDEP, which counts beside such a factor alone; FRF is a part of the feed for the first stroke), and
 Programming Manual Job Planning, "Modal subroutine call (MCALL)". The G codes that were in force
 before a cycle hold behind it. Those in which the spindle takes part: siemens_boring.py.
+
+The longer AMODE are those that Autodesk's Sinumerik posts write (siemens-840d.cps, "Extended
+cycles", and beside which values): CYCLE83 has DP and FDEP as places and dwells in seconds; what
+MDEP means beside DAM there it leaves open, so DAM is 0. CYCLE84 has DP as a place, and the hand of
+the thread. CYCLE81 has 10 as its eighth value, the AMODE of seconds in the place of DMODE: read as
+either, the hole goes to DP without a dwell.
 """
 
 from __future__ import annotations
@@ -26,6 +32,7 @@ NAMES = {
     "CYCLE85": "RTP RFP SDIS DP DPR DTB FFR RFF GMODE DMODE AMODE",
 }
 AXIS = {170: "Z", 180: "Y", 190: "X"}
+LONGER = {"CYCLE83": (1001110,), "CYCLE84": (1001002, 1002002)}  # AMODE
 DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE: the plane across the axis of the hole
 GEOMETRY = {"X": 1, "Y": 2, "Z": 3}  # of AXN: the number of that geometry axis
 # mm: how far CYCLE83 keeps off the bottom that it has reached
@@ -146,13 +153,15 @@ class Drilling:
         for word in ("RTP", "RFP"):
             if word not in g:
                 raise Refusal(f"{self.name} without {word}", "write its value")
-        depth_by, dwell_by = int(g.get("AMODE", 0)) % 10, int(g.get("AMODE", 0)) // 10 % 10
+        mode = int(g.get("AMODE", 0))
+        longer = mode in LONGER.get(self.name, ()) and not (self.name == "CYCLE83" and g.get("DAM"))
+        planes = (0, DIGIT[axis], *((10,) if self.name == "CYCLE81" and "AMODE" not in g else ()))
         wrong = (
             g.get("GMODE", 0) % 10 == 1
-            or depth_by > 2
-            or dwell_by > 1
-            or int(g.get("AMODE", 0)) >= 100
-            or g.get("DMODE", 0) not in (0, DIGIT[axis])
+            or mode % 10 > 2
+            or mode // 10 % 10 > 1
+            or (mode >= 100 and not longer)
+            or g.get("DMODE", 0) not in planes
             or g.get("AXN", 0) not in (0, GEOMETRY[axis])
         )
         if wrong:
