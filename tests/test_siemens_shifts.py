@@ -54,3 +54,12 @@ def test_shifts_of_single_axes(text, ends):
 def test_what_part_is_replaced_of_a_shift_in_parts_is_not_told_apart(text):
     assert "write TRANS and ATRANS" in follow(text)[1]
     assert follow(text + "|TRANS X1") == ([2, 2, 3], " ")
+
+
+@pytest.mark.parametrize("call", ["", '(0,"",0,57,0,0,0,0,0,0,0,0,0,1)', '(0,"",0,57)'])
+def test_a_level_plane_is_none_without_rotary_axes(call):
+    """CYCLE800 with neither turn nor shift; with either it is refused here."""
+    assert follow(f"TRANS X1|CYCLE800{call}") == ([2.0, 2.0, 3.0], " ")
+    for wrong in ("0,0,1,0,0,0", "0,0,0,0,0,10"):
+        _, why = follow(f'CYCLE800(0,"",0,57,{wrong},0,0,0,1)')
+        assert "the machine has no rotary axes" in why

@@ -6,7 +6,8 @@ X0 Y0 Z0, turns by A B C one after the other, each about an axis that the ones b
 and a shift X1 Y1 Z1 in the plane. _MODE: two bits each for the first, second and third turn (1 X, 2
 Y, 3 Z), and above them 0, axis by axis. _DIR: 0 does not swivel, else the sign of the axis that
 tilts. Without arguments the plane ends (SINUMERIK 840D sl Programming Manual Job Planning, "Swivel
-plane CYCLE800"; Operating Manual Milling, "Swivel").
+plane CYCLE800"; Operating Manual Milling, "Swivel"). A plane that neither turns nor shifts, as
+posts write before work from above, is none where no rotary axis carries the tool or the work.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 
 from postproc.expressions import expression
 from postproc.nc.batch import Batch
-from postproc.nc.planes import plane_off, tilt, turned
+from postproc.nc.planes import plane_off, tilt, turn_to, turned
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
 
@@ -34,8 +35,10 @@ def swivel(b: Batch, axis_words, word: str) -> None:
         refuse(b, "its arguments are not plain numbers", "--expand writes variables out")
         return
     values = [given[k] if k < len(given) else 0.0 for k in range(DIRECTION + 1)]
-    if not any(values[3:DIRECTION]):
+    if not any(values[4:DIRECTION]) and (not values[MODE] or b.setup.kinematics is None):
         plane_off(b, axis_words, word)
+        if values[DIRECTION] and b.setup.kinematics is None:
+            turn_to(b, b.state.position)
         return
     mode = int(values[MODE]) or BY_AXIS
     order = tuple((mode >> (2 * k)) % 4 - 1 for k in range(3))
