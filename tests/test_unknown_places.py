@@ -14,6 +14,10 @@ from postproc.machine.chain import XYZ, parse
 from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.nc import dialects
+from postproc.nc.expand import Limits, Program
+from postproc.nc.expand.written import Written
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.state import Setup
 
 NODES = np.linspace(-100.0, 500.0, 7)
 LEAST = 1e-4
@@ -155,3 +159,23 @@ def test_a_place_outside_the_tables_counts_only_where_it_is_known():
     assert "Z" not in out.replace("TOL", "").split("\n", 2)[2]
     with pytest.raises(ProgramError, match="outside the error table of Z"):
         corrected(machine, "G21 G90\nG0 X0 Z10\n")
+
+
+def test_a_place_that_the_start_can_not_say_is_not_asked_for_there():
+    """M6 takes Z up behind the start: the advice names the way that works."""
+    dialect = dialects.load("fanuc-mill")
+    axes = tuple("XYZ")
+    text = "G90 G54 G0 X0 Y0{}\nT1 M6\n{}G68 X0 Y0 R30.\nG81 X5. Y0 Z-6. R2. F99\nG80\nM30\n"
+
+    def written(first: str, then: str, start: dict[str, float]) -> bytes:
+        setup = Setup(
+            axes, least_increment=dict.fromkeys(axes, 1e-3), offsets={"G54": {}}, start=start
+        )
+        program = Program("p.nc", text.format(first, then).encode())
+        return b"".join(Written(program, Interpreter(dialect, setup), Limits(steps=99, depth=2)))
+
+    for start in ({}, dict.fromkeys(axes, 0.0)):
+        with pytest.raises(ProgramError, match="where Z stands, and that is not known") as error:
+            written("", "", start)
+        assert ("--start" in error.value.advice) == (not start)
+    assert b"G1 Z-6." in written("", "G0 Z9.\n", {})

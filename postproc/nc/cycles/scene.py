@@ -199,9 +199,18 @@ class Scene:
                     " stated",
                     f"move {axis} to an absolute position behind the offset, or state it: --offset",
                 )
+            message = (
+                f"the motions depend on where {axis} stands, and that is not known at this block"
+            )
             lost = [x for x in self.tracker.setup.axes if x == axis or self._lost(x, axis)]
+            if all(x in self.tracker.setup.start for x in lost):  # --start is no way out
+                raise self.fault(
+                    message,
+                    f"move {axis} to an absolute position before: a tool change, homing or a macro"
+                    " behind the start leads it nowhere known",
+                )
             raise self.fault(
-                f"the motions depend on where {axis} stands, and that is not known at this block",
+                message,
                 f"move {axis} to an absolute position before, or say where {' and '.join(lost)}"
                 f" {'stand' if lost[1:] else 'stands'}: --start {','.join(x + '0' for x in lost)}",
             )
