@@ -55,6 +55,10 @@ STRUCTURES = [
     ("LA: X1\nENDLABEL: X2\nX3\nREPEAT LA\nX9", ["X1", "X2", "X3", "X1", "X2", "X9"]),
     ("REPEAT LA\nGOTOF LE\nLA: X1\nENDLABEL: X2\nLE: X9", ["X1", "X2", "X9"]),
     ("LL: X1\nREPEAT LL P=0\nX9", ["X1", "X9"]),
+    (
+        "CALL BLOCK LA TO LZ\nX9\nCALL BLOCK LB TO LZ\nM30\nLA: X1\nX2\nLZ:\nLB: X3\nLZ: X4",
+        ["X1", "X2", "X9", "X3", "X4", "M30"],
+    ),
     ("L1: X1\nL2: X2\nREPEAT L2 P=1\nREPEAT L1 L2 P1", ["X1", "X2", "X2", "X1", "X2"]),
     ("L1: X1\nREPEATB L1\nREPEAT L1 P1\nX9", ["X1", "X1", "X1", "X1", "X9"]),
     (

@@ -122,6 +122,11 @@ def _for(words: Words) -> None:
     words.into.parts = (target, right, words.expression())
 
 
+PART = re.compile(
+    r"[ \t]*BLOCK[ \t]+([A-Z_][A-Z0-9_]*)[ \t]+TO[ \t]+([A-Z_][A-Z0-9_]*)", re.IGNORECASE | re.ASCII
+)
+
+
 def _repeat(words: Words) -> None:
     if words.done() and words.into.control == "REPEAT":
         return
@@ -233,8 +238,15 @@ def _return(words: Words) -> None:
 
 
 def _call(words: Words) -> None:
+    """CALL, also of a part of this program from one label to another, which runs once (CALL BLOCK
+    .. TO ..; Programming Manual Job Planning, as Autodesk's posts write subprograms)."""
     keyword, words.into.control = words.into.control, ""
     start = words.at - len(keyword)
+    part = PART.match(words.text, words.at) if keyword == "CALL" else None
+    if part:
+        words.at, words.into.control = part.end(), "REPEAT SECTION"
+        words.into.parts = (part[1].upper(), part[2].upper(), None)
+        return
     if keyword == "PCALL":
         found = re.compile(r"[ \t]*([A-Z0-9_/.]+)", re.IGNORECASE | re.ASCII).match(
             words.text, words.at
