@@ -63,8 +63,9 @@ def check_unknown(b: Batch) -> None:
         fault = MotionFault(
             int(i),
             f"where {axes} stands is not known here, and the correction depends on it",
-            f"move {axes} to an absolute position first; or, if no homing, levelling or macro comes"
-            f" before, say where it is: --start {','.join(f'{x}100' for x in axes.split())}",
+            f"move {axes} to an absolute position first; or, if no homing, levelling, macro, tool"
+            f" change or change of its length comes before, say where it is: --start"
+            f" {','.join(f'{x}100' for x in axes.split())}",
         )
         if refused.any():  # an arc from a corrected place to one that is not would miss its end
             raise fault
