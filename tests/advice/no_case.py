@@ -37,7 +37,6 @@ NO_CASE: dict[str, str] = {
     "an arc in a program that calls labels": ELSEWHERE,
     "CYCLE95 turns in X and Z": "wants a machine without X or Z",
     "the contour of CYCLE95: *": ADVICE,
-    "an arc of the shape goes beyond a quadrant": ELSEWHERE,
     "an arc to a place that Q parameters say": ELSEWHERE,
     "an increment for the bottom of a hole": NO_DIALECT,
     "complete the control structure; blocks with / may have been left out": ADVICE,

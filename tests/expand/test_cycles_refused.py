@@ -72,6 +72,12 @@ LATHE_REFUSED = {
     "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5.": "no block N30",
     "G71 U2. R1.|G71 P11 Q20|N10 G0 X40.|N20 G1 Z-5.": "no block N11",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|Z-5.|X30. Z-9.|N20 X100.": "turns back",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|G2 Z-20. R13.|N20 G1 X90.": (
+        "X turns back within the shape: the control stops .alarm PS0329"
+    ),
+    "G71 U2. R1.|G71 P10 Q20|N10 G1 Z0.|X10.|N20 X40. Z-20.": (
+        "X turns back within the shape: the control stops .alarm PS0329"
+    ),
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. ,R2.": "behind its last line",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5.|X1.": "no motion code is named",
     "G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5.": "how often",

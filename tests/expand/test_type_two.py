@@ -11,7 +11,7 @@ from itertools import pairwise
 import pytest
 
 from postproc.errors import ProgramError
-from postproc.nc.cycles.pockets_fanuc import TurnsBack, TypeTwo, quarters
+from postproc.nc.cycles.pockets_fanuc import TypeTwo, quarters
 from postproc.nc.cycles.profile import Element
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER
 from tests.expand.plain_lines import LATHE, text_of
@@ -85,7 +85,7 @@ def cut(pieces, steps, begin, top):
 
 
 def roughed(pieces, top):
-    whole = [pieces[0], *(p for e in pieces[1:] for p in quarters(e, 1))]
+    whole = [pieces[0], *(p for e in pieces[1:] for p in quarters(e))]
     steps = TypeTwo(whole, 1, -1, top, DEPTH, ESCAPE).way((2.0, top))
     return cut(whole, steps, (2.0, top), top)
 
@@ -127,12 +127,14 @@ def test_random_shapes():
             roughed(shape(*places), 50.0)
 
 
-def test_an_arc_is_cut_where_it_turns_back_in_depth():
+def test_an_arc_is_cut_where_it_turns_back():
     half = arc((0.0, 20.0), (-20.0, 20.0), (-10.0, 20.0), COUNTER)
-    parts = quarters(half, 1)
+    parts = quarters(half)
     assert [p.end for p in parts] == [pytest.approx((-10.0, 30.0)), pytest.approx((-20.0, 20.0))]
-    with pytest.raises(TurnsBack):
-        quarters(half, 0)
+    bulge = arc((0.0, 20.0), (0.0, 40.0), (0.0, 30.0), COUNTER)
+    assert [p.end for p in quarters(bulge)] == [
+        pytest.approx((10.0, 30.0)), pytest.approx((0.0, 40.0))
+    ]  # fmt: skip
 
 
 def test_a_trough_by_hand():

@@ -31,10 +31,6 @@ class TooMany(Exception):
     """More cuts than anybody means."""
 
 
-class TurnsBack(Exception):
-    """An arc goes back along the cuts."""
-
-
 class Step(NamedTuple):
     """A motion: "" (the way in of the cycle), "G0", "G1", "G2" or "G3"; its end and centre, (z, x
     radius)."""
@@ -54,8 +50,8 @@ class Cut(NamedTuple):
     leave: int | None
 
 
-def quarters(e: Element, deep: int) -> list[Element]:
-    """An arc cut where it turns back in depth. Raises TurnsBack where it does so along the cuts."""
+def quarters(e: Element) -> list[Element]:
+    """An arc cut where it turns back in Z or in X."""
     if not e.is_arc:
         return [e]
     arm = lambda p: math.atan2(p[1] - e.centre[1], p[0] - e.centre[0])  # noqa: E731
@@ -65,15 +61,12 @@ def quarters(e: Element, deep: int) -> list[Element]:
     for k in range(4):
         turn = k * math.pi / 2
         way = (sign * (turn - first)) % math.tau
-        if not 1e-6 < way < sweep - 1e-6:
-            continue
-        if k % 2 != deep:
-            raise TurnsBack
-        place = (
-            e.centre[0] + radius * math.cos(turn),
-            e.centre[1] + radius * math.sin(turn),
-        )
-        ends.append((way, place))
+        if 1e-6 < way < sweep - 1e-6:
+            place = (
+                e.centre[0] + radius * math.cos(turn),
+                e.centre[1] + radius * math.sin(turn),
+            )
+            ends.append((way, place))
     places = [e.start, *(place for _, place in sorted(ends)), e.end]
     return [replace(e, start=a, end=b) for a, b in pairwise(places)]
 

@@ -18,12 +18,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from postproc.nc.cycles.moves import Moves
-from postproc.nc.cycles.pockets_fanuc import TooMany, TurnsBack, TypeTwo, quarters
+from postproc.nc.cycles.pockets_fanuc import TooMany, TypeTwo, quarters
 from postproc.nc.cycles.profile import Element, Point
 from postproc.nc.cycles.scene import CLOCKWISE, Scene
 
 MOST_PASSES = 10_000
 NEAR = 1e-9
+# a quarter of a circle whose ends are rounded to the least increment goes beyond it by less
+BACK = 1e-5
 BOTH = "name X and Z in its first block: that chooses type II, with pockets"
 BOTH_OR_START = (
     "stand on the side of the material before the cycle, from where it cuts towards that block; or"
@@ -96,13 +98,20 @@ class Roughing:
     @property
     def turns(self) -> bool:
         """Whether the shape turns back in depth."""
-        whole = _turns([e.end[self.deep] - e.start[self.deep] for e in self.rest])
-        return whole or not all(e.monotonic for e in self.rest)
+        return _turns(ways(self.rest, self.deep))
 
     def write(self, second: bool) -> None:
         """The motions. `second`: type II is chosen. Raises ProgramError."""
-        if second and self.turns:
-            self.pen.to("G0", self.begin)
+        pockets = second and self.turns
+        if not pockets:
+            self._monotonic()
+        if self.first.is_arc or self.first.start[self.deep] == self.first.end[self.deep]:
+            raise self.pen.scene.fault(
+                f"the first block of the shape does not go to its depth in {'ZX'[self.deep]}",
+                "let it be G0 or G1 to the first point of the shape",
+            )
+        self.pen.to("G0", self.begin)
+        if pockets:
             self._pockets()
         else:
             self._cuts()
@@ -117,14 +126,12 @@ class Roughing:
         """Cuts from the start's side down to the first point of the shape."""
         deep, along, first, rest = self.deep, 1 - self.deep, self.first, self.rest
         fault, pen, c = self.pen.scene.fault, self.pen, self.begin
-        self._monotonic()
         behind = rest[-1].end[deep] - rest[0].start[deep]
         if behind * (first.end[deep] - first.start[deep]) > NEAR:
             raise fault(
                 f"the shape goes deeper in {'ZX'[deep]} behind its first block", BOTH_OR_START
             )
         side = 1 if rest[-1].end[along] > c[along] else -1
-        pen.to("G0", c)
         sense = 1 if rest[0].start[deep] > c[deep] else -1
         for level in self.levels():
             crossings = (e.crossing(deep, level) for e in rest)
@@ -164,10 +171,9 @@ class Roughing:
         out."""
         fault, along = self.pen.scene.fault, 1 - self.deep
         for axis in (0, 1):
-            ways = [e.end[axis] - e.start[axis] for e in self.rest]
-            if not _turns(ways):
+            if not _turns(ways(self.rest, axis)):
                 continue
-            if axis == along and not _turns(ways[:-1]):
+            if axis == along and not _turns(ways(self.rest[:-1], axis)):
                 raise fault(
                     f"the last block of the shape takes {'ZX'[axis]} back{self._alarm(axis)}",
                     "that is no part of the contour: end the shape before it, the cycle goes back"
@@ -175,8 +181,6 @@ class Roughing:
                 )
             way_out = ONE_WAY if axis == along else BOTH
             raise fault(f"{'ZX'[axis]} turns back within the shape{self._alarm(axis)}", way_out)
-        if not all(e.monotonic for e in self.rest):
-            raise fault("an arc of the shape goes beyond a quadrant", BOTH)
 
     def _alarm(self, axis: int) -> str:
         """What a Fanuc says to an axis that turns back (B-64304EN-1, list of alarms)."""
@@ -189,12 +193,12 @@ class Roughing:
         """Cuts with the shape behind each, pockets one after the other."""
         deep, fault, c = self.deep, self.pen.scene.fault, self.begin
         letter = "ZX"[deep]
-        if _turns([e.end[1 - deep] - e.start[1 - deep] for e in self.rest]):
+        if _turns(ways(self.rest, 1 - deep)):
             said = f"{'XZ'[deep]} turns back within the shape{self._alarm(1 - deep)}"
             raise fault(said, ONE_WAY)
-        ways = [e.end[deep] - c[deep] for e in [self.first, *self.rest[:-1]]]
-        sense = 1 if max(ways, key=abs) > 0 else -1
-        if any(way * sense < -NEAR for way in ways):
+        depths = [e.end[deep] - c[deep] for e in [self.first, *self.rest[:-1]]]
+        sense = 1 if max(depths, key=abs) > 0 else -1
+        if any(depth * sense < -NEAR for depth in depths):
             raise fault(
                 f"the shape goes beyond the start point in {letter}",
                 "start outside of the shape, on the side of the stock",
@@ -205,10 +209,8 @@ class Roughing:
                 "the start point, or the sign of the allowance, is on the wrong side",
             )
         try:
-            pieces = [self.first, *(part for e in self.rest for part in quarters(e, deep))]
+            pieces = [self.first, *(part for e in self.rest for part in quarters(e))]
             way = TypeTwo(pieces, deep, sense, c[deep], self.depth, self.escape).way(c)
-        except TurnsBack:
-            raise fault(f"an arc of the shape takes {'XZ'[deep]} back", ONE_WAY) from None
         except TooMany:
             raise fault(
                 f"more than {MOST_PASSES:,} motions in cuts of {self.depth:g}",
@@ -221,11 +223,15 @@ class Roughing:
                 self.pen.arc(step.code, step.end, step.centre)
 
 
-def _turns(ways: list[float]) -> bool:
-    return min(ways) < -NEAR and max(ways) > NEAR
+def ways(elements: list[Element], axis: int) -> list[float]:
+    """How far each element goes along Z (0) or X (1), arcs in pieces that do not turn back."""
+    return [part.end[axis] - part.start[axis] for e in elements for part in quarters(e)]
+
+
+def _turns(found: list[float]) -> bool:
+    return min(found, default=0.0) < -BACK and max(found, default=0.0) > BACK
 
 
 def draws_out(rest: list[Element], along: int) -> bool:
     """Whether the last block of a shape rapids back along the cuts."""
-    ways = [e.end[along] - e.start[along] for e in rest]
-    return len(rest) > 1 and rest[-1].code == 0 and _turns(ways)
+    return len(rest) > 1 and rest[-1].code == 0 and _turns(ways(rest, along))

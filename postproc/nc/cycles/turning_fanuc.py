@@ -232,11 +232,6 @@ class Repetitive:
                 f"the control takes it from a parameter: write {letter} above 0",
             )
         first, *rest = (e.moved(way.allowance) for e in way.elements)
-        if first.is_arc or first.start[deep] == first.end[deep]:
-            raise scene.fault(
-                f"the first block of the shape does not go to its depth in {'ZX'[deep]}",
-                "let it be G0 or G1 to the first point of the shape",
-            )
         if not rest:
             raise scene.fault(
                 "the shape has one block", "it needs one to its first point, and the shape"
