@@ -35,6 +35,8 @@ NO_CASE: dict[str, str] = {
     "a label is missing behind *": ADVICE,
     "a weight of *": ELSEWHERE,
     "an arc in a program that calls labels": ELSEWHERE,
+    "the shape has more than words and numbers: *": "the language has worked them out before",
+    "there is no subroutine O* in this file": "the language has looked for it before",
     "CYCLE95 turns in X and Z": "wants a machine without X or Z",
     "the contour of CYCLE95: *": ADVICE,
     "an arc to a place that Q parameters say": ELSEWHERE,

@@ -51,12 +51,14 @@ ROUND = "G0 X10|G1 Z-5|X15 Z-9|X20"
 SHAPES = [
     linuxcnc(shape("G0 X10|G1 Z-5|Z-9", "G71 Q100 D1 I1 R.5"), shape(ROUND, "G71 Q100 D1 I1 R.5")),
     linuxcnc(
-        shape("G0 X10|G1 Z-5|X15 Z-9 A2|X20", "G71 Q100 I1 R.5"), shape(ROUND, "G71 Q100 I1 R.5")
+        shape("G0 X10|G1 Z-5|X15 Z-9 A20|X20", "G71 Q100 I1 R.5"), shape(ROUND, "G71 Q100 I1 R.5")
     ),
+    linuxcnc(shape("G0 X10|G1 Z-5 A1 C1|X20", "G71 Q100 I1 R.5"), shape(ROUND, "G71 Q100 I1 R.5")),
+    linuxcnc(shape("G0 X10|G1 Z-5|U20", "G71 Q100 I1 R.5"), shape(ROUND, "G71 Q100 I1 R.5")),
     linuxcnc(
         shape("G0 X10|G1 Z-5|X15 Z-3|X20 Z-9", "G71 Q100 I1 R.5"), shape(ROUND, "G71 Q100 I1 R.5")
     ),
-    linuxcnc(shape("G0 X10|G1 Z-5|X15 Z-3|X20", "G70 Q100 P2"), shape(ROUND, "G70 Q100 P2")),
+    linuxcnc(shape("G0 X10|G1 Z-5|X15 Z-3|X9", "G70 Q100 P2"), shape(ROUND, "G70 Q100 P2")),
     linuxcnc(shape("G0 X10|G1 Z-5|Z-9", "G70 Q100 E1"), shape(ROUND, "G70 Q100 E1")),
     linuxcnc(shape(ROUND, "G72.2 Q100 I1 R.5"), shape(ROUND, "G72 Q100 I1 R.5")),
     linuxcnc(shape("G0 X20|X20", "G70 Q100"), shape(ROUND, "G70 Q100")),

@@ -106,13 +106,13 @@ CYCLES = [
         shape_after=SHAPE,
     ),
     turn(
-        "G71 Q100 I1",
-        "G71 Q100 I1",
-        shape=SHAPE.replace("X4 Z-6", "#1=3 X4 Z-6"),
-        shape_after=SHAPE,
+        "G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("G1 Z-4|X4 Z-6|", ""), shape_after=SHAPE
     ),
     turn(
-        "G71 Q100 I1", "G71 Q100 I1", shape=SHAPE.replace("G1 Z-4|X4 Z-6|", ""), shape_after=SHAPE
+        "G71 Q100 I1 D.1",
+        "G71 Q100 I1 D.1",
+        shape=SHAPE.replace("X4 Z-6", "G2 X4 Z-6 I2 K.01"),
+        shape_after=SHAPE,
     ),
     turn("G71 Q100 I1 D50", "G71 Q100 I1 D.1"),
     turn("G70 Q100 P1.5", "G70 Q100 P1"),

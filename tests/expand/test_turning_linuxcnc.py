@@ -3,17 +3,27 @@ interpreter, to 1e-9 mm; other turning is refused."""
 
 from __future__ import annotations
 
+import math
 import re
 
 import pytest
 
 from postproc.errors import ProgramError
 from postproc.nc import dialects
-from postproc.nc.expand import Line, Program
+from postproc.nc.expand import Limits, Line, Program, linuxcnc
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
-from tests.expand.plain_lines import BEGIN, MILL, needs_oracle, program_of, same_motions, text_of
+from tests.expand.plain_lines import (
+    BEGIN,
+    MILL,
+    Exact,
+    motions,
+    needs_oracle,
+    program_of,
+    same_motions,
+    text_of,
+)
 from tests.linuxcnc import oracle
 
 THREADS = [
@@ -92,6 +102,75 @@ def test_turning_without_pockets_is_linuxcncs(program):
     text = program.replace("|", "\n")
     reached = re.sub(r"(?s)O100 SUB.*?ENDSUB\n", lambda m: "\n" * m[0].count("\n"), text)
     same_motions(text, oracle.motions(text), reached)
+
+
+RUN = [  # shapes that only a run of the subroutine gives; corners, each direction of the cuts
+    "G0 X0 Z-10|O1 REPEAT [3]|G1 X[#<_x>+5] Z[#<_z>+3]|G1 X[#<_x>+5]|O1 ENDREPEAT",
+    "#1=3|G0 X#1|G1 Z-4|O1 IF [#1 GT 2]|X[#1+4] Z-6|O1 ELSE|X9|O1 ENDIF|G1 X9",
+    "G0 X2|G1 Z-4 A.5|X6 Z-4|G2 X8 Z-6 K-2 A.3|G1 X10 C.4|Z-9|X12",
+    "G0 X2 Z0|G1 X4 C.3|Z-5 A1|X8 A.7|Z-9 C.5|X12 Z-13",
+    "G0 X2 Z0|G1 X4 C.3|Z5 A1|X8 A.7|Z9 C.5|X12 Z13",
+    "G0Z-12X14|G1Z-10X14|G1 X10 Z-10|G3 K5 I0 X5 Z-5|G1 X5 Z0|X-1|Z2",
+    "G0 X3|G1 Z-4|G2 X5.001 Z-6.001 I2.001|G1 Z-8|X9",
+]
+CYCLES = ["G71 Q100 I1.5 R.3", "G72 Q100 I1.5 R.3", "G70 Q100", "G70 Q100 D.4 P2", "G71.1 Q100"]
+
+
+@needs_oracle()
+@pytest.mark.parametrize("cycle", CYCLES)
+@pytest.mark.parametrize("shape", RUN)
+def test_a_shape_runs_as_a_subroutine_does(shape, cycle):
+    text = f"G18 G21 F100|O100 SUB|{shape}|O100 ENDSUB|G0 X14 Z15|{cycle} X15 Z2|M2|"
+    text = text.replace("|", "\n")
+    try:
+        theirs = oracle.motions(text)
+    except oracle.ProgramError:
+        with pytest.raises(ProgramError):
+            motions(_run(text))
+        return
+    try:
+        mine = motions(_run(text))
+    except ProgramError as refused:
+        assert "a distance" in refused.message
+        return
+    moved = [m for m in theirs if math.dist(m.start, m.end) > 1e-9]
+    assert [(a["kind"], pytest.approx(list(a["end"]), abs=1e-6)) for a in mine] == [
+        (b.kind, list(b.end)) for b in moved
+    ]
+    for a, b in zip(mine, moved, strict=True):
+        if b.kind == "arc":
+            assert a["centre"] == pytest.approx(b.centre, abs=1e-6)
+            assert (a["sweep"] > 0) == (b.turns > 0)
+
+
+def _run(text):
+    """The lines of a program that its language stage and its cycles leave."""
+    program = Program("part", text.encode())
+    resolver = Resolver(program, Exact(Interpreter(dialects.load("linuxcnc"), MILL)))
+    return [
+        plain
+        for line in linuxcnc.lines(program, resolver.tracker, Limits(steps=10_000))
+        for plain in resolver.take(line)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("block", "why"),
+    [
+        ("G1 Z-4 U2", "U2 in the shape of a cycle is a distance"),
+        ("G1 Z-4 A1 C1", "A and C at one corner"),
+        ("G1 Z-4 M8", "LinuxCNC passes over it"),
+        ("G1 Z-4 A20|X9", "A20 in a corner of the shape: it is longer"),
+        ("G1 Z-4 A.005|X9", "on which side LinuxCNC"),
+        ("G2 X3 Z-1 I1 A1|G1 X9", "an arc beside it is smaller|longer"),
+        ("O1 DO|Z#<x>|O1 WHILE [1]", "not set|has not been|no value"),
+    ],
+)
+def test_what_a_shape_must_not_have_is_refused(block, why):
+    text = f"G18 G21 F100|O100 SUB|G0 X2|{block}|O100 ENDSUB|G0 X14 Z0|G71 Q100|M2|"
+    with pytest.raises(ProgramError, match=why) as caught:
+        motions(_run(text.replace("|", "\n")))
+    assert caught.value.advice
 
 
 @pytest.mark.parametrize(

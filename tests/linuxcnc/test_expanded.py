@@ -108,10 +108,11 @@ def test_written_out_it_moves_as_linuxcnc_does(path, theirs):
         if m.line not in lost and m.kind != "dwell" and (m.kind == "arc" or length(m) > CLOSE)
     ]
     assert [m["kind"] for m in mine] == [m.kind for m in moved], plain
+    close = COARSE.get(path.stem, CLOSE)
     for a, b in zip(mine, moved, strict=True):
         for axis in range(6):
             if a["end"][axis] is not None:
-                assert a["end"][axis] == pytest.approx(b.end[axis], abs=CLOSE), (a, b)
+                assert a["end"][axis] == pytest.approx(b.end[axis], abs=close), (a, b)
         if b.kind == "arc":
             assert a["centre"] == pytest.approx(b.centre, abs=CLOSE), (a, b)
             assert math.copysign(1, a["sweep"]) == math.copysign(1, b.turns)
@@ -124,6 +125,9 @@ def length(motion) -> float:
 
 # What goes to the control as it is, even with --expand.
 STAY = {"sync_g76_diameter": "G76 P1 Z-10 I-1 J.2 K.8 Q30"}
+
+# mm: where LinuxCNC cuts two circles that touch, its square root of nothing is no zero.
+COARSE = {"turn_g70_passes": 1e-6}
 
 # What is refused even with --expand, and what the sentence says.
 REFUSED: dict[str, str] = {
@@ -151,11 +155,4 @@ REFUSED: dict[str, str] = {
     "rotate_and_reference": "G28 over a place within a turned work offset (G10 L2 R)",
     "rotate_and_reference_stored": "G28 over a place within a turned work offset (G10 L2 R)",
     "rotate_diameter": "X is a diameter within a turned work offset (G10 L2 R)",
-    "turn_g70_passes": "G70 along a shape that goes towards +Z",
-    "turn_g71_diameter": "G70 along a shape that goes towards +Z",
-    "turn_g71_inch": "G70 along a shape that goes towards +Z",
-    "turn_g71_internal": "G70 along a shape that goes towards +Z",
-    "turn_g71_offsets": "G70 along a shape that goes towards +Z",
-    "turn_g71_then_g70": "G70 along a shape that goes towards +Z",
-    "turn_named_contour_later": "G70 along a shape that goes towards +Z",
 }

@@ -27,13 +27,13 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
         return None
     moved: list[Element] = []
     for e in elements:
-        new = _moved(e, distance * side)
+        new = moved_aside(e, distance * side)
         if new is None:
             return None
         moved.append(new)
     result = [moved[0]]
     for before, after, new in zip(elements, elements[1:], moved[1:], strict=False):
-        turn = _cross(_tangent(before, True), _tangent(after, False))
+        turn = _cross(tangent(before, True), tangent(after, False))
         last = result[-1]
         if (before.is_arc or after.is_arc) and math.dist(last.end, new.start) < TOUCHING:
             middle = ((last.end[0] + new.start[0]) / 2, (last.end[1] + new.start[1]) / 2)
@@ -45,7 +45,7 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
                 Element(COUNTER if turn > 0 else CLOCKWISE, last.end, new.start, (), before.end)
             )
         else:
-            corner = _corner(last, new)
+            corner = meeting(last, new)
             if corner is None:
                 return None
             result[-1], new = replace(last, end=corner), replace(new, start=corner)
@@ -62,7 +62,7 @@ def _cross(a: tuple[float, float], b: tuple[float, float]) -> float:
     return a[0] * b[1] - a[1] * b[0]
 
 
-def _tangent(e: Element, at_end: bool) -> tuple[float, float]:
+def tangent(e: Element, at_end: bool) -> tuple[float, float]:
     """The direction of travel, length 1."""
     if not e.is_arc:
         v = e.end[0] - e.start[0], e.end[1] - e.start[1]
@@ -74,9 +74,9 @@ def _tangent(e: Element, at_end: bool) -> tuple[float, float]:
     return v[0] / size, v[1] / size
 
 
-def _moved(e: Element, left: float) -> Element | None:
+def moved_aside(e: Element, left: float) -> Element | None:
     if not e.is_arc:
-        t = _tangent(e, False)
+        t = tangent(e, False)
         return e.moved((-t[1] * left, t[0] * left))
     radius = math.dist(e.start, e.centre)
     new = radius - left * (1 if e.code == COUNTER else -1)
@@ -90,19 +90,19 @@ def _moved(e: Element, left: float) -> Element | None:
     return replace(e, start=ends[0], end=ends[1], words=())
 
 
-def _corner(a: Element, b: Element) -> tuple[float, float] | None:
+def meeting(a: Element, b: Element) -> tuple[float, float] | None:
     """Where two moved elements meet; None: nowhere, or of two arcs. A line that misses an arc by a
     rounding touches it."""
     if a.is_arc and b.is_arc:
         return None
     if not a.is_arc and not b.is_arc:
-        s, t = _tangent(a, True), _tangent(b, False)
+        s, t = tangent(a, True), tangent(b, False)
         if abs(_cross(s, t)) < NEAR:
             return None
         k = _cross((b.start[0] - a.end[0], b.start[1] - a.end[1]), t) / _cross(s, t)
         return a.end[0] + k * s[0], a.end[1] + k * s[1]
     line, arc = (b, a) if a.is_arc else (a, b)
-    t = _tangent(line, False)
+    t = tangent(line, False)
     to = arc.centre[0] - line.start[0], arc.centre[1] - line.start[1]
     foot = to[0] * t[0] + to[1] * t[1]
     beside = _cross(t, to)

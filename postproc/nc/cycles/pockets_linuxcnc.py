@@ -236,11 +236,15 @@ class Roughing:
             if not found:
                 continue
             to = found[0] if n != k else found[-1]
+            if to - LEVEL > here.real:
+                continue
             length = abs(to - here.real)
             if length < LEVEL:
                 if n == k:
                     continue
-                return False, 1
+                if abs(here - self.pieces[n].start) < LEVEL:
+                    return False, n - k
+                return True, 0  # nothing is left to cut on this level
             share = min(1.0, length / 2 / self.escape) * self.escape
             self._go("G1", complex(to, here.imag))
             self._go("G0", complex(to + share, here.imag + share))

@@ -1,6 +1,8 @@
 """LinuxCNC's G70, G71 and G72 over a shape in a subroutine, as measured on its interpreter 2.9.
 
-LinuxCNC "G codes", G70 and G71 G72. The first cut lies at the start point's own depth; each cut
+LinuxCNC "G codes", G70 and G71 G72; src/emc/rs274ngc/interp_g7x.cc. The subroutine runs as any
+other, only that its motions make the shape; A and C in it finish corners (corners_linuxcnc.py). The
+first cut lies at the start point's own depth; each cut
 ends on the shape, leaves it at 45 degrees by R (less where the cut is shorter than twice R),
 returns, and steps in; behind the last one the tool goes along the shape and out to the depth it
 started from, and stays there. D (G70: from D to E in P passes) keeps a distance and rounds outer
@@ -15,6 +17,7 @@ import re
 from dataclasses import replace
 
 from postproc.nc.cycles.block import Block, Word, number_of
+from postproc.nc.cycles.corners_linuxcnc import Finish, finished
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.offset import offset
@@ -36,6 +39,50 @@ MOVES = {"U": "it moves the shape", "W": "it moves the shape"}
 ENDLESS = "LinuxCNC never ends with it"
 MOST_PASSES = 10_000
 NEAR = 1e-6
+
+
+def _corners(profile: Profile) -> dict[int, Finish]:
+    """A and C of the blocks by their numbers; they are taken out."""
+    found = {}
+    for row, block in enumerate(profile.texts):
+        own = {i for i, w in enumerate(block.words) if w.letter in "AC"}
+        if own:
+            word = block.words[min(own)]
+            found[row] = Finish(word.letter, word.value or 0.0)
+            profile.texts[row] = Block(
+                block.text,
+                tuple(w for i, w in enumerate(block.words) if i not in own),
+                block.plain,
+                block.skip,
+            )
+    return found
+
+
+def _straight_in(elements: list[Element], along: int) -> list[Element]:
+    """The way in begins beside its first point where it goes against the cuts (g7x::monotonic)."""
+    first, last = elements[0], elements[-1]
+    sense = 1 if last.end[along] > first.end[along] else -1
+    if (first.end[along] - first.start[along]) * sense >= 0:
+        return elements
+    begin = list(first.start)
+    begin[along] = first.end[along]
+    return [replace(first, start=(begin[0], begin[1])), *elements[1:]]
+
+
+def _written(scene: Scene, number: int) -> list[bytes]:
+    """The lines of a subroutine as they stand in the program."""
+    lines = scene.lines()
+    name = rb"[ \t]*[oO][ \t]*<?[ \t]*%d[ \t]*>?[ \t]*" % number
+    begin, end = (
+        next((i for i, text in enumerate(lines) if re.match(name + word, text, re.I)), -1)
+        for word in (b"sub", b"endsub")
+    )
+    if begin < 0 or end < begin:
+        raise scene.fault(
+            f"there is no subroutine O{number} in this file",
+            "write the shape as O.. sub to O.. endsub",
+        )
+    return lines[begin + 1 : end]
 
 
 def _no_motion(word: Word) -> bool:
@@ -63,21 +110,39 @@ class LinuxcncTurning:
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of the block. Raises ProgramError."""
         self._check(scene, block, code)
-        profile = self._subroutine(scene, block)
         half = 2 if scene.is_diameter("X") else 1
         begin = {x: block.get(x) if block.get(x) is not None else scene.at(x) for x in "XZ"}
         corner = begin["Z"] or 0.0, (begin["X"] or 0.0) / half
+        profile = self._subroutine(scene, block, begin)
+        corners = _corners(profile)
         elements = shape(scene, profile, corner, scene.code("motion"))
         if len(elements) < 2:
             raise scene.fault(
                 "the shape has one block", "it needs one to its first point, and the shape"
             )
         m = Moves(scene, own_words(block, LETTERS, {code}))
+        self._to(m, "G0", corner)
+        along = self._along(scene, elements) if code == 700 else int(code >= 720)
+        elements = finished(scene, elements, corners, along)
+        elements = _straight_in(elements, along)
         if code == 700:
-            self._finish(scene, block, elements, m)
+            self._finish(scene, block, elements, m, along)
         else:
             self._rough(scene, block, elements, m, code)
         return Outcome(m.finish())
+
+    @staticmethod
+    def _along(scene: Scene, elements: list[Element]) -> int:
+        """The direction in which G70 measures a distance: z, or x where the shape turns back."""
+        for deep in (1, 0):
+            ends = [e.end[1 - deep] - elements[1].end[1 - deep] for e in elements[1:]]
+            pieces = roughing(elements, deep, 1.0, 1.0).pieces[: len(elements)]
+            alone = len(ends) == 1 and elements[1].end[1 - deep] > elements[1].start[1 - deep]
+            if not alone and not any(turning_back(pieces)):
+                return 1 - deep
+        raise scene.fault(
+            "the shape of G70 turns back in z and in x", "LinuxCNC refuses it: divide it"
+        )
 
     def _check(self, scene: Scene, block: Block, code: int) -> None:
         name = f"G{code / 10:g}"
@@ -124,64 +189,47 @@ class LinuxcncTurning:
             )
         return [replace(first, end=moved[0].start), *moved]
 
-    def _subroutine(self, scene: Scene, block: Block) -> Profile:
+    def _subroutine(self, scene: Scene, block: Block, begin: dict[str, float | None]) -> Profile:
         """The blocks of the subroutine that Q names."""
         q = block.get("Q")
         if q is None or q != int(q):
             raise scene.fault(
                 "a turning cycle without the subroutine of its shape", "write Q and its number"
             )
-        lines = scene.lines()
-        name = rb"[ \t]*[oO][ \t]*<?[ \t]*%d[ \t]*>?[ \t]*" % int(q)
-        begin = next(
-            (i for i, text in enumerate(lines) if re.match(name + rb"[sS][uU][bB]", text)), None
-        )
-        end = next(
-            (
-                i
-                for i, text in enumerate(lines)
-                if re.match(name + rb"[eE][nN][dD][sS][uU][bB]", text)
-            ),
-            None,
-        )
-        if begin is None or end is None or end < begin:
-            raise scene.fault(
-                f"there is no subroutine O{q:g} in this file",
-                "write the shape as O.. sub to O.. endsub",
-            )
-        texts = []
-        for text in lines[begin + 1 : end]:
-            part = Block.of(text, scene.dialect.grammar)
-            if not part.plain and (worked := scene.tracker.rendered(text)) is not None:
-                part = Block.of(worked, scene.dialect.grammar)
+        words = [scene.text(x, value) for x, value in begin.items() if value is not None]
+        lines = scene.tracker.shape(int(q), b" ".join([b"G0", *words]))
+        if lines is None:
+            lines = _written(scene, int(q))
+        texts = [Block.of(text, scene.dialect.grammar) for text in lines]
+        for part in texts:
             if not part.plain:
                 raise scene.fault(
                     "the shape has more than words and numbers:"
-                    f" {text[:40].decode('latin-1').strip()!r}",
+                    f" {part.text[:40].decode('latin-1').strip()!r}",
                     "write it out in the subroutine",
                 )
             self._followed(scene, part)
-            texts.append(part)
-        return Profile(texts, begin + 2, end)
+        return Profile(texts, 0, 0)
 
     @staticmethod
     def _followed(scene: Scene, part: Block) -> None:
-        """LinuxCNC passes over all words of the shape but those of its motions and of rotary axes,
-        which it moves, and takes an arc without G2 or G3 for clockwise: all that is refused."""
+        """LinuxCNC passes over what is none of its motions, and takes an arc without G2 or G3 for
+        clockwise: that is refused, and distances."""
         strange = next(
-            (w for w in part.words if w.letter not in "NGXZIKRFS" or _no_motion(w)), None
+            (w for w in part.words if w.letter not in "NGXZIKRFSAC" or _no_motion(w)), None
         )
+        if strange and strange.letter in "UW":
+            raise scene.fault(
+                f"{strange.letter}{strange.raw} in the shape of a cycle is a distance",
+                "write X and Z",
+            )
         if strange:
-            if strange.letter in "ABC":
-                raise scene.fault(
-                    f"{strange.letter}{strange.raw} in the shape of a cycle: when LinuxCNC moves"
-                    " that axis is not followed",
-                    "take it out of the subroutine",
-                )
             raise scene.fault(
                 f"{strange.letter}{strange.raw} in the shape of a cycle: LinuxCNC passes over it",
                 "take it out of the subroutine",
             )
+        if part.word("A") and part.word("C"):
+            raise scene.fault("A and C at one corner of the shape", "write one of them")
         if any(part.word(x) for x in "IKR") and not any(
             c in (CLOCKWISE, COUNTER) for c in part.codes
         ):
@@ -190,28 +238,22 @@ class LinuxcncTurning:
                 "LinuxCNC takes it for G2: name it in each block",
             )
 
-    def _finish(self, scene: Scene, block: Block, elements: list[Element], m: Moves) -> None:
+    def _finish(
+        self, scene: Scene, block: Block, elements: list[Element], m: Moves, along: int
+    ) -> None:
         """G70: along the shape, P times, from distance D to E."""
         p, d, e = (block.get(x) for x in "PDE")
         times, e = 1.0 if p is None else p, e or 0.0
         d = e if times == 1 else d or 0.0  # one pass goes along at E
         if times != int(times) or not 1 <= times <= MOST_PASSES:
             raise scene.fault(f"P{times:g} is no number of passes", "write a whole number")
-        first, flat = elements[0], abs(elements[-1].end[1] - elements[0].end[1]) < NEAR
-        if flat and (d or e):
+        if abs(elements[-1].end[1 - along] - elements[0].end[1 - along]) < NEAR and (d or e):
             raise scene.fault(
-                "a distance to a shape of one X",
+                f"a distance to a shape of one {'XZ'[along]}",
                 "LinuxCNC takes the wrong side of it: write it out",
             )
-        oblique = min(abs(first.end[i] - first.start[i]) for i in (0, 1)) > NEAR
-        if any(x.end[0] > x.start[0] + NEAR for x in elements) and (times > 1 or d or e or oblique):
-            raise scene.fault(
-                "G70 along a shape that goes towards +Z",
-                "only one pass is written out, without E, behind a first "
-                "block that moves X or Z alone",
-            )
         for k in range(int(times), 0, -1):
-            path = self._at(scene, elements, (k - 1) * (d - e) / times + e, 0)
+            path = self._at(scene, elements, (k - 1) * (d - e) / times + e, along)
             self._to(m, "G0", path[0].start)
             self._to(m, "G0", path[0].end)
             for x in path[1:]:
@@ -231,15 +273,7 @@ class LinuxcncTurning:
                 "the shape does not vary in both X and Z",
                 "LinuxCNC takes the wrong side of it: write it out",
             )
-        side = 1 if elements[-1].end[along] > elements[0].start[along] else -1
-        # it begins beside its first point then
-        if (elements[0].end[along] - elements[0].start[along]) * side < 0:
-            begin = list(elements[0].start)
-            begin[along] = elements[0].end[along]
-            elements = [replace(elements[0], start=(begin[0], begin[1])), *elements[1:]]
         elements = self._at(scene, elements, block.get("D") or 0.0, along)
-        for e in elements[1:]:
-            self._closes(scene, e)
         step = block.get("I")
         retract = block.get("R")
         step, retract = 1.0 if step is None else step, 0.5 if retract is None else retract

@@ -31,6 +31,7 @@ from postproc.nc.expand.linuxcnc_states import States
 from postproc.nc.expand.tracker import Tracker
 
 CONTROL = re.compile(rb"[ \t]*/?[ \t]*(?:[Nn][ \t\d.]+)?(?:[Oo]|[Mm][ \t]*9[ \t]*[89])")
+PLACE = re.compile(rb"\([^)\n]*\)|;[^\n]*|(?P<word>[XxZz][ \t]*[-+.\d][.\d \t]*)")
 LOCAL_NAME = re.compile(rb"#[ \t]*<[ \t]*(?!_)")
 ENDS, STATES, CALLS = (2, 30), (70, 71, 72, 73), (98, 99)
 
@@ -49,7 +50,7 @@ class Run:
         self.memory = Memory(tracker)
         self.flow = Flow(program, self.memory, limits.depth)
         self.states = States(tracker, program.text)
-        tracker.rendered = self._rendered
+        tracker.rendered, tracker.shape = self._rendered, self._shape
         self.main = self.flow.file
         first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
@@ -78,10 +79,7 @@ class Run:
             flow.at, steps = at + 1, steps + 1
             try:
                 if steps > most:
-                    raise Refusal(
-                        f"more than {self.limits.steps:,} lines were executed",
-                        "does a loop not end? or raise the limit",
-                    )
+                    raise self._too_many()
                 plain = self._step(file, at, text)
                 back = self.states.called(len(flow.calls))
             except Refusal as e:
@@ -167,6 +165,35 @@ class Run:
         except Refusal as e:
             raise BlockFault(0, e.message, e.advice) from None
 
+    def _shape(self, number: int, begin: bytes) -> list[bytes]:
+        """The plain lines of the subroutine of a cycle's shape, run as LinuxCNC runs it:
+        #<_x> is where the shape has come to (interp_g7x.cc, convert_g7x)."""
+        flow, memory, found = self.flow, self.memory, list[bytes]()
+        level, tracker = len(flow.calls), memory.tracker
+        memory.tracker = beside = tracker.beside()
+        beside.take(begin)
+        try:
+            call = read(b"O%d CALL" % number)
+            assert isinstance(call, Control)
+            flow.control(call, Place(call.kind, flow.file, flow.at))
+            for _ in range(self.limits.steps):
+                if len(flow.calls) == level:
+                    return found
+                file, at = flow.file, flow.at
+                if at >= len(file.lines):
+                    self._run_out()
+                flow.at = at + 1
+                plain = self._step(file, at, file.lines[at])
+                if plain is not None:
+                    found.append(plain)
+                    words = [m["word"] for m in PLACE.finditer(plain) if m["word"]]
+                    beside.take(b" ".join([b"G0", *words]) if words else b"")
+            raise self._too_many()
+        except Refusal as e:
+            raise BlockFault(0, e.message, e.advice) from None
+        finally:
+            memory.tracker = tracker
+
     def _mark(self, file: File, at: int) -> bytes | None:
         """A line "%": the first one of a program opens it, the next one ends it. Raises Refusal."""
         if file is not self.main:
@@ -180,6 +207,12 @@ class Run:
             self._run_out()
             self.ended = True
         return file.lines[at]
+
+    def _too_many(self) -> Refusal:
+        return Refusal(
+            f"more than {self.limits.steps:,} lines were executed",
+            "does a loop not end? or raise the limit",
+        )
 
     # -- the end -----------------------------------------------------------------------------------
 

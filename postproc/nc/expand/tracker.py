@@ -30,6 +30,9 @@ class Tracker:
         self._next = NOTHING_AHEAD
         # a block with numbers in place of its expressions, as they are now; None: it is more
         self.rendered: Callable[[bytes], bytes | None] = lambda raw: None
+        # the plain lines of a subroutine that a cycle calls for its shape, whose motions begin
+        # behind the block given and move nothing; None: nobody runs it
+        self.shape: Callable[[int, bytes], list[bytes] | None] = lambda number, begin: None
         # the text of a subprogram, up to its M99; None: there is none
         self.program: Callable[[int], list[bytes] | None] = lambda number: None
         # a first block, so that the zero in force is known from the start
@@ -48,6 +51,12 @@ class Tracker:
         if not line.lstrip().startswith(b"%"):
             self._waiting.append(line)
             self._origins.append(origin)
+
+    def beside(self) -> Tracker:
+        """Another one, which goes on from here by itself."""
+        other = Tracker(self.interpreter)
+        other._state, other._waiting, other._origins = self.state, [], []
+        return other
 
     @property
     def state(self) -> ModalState:
