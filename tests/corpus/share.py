@@ -47,15 +47,15 @@ motions, each as it was measured last; without a repository's name each program 
 -m tests.corpus.share` runs `gcomp --verify`: 6 m of travel, a smooth two-way map, all offsets zero,
 home stated, 1 um; a refusal is answered by the option that its advice names.
 
-*none*: no dialect here (MillMaster, Acramatic, PAL). *Broken*: the control would stop too.
-*Not in the text*: only the machine knows it (probing, stored variables, axes other than X Y Z A B
-C), or it is a template.
+*none*: no dialect here (MillMaster, Acramatic, PAL, Fagor lathe). *Broken*: the control would stop
+too. *Not in the text*: only the machine knows it (probing, stored variables, its builder's codes,
+axes other than X Y Z A B C), or it is a template.
 
 Lathes have X Z, where a program names Y or C X Y Z C; an offset that no list has (T0203, G30) is
 stated as zero too. Some refusals of turning programs were judged by hand (a missing shape or
-subprogram; a corner where the shape goes straight on), and seven of mills (R in a block of M02; a
-line of another control; a number with two points, twice; 50 mm above the reference point, in G91; Z
-behind a tool change; a home that the control holds)."""
+subprogram; a corner where the shape goes straight on; G70 in its own shape; decimal commas), and
+seven of mills (R in a block of M02; a line of another control; a number with two points, twice;
+50 mm above the reference point, in G91; Z behind a tool change; a home that the control holds)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked
