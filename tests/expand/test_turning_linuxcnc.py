@@ -111,6 +111,7 @@ RUN = [  # shapes that only a run of the subroutine gives; corners, each directi
     "G0 X2 Z0|G1 X4 C.3|Z-5 A1|X8 A.7|Z-9 C.5|X12 Z-13",
     "G0 X2 Z0|G1 X4 C.3|Z5 A1|X8 A.7|Z9 C.5|X12 Z13",
     "G0Z-12X14|G1Z-10X14|G1 X10 Z-10|G3 K5 I0 X5 Z-5|G1 X5 Z0|X-1|Z2",
+    "G0 X5|G1 Z9|X9",  # G70 measures its distance along X here
     "G0 X3|G1 Z-4|G2 X5.001 Z-6.001 I2.001|G1 Z-8|X9",
 ]
 CYCLES = ["G71 Q100 I1.5 R.3", "G72 Q100 I1.5 R.3", "G70 Q100", "G70 Q100 D.4 P2", "G71.1 Q100"]

@@ -134,11 +134,9 @@ class LinuxcncTurning:
     @staticmethod
     def _along(scene: Scene, elements: list[Element]) -> int:
         """The direction in which G70 measures a distance: z, or x where the shape turns back."""
+        rest = elements[1:]
         for deep in (1, 0):
-            ends = [e.end[1 - deep] - elements[1].end[1 - deep] for e in elements[1:]]
-            pieces = roughing(elements, deep, 1.0, 1.0).pieces[: len(elements)]
-            alone = len(ends) == 1 and elements[1].end[1 - deep] > elements[1].start[1 - deep]
-            if not alone and not any(turning_back(pieces)):
+            if all(p.goes_on for p in roughing(rest, deep, 1.0, 1.0).pieces[: len(rest)]):
                 return 1 - deep
         raise scene.fault(
             "the shape of G70 turns back in z and in x", "LinuxCNC refuses it: divide it"
@@ -174,7 +172,7 @@ class LinuxcncTurning:
         first, rest = elements[0], elements[1:]
         for e in rest:
             self._closes(scene, e)
-        way = rest[-1].end[0] - rest[0].start[0], rest[-1].end[1] - rest[0].start[1]
+        way = rest[-1].start[0] - rest[0].start[0], rest[-1].start[1] - rest[0].start[1]
         aside = first.start[0] - first.end[0], first.start[1] - first.end[1]
         side = way[0] * aside[1] - way[1] * aside[0]
         moved = (
