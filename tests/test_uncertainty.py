@@ -13,7 +13,8 @@ from pytest import approx
 
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
-from postproc.machine.model import EffectTerm, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import EffectTerm
 from postproc.machine.uncertainty import AlongPath, MapUncertainty
 from postproc.nc import dialects
 from postproc.verify import Verifier

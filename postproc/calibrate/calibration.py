@@ -16,7 +16,8 @@ from postproc.errors import GcompError
 from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ
 from postproc.machine.lacks import lacks
-from postproc.machine.model import Limits, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import Limits
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.recordings import Recording
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from postproc.calibrate import CalibrationError, square
 from postproc.machine.chain import XYZ
-from postproc.machine.model import Limits
+from postproc.machine.stated import Limits
 from postproc.machine.write import axis_table, machine_toml
 from postproc.units import UM, URAD
 

@@ -19,7 +19,8 @@ from postproc.units import UM
 if TYPE_CHECKING:
     from postproc.control_tables import ErrorTable
     from postproc.filter import Filter
-    from postproc.machine.model import ControlTable, Machine
+    from postproc.machine.model import Machine
+    from postproc.machine.stated import ControlTable
     from postproc.machine.tables import AxisTable
     from postproc.nc.dialects import Dialect
     from postproc.recordings import Source
@@ -80,7 +81,7 @@ def with_control_tables(machine: Machine) -> Machine:
     ]
     if not changed:
         return machine
-    from postproc.machine.model import EffectTerm
+    from postproc.machine.stated import EffectTerm
 
     terms = []
     for table, file in changed:

@@ -13,7 +13,6 @@ import numpy as np
 
 from postproc import effects
 from postproc.diagnose.answer import Diagnosis, Finding
-from postproc.diagnose.prose import as_text as as_text
 from postproc.effects import sizes
 from postproc.errors import UsageError
 from postproc.machine import edit, effect_file
@@ -22,7 +21,7 @@ from postproc.machine.model import Machine
 SHORTEST = 1.0  # mm: of a range
 
 
-def written(d: Diagnosis, accept: tuple[str, ...] = ()) -> tuple[list[Finding], list[Finding]]:
+def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[Finding]]:
     """Effects of the machine that go into a written machine, and those that do not: another name
     explains the readings as well and would do something else to a program. accept: names
     (effect:axis) that are written all the same. Raises UsageError for a name that was not found."""
@@ -67,7 +66,7 @@ def _same_use(f: Finding, name: str) -> bool:
     return not at_fault and (effect != f.block.name or axis == f.block.axis)
 
 
-def not_told_apart(d: Diagnosis, accept: tuple[str, ...] = ()) -> list[str]:
+def not_told_apart(d: Diagnosis, accept: tuple[str, ...]) -> list[str]:
     """A sentence for each effect that does not go into a written machine, or goes into it although
     other names explain the readings as well."""
     kept, out = written(d, accept)
@@ -125,7 +124,7 @@ def _range(d: Diagnosis, f: Finding) -> tuple[float, float] | None:
     return (low, high) if high - low > SHORTEST else None
 
 
-def with_effects(d: Diagnosis, accept: tuple[str, ...] = ()) -> Machine:
+def with_effects(d: Diagnosis, accept: tuple[str, ...]) -> Machine:
     """The machine that `effects_toml` writes: the one that was judged, with the effects that go
     into it."""
     terms = [
@@ -135,7 +134,7 @@ def with_effects(d: Diagnosis, accept: tuple[str, ...] = ()) -> Machine:
     return replace(d.machine, effects=(*d.machine.effects, *terms))
 
 
-def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...] = ()) -> Callable[[str], str]:
+def effects_toml(d: Diagnosis, name: str, accept: tuple[str, ...]) -> Callable[[str], str]:
     """What makes a machine.toml that of the diagnosed machine: its name, and a section for every
     accepted effect of the machine that is told apart from others (or in accept). Instruments' and
     data's effects are none of it."""

@@ -15,7 +15,7 @@ from postproc.machine.axis import Axis
 from postproc.machine.axis_file import over_turns, read_grid, read_table, read_uncertainty
 from postproc.machine.chain import LINEAR, OPTICS, ROTARY, SECOND, XYZ
 from postproc.machine.heat_file import heat
-from postproc.machine.model import Limits
+from postproc.machine.stated import Limits
 from postproc.machine.tables import COMPONENTS, GridTable
 from postproc.machine.toml_file import Section, TomlFile
 

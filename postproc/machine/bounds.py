@@ -9,14 +9,11 @@ tool and any place that a program can reach (`Machine.reached`).
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.machine.chain import LINEAR, XYZ, along
-
-if TYPE_CHECKING:
-    from postproc.machine.model import Machine
+from postproc.machine.stated import Stated
 
 FARTHEST = 1e5  # mm: travels that are stated without end
 
@@ -24,7 +21,7 @@ FARTHEST = 1e5  # mm: travels that are stated without end
 class Bounds:
     """Bounds of one machine's deviation."""
 
-    def __init__(self, machine: Machine):
+    def __init__(self, machine: Stated):
         self.machine = machine
 
     @cached_property

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from postproc.machine.axis import Axis
 from postproc.machine.chain import ROTARY, XYZ
-from postproc.machine.model import Axis, Machine
+from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS, GridTable
 
 

@@ -3,17 +3,13 @@ corrected."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from postproc.machine.chain import XYZ, along, leans
-
-if TYPE_CHECKING:
-    from postproc.machine.model import Machine
+from postproc.machine.stated import Stated
 
 
-def direct(machine: Machine) -> np.ndarray:
+def direct(machine: Stated) -> np.ndarray:
     """(A, A) bool: [i, j], whether the deviation along axis i changes with the position of axis j;
     by which components the tables hold."""
     letters, chain = machine.letters, machine.chain
@@ -33,7 +29,7 @@ def direct(machine: Machine) -> np.ndarray:
     return result
 
 
-def _acts(machine: Machine, letter: str, component: int) -> list[tuple[int, tuple[str, ...]]]:
+def _acts(machine: Stated, letter: str, component: int) -> list[tuple[int, tuple[str, ...]]]:
     """Rows along which a component of an axis acts, and the slides whose places are its arm there;
     no row without an arm."""
     if component < 3:
@@ -59,7 +55,7 @@ def closed(direct: np.ndarray) -> np.ndarray:
     return result
 
 
-def _components(machine: Machine, letter: str) -> list[tuple[int, tuple[str, ...]]]:
+def _components(machine: Stated, letter: str) -> list[tuple[int, tuple[str, ...]]]:
     """Components of an axis that are not zero everywhere, and the second axes on which they
     depend."""
     found: list[tuple[int, tuple[str, ...]]] = []

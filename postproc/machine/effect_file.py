@@ -14,7 +14,7 @@ import numpy as np
 from postproc import effects
 from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ
-from postproc.machine.model import EffectTerm
+from postproc.machine.stated import EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 from postproc.machine.toml_file import Section, TomlFile
 

@@ -22,7 +22,8 @@ from postproc.machine.axis import Axis
 from postproc.machine.axis_section import UNCERTAINTY, read_axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.effect_file import read_effects
-from postproc.machine.model import ControlTable, Limits, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import ControlTable, Limits
 from postproc.machine.toml_file import Section, TomlFile
 from postproc.machine.tool_point import read_tool_point
 from postproc.units import UM

@@ -20,7 +20,8 @@ import numpy as np
 
 from postproc.machine.axis import Axis, Driver, Expansion
 from postproc.machine.chain import LINEAR, along
-from postproc.machine.model import EffectTerm, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import EffectTerm
 from postproc.machine.tables import AxisTable
 from postproc.units import UM
 

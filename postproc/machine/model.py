@@ -1,236 +1,31 @@
-"""A machine: its axes, its chain, its measured errors and effects, and the one deviation that they
-add up to."""
+"""A machine: what its folder states, and the one deviation that all of it adds up to."""
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import replace
 from functools import cached_property
-from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 
 from postproc.machine import dependence, rotary
-from postproc.machine.axis import Axis, Driver, Expansion
+from postproc.machine.axis import Axis
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import (
-    LINEAR,
-    ROTARY,
-    XYZ,
-    Arms,
-    Chain,
-    Parts,
-    along,
-    leans,
-    summed,
-    tip_deviation,
-)
-from postproc.machine.chain import arms as chain_arms
-from postproc.machine.tables import PORTION, AxisTable, GridTable
-from postproc.machine.tool_point import ToolPoint
+from postproc.machine.chain import ROTARY, XYZ, Parts, along, summed, tip_deviation
+from postproc.machine.stated import Stated
+from postproc.machine.tables import PORTION
 from postproc.records import record
 
 Columns = dict[str, np.ndarray]
 
 
 @record
-class EffectTerm:
-    """One accepted effect with its parameters. tables, grids: the errors that it adds where the
-    slides stand, none for an effect that a place alone does not decide. spread: for each parameter
-    whose U (95 %, k = 2) is stated a term of the parameter's name, with U as its only parameter and
-    by how much U changes the tables. measured mm: from where to where readings told it; its tables
-    stay beyond what they are at the ends; None where not stated."""
-
-    name: str
-    axis: str
-    parameters: dict[str, float]
-    module: ModuleType | None
-    tables: tuple[AxisTable, ...] = ()
-    grids: tuple[GridTable, ...] = ()
-    spread: tuple[EffectTerm, ...] = ()
-    measured: tuple[float, float] | None = None
-
-
-@record
-class ControlTable:
-    """A table with which the control corrects by itself. file, settings: where it stands; measured:
-    whether the map was measured with it; active: whether it is on at work; axis: the one it is for,
-    where the file does not say; more: what its reader must be told."""
-
-    control: str
-    file: Path | None
-    settings: Path | None
-    measured: bool
-    active: bool
-    axis: str
-    more: dict[str, str]
-
-
-@record
-class Limits:
-    """max_correction: mm; max_slope: mm/mm; outside: "error" or "clamp"; hysteresis: mm that the
-    wanted place of a slide may turn back before its lost motion is taken up."""
-
-    max_correction: float = 0.5
-    max_slope: float = 0.005
-    outside: str = "error"
-    hysteresis: float = 0.001
-
-
-@record
-class Machine:
-    """One machine as its folder states it. square: axis to (3,) rad; square_u: name ("B0X") to its
-    U (95 %, k = 2), rad; square_stated: the names that the folder states, zero or not; tool (3,)
-    mm; offsets: name to axis to mm; home: mm, slide positions after homing, of the axes for which
-    they are stated; signs: "verified" where a measurement after compensation has shown them,
-    "unverified" where it is said that none has, "" where nothing is said; tool_stated: whether the
-    folder states the tool's point; tool_point: how the control follows it; growth: what moves it
-    from moment to moment (growth.py), empty where its temperatures are not followed."""
-
-    name: str
-    title: str
-    control: str
-    chain: Chain
-    axes: dict[str, Axis]
-    diameter: tuple[str, ...] = ()
-    square: dict[str, np.ndarray] = field(default_factory=dict)
-    tool: np.ndarray = field(default_factory=lambda: np.zeros(3))
-    offsets: dict[str, dict[str, float]] = field(default_factory=dict)
-    limits: Limits = Limits()
-    effects: tuple[EffectTerm, ...] = ()
-    control_tables: tuple[ControlTable, ...] = ()
-    source: str = ""
-    digest: str = ""
-    reversal: str = "step"
-    square_u: dict[str, float] = field(default_factory=dict)
-    square_stated: tuple[str, ...] = ()
-    signs: str = ""
-    tool_stated: bool = False
-    tool_point: ToolPoint = field(default_factory=ToolPoint)
-    home: dict[str, float] = field(default_factory=dict)
-    growth: tuple[Driver, ...] = ()
-
-    @cached_property
-    def letters(self) -> tuple[str, ...]:
-        """Axis letters in the order of the columns."""
-        return tuple(self.axes)
-
-    @cached_property
-    def tables(self) -> dict[str, AxisTable]:
-        return {x: axis.table for x, axis in self.axes.items() if axis.table is not None}
-
-    @cached_property
-    def corrected(self) -> tuple[int, ...]:
-        """Rows of the axes that a correction can move: the slides X Y Z of the chain."""
-        return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes and x in XYZ)
-
-    @cached_property
-    def chained(self) -> tuple[int, ...]:
-        """Rows of the axes on whose positions the deviation depends: all that the chain names."""
-        return tuple(i for i, x in enumerate(self.letters) if x in self.chain.axes)
-
-    @cached_property
-    def turning(self) -> tuple[int, ...]:
-        """Rows of the axes whose positions are angles: the rotary ones of the chain."""
-        return tuple(self.letters.index(x) for x in self.chain.rotary)
+class Machine(Stated):
+    """One machine, as its folder states it."""
 
     @cached_property
     def depends(self) -> np.ndarray:
         """(A, A) bool: [i, j], whether the correction of axis i needs the position of axis j."""
         return dependence.closed(dependence.direct(self))
-
-    @cached_property
-    def grids(self) -> tuple[GridTable, ...]:
-        own = tuple(grid for axis in self.axes.values() for grid in axis.grids)
-        return own + tuple(grid for term in self.effects for grid in term.grids)
-
-    @cached_property
-    def grids_of(self) -> dict[str, list[GridTable]]:
-        """Axis to what depends on a second one too, measured or an effect's."""
-        return {x: [grid for grid in self.grids if grid.letter == x] for x in self.axes}
-
-    @cached_property
-    def knots(self) -> dict[str, list[np.ndarray]]:
-        """Axis to the nodes at which a deviation bends."""
-        found: dict[str, list[np.ndarray]] = {}
-        for x, table in self.every_table:
-            found.setdefault(x, []).append(table.nodes)
-        for grid in self.grids:
-            found.setdefault(grid.letter, []).append(grid.nodes)
-            found.setdefault(grid.other, []).append(grid.others)
-        return found
-
-    @cached_property
-    def ranges(self) -> dict[str, tuple[float, float]]:
-        """Axis to the range, mm or degrees, that all its tables cover; none without tables."""
-        covered = {x: [table.nodes] for x, table in self.tables.items()}
-        for grid in (grid for axis in self.axes.values() for grid in axis.grids):
-            covered.setdefault(grid.letter, []).append(grid.nodes)
-            covered.setdefault(grid.other, []).append(grid.others)
-        return {
-            x: (float(max(n[0] for n in c)), float(min(n[-1] for n in c)))
-            for x, c in covered.items()
-        }
-
-    @cached_property
-    def reached(self) -> dict[str, tuple[float, float]]:
-        """Axis to where a nominal program can take it: its travel, within tables that end it."""
-        found = {}
-        for x, axis in self.axes.items():
-            low, high = axis.travel
-            if self.limits.outside == "error" and x in self.ranges and x in LINEAR:
-                first, last = self.ranges[x]
-                low, high = max(low, first), min(high, last)
-            found[x] = (low, high) if low < high else axis.travel
-        return found
-
-    @cached_property
-    def expansions(self) -> dict[str, Expansion]:
-        return {
-            x: a.expansion
-            for x, a in self.axes.items()
-            if a.expansion is not None and a.expansion.rate
-        }
-
-    @cached_property
-    def locations(self) -> dict[str, np.ndarray]:
-        """Axis to (6,) mm and rad: how the line of a rotary axis lies, and how a linear one
-        leans."""
-        found = {x: axis.location.copy() for x, axis in self.axes.items() if axis.location.any()}
-        for x, lean in self.square.items():
-            found.setdefault(x, np.zeros(6))[3:] += lean
-        return found
-
-    @cached_property
-    def is_zero(self) -> bool:
-        """Whether no correction can ever be needed."""
-        exact = all(t.is_zero for t in self.tables.values()) and not any(
-            grid.rows for grid in self.grids
-        )
-        still = exact and not self.locations and not self.expansions and not self.growth
-        return still and not any(e.tables for e in self.effects)
-
-    @cached_property
-    def two_way(self) -> np.ndarray:
-        """(A,) bool: axes whose direction of approach matters."""
-        by_effect = {table.letter for e in self.effects for table in e.tables if table.two_way}
-        by_effect |= {grid.letter for grid in self.grids if grid.two_way}
-        return np.array(
-            [x in by_effect or (x in self.tables and self.tables[x].two_way) for x in self.letters]
-        )
-
-    @cached_property
-    def pretravel(self) -> dict[str, float]:
-        """Axis to mm of its own travel behind a turn over which its largest reversal builds up
-        beyond its own size, where an effect says so."""
-        sizes = {x: [(2 * float(np.abs(t.half[:3]).max()), 0.0)] for x, t in self.tables.items()}
-        for term in self.effects:
-            way = getattr(term.module, "ramp_mm", lambda **named: 0.0)(**term.parameters)
-            for t in term.tables:
-                size = 2 * float(np.abs(t.half[:3]).max())
-                sizes.setdefault(t.letter, []).append((size, way))
-        largest = {x: max(of)[1] for x, of in sizes.items()}
-        return {x: way for x, way in largest.items() if way > 0}
 
     @cached_property
     def lateral(self) -> float:
@@ -272,7 +67,7 @@ class Machine:
                 continue
             own = XYZ.index(letter)
             for table in [
-                *self._added.get(letter, ()),
+                *self.added.get(letter, ()),
                 *([self.tables[letter]] if letter in self.tables else []),
             ]:
                 result[k] -= 2 * table.half_of(own, position[row])
@@ -281,12 +76,6 @@ class Machine:
                     own, position[row], position[self.letters.index(grid.other)]
                 )
         return result
-
-    @cached_property
-    def turns(self) -> bool:
-        """Whether any axis has a rotation, so that the tool's length matters."""
-        tables = [t for axis in self.axes.values() for t in axis.tables]
-        return bool(self.chain.rotary) or any(max(t.rows, default=0) >= 3 for t in tables)
 
     def carrying(self, letters: tuple[str, ...]) -> Machine:
         """The same machine with axes that are no slides, carried along: a printer's E."""
@@ -331,36 +120,10 @@ class Machine:
             if self.chain.rotary:
                 parts = rotary.tip_deviation(self.geometry, each, q)
             else:
-                parts = tip_deviation(self.arms, each, self._leans, q)
+                parts = tip_deviation(self.arms, each, self.leaning, q)
             for row in self.corrected:
                 result[row, part] = parts[XYZ.index(self.letters[row])]
         return result
-
-    @cached_property
-    def measured(self) -> dict[str, np.ndarray]:
-        """Axis to (3,) mm: where the axes of its arm stood while it was measured; 0 for those that
-        are none of it."""
-        return {x: self.chain.counted(x, axis.measured_at) for x, axis in self.axes.items()}
-
-    @cached_property
-    def arms(self) -> Arms:
-        """Axis to the part of its arm that stays and the slide that adds to it, per direction."""
-        return chain_arms(
-            self.chain, self.tool, self.measured, {x: axis.optic for x, axis in self.axes.items()}
-        )
-
-    @cached_property
-    def _leans(self) -> dict[str, list[tuple[int, float]]]:
-        return {x: leans(x, lean) for x, lean in self.square.items()}
-
-    @cached_property
-    def geometry(self) -> rotary.Geometry:
-        """What of the machine does not move, as rotary chains need it."""
-        a = self.axes
-        return rotary.Geometry(
-            self.chain, self.locations, self.tool, {x: a[x].centre for x in a}, self.measured,
-            {x: a[x].optic for x in a},
-        )  # fmt: skip
 
     def orientation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
@@ -381,21 +144,6 @@ class Machine:
         each = {x: self._parts(x, q, s, direction) for x in self.chain.axes}
         return q, {x: part for x, part in each.items() if part is not None}
 
-    @cached_property
-    def _added(self) -> dict[str, list[AxisTable]]:
-        """Axis to the tables that effects add."""
-        found: dict[str, list[AxisTable]] = {}
-        for term in self.effects:
-            for table in term.tables:
-                found.setdefault(table.letter, []).append(table)
-        return found
-
-    @cached_property
-    def every_table(self) -> list[tuple[str, AxisTable]]:
-        """Axis and table: measured ones that are not zero, and what effects add."""
-        own = [(x, table) for x, table in self.tables.items() if not table.is_zero]
-        return own + [(x, table) for x, tables in self._added.items() for table in tables]
-
     def _parts(self, letter: str, q: Columns, s: Columns, direction: int | None) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
         with temperature."""
@@ -403,7 +151,7 @@ class Machine:
         part: Parts | None = None
         if axis.table is not None and axis.table.rows:
             part = axis.table.evaluate(q[letter], s[letter], direction)
-        for table in self._added.get(letter, ()):
+        for table in self.added.get(letter, ()):
             part = summed(part, table.evaluate(q[letter], s[letter], direction))
         for grid in self.grids_of[letter]:
             part = summed(part, grid.evaluate(q[letter], q[grid.other], s[letter]))

@@ -15,7 +15,8 @@ import numpy as np
 
 from postproc.machine.axis import Axis, AxisUncertainty
 from postproc.machine.chain import LINEAR
-from postproc.machine.model import EffectTerm, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
 
 Table = TypeVar("Table", AxisTable, GridTable)

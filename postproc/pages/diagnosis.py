@@ -17,13 +17,14 @@ from postproc.pages.frame import Page
 MOST = 6  # signals that are drawn; the others have a line
 
 
-def html(d: Diagnosis, written: str = "") -> str:
+def html(d: Diagnosis, written: str = "", accept: tuple[str, ...] = ()) -> str:
     """The file's text of `page`."""
-    return page(d, written).html()
+    return page(d, written, accept).html()
 
 
-def page(d: Diagnosis, written: str = "") -> Page:
-    """The page of a diagnosis. written: the folder of the machine that was written with it."""
+def page(d: Diagnosis, written: str = "", accept: tuple[str, ...] = ()) -> Page:
+    """The page of a diagnosis. written: the folder of the machine that was written with it; accept:
+    names that went into it by --accept."""
     mood = {"nothing-left-out": "good", "left-out-physics": "bad", "unknown": "open"}[d.verdict]
     made = Page(f"Diagnosis of {d.machine.name}", prose.headline(d), "open" if d.doubts else mood)
     made.subject = [
@@ -44,7 +45,7 @@ def page(d: Diagnosis, written: str = "") -> Page:
     if d.held.any():
         made.figure(findings.held_out(d))
     _listing(made, "What to do next", list(map(_upper, prose.next_steps(d, written))))
-    _written(made, d)
+    _written(made, d, accept)
     _others(made, d, drawn[1:], rounds[1:])
     _limits(made, d)
     return made
@@ -133,11 +134,11 @@ def _not_named(made: Page, d: Diagnosis) -> None:
             made.figure(figure)
 
 
-def _written(made: Page, d: Diagnosis) -> None:
+def _written(made: Page, d: Diagnosis, accept: tuple[str, ...]) -> None:
     """What --write-machine would change."""
     if not any(f.status == "accepted" for f in d.findings):
         return
-    figures = findings.written(d)
+    figures = findings.written(d, accept)
     made.section("What the written machine would change")
     if not figures:
         made.text(
@@ -146,7 +147,7 @@ def _written(made: Page, d: Diagnosis) -> None:
         )
     for figure in figures:
         made.figure(figure)
-    made.listing([f"{_upper(text)}." for text in machine_effects.not_told_apart(d)])
+    made.listing([f"{_upper(text)}." for text in machine_effects.not_told_apart(d, accept)])
 
 
 def _others(made: Page, d: Diagnosis, drawn: list[int], rounds: list[charts.Figure]) -> None:

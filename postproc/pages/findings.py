@@ -185,10 +185,10 @@ def places(machine: Machine, other: Machine, letter: str) -> tuple[np.ndarray, s
     return at[first : first + NODES], " The middle of the travel is drawn."
 
 
-def written(d: Diagnosis) -> list[charts.Figure]:
+def written(d: Diagnosis, accept: tuple[str, ...]) -> list[charts.Figure]:
     """What the written machine would change: the map's deviation along each slide, the others in
     the middle, before and after."""
-    machine, other = d.machine, machine_effects.with_effects(d)
+    machine, other = d.machine, machine_effects.with_effects(d, accept)
     figures = []
     middles = {
         x: (a.travel[0] + a.travel[1]) / 2 if x in LINEAR else 0.0 for x, a in machine.axes.items()

@@ -12,7 +12,8 @@ from postproc.machine import overshoot
 from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
 from postproc.machine.lacks import lacks
-from postproc.machine.model import EffectTerm, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import EffectTerm
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.machine.uncertainty import MapUncertainty, micrometres
 from postproc.pages import charts

@@ -67,7 +67,7 @@ class Account:
         step = max((1.0 / k for k in self._steps if k > 0), default=0.0)
         self._estimate = LineEstimate(SHORT + 2 * step, order)
         self.parts: deque[Part] = deque()
-        self.sent_to = self.answered_to = self.executed = 0
+        self.answered_to = self.executed = 0
         self.source = 0
         self.seconds = 0.0
         self._by: dict[int, Part] = {}
@@ -87,7 +87,6 @@ class Account:
         """A line that left."""
         if line.number <= 0:
             return
-        self.sent_to = line.number
         part = self._motion(line)
         if part is None:
             self._still[line.number] = line

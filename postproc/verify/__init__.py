@@ -18,7 +18,6 @@ from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, tool_directions
-from postproc.machine.uncertainty import AlongPath
 from postproc.motions import FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.interpreter import Interpreter, ModalState
@@ -27,9 +26,8 @@ from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.trace import Trace
 from postproc.units import TICKS_PER_MM
-from postproc.verify import report
-from postproc.verify.cutter import CentreVerifier
 from postproc.verify.distance import PLACES, all_known, points_of
+from postproc.verify.figures import Figures
 from postproc.verify.heat import Warm
 from postproc.verify.holes import holes_of
 from postproc.verify.largest import Largest
@@ -42,31 +40,16 @@ REPORT_IT = "this is an error of gcomp: please report the program"
 NOTHING, END, PATH = 0, 1, 2  # what of a piece counts
 
 
-class Verifier:
-    """Takes each batch and its output. `corrected` and `uncorrected`: Largest of both programs so
-    far."""
+class Verifier(Figures):
+    """Takes each batch and its output."""
 
     def __init__(self, filter_: Filter):
-        self.machine, self.name, self.mode = filter_.machine, filter_.name, filter_.compensator.mode
-        self.tolerance = filter_.compensator.tolerance
+        super().__init__(filter_)
+        self.name = filter_.name
         self.interpreter = Interpreter(filter_.dialect, filter_.setup)
         self.state: ModalState = self.interpreter.initial()
-        self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
-        # mm, larger in inch blocks
-        self.grid = max(axis.least_increment for axis in self.machine.axes.values())
         filter_.watchers.append(self.check)
         self.nominal_slides, self.slides = (Slides(self.machine, self.hysteresis) for _ in range(2))
-        self.corrected, self.uncorrected = Largest(), Largest()
-        self.hole_tolerance = filter_.compensator.hole_tolerance
-        # how far axes of holes stay off sideways, whose cycle holds its place
-        self.holes, self.taps = Largest(), Largest()
-        self.map = AlongPath(self.machine)
-        # inside cutter radius compensation, where the centre is not followed
-        self.at_contour = Largest()
-        self.centre = CentreVerifier(self.machine, self.follows)
-        self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
-        self.tips = False  # whether any motion was one of the tip
-        self.motions_in = self.motions_out = 0
         # Line and file that a line of a program that was written out came from; None: it is the
         # program itself.
         self.source: Callable[[int], tuple[int, str]] | None = None
@@ -346,32 +329,3 @@ class Verifier:
         worst = int(np.argmax(lean))
         if lean[worst] > into.lean:
             into.lean, into.lean_line = float(lean[worst]), int(line[owner[worst]])
-
-    @property
-    def allowed(self) -> float:
-        """mm: the tolerance and half an increment; where sides are followed, what each two-way axis
-        may be held back by: the hysteresis at the ends of strokes and half of it along them, and
-        what the sides of all axes move the others by, which no take-up can bring about in the same
-        moment."""
-        axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
-        beyond = (
-            1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
-        )
-        return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
-
-    @property
-    def passed(self) -> bool:
-        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are
-        only measured, as is what stays inside cutter radius compensation, where nothing may be put
-        in: there it must not get worse."""
-        self.centre.finish()
-        centre = self.centre
-        better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
-        holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
-        return better and (
-            self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
-        )
-
-    def report(self) -> str:
-        """One line for a person: before, after, and their ratio."""
-        return report.line(self)

@@ -14,7 +14,8 @@ from postproc.calibrate import Options, opening
 from postproc.calibrate.run import calibrate
 from postproc.machine.axis import Axis
 from postproc.machine.chain import XYZ, parse
-from postproc.machine.model import Limits, Machine
+from postproc.machine.model import Machine
+from postproc.machine.stated import Limits
 from postproc.machine.tables import COMPONENTS, AxisTable
 from postproc.recordings import Recording
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ import pytest
 import gcomp
 from postproc.cli import main
 from postproc.diagnose.findings import probable
-from postproc.pages import left
+from postproc.pages import diagnosis, left
 from tests.api.schemas import held
 from tests.pages import drawn
 
@@ -163,6 +164,19 @@ def test_the_written_machine_is_drawn_as_it_is_written(bar):
                 * 1000.0
             )
             np.testing.assert_allclose(curve["y"], off, atol=2e-3)
+
+
+def test_what_is_accepted_by_name_is_drawn_as_written(bar):
+    """An effect that a fault of the instrument explains as well goes into a machine by --accept
+    alone: the page draws the machine with it then, and without it else."""
+    found = gcomp.diagnose([bar.folder / "r.csv"], "studer-s36").details
+    (name,) = [f.block.key for f in found.findings if f.status == "accepted"]
+    unsure = replace(
+        found, findings=tuple(replace(f, equivalent=("sensor_drift:Z",)) for f in found.findings)
+    )
+    without, accepted = diagnosis.html(unsure), diagnosis.html(unsure, accept=(name,))
+    assert f"{name} is NOT written" in without and "written-Z" not in without
+    assert f"{name} is written" in accepted and drawn.curves(accepted, "written-Z")
 
 
 def test_a_wave_is_folded_over_its_period(tmp_path):

@@ -215,7 +215,7 @@ def test_a_spindle_shifts_at_once_and_its_housing_follows():
 def test_the_machines_own_effects_act_once_and_an_instruments_only_when_asked():
     plain = without_tables(STUDER)
     heavy = term("backlash", "X", size_um=6.0)
-    from postproc.machine.model import EffectTerm
+    from postproc.machine.stated import EffectTerm
 
     tables = tuple(
         _table(*row) for row in heavy.module.tables("X", plain.axes["X"].travel, size_um=6.0)

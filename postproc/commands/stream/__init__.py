@@ -145,12 +145,13 @@ class Link(NamedTuple):
 def _precheck(options: argparse.Namespace, job: Job) -> Load | None:
     """What a job that can be read before will load the wire with; tells what is odd about it. None:
     it comes from a pipe."""
+    from postproc.commands.stream import legs
     from postproc.commands.stream.job import is_file
 
     load = None
     if is_file(options.file) or options.expand:
         wired = "://" not in options.port or job.protocol.confirms == "nothing"
-        load = job.precheck(options.baud / 10 if wired else 0.0)
+        load = legs.precheck(job, options.baud / 10 if wired else 0.0)
         if load.warning():
             print(f"gcomp: warning: {load.warning()}", file=sys.stderr)
     if not options.quiet:
@@ -172,7 +173,7 @@ def _stream(
     options: argparse.Namespace, machine: Machine, link: Link, job: Job, load: Load | None
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import kept, loop, tools
+    from postproc.commands.stream import kept, legs, loop, tools
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
@@ -192,8 +193,9 @@ def _stream(
         quiet = options.quiet or _is_dry(options)
         show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
-        answers = tools.answers(options, job, machine.letters)
-        prefetch = Prefetch(lambda: job.lines(answers, options.check)).start()
+        asked = job.macros is not None and not options.check
+        answers = tools.Answers(job.protocol.controller, machine.letters) if asked else None
+        prefetch = Prefetch(lambda: legs.lines(job, answers, options.check)).start()
         run = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys, answers)
         try:
             outcome = run.to_the_end()

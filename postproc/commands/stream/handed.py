@@ -10,6 +10,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from postproc.commands.stream.job import Job, is_file
+from postproc.commands.stream.legs import lines
 from postproc.errors import UsageError
 
 SUFFIX = ".handed.ngc"
@@ -48,7 +49,7 @@ def write(options: argparse.Namespace, job: Job, protocol: Any) -> None:
     part = where.with_name(where.name + ".part")
     try:
         with open(part, "wb") as file:
-            file.writelines(protocol.file_of(line.text for batch in job.lines() for line in batch))
+            file.writelines(protocol.file_of(line.text for batch in lines(job) for line in batch))
         os.replace(part, where)
     except OSError as error:
         what = f"{where} can not be written: {error.strerror}"

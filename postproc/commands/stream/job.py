@@ -23,15 +23,14 @@ from postproc.streaming import restart, resumable, zero
 from postproc.streaming.compact import Compact
 from postproc.streaming.lines import WireLine
 from postproc.streaming.pace import Pace
-from postproc.streaming.precheck import NO_MORE, NOTHING, REFUSE, Precheck, tool_change
+from postproc.streaming.precheck import NOTHING, REFUSE, Precheck, tool_change
 from postproc.streaming.protocols import Protocol
 from postproc.streaming.protocols.grbl import Grbl
-from postproc.streaming.rates import Load
 from postproc.streaming.source import RAPID_MM_MIN, Source
 from postproc.streaming.trace import CHORD
 
 if TYPE_CHECKING:
-    from postproc.commands.stream.tools import Answers, Macros
+    from postproc.commands.stream.tools import Macros
     from postproc.filter import Filter
     from postproc.machine.model import Machine
 
@@ -66,13 +65,6 @@ class Job:
     sources: list[Source] = field(default_factory=list)
     known: Precheck | None = None
     pace: Pace | None = None
-
-    def lines(self, answers: Answers | None = None, bare: bool = False) -> Iterator[list[WireLine]]:
-        """Wire lines, batch by batch. answers, bare: of tool changes, as tools.lines says."""
-        self.sources.clear()
-        if self.macros is not None:
-            return tools.lines(self, answers, bare)
-        return self.leg(self.fresh(), self.begin, self.preamble)
 
     def leg(
         self, filter_: Filter, begin: int, preamble: tuple[bytes, ...], number: int = 1
@@ -161,50 +153,10 @@ class Job:
         options = self.options
         return {x: v for x, v in (("Z", options.safe_z), ("X", options.safe_x)) if v is not None}
 
-    def _known(self, sent: str = NOTHING) -> Precheck:
+    def checks(self, sent: str = NOTHING) -> Precheck:
+        """What each line is checked for before the first byte leaves."""
         controller, order = self.protocol.controller, self.order()
         return Precheck(controller, self.letters, order, self.name, self.is_grbl, sent)
-
-    def _take_notices(self) -> None:
-        """Those of the filters that read the program, each once, and what is not sent of it."""
-        known = {notice.message for notice in self.notices}
-        for notice in (notice for source in self.sources for notice in source.filter.notices):
-            if notice.message not in known:
-                self.notices.append(notice)
-            known.add(notice.message)
-        if dropped := max(source.dropped for source in self.sources):
-            behind = (
-                f"{dropped} lines behind the end of the program are not sent: the controller would"
-                " execute them"
-            )
-            self.notices.append(Notice("behind", behind))
-
-    def precheck(self, rate: float) -> Load:
-        """The whole program before its first byte leaves. Raises what is wrong with it."""
-        load = Load(rate)
-        known = self.known = self._known()
-        planner = Pace(self.protocol.controller, self.order(), load.link)
-        pace = planner if planner.knows else None
-        for line in (line for batch in self.lines() for line in batch):
-            load.add(line)
-            if self.macros is None or not line.file:
-                known.look(line)
-            if pace is not None:
-                pace.add(line)
-        self.notices += known.notices()
-        if pace is not None:
-            pace.end()
-            self.pace, load.expected = pace, pace.total
-        self._take_notices()
-        return load
-
-    def look_again(self, live: lives.Live, begin: int, preamble: tuple[bytes, ...]) -> None:
-        """The program from a line on, with zeros that were set in between. Raises what is wrong
-        with it then."""
-        known = self._known(NO_MORE)
-        batches = self.leg(self.fresh(live), begin, preamble)
-        for line in (line for batch in batches for line in batch):
-            known.look(line)
 
 
 def prepare(

@@ -79,7 +79,6 @@ class Block:
     target: Formula | None = None
     then: Block | None = None
     code: float = 0
-    loop: int = 0
     ends: bool = False
     units: int = 0
     place: tuple[int, int] = (0, 0)
@@ -144,7 +143,7 @@ class BlockReader:
             return self._condition(start, start)
         if found := LOOP.match(rest):
             kind = Kind.DO if found[1] == "DO" else Kind.END
-            return self._made(kind, start, loop=int(found[2]))
+            return self._made(kind, start)
         if PRINT.match(rest):
             return self._made(Kind.NOTHING, start)
         return self._words(start)
@@ -207,7 +206,7 @@ class BlockReader:
                     f"more than {found[0]} behind WHILE", "write it in a block of its own"
                 )
             raise reader.fault("WHILE without DO1, DO2 or DO3", "WHILE[#1 LE 10]DO1 ... END1")
-        return self._made(Kind.DO, start, formula=condition, loop=int(found[2]))
+        return self._made(Kind.DO, start, formula=condition)
 
     # -- words -------------------------------------------------------------------------------------
 

@@ -1,0 +1,130 @@
+"""What a verification found: its figures, whether they keep the tolerance, and both in one line for
+a person."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.filter import Filter
+from postproc.machine.uncertainty import AlongPath
+from postproc.units import UM, URAD
+from postproc.verify.cutter import CentreVerifier
+from postproc.verify.largest import Largest
+
+SEEN = 0.005 * UM  # less is said as 0.00, and has no ratio
+
+
+class Figures:
+    """corrected, uncorrected: of both programs so far; motions_in, motions_out: how many they
+    have."""
+
+    def __init__(self, filter_: Filter):
+        self.machine, self.mode = filter_.machine, filter_.compensator.mode
+        self.tolerance = filter_.compensator.tolerance
+        self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
+        # mm, larger in inch blocks
+        self.grid = max(axis.least_increment for axis in self.machine.axes.values())
+        self.corrected, self.uncorrected = Largest(), Largest()
+        self.hole_tolerance = filter_.compensator.hole_tolerance
+        # how far axes of holes stay off sideways, whose cycle holds its place
+        self.holes, self.taps = Largest(), Largest()
+        self.map = AlongPath(self.machine)
+        # inside cutter radius compensation, where the centre is not followed
+        self.at_contour = Largest()
+        self.centre = CentreVerifier(self.machine, self.follows)
+        self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
+        self.tips = False  # whether any motion was one of the tip
+        self.motions_in = self.motions_out = 0
+
+    @property
+    def allowed(self) -> float:
+        """mm: the tolerance and half an increment; where sides are followed, what each two-way axis
+        may be held back by: the hysteresis at the ends of strokes and half of it along them, and
+        what the sides of all axes move the others by, which no take-up can bring about in the same
+        moment."""
+        axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
+        beyond = (
+            1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
+        )
+        return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
+
+    @property
+    def passed(self) -> bool:
+        """Whether the output keeps the tolerance; ramp and off spread reversals by choice, and are
+        only measured, as is what stays inside cutter radius compensation, where nothing may be put
+        in: there it must not get worse."""
+        self.centre.finish()
+        centre = self.centre
+        better = centre.corrected.deviation <= max(self.allowed, centre.uncorrected.deviation)
+        holes = self.holes.deviation <= self.hole_tolerance + self.allowed - self.tolerance
+        return better and (
+            self.mode in ("ramp", "off") or (holes and self.corrected.deviation <= self.allowed)
+        )
+
+    def report(self) -> str:
+        """One line for a person: before, after, and their ratio."""
+        return _line(self)
+
+
+def _line(v: Figures) -> str:
+    """One line for a person: before, after, and their ratio."""
+    before, after = v.uncorrected.deviation, v.corrected.deviation
+    ratio = f", {before / after:.0f} times less" if before > after > SEEN else ""
+    return (
+        f"largest deviation from the nominal path {after / UM:.2f} um{_at(v.corrected.line)},"
+        f" uncorrected {before / UM:.2f} um{_at(v.uncorrected.line)}{ratio}{_lost_motion(v)};"
+        f" tolerance {v.tolerance / UM:g} um; {v.motions_in} motions in, {v.motions_out}"
+        f" out{_of_holes(v)}{_beside(v)}{_of_lean(v)};"
+        f" {v.map.report()}"
+    )
+
+
+def _at(line: int) -> str:
+    """The line, where there is one: nothing is off anywhere on a machine without errors."""
+    return f" (line {line})" if line > 0 else ""
+
+
+def _lost_motion(v: Figures) -> str:
+    if not v.follows:
+        return "; lost motion is left to the control (reversal mean)" * bool(
+            v.machine.two_way.any()
+        )
+    after, before = v.corrected, v.uncorrected
+    return (
+        f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}),"
+        f" uncorrected {before.slide / UM:.2f} um, hysteresis {v.hysteresis / UM:g} um"
+    )
+
+
+def _of_lean(v: Figures) -> str:
+    """How far the tool leans, on machines with rotary axes."""
+    if not v.machine.chain.rotary:
+        return ""
+    after, before = v.corrected, v.uncorrected
+    how = "" if v.oriented else " (--orientation corrects it in programs of the tool tip)" * v.tips
+    return (
+        f"; the tool leans by {after.lean / URAD:.0f} urad at most (line {after.lean_line}), "
+        f"uncorrected {before.lean / URAD:.0f}{how}"
+    )
+
+
+def _of_holes(v: Figures) -> str:
+    """What bends in holes, where the tolerance of holes was used."""
+    said = ""
+    for what, off in (("holes", v.holes), ("taps, which hold their place,", v.taps)):
+        if off.deviation > v.tolerance + v.grid / 2:
+            said += (
+                f"; {what} up to {off.deviation / UM:.2f} um aside "
+                f"(line {off.line}; tolerance of holes {v.hole_tolerance / UM:g} um)"
+            )
+    return said
+
+
+def _beside(v: Figures) -> str:
+    said = v.centre.report(v.tolerance + v.grid / 2)
+    if v.at_contour.deviation:
+        said += (
+            "; inside G41 G42, at the contour, where no centre is followed,"
+            f" {v.at_contour.deviation / UM:.2f} um (line {v.at_contour.line})"
+        )
+    return said
