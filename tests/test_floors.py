@@ -147,7 +147,6 @@ def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(path):
 
 LONGEST = 400  # lines of a module
 LONGER = {  # lines that it may have, and why it is one thing
-    "compensate/batch.py": (450, "the columns of one batch, each worked out from others of them"),
     "nc/expand/fanuc.py": (450, "one language: macro B runs as one interpreter"),
     "nc/expand/resolve.py": (505, "one stage: a line passes cycles, then frames, then the tracker"),
     "nc/expand/siemens.py": (460, "one language: a Sinumerik program runs as one interpreter"),

@@ -1,8 +1,5 @@
-"""The columns of one batch while its commands are worked out: strokes, sides of approach, where
-each begins and ends.
-
-A stroke is a motion, or a part of one between two places where a two-way axis turns back.
-"""
+"""How the columns of one batch are worked out: strokes, sides of approach, where each begins and
+ends."""
 
 from __future__ import annotations
 
@@ -13,11 +10,9 @@ import numpy as np
 from postproc.compensate import cutter, levels, sides, turning
 from postproc.compensate.approach import hold_last, last_way
 from postproc.compensate.arcs import points, quadrants
+from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
-from postproc.compensate.known import known
-from postproc.compensate.settings import Carry, Settings
-from postproc.errors import Notice
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM
@@ -40,30 +35,8 @@ def written_centre(motions: Motions) -> np.ndarray:
     return np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
 
 
-class Batch:
-    """The columns of one batch while they are worked out. S strokes; every stroke belongs to one
-    motion."""
-
-    def __init__(
-        self,
-        settings: Settings,
-        motions: Motions,
-        carry: Carry,
-        span: tuple[float, float] = (0.0, 1.0),
-    ):
-        """span: from where to where in t, of one motion that is corrected in parts."""
-        self.c, self.m, self.carry, self.span = settings, motions, carry, span
-        self.machine, self.options = settings.machine, settings.options
-        self.rows, self.fixed = settings.rows, settings.fixed
-        self.notices: list[Notice] = []
-        self.places = known(self.machine, motions)
-        self.known, self.start_known = self.places.end, self.places.start
-        # motions whose end is corrected
-        self.free = self.known & ~motions.alone & ~self.places.idle
-        # (A, N) G28 has taken the axis elsewhere meanwhile
-        self.jumped = motions.sent & motions.start_known
-        # (N,) ticks commanded at the bottom of a hole
-        self.bottom = np.zeros(len(motions), np.int64)
+class Batch(Columns):
+    """The columns of one batch, and how each is worked out from others of them."""
 
     @cached_property
     def extremes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -109,7 +82,7 @@ class Batch:
             travel = np.where(sure, travel, 0)
             self.forget &= (m.target_known & (m.word >= 0)).take(motion, axis=1)
         self.travel = travel
-        self.inside = np.count_nonzero(m.cutter) > 0
+        self.inside = bool(np.count_nonzero(m.cutter))
         self.reads_beside = self.inside and cutter.reads_beside(self)
         self.turns = cutter.last_way(self, travel) if self.inside else travel
         self.known_before = self.start_known[motion] | (t0 > 0)
@@ -127,7 +100,7 @@ class Batch:
         # were sent last.
         free = self.free[motion]
         self.sure_after = free & (code != HOLE)
-        self.sure = ~self.jumps.any(axis=0)
+        self.sure = np.logical_not(self.jumps.any(axis=0))
         self.sure[:1] &= self.carry.sure
         self.sure[1:] &= self.sure_after[:-1]
         # Strokes before which lost motion may be taken up.
@@ -161,34 +134,7 @@ class Batch:
         self.exact = self.end_nominal.copy()
         nominal = self.end_nominal.take(which, axis=1)
         weight = self.weight_end.take(which, axis=1)
-        self.exact[:, which] = self.command(which, self.t1[which], nominal, weight)
-
-    def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
-        m, n = self.m, len(t)
-        for end, column in ((1.0, m.target), (0.0, m.start)):
-            if np.count_nonzero(t == end) == n:
-                return column.take(motion, axis=1) / TICKS_PER_MM
-        start = m.start.take(motion, axis=1) / TICKS_PER_MM
-        target = m.target.take(motion, axis=1) / TICKS_PER_MM
-        result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
-        on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
-        if on_arc.any():
-            result[:, on_arc] = points(
-                m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc]
-            )
-        return result
-
-    def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
-        """(A, K) side of approach at places along strokes."""
-        begin = self.weight_begin.take(stroke, axis=1)
-        ramped = self.c.reach > 0
-        if not np.count_nonzero(ramped):
-            return begin
-        reach = np.where(ramped, self.c.reach, 1)[:, None]
-        way = (nominal - self.begin_nominal.take(stroke, axis=1)) * (TICKS_PER_MM / reach)
-        moved = np.minimum(np.maximum(begin + way, -1.0), 1.0)
-        return np.where(ramped[:, None], moved, begin)
+        self.exact[:, which] = cutter.commands(self, which, self.t1[which], nominal, weight)
 
     def needed(
         self, stroke: np.ndarray, nominal: np.ndarray, weight: np.ndarray, t: np.ndarray
@@ -201,7 +147,7 @@ class Batch:
         """
         if self.inside:
             weight = cutter.approach_on_arcs(self, stroke, t, weight)
-        exact = self.command(stroke, t, nominal, weight)
+        exact = cutter.commands(self, stroke, t, nominal, weight)
         if self.c.mode == "off":
             rest = (self.t1[stroke] - t) / (self.t1 - self.t0)[stroke]
             exact += self.differs.take(stroke, axis=1) * rest
@@ -217,15 +163,6 @@ class Batch:
             held = np.minimum(np.maximum(exact[row], np.minimum(one, two)), np.maximum(one, two))
             exact[row] = np.where(self.m.cutter[self.motion[stroke]] == FREE, held, exact[row])
         return exact
-
-    def command(
-        self, stroke: np.ndarray, t: np.ndarray, nominal: np.ndarray, weight: np.ndarray
-    ) -> np.ndarray:
-        """(A, K) mm: commands at t along strokes, the map read where the tool's centre is."""
-        if not self.reads_beside:
-            return command(self.machine, nominal, weight, self.motion[stroke])
-        beside = cutter.centre(self, stroke, t)
-        return command(self.machine, nominal + beside, weight, self.motion[stroke]) - beside
 
     def grid(self, stroke: np.ndarray, exact: np.ndarray) -> np.ndarray:
         """(A, K) ticks: exact commands mm rounded once, half to even, to the least increment of
@@ -295,7 +232,7 @@ class Batch:
         correction has changed by more than half the tolerance. Sets `begin` (A, S), where each
         stroke is begun, and the final `before` and `end`."""
         free, known = self.free[self.motion], self.known_before
-        held = ~self.travel.all(axis=1)
+        held = (self.travel == 0).any(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
         unknown = np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
         moved = np.count_nonzero(self.turning) or np.count_nonzero(self.left)

@@ -19,16 +19,13 @@ convert_straight_comp2 and convert_arc_comp2). So
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from postproc.compensate.columns import Columns
+from postproc.compensate.inverse import command
 from postproc.errors import Notice
 from postproc.motions import ENTRY, FREE, OFFSET
 from postproc.units import TICKS_PER_MM, UM
-
-if TYPE_CHECKING:
-    from postproc.compensate.batch import Batch
 
 # rad: two neighbours then stay below the 0.05 rad from which LinuxCNC takes a bend for a corner
 SLANT = 0.02
@@ -42,12 +39,12 @@ BEND = 1e-4
 FREELY = np.iinfo(np.int64).max
 
 
-def reads_beside(b: Batch) -> bool:
+def reads_beside(b: Columns) -> bool:
     """Whether any block has a centre that is known to lie beside it."""
     return bool((np.isfinite(b.m.radius) & (b.m.radius != 0)).any())
 
 
-def centre(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
+def centre(b: Columns, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(A, K) mm from the contour at t of strokes to the point that the slides carry; 0 where it is
     not known."""
     m, motion = b.m, b.motion[stroke]
@@ -66,7 +63,17 @@ def centre(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     return result
 
 
-def normal(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
+def commands(
+    b: Columns, stroke: np.ndarray, t: np.ndarray, nominal: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
+    """(A, K) mm: commands at t along strokes, the map read where the tool's centre is."""
+    if not b.reads_beside:
+        return command(b.machine, nominal, weight, b.motion[stroke])
+    beside = centre(b, stroke, t)
+    return command(b.machine, nominal + beside, weight, b.motion[stroke]) - beside
+
+
+def normal(b: Columns, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(2, K) unit vectors to the left of the path in its plane; 0 where a stroke rests in it."""
     m, motion = b.m, b.motion[stroke]
     column = np.arange(len(stroke))
@@ -82,7 +89,9 @@ def normal(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     return left
 
 
-def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.ndarray) -> np.ndarray:
+def approach_on_arcs(
+    b: Columns, stroke: np.ndarray, t: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
     """(A, K) weight of approach where arcs are not cut at the places at which an axis turns back:
     by the tangent."""
     arc = b.arc_of[b.motion[stroke]]
@@ -98,7 +107,7 @@ def approach_on_arcs(b: Batch, stroke: np.ndarray, t: np.ndarray, weight: np.nda
     return weight
 
 
-def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
+def last_way(b: Columns, travel: np.ndarray) -> np.ndarray:
     """(A, S) travel whose sign is that of the last part of arcs that are not cut where an axis
     turns back."""
     arc = b.arc_of[b.motion]
@@ -112,7 +121,7 @@ def last_way(b: Batch, travel: np.ndarray) -> np.ndarray:
     return travel
 
 
-def leash(b: Batch) -> np.ndarray | None:
+def leash(b: Columns) -> np.ndarray | None:
     """(A, S) ticks by which the correction of an axis may change along a stroke, in whole
     increments; None: freely."""
     m, motion = b.m, b.motion
@@ -135,7 +144,7 @@ def leash(b: Batch) -> np.ndarray | None:
     return result
 
 
-def _room(b: Batch, arc: np.ndarray, way: np.ndarray) -> np.ndarray:
+def _room(b: Columns, arc: np.ndarray, way: np.ndarray) -> np.ndarray:
     """(K,) ticks by which the ends of arcs may move apart, so that a tool on their inside that fits
     still fits."""
     arcs, radius = b.m.arcs, b.m.radius[b.m.arcs.motion[arc]]
@@ -144,7 +153,7 @@ def _room(b: Batch, arc: np.ndarray, way: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(radius), wide, BEND * way)
 
 
-def heading(b: Batch) -> tuple[float, float]:
+def heading(b: Columns) -> tuple[float, float]:
     """The unit tangent in the plane in which the last motion inside ended."""
     if not b.inside:
         return (0.0, 0.0)
@@ -157,7 +166,7 @@ def heading(b: Batch) -> tuple[float, float]:
     return float(first), float(second)
 
 
-def _headings(b: Batch, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _headings(b: Columns, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(2, S) unit tangents of strokes in the plane at t, and (S,) bool whether they move there
     inside compensation."""
     left = normal(b, np.arange(len(b.motion)), t)
@@ -165,7 +174,7 @@ def _headings(b: Batch, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return along, (b.m.cutter[b.motion] != FREE) & along.any(axis=0)
 
 
-def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
+def behind(b: Columns, chosen: np.ndarray) -> np.ndarray:
     """(K,) mm from the begin of strokes to where their shifted way begins, behind an inside
     corner."""
     ends, moves = _headings(b, np.ones(len(b.motion)))
@@ -185,7 +194,7 @@ def behind(b: Batch, chosen: np.ndarray) -> np.ndarray:
     return np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
 
 
-def arcs_inside(b: Batch) -> dict[str, np.ndarray]:
+def arcs_inside(b: Columns) -> dict[str, np.ndarray]:
     """What Fitter must know of arcs: which are inside, the shortest piece of one, and the tool that
     must fit."""
     motion = b.m.arcs.motion
@@ -196,7 +205,7 @@ def arcs_inside(b: Batch) -> dict[str, np.ndarray]:
     return {"inside": inside, "shortest": np.where(inside, margin(b, motion), 0.0), "tool": tool}
 
 
-def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
+def margin(b: Columns, motion: np.ndarray) -> np.ndarray:
     """(K,) mm from the ends of motions within which they are not cut; inf where the radius is not
     stated."""
     radius = np.abs(b.m.radius[motion])
@@ -206,7 +215,7 @@ def margin(b: Batch, motion: np.ndarray) -> np.ndarray:
     )
 
 
-def may_cut(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
+def may_cut(b: Columns, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(K,) bool: places t of straight strokes `chosen[owner]` at which they may be cut."""
     motion = b.motion[chosen]
     away, behind_ = margin(b, motion), behind(b, chosen)
@@ -218,14 +227,14 @@ def may_cut(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> n
     return result
 
 
-def _way(b: Batch, chosen: np.ndarray) -> np.ndarray:
+def _way(b: Columns, chosen: np.ndarray) -> np.ndarray:
     """(K,) mm of strokes in the plane."""
     first, second = np.maximum(b.m.plane[:, b.motion[chosen]], 0)
     way: np.ndarray = np.hypot(b.travel[first, chosen], b.travel[second, chosen]) / TICKS_PER_MM
     return way
 
 
-def edges(b: Batch, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def edges(b: Columns, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(K,) index into chosen and (K,) t of the places nearest to their ends at which strokes inside
     may be cut."""
     away, behind_, way = margin(b, b.motion[chosen]), behind(b, chosen), _way(b, chosen)
@@ -235,7 +244,7 @@ def edges(b: Batch, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def tell(b: Batch) -> None:
+def tell(b: Columns) -> None:
     """Notices: where the map is read, and what is left where the correction is held."""
     inside = ((b.m.cutter != FREE) & b.free).nonzero()[0]
     if not len(inside):
@@ -276,7 +285,7 @@ def tell(b: Batch) -> None:
         )
 
 
-def tell_held(b: Batch, limits: np.ndarray) -> None:
+def tell_held(b: Columns, limits: np.ndarray) -> None:
     """Say how much of a correction is not made because the blocks that would need it do not move in
     the plane."""
     m, motion = b.m, b.motion

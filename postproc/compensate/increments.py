@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from postproc.compensate.columns import Columns
 from postproc.units import TICKS_PER_MM
 
-if TYPE_CHECKING:
-    from postproc.compensate.batch import Batch
 
-
-def increments(b: Batch, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def increments(b: Columns, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Two (A, K) ticks: where the increments of strokes count from, the nominal place wherever a
     difference of two places may be written, else zero; and their size."""
     m, motion = b.m, b.motion[stroke]

@@ -3,15 +3,12 @@ holes of the same cycle that ended at R."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-if TYPE_CHECKING:
-    from postproc.compensate.batch import Batch
+from postproc.compensate.columns import Columns
 
 
-def origins(b: Batch, row: int) -> dict[int, int]:
+def origins(b: Columns, row: int) -> dict[int, int]:
     """By stroke, for holes from which axis `row` goes back to the initial level while the
     stroke before ended at another one (R, of a hole in the same cycle): the stroke at whose end it
     stood at that level, -1: before the batch."""
@@ -27,7 +24,7 @@ def origins(b: Batch, row: int) -> dict[int, int]:
 
 
 def level(
-    b: Batch, row: int, origin: int, still: np.ndarray, value: list[int], end: np.ndarray
+    b: Columns, row: int, origin: int, still: np.ndarray, value: list[int], end: np.ndarray
 ) -> int:
     """ticks: where axis `row` ended in stroke `origin`, -1: before the batch. value: of the first
     of the strokes `still` (K,), which are worked out; end (S,): of the others."""
@@ -38,7 +35,7 @@ def level(
     return value[k] if still[k] == origin else int(end[origin])
 
 
-def initial_level(b: Batch, row: int) -> int:
+def initial_level(b: Columns, row: int) -> int:
     """ticks: where axis `row` stood before the holes with which the batch ends, all of which ended
     at R; where it stands, if there are none."""
     holes = b.m.holes

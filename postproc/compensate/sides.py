@@ -13,17 +13,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.compensate.approach import Sides, bear, hold_last, ramp
+from postproc.compensate.columns import Columns
+from postproc.compensate.cutter import commands
 from postproc.machine.tip import TipMachine
 from postproc.motions import RAPID
 from postproc.units import TICKS_PER_MM
-
-if TYPE_CHECKING:
-    from postproc.compensate.batch import Batch
 
 NOWHERE = np.int64(2**61)  # ticks: no place to look at
 
@@ -38,7 +36,7 @@ class Course:
     begin: np.ndarray
     end: np.ndarray
 
-    def __init__(self, b: Batch):
+    def __init__(self, b: Columns):
         self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
         self.band = b.c.band[self.rows]
         self.travel = b.travel[self.rows]
@@ -102,7 +100,7 @@ class Course:
         free = b.free.take(b.motion.take(at)).nonzero()[0]
         if len(free):
             at, weight = at.take(free), self.spread(side.take(free, axis=1))
-            found = b.command(at, b.t1.take(at), b.reached.take(at, axis=1), weight)
+            found = commands(b, at, b.t1.take(at), b.reached.take(at, axis=1), weight)
             told = b.correctable.take(at, axis=1)
             result[:, free] = np.where(told, found, result.take(free, axis=1))
         return result
@@ -126,7 +124,7 @@ class Course:
         if len(here):
             there, led = at.take(here), side.take(here, axis=1)
             nominal, weight = b.begin_nominal.take(there, axis=1), self.spread(led)
-            first = b.command(there, b.t0.take(there), nominal, weight)
+            first = commands(b, there, b.t0.take(there), nominal, weight)
             begin[:, here] = self._without_play(led, first)
         return exact, begin, self._without_play(side, exact)
 
@@ -215,7 +213,7 @@ def _behind(which: np.ndarray) -> np.ndarray:
     return result
 
 
-def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
+def of_slides(b: Columns) -> tuple[np.ndarray, Sides]:
     """(A, S) sides where words are places of the tool tip, and what the next batch must know: each
     slide's own way, its errors taken off but its lost motion, as `follow` has it of words that are
     places of slides."""
@@ -226,7 +224,7 @@ def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
     which = ends.nonzero()[0]
     if len(which):
         nominal = b.end_nominal.take(which, axis=1)
-        wanted = b.command(which, b.t1[which], nominal, np.zeros_like(nominal))
+        wanted = commands(b, which, b.t1[which], nominal, np.zeros_like(nominal))
         place[:, which] = np.rint(b.machine.slides(wanted) * TICKS_PER_MM).astype(np.int64)
     carry = b.carry.sides
     if not carry.begun.all() and b.known_before[0]:
@@ -241,7 +239,7 @@ def of_slides(b: Batch) -> tuple[np.ndarray, Sides]:
     return side.astype(float), replace(carry, side=side[:, -1], middle=middle[:, -1], begun=begun)
 
 
-def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
+def nominal_sides(b: Columns) -> tuple[np.ndarray, Sides]:
     """(A, S) sides from the nominal motion alone, without hysteresis, and what the next batch must
     know (mode off)."""
     course = Course(b)
@@ -252,7 +250,7 @@ def nominal_sides(b: Batch) -> tuple[np.ndarray, Sides]:
     return course.spread(side), carried(b, course, side, middle)
 
 
-def carried(b: Batch, course: Course, side: np.ndarray, middle: np.ndarray, taken=None) -> Sides:
+def carried(b: Columns, course: Course, side: np.ndarray, middle: np.ndarray, taken=None) -> Sides:
     """What the next batch must know."""
     s = b.carry.sides
     after = [s.side.copy(), s.middle.copy(), s.taken.copy()]
@@ -262,7 +260,7 @@ def carried(b: Batch, course: Course, side: np.ndarray, middle: np.ndarray, take
     return Sides(after[0], after[1], after[2], s.begun | b.m.target_known.any(axis=1))
 
 
-def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
+def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     """Of each stroke: (A, S) share of the lost motion at its begin and at its end, -1 to +1, and
     (A, S) mm the command of its end, as if nothing were held still; and what the next batch must
     know."""
@@ -275,7 +273,7 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
         which = b.free[b.motion].nonzero()[0]
         exact = b.end_nominal.copy()
         nominal = b.end_nominal.take(which, axis=1)
-        exact[:, which] = b.command(which, b.t1[which], nominal, end.take(which, axis=1))
+        exact[:, which] = commands(b, which, b.t1[which], nominal, end.take(which, axis=1))
         course.exact = exact
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
     # Where nothing was corrected before, the way to the first corrected place turns an axis too
@@ -286,7 +284,7 @@ def follow(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     return begin, end, exact, carried(b, course, course.side, course.middle, taken)
 
 
-def _ramps(b: Batch, course: Course, side: np.ndarray):
+def _ramps(b: Columns, course: Course, side: np.ndarray):
     """Shares of the axes that take lost motion up over some travel of their own. Where the option
     alone asks for a ramp, an axis that rests is taken up at once: there its motor moves alone, and
     nothing is cut."""

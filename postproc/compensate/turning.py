@@ -9,12 +9,12 @@ up, so the motion is divided there.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
+from postproc.compensate.columns import Columns
 from postproc.compensate.inverse import command
 from postproc.machine.chain import LINEAR, XYZ
 from postproc.machine.polar import PolarMachine
@@ -22,16 +22,13 @@ from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, FREE
 from postproc.units import TICKS_PER_MM
 
-if TYPE_CHECKING:
-    from postproc.compensate.batch import Batch
-
 SAMPLES = (8, 64)  # of an arc, at least and at most
 PORTION = 500  # arcs looked at at once: the samples of more leave the processor's cache
 LOOKS = 17  # places on a motion of the tip at which its slides are looked at
 APART = 1e-9  # of a motion: closer places are one
 
 
-def divided(b: Batch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def divided(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(S,) motion, t0 and t1 of the strokes of a batch."""
     motion, t0, t1 = np.arange(len(b.m)), np.zeros(len(b.m)), np.ones(len(b.m))
     found = _of_slides(b) if isinstance(b.machine, TipMachine) else [_quadrants(b), *_induced(b)]
@@ -56,7 +53,7 @@ def within(
     return motion[inside], t0[inside], t1[inside]
 
 
-def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
+def _of_slides(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     """Per two-way slide (K,) motion and t of the places where it turns back by more than the
     hysteresis while the tip goes straight, on a face along an arc too: looked for at LOOKS places,
     and put where a parabola through three of them turns."""
@@ -90,7 +87,7 @@ def _of_slides(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
     return found
 
 
-def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
+def _quadrants(b: Columns) -> tuple[np.ndarray, np.ndarray]:
     """(K,) motion and t of the places where a two-way axis of an arc's plane turns back."""
     arcs, two_way = b.m.arcs, b.machine.two_way
     if not len(arcs):
@@ -107,7 +104,7 @@ def _quadrants(b: Batch) -> tuple[np.ndarray, np.ndarray]:
     return arcs.motion[arc], t
 
 
-def _bends(b: Batch, chosen: np.ndarray, least: float) -> np.ndarray:
+def _bends(b: Columns, chosen: np.ndarray, least: float) -> np.ndarray:
     """(K,) bool: arcs, and straight motions whose correction is no straight line but for less than
     `least` mm, which is all that such a one can turn back by."""
     m = b.m
@@ -116,7 +113,7 @@ def _bends(b: Batch, chosen: np.ndarray, least: float) -> np.ndarray:
     return (b.arc_of[chosen] >= 0) | nodes.may_bend(b.machine, start, target, least, clamped)
 
 
-def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
+def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     """Per axis (K,) motion and t of the places where its wanted place turns back by more than half
     the hysteresis: what it goes to and fro by inside a stroke is not seen."""
     m, rows = b.m, b.c.followed
@@ -157,11 +154,11 @@ def _induced(b: Batch) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 Looked = Callable[
-    ["Batch", np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray, np.ndarray]
+    ["Columns", np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray, np.ndarray]
 ]
 
 
-def _looked_at(b: Batch, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, Looked]]:
+def _looked_at(b: Columns, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, Looked]]:
     """The straight motions among those chosen, and the arcs in portions, each with what gives
     their places."""
     straight = b.m.code[chosen] == FEED
@@ -172,7 +169,7 @@ def _looked_at(b: Batch, chosen: np.ndarray) -> Iterator[tuple[np.ndarray, Looke
         yield arcs[first : first + PORTION], _on_arcs
 
 
-def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _on_increments(b: Columns, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The same places, moved to where the rotary axis that turns most stands on a whole increment
     of its word."""
     rows = np.array(b.machine.turning, np.int64)
@@ -188,7 +185,7 @@ def _on_increments(b: Batch, motion: np.ndarray, t: np.ndarray) -> tuple[np.ndar
 
 
 def _on_straight(
-    b: Batch, chosen: np.ndarray, most: np.ndarray, least: float
+    b: Columns, chosen: np.ndarray, most: np.ndarray, least: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(K,) motion, (K,) t and (A, K) mm of places along straight motions, in order, between which
     no deviation turns unseen."""
@@ -206,7 +203,7 @@ def _on_straight(
 
 
 def _on_arcs(
-    b: Batch, chosen: np.ndarray, most: np.ndarray, least: float
+    b: Columns, chosen: np.ndarray, most: np.ndarray, least: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The same along arcs: equal parts."""
     count = np.clip(np.ceil(2 * most[chosen] / least), *SAMPLES).astype(np.int64)

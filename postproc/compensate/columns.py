@@ -1,0 +1,100 @@
+"""The columns of one batch while its commands are worked out.
+
+A stroke is a motion, or a part of one between two places where a two-way axis turns back.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from postproc.compensate.approach import Sides
+from postproc.compensate.arcs import points
+from postproc.compensate.known import known
+from postproc.compensate.settings import Carry, Settings
+from postproc.errors import Notice
+from postproc.motions import Motions
+from postproc.units import TICKS_PER_MM
+
+
+class Columns:
+    """S strokes; every stroke belongs to one motion. What each column says stands where it is
+    worked out, in batch.py."""
+
+    motion: np.ndarray
+    t0: np.ndarray
+    t1: np.ndarray
+    arc_of: np.ndarray
+    arc_start: np.ndarray
+    arc_target: np.ndarray
+    begin_nominal: np.ndarray
+    end_nominal: np.ndarray
+    nominal_end: np.ndarray
+    last: np.ndarray
+    forget: np.ndarray
+    travel: np.ndarray
+    turns: np.ndarray
+    known_before: np.ndarray
+    hole: np.ndarray
+    reached: np.ndarray
+    jumps: np.ndarray
+    sure: np.ndarray
+    cutting: np.ndarray
+    correctable: np.ndarray
+    left: np.ndarray
+    twice: np.ndarray
+    weight_begin: np.ndarray
+    weight_end: np.ndarray
+    sides: Sides
+    exact: np.ndarray
+    end: np.ndarray
+    tip: bool
+    inside: bool
+    reads_beside: bool
+
+    def __init__(
+        self,
+        settings: Settings,
+        motions: Motions,
+        carry: Carry,
+        span: tuple[float, float] = (0.0, 1.0),
+    ):
+        """span: from where to where in t, of one motion that is corrected in parts."""
+        self.c, self.m, self.carry, self.span = settings, motions, carry, span
+        self.machine, self.options = settings.machine, settings.options
+        self.rows, self.fixed = settings.rows, settings.fixed
+        self.notices: list[Notice] = []
+        self.places = known(self.machine, motions)
+        self.known, self.start_known = self.places.end, self.places.start
+        # motions whose end is corrected
+        self.free = self.known & ~motions.alone & ~self.places.idle
+        # (A, N) G28 has taken the axis elsewhere meanwhile
+        self.jumped = motions.sent & motions.start_known
+        # (N,) ticks commanded at the bottom of a hole
+        self.bottom = np.zeros(len(motions), np.int64)
+
+    def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
+        m, n = self.m, len(t)
+        for end, column in ((1.0, m.target), (0.0, m.start)):
+            if np.count_nonzero(t == end) == n:
+                return column.take(motion, axis=1) / TICKS_PER_MM
+        start = m.start.take(motion, axis=1) / TICKS_PER_MM
+        target = m.target.take(motion, axis=1) / TICKS_PER_MM
+        result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
+        on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
+        if on_arc.any():
+            result[:, on_arc] = points(
+                m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc]
+            )
+        return result
+
+    def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
+        """(A, K) side of approach at places along strokes."""
+        begin = self.weight_begin.take(stroke, axis=1)
+        ramped = self.c.reach > 0
+        if not np.count_nonzero(ramped):
+            return begin
+        reach = np.where(ramped, self.c.reach, 1)[:, None]
+        way = (nominal - self.begin_nominal.take(stroke, axis=1)) * (TICKS_PER_MM / reach)
+        moved = np.minimum(np.maximum(begin + way, -1.0), 1.0)
+        return np.where(ramped[:, None], moved, begin)
