@@ -10,7 +10,6 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from postproc.commands import as_json, option_text, port_options
-from postproc.errors import UsageError
 from postproc.streaming.orders import WORDS
 
 if TYPE_CHECKING:
@@ -78,7 +77,8 @@ def _carried_out(port, options: argparse.Namespace, url: str) -> int:
         return 0
     order = Order(greeting.protocol, options.order, options.words, greeting.status, url)
     try:
-        _loop(port, order)
+        order.begin(time.monotonic())
+        loop.carry(port, order, LONGEST)
     except KeyboardInterrupt:
         with contextlib.suppress(OSError):
             port.write(greeting.protocol.urgent("hold") + greeting.protocol.urgent("jog cancel"))
@@ -116,28 +116,3 @@ def _found(options: argparse.Namespace, url: str, status: Status | None) -> dict
             "text": in_words(status, url),
         }
     return found
-
-
-def _loop(port, order) -> None:
-    """Carry bytes until it is done, refused, or silent for too long. Raises UsageError."""
-    from postproc.commands.stream.loop import WAIT
-    from postproc.commands.stream.port import Lost
-
-    started = time.monotonic()
-    order.begin(started)
-    try:
-        while not (order.done or order.fault):
-            now = time.monotonic()
-            order.tick(now)
-            data = order.bytes_out()
-            while data:
-                data = data[port.write(data) :]
-            order.receive(port.read(WAIT), time.monotonic())
-            if now - started > LONGEST:
-                raise UsageError(
-                    f"the controller has not finished within {LONGEST:g} s", "look at the machine"
-                )
-    except Lost as error:
-        raise UsageError(
-            f"the port {port.url} was closed: {error}", "is the controller still plugged in?"
-        ) from None

@@ -24,18 +24,24 @@ ENDINGS = (
 )  # fmt: skip
 
 
-def written_out(
-    filter_: Filter, source, options: argparse.Namespace, keeps: bool = True
-) -> Written:
-    """The program of the stream, ready to be written out. keeps: drilling cycles stay where their
-    holes bend by less than the tolerance of holes. Raises UsageError where its control has nothing
-    to write out."""
+def whole(source) -> bytes:
+    """The text of a program that is to be written out. Raises UsageError where it is too long."""
     text = source.read(intake.PROGRAM + 1)
     if len(text) > intake.PROGRAM:
         raise UsageError(
             f"a program of more than {intake.PROGRAM:,} bytes is not read whole",
             "without --expand any length passes",
         )
+    return text
+
+
+def written_out(
+    filter_: Filter, source, options: argparse.Namespace, keeps: bool = True
+) -> Written:
+    """The program of the stream, ready to be written out. keeps: drilling cycles stay where their
+    holes bend by less than the tolerance of holes. Raises UsageError where its control has nothing
+    to write out."""
+    text = whole(source)
     here = Path(options.file).parent if options.file not in (None, "-") else Path()
     library = Library([here, *map(Path, options.library)], filter_.notices)
     return of_text(filter_, text, library.text, options, keeps)

@@ -171,9 +171,9 @@ def spacing(target: np.ndarray) -> float | None:
     return float(step.mean()) if np.ptp(step) <= 0.02 * step.mean() else None
 
 
-def aliases(target: np.ndarray, lead: float, most: int = 4) -> list[tuple[int, str]]:
-    """What the targets make of an error that repeats `k` times per lead, k = 1 .. `most`: (k, what
-    it looks like).
+def aliases(target: np.ndarray, lead: float) -> list[tuple[int, str]]:
+    """What the targets make of an error that repeats `k` times per lead, k = 1 .. 4: (k, what it
+    looks like).
 
     A period that fits a whole number of times between the targets looks constant; what a spacing
     can not follow looks like a longer wave (sampling theorem). ISO 230-2 asks for targets that are
@@ -181,7 +181,7 @@ def aliases(target: np.ndarray, lead: float, most: int = 4) -> list[tuple[int, s
     """
     out = []
     step = spacing(target)
-    for k in range(1, most + 1):
+    for k in range(1, 5):
         alike = abs(np.exp(2j * np.pi * k * target / lead).mean())
         if alike > 0.99:
             out.append((k, "invisible: all targets lie at the same phase"))

@@ -191,20 +191,9 @@ def prepare(
         options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros
     )
     if options.expand:
-        job.whole = _whole(options, copy)
+        with copy.opened() if copy else _piped(options.file) as stream:
+            job.whole = expansion.whole(stream)
     return job
-
-
-def _whole(options: argparse.Namespace, copy: ports.Copy | None) -> bytes:
-    """The text of a program that is to be written out. Raises UsageError where it is too long."""
-    with copy.opened() if copy else _piped(options.file) as stream:
-        whole = stream.read(intake.PROGRAM + 1)
-    if len(whole) > intake.PROGRAM:
-        raise UsageError(
-            f"a program of more than {intake.PROGRAM:,} bytes is not read whole",
-            "without --expand any length passes",
-        )
-    return whole
 
 
 @contextlib.contextmanager

@@ -7,6 +7,7 @@ Nothing here waits for anybody but the port: what is told, kept and recorded has
 from __future__ import annotations
 
 import contextlib
+import math
 import time
 import traceback
 from dataclasses import replace
@@ -28,6 +29,7 @@ from postproc.streaming import outcome as ends
 from postproc.streaming.events import Status
 from postproc.streaming.greeting import Greeting
 from postproc.streaming.lines import WireLine
+from postproc.streaming.orders import Order
 from postproc.streaming.outcome import Outcome
 from postproc.streaming.protocols import UNLIMITED
 from postproc.streaming.sender import Sender
@@ -61,21 +63,31 @@ def interrupt(port: Port, greeting: Greeting, name: str) -> None:
     raise Interrupted(f"interrupted ({name}): nothing of the program was sent{does}")
 
 
-def greet(port: Port, greeting: Greeting) -> None:
-    """Carry the talk before the job. Raises what it found wrong, and UsageError where the port goes
-    away."""
+def carry(port: Port, talk: Greeting | Order, longest: float = math.inf) -> None:
+    """Carry bytes until a talk is done or has a fault. Raises UsageError where the port goes away,
+    or after `longest` s."""
+    started = time.monotonic()
     try:
-        while not greeting.done and greeting.fault is None:
+        while not talk.done and not talk.fault:
             now = time.monotonic()
-            greeting.tick(now)
-            data = greeting.bytes_out()
+            talk.tick(now)
+            data = talk.bytes_out()
             while data:
                 data = data[port.write(data) :]
-            greeting.receive(port.read(WAIT), time.monotonic())
+            talk.receive(port.read(WAIT), time.monotonic())
+            if now - started > longest:
+                raise UsageError(
+                    f"the controller has not finished within {longest:g} s", "look at the machine"
+                )
     except Lost as error:
         raise UsageError(
             f"the port {port.url} was closed: {error}", "is the controller still plugged in?"
         ) from None
+
+
+def greet(port: Port, greeting: Greeting) -> None:
+    """Carry the talk before the job. Raises what it found wrong, and as `carry`."""
+    carry(port, greeting)
     if greeting.fault:
         raise greeting.fault
 
