@@ -91,7 +91,7 @@ def _lost_motion(v: Figures) -> str:
         )
     after, before = v.corrected, v.uncorrected
     return (
-        f"; with lost motion as such {after.slide / UM:.2f} um (line {after.slide_line}),"
+        f"; with lost motion as such {after.slide / UM:.2f} um{_at(after.slide_line)},"
         f" uncorrected {before.slide / UM:.2f} um, hysteresis {v.hysteresis / UM:g} um"
     )
 
