@@ -124,7 +124,7 @@ def _of_surroundings(error: OSError) -> str:
     what = f"{error.filename}: " if error.filename else ""
     full = (
         "; the output is not complete, a file that stood there before still does"
-        if error.errno in (errno.ENOSPC, errno.EDQUOT)
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
         else ""
     )
     return f"{what}{error.strerror or error}{full}"

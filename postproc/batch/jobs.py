@@ -83,8 +83,8 @@ def _programs(path: Path, output: Path, patterns: Sequence[str]) -> Iterator[tup
             f"the results would be written among the programs in {path}", "-o names another folder"
         )
     for file in sorted(path.rglob("*")):
-        if inside in file.resolve().parents or not file.is_file() or file.name.startswith("."):
-            continue
+        if not file.is_file() or file.name.startswith(".") or inside in file.resolve().parents:
+            continue  # a link to itself is no file
         if any(fnmatch.fnmatch(file.name.lower(), pattern.lower()) for pattern in patterns):
             yield file, file.relative_to(path)
 

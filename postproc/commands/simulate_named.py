@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from types import ModuleType
 
 from postproc import effects
@@ -42,7 +43,10 @@ def _parameters(word: str, module: ModuleType, text: str) -> dict[str, float]:
             settings = "; ".join(f"{k} ({v})" for k, v in module.PARAMETERS.items())
             name = word.partition(":")[0]
             raise UsageError(f"--with {word}: {name} has no {key!r}", f"its parameters: {settings}")
-        parameters[key] = values.number(value)
+        try:
+            parameters[key] = values.number(value)
+        except argparse.ArgumentTypeError as error:
+            raise UsageError(f"--with {word}: {key}: {error}", module.PARAMETERS[key]) from None
     if missing := [key for key in module.PARAMETERS if key not in parameters]:
         raise UsageError(f"--with {word}: {missing[0]} is missing", module.PARAMETERS[missing[0]])
     return parameters

@@ -10,6 +10,7 @@ import numpy as np
 from postproc.errors import UsageError
 
 GOLDEN = 0.6180339887498949
+MOST = 100_000  # targets
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,11 @@ class Ask:
 def targets(low: float, high: float, step: float, even: bool) -> np.ndarray:
     """Places of targets: at even steps, or each moved by up to a quarter of a step, as ISO 230-2
     wants it, so that no period of a screw stays hidden."""
+    if (high - low) / step > MOST:
+        raise UsageError(
+            f"{high - low:g} mm in steps of {step:g} mm are more than {MOST:,} targets",
+            "a larger step",
+        )
     number = max(round((high - low) / step), 2)
     places = low + (high - low) * np.arange(number + 1) / number
     if even:

@@ -136,6 +136,33 @@ def test_a_long_comment_without_an_end_is_refused_at_once(lathe, capfd):
     assert "a line of more than 1,000,000 characters" in corrected(capfd)
 
 
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("--with", "backlash:Z:size_um=abc"), "size_um: 'abc' is not a number"),
+        (("--with", "backlash:Z:size_um=1e308"), "size_um: '1e308' is not a number"),
+        (("--set", "rate=1e308"), "rate=1e308 is not a number"),
+        (("--set", "rate=1e11"), "samples are more than 5,000,000"),
+        (("--test", "positioning:Z,step=1e-12"), "steps of 1e-12 mm are more than 100,000 targets"),
+        (("--test", "positioning:Z,step=1e-320"), "are more than 100,000 targets"),
+    ],
+    ids="word huge rate samples targets infinite".split(),
+)
+def test_a_simulation_without_end_is_refused_before_it_begins(lathe, capfd, words, says):
+    test = () if "--test" in words else ("--test", "ballbar:XZ")
+    line = ("simulate", *test, "--machine", "./lathe", *words, "-o", "out.csv")
+    assert says in refused(capfd, *line)
+    assert not Path("out.csv").exists()
+
+
+def test_a_link_to_itself_is_no_program_of_a_batch(lathe, capfd):
+    Path("in").mkdir()
+    shutil.copy("a.nc", "in/a.nc")
+    Path("in/loop.nc").symlink_to("loop.nc")
+    assert main(["batch", "in", "--machine", "./lathe", "-o", "out", "-j", "1", "--quiet"]) == 0
+    assert [p.name for p in Path("out").rglob("*.nc")] == ["a.nc"]
+
+
 def test_rows_that_belong_to_no_run_are_refused(lathe, capfd):
     text = (ROOT / "sample_recordings" / "z_positioning.csv").read_text().splitlines()
     at = next(i for i, line in enumerate(text) if line.startswith("run,")) + 2

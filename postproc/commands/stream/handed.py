@@ -54,4 +54,6 @@ def write(options: argparse.Namespace, job: Job, protocol: Any) -> None:
     except OSError as error:
         what = f"{where} can not be written: {error.strerror}"
         raise UsageError(what, "--hand-over FILE") from None
+    finally:
+        part.unlink(missing_ok=True)  # of a program that was refused half way
     protocol.hand_over(str(where))

@@ -24,6 +24,7 @@ from postproc.recordings import Recording
 
 XYZ = "XYZ"
 MOST = 5_000_000  # samples
+LARGEST = 1e12  # of a setting
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Settings:
             value = float(self.given[name])
         except ValueError:
             raise self._fault(name, "a number") from None
-        if not np.isfinite(value):
+        if not abs(value) <= LARGEST:
             raise self._fault(name, "a number")
         return value
 
@@ -123,6 +124,12 @@ def load(name: str) -> ModuleType:
     return importlib.import_module(f"{__name__}.{name}")
 
 
+def refuse_more(samples: float, advice: str = "a lower rate: --set rate=100") -> None:
+    """Raises UsageError where so many can not be held, before they are made."""
+    if samples > MOST:
+        raise UsageError(f"{samples:,.0f} samples are more than {MOST:,}", advice)
+
+
 def recorded(
     signal: Signal, noise: Noise, head: Mapping[str, Any], without: tuple[str, ...] = ()
 ) -> Recording:
@@ -136,8 +143,7 @@ def recorded(
     n = len(next(iter(signal.columns.values()), np.zeros(0)))
     if not n:
         raise GcompError("there is nothing in this program that the instrument would have recorded")
-    if n > MOST:
-        raise GcompError(f"{n:,} samples are more than {MOST:,}", "a lower rate: --set rate=100")
+    refuse_more(n)
     columns = dict(signal.columns)
     for name, unit in signal.noisy.items():
         columns[name] = columns[name] + noise.draw(rng, n) / unit

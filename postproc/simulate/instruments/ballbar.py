@@ -11,7 +11,7 @@ import numpy as np
 
 from postproc.errors import GcompError
 from postproc.simulate.actual import Reality
-from postproc.simulate.instruments import Settings, Signal, commands
+from postproc.simulate.instruments import Settings, Signal, commands, refuse_more
 
 TITLE = "ballbar"
 SETTINGS = {
@@ -87,6 +87,7 @@ def _samples(timeline, piece, sense, sweep, rate: float) -> list[np.ndarray]:
     for k in range(int(run[-1]) + 1):
         of = np.flatnonzero(run == k)
         begin, end = _middle(timeline, piece[of], sweep[of])
+        refuse_more((end - begin) * rate)
         t = begin + np.arange(int((end - begin) * rate) + 1) / rate
         parts.append((t, np.full(len(t), k + 1.0), np.full(len(t), sense[of[0]])))
     return [np.concatenate(x) for x in zip(*parts, strict=True)]

@@ -7,7 +7,7 @@ import numpy as np
 
 from postproc.errors import UsageError
 from postproc.simulate.actual import Reality
-from postproc.simulate.instruments import MOST, Settings, Signal, channel_names, commands
+from postproc.simulate.instruments import Settings, Signal, channel_names, commands, refuse_more
 
 TITLE = "axis log"
 SETTINGS = {
@@ -34,11 +34,7 @@ def measure(reality: Reality, settings: Settings) -> Signal:
             f"nothing lies between {begin:g} and {end:g} s",
             f"the program takes {timeline.duration:.3f} s",
         )
-    if number > MOST:
-        raise UsageError(
-            f"{number:,} samples are more than {MOST:,}",
-            "a lower rate, or --set from=... --set to=...",
-        )
+    refuse_more(number, "a lower rate, or --set from=... --set to=...")
     time = begin + np.arange(number) / rate
     piece = timeline.plan.at(time)[0]
     run = timeline.steps.part[timeline.path.step[piece]].astype(float)
