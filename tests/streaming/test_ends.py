@@ -1,0 +1,89 @@
+"""How a job ends, byte by byte: when the spindle may be stopped, which end counts, and how often a
+controller must say that it rests."""
+
+from __future__ import annotations
+
+import pytest
+
+from postproc.streaming.endings import stopped
+from postproc.streaming.lines import WireLine
+from postproc.streaming.sender import HALTING, HELD, Sender
+from tests.streaming.bench import lines_of, new_sender, run
+from tests.streaming.grbl_model import GrblModel
+from tests.streaming.test_holds import BAD
+
+SPINDLE_STOP = b"\x9e"
+
+
+def refused_line(**how) -> Sender:
+    """A sender whose one line was refused, and whose bytes have left."""
+    sender = new_sender(GrblModel(), **how)
+    sender.give([WireLine(1, 1, 0, b"G1X1Q9")])
+    sender.end()
+    sender.tick(0.0)
+    sender.bytes_out()
+    sender.receive(b"error:20\r\n", 0.1)
+    sender.bytes_out()
+    sender.bytes_out()
+    return sender
+
+
+def test_the_spindle_stops_when_the_machine_stands_and_not_while_it_brakes():
+    """GRBL 1.1, interface.md: Hold:0 stands, Hold:1 is still moving; 0x9E in a cut breaks the
+    tool."""
+    sender = refused_line(spindle_off=True)
+    assert sender.state == HALTING and sender.outcome is None
+    sender.receive(b"<Hold:1|MPos:0.500,0.000,0.000|FS:300,0>\r\n", 0.2)
+    assert SPINDLE_STOP not in sender.urgent_out() and sender.outcome is None
+    sender.receive(b"<Hold:0|MPos:0.600,0.000,0.000|FS:0,0>\r\n", 0.3)
+    assert SPINDLE_STOP in sender.urgent_out()
+
+
+def test_a_stop_by_the_user_counts_more_than_the_end_that_was_under_way():
+    sender = refused_line(spindle_off=True)
+    sender.stop(0.2)
+    sender.receive(b"\r\nGrbl 1.1h ['$' for help]\r\n", 0.3)
+    wanted = stopped("stopped by the user", sender.protocol)
+    assert sender.outcome.kind == wanted.kind and sender.outcome.exit_status == wanted.exit_status
+
+
+def test_a_button_at_the_machine_is_no_answer_to_a_question_of_gcomp():
+    """While a refused line is asked about, cycle start at the machine goes on with what it has; no
+    further line leaves until a person has answered."""
+    model = GrblModel()
+    sender = new_sender(model, on_error="ask")
+    seen = []
+    run(
+        sender,
+        model,
+        lines_of(BAD),
+        actions=[
+            (8.0, lambda s, now: model.write(b"~", now)),
+            (20.0, lambda s, now: seen.append((s.state, bool(s.asks), s.tally.sent))),
+            (40.0, lambda s, now: seen.append((s.state, bool(s.asks), s.tally.sent))),
+            (40.1, lambda s, now: s.decide(False, now)),
+        ],
+    )
+    assert seen[0] == seen[1] and seen[0][:2] == (HELD, True) and seen[0][2] < 41
+
+
+@pytest.mark.parametrize("times, done", [(1, False), (2, True)])
+def test_one_report_of_rest_is_not_the_end(times, done):
+    """A report may have been on its way before the last motion began: two, asked for behind the
+    last answer."""
+    sender = new_sender(GrblModel())
+    sender.give([WireLine(1, 1, 0, b"G1X1F600")])
+    sender.end()
+    now = 0.0
+    sender.tick(now)
+    while sender.bytes_out():
+        pass
+    sender.receive(b"ok\r\n", 0.01)
+    reports = 0
+    while reports < times and now < 5.0:
+        now = round(now + 0.02, 3)
+        sender.tick(now)
+        if b"?" in sender.urgent_out() and now > 0.5:
+            sender.receive(b"<Idle|MPos:1.000,0.000,0.000|FS:0,0>\r\n", now + 0.005)
+            reports += 1
+    assert reports == times and (sender.outcome is not None) == done
