@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from postproc import intake
 from tests.test_printers import filtered, refused, written
 
 HEAD = "G90\nG0 X10. Y10. Z5.\n"
@@ -100,3 +101,12 @@ def test_a_percent_sign_behind_blocks_ends_the_program(head):
     text = head + "G21 G90 G17\nG0 X10. Y10. Z5.\nG1 X20. F100.\n%\nG999 no word\n"
     lines = written(text, "linuxcnc")
     assert lines[-2:] == ["%", "G999 no word"] and lines[-3] != "G1 X20. F100."
+
+
+def test_behind_the_end_of_a_program_a_line_may_have_any_length():
+    """Nothing there is executed: a tail of data without a line end passes as it is, where the same
+    before M2 is refused."""
+    tail = "x" * (intake.LINE + 1)
+    ended, _ = filtered(HEAD + "M2\n", "linuxcnc")
+    assert ended.feed(tail.encode()) + ended.finish() == tail.encode()
+    assert "a line of more than 1,000,000 characters" in refused(HEAD + tail, "linuxcnc").message

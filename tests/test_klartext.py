@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import random
 import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -305,3 +306,16 @@ def test_nothing_changes_on_a_machine_without_errors():
     offsets = {"G54": {}, "T5": {"Z": 50.0}}
     filter_ = Filter(machine, DIALECT, setup_of(machine, offsets=offsets))
     assert filter_.feed(PART.encode()) + filter_.finish() == PART.encode()
+
+
+def test_a_number_that_is_corrected_to_zero_has_its_sign(tmp_path):
+    """The manuals write X+0, and so does the program: 10 um of deviation at 0.01 mm leave zero."""
+    folder = tmp_path / "m"
+    shutil.copytree(ROOT / "machines" / "perfect", folder)
+    (folder / "X.csv").write_text("X_mm,EXX_um\n-100,10\n100,10\n")
+    machine = read_machine(folder)
+    start = dict.fromkeys("XYZ", 0.0)
+    filter_ = Filter(machine, DIALECT, setup_of(machine, offsets={"G54": {}}, start=start))
+    text = b"0 BEGIN PGM A MM\n1 L X+5 Y+5 Z+0 R0 F500\n2 L X+0.01\n3 END PGM A MM\n"
+    out = filter_.feed(text) + filter_.finish()
+    assert re.search(rb"2 L X\+0(\.0+)?\n", out), out
