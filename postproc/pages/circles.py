@@ -69,6 +69,8 @@ def _circle(
         "",
         "",
         560,
+        # +Z stands above the circle, and the legend above that
+        legend={"orientation": "h", "x": 0, "y": 1.06, "yanchor": "bottom"},
         polar=charts.polar(
             axes, [nominal + times_ * step * k / 1000 for k in rings], [step * k for k in rings]
         ),
