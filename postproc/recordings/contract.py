@@ -252,18 +252,24 @@ def _needed_measured(
     return MEASURED.get(kind, set())
 
 
+def _check_sizes(recording: Recording) -> None:
+    for name, column in recording.columns.items():
+        most = BOUNDS.get(name.rpartition("_")[2], math.inf)
+        if column.dtype == object or most == math.inf:
+            continue
+        for row in np.flatnonzero(np.abs(column) > most)[:1]:
+            raise RecordingError(
+                f"{name} = {column[row]:g}: no machine has that",
+                "look at the unit and the decimal point; or take the row out",
+                Place(recording.file, int(recording.lines[row])),
+            )
+
+
 def check(recording: Recording) -> None:
     """Signs are signs, and sizes those of machines. Raises RecordingError with the line of one that
     is not."""
+    _check_sizes(recording)
     for name, column in recording.columns.items():
-        most = BOUNDS.get(name.rpartition("_")[2], math.inf)
-        wrong = np.flatnonzero(np.abs(column) > most) if column.dtype != object else ()
-        if len(wrong):
-            raise RecordingError(
-                f"{name} = {column[wrong[0]]:g}: no machine has that",
-                "look at the unit and the decimal point; or take the row out",
-                Place(recording.file, int(recording.lines[wrong[0]])),
-            )
         if column.dtype != object and (name.startswith("approach_") or name == "sense"):
             wrong = np.flatnonzero(
                 ~np.isin(column, (-1, 0, 1)) if name != "sense" else ~np.isin(column, (-1, 1))
