@@ -173,7 +173,7 @@ def _stream(
     options: argparse.Namespace, machine: Machine, link: Link, job: Job, load: Load | None
 ) -> int:
     """Send it, and say how it ended."""
-    from postproc.commands.stream import kept, legs, loop, tools
+    from postproc.commands.stream import kept, legs, loop
     from postproc.commands.stream.keys import Keys
     from postproc.commands.stream.prefetch import Prefetch
     from postproc.commands.stream.show import Show
@@ -193,8 +193,7 @@ def _stream(
         quiet = options.quiet or _is_dry(options)
         show = Show(sender, clock, load.lines if load else 0, letters, quiet, keys is not None)
         stack.callback(show.close)
-        asked = job.macros is not None and not options.check
-        answers = tools.Answers(job.protocol.controller, machine.letters) if asked else None
+        answers = legs.answers_of(job, machine.letters)
         prefetch = Prefetch(lambda: legs.lines(job, answers, options.check)).start()
         run = loop.Run(port, sender, prefetch, show, signals, journal, trace, record, keys, answers)
         try:

@@ -191,9 +191,13 @@ def prepare(
         options, fresh, protocol, live, [*base.notices, *notices], name, copy=copy, macros=macros
     )
     if options.expand:
-        with copy.opened() if copy else _piped(options.file) as stream:
-            job.whole = expansion.whole(stream)
+        job.whole = _whole(options, copy)
     return job
+
+
+def _whole(options: argparse.Namespace, copy: ports.Copy | None) -> bytes:
+    with copy.opened() if copy else _piped(options.file) as stream:
+        return expansion.whole(stream)
 
 
 @contextlib.contextmanager

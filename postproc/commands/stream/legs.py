@@ -21,6 +21,13 @@ from postproc.streaming.rates import Load
 CAN_NOT = "the job can not go on behind this tool change"
 
 
+def answers_of(job: Job, letters: tuple[str, ...]) -> Answers | None:
+    """Who takes what the controller says behind each change; None: it is not asked."""
+    if job.macros is None or job.options.check:
+        return None
+    return Answers(job.protocol.controller, letters)
+
+
 def lines(job: Job, answers: Answers | None = None, bare: bool = False) -> Iterator[list[WireLine]]:
     """All of a job, batch by batch. answers: of the controller, None: before the job, with the
     zeros of now. bare: without macros and pauses, as in the controller's check mode. Raises
