@@ -186,9 +186,9 @@ def _autocorrelated(
 def _scattered(
     d: Diagnosis, sets: Sets, said: Said, rest: np.ndarray
 ) -> list[tuple[float, float, int]]:
-    """The same of units whose readings scatter by much more than their file states that one reading
-    is uncertain, or than instruments do where it states nothing: something varies that was not
-    recorded."""
+    """The same of units of targets whose readings scatter by much more than their file states that
+    one reading is uncertain, or than instruments do where it states nothing: something varies that
+    was not recorded. A log of motions scatters by the moments of its samples too."""
     found = []
     for unit, part in enumerate(sets.evidence.parts):
         own, least = part.unit.rows, _least(part.unit)
@@ -196,7 +196,7 @@ def _scattered(
         sure = max(stated or SCATTERS * least / MATERIAL, step(d.rows.y[own]))
         rms = spread(rest[own])
         worth = max(least, UNFORETOLD * sure, OF_EXPLAINED * _size(said["effects"][own]))
-        if len(own) >= FEW and rms > worth:
+        if not part.unit.dense and len(own) >= FEW and rms > worth:
             found.append((rms / least, rms, unit))
     return found
 

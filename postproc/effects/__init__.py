@@ -253,23 +253,6 @@ def settling_share(state: State, axis: str, settle_ms: float) -> np.ndarray:
     return 1 - 2 * np.exp(-np.minimum(since / (settle_ms * 1e-3), 50.0))
 
 
-def followed_speed(state: State, axis: str, settle_ms: float) -> np.ndarray:
-    """(N,) mm/s, the speed of an axis in motions that were sampled as a loop of first order follows
-    it."""
-    result = state.velocity[axis].copy()
-    passages = np.where(sampled(state), state.passage, -1) if settle_ms > 0 else np.full(1, -1)
-    for passage in np.unique(passages[passages >= 0]):
-        own = np.flatnonzero(passages == passage)
-        time, first, where = np.unique(state.time[own], return_index=True, return_inverse=True)
-        kept = np.exp(-np.diff(time) / (settle_ms * 1e-3))
-        speed = result[own][first]
-        now = speed[0]
-        for k, keep in enumerate(kept.tolist(), 1):
-            now = speed[k] = keep * now + (1.0 - keep) * speed[k]
-        result[own] = speed[where]
-    return result
-
-
 def sampled(state: State) -> np.ndarray:
     """(N,) bool: rows of motions that were sampled; all where nobody knows."""
     return state.passage >= 0 if len(state.passage) == len(state) else np.ones(len(state), bool)

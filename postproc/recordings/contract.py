@@ -27,13 +27,10 @@ from postproc.recordings import (
 )
 from postproc.recordings import _text as text
 from postproc.recordings._columns import cells_of, read_columns
-from postproc.recordings._targets import FARTHEST, LARGEST
 
 TITLE = "gcomp recording (gcomp-recording/1)"
 TAKES = ("head",)
 FORMAT = "gcomp-recording/1"
-# What a machine can be off by or go to at most, by the unit in a column's name.
-BOUNDS = {"mm": FARTHEST, "deg": FARTHEST, "um": LARGEST, "urad": LARGEST}
 # Columns that say which rows belong together: one that is there has a number in every row.
 PARTED = {"run", "setup", "station", "sphere"}
 
@@ -252,23 +249,8 @@ def _needed_measured(
     return MEASURED.get(kind, set())
 
 
-def _check_sizes(recording: Recording) -> None:
-    for name, column in recording.columns.items():
-        most = BOUNDS.get(name.rpartition("_")[2], math.inf)
-        if column.dtype == object or most == math.inf:
-            continue
-        for row in np.flatnonzero(np.abs(column) > most)[:1]:
-            raise RecordingError(
-                f"{name} = {column[row]:g}: no machine has that",
-                "look at the unit and the decimal point; or take the row out",
-                Place(recording.file, int(recording.lines[row])),
-            )
-
-
 def check(recording: Recording) -> None:
-    """Signs are signs, and sizes those of machines. Raises RecordingError with the line of one that
-    is not."""
-    _check_sizes(recording)
+    """Signs are signs. Raises RecordingError with the line of one that is not."""
     for name, column in recording.columns.items():
         if column.dtype != object and (name.startswith("approach_") or name == "sense"):
             wrong = np.flatnonzero(

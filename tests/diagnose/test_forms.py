@@ -27,25 +27,6 @@ def test_viscous_friction_with_a_power_is_no_lag():
     assert moved("viscous_friction", state, um_s_mm=0.5, power=0.5) == approx([-5.0, -10.0, 10.0])
 
 
-def test_a_lag_settles_as_a_loop_of_first_order_does():
-    """From rest to 10 mm/s at once: after the time constant 1 - 1/e of the 1 ms times 10 mm/s, of
-    every signal of that moment alike; a row at rest knows of no loop."""
-    time = np.array([0.0, 0.02, 0.02, 0.04, 0.06, 0.06])
-    speed = np.array([0.0, 10.0, 10.0, 10.0, 10.0, 10.0])
-    state = State(
-        {"X": np.zeros(6)},
-        {"X": np.ones(6)},
-        LIMITS,
-        velocity={"X": speed},
-        time=time,
-        passage=np.array([3, 3, 3, 3, 3, -1]),
-    )
-    fall = np.exp(-np.array([0.0, 1.0, 1.0, 2.0, 3.0]))
-    late = moved("servo_lag", state, tau_ms=1.0, settle_ms=20.0)
-    assert late == approx([*(-10 * (1 - fall)), -10.0])
-    assert moved("servo_lag", state, tau_ms=1.0) == approx(-speed)
-
-
 def test_friction_is_let_go_at_rest_and_higher_when_slow():
     """10 um between the directions; 4 um more at the slowest, fallen by e at 6 mm/s: 5 + 2
     exp(-(1)^2) = 5.736 um behind."""

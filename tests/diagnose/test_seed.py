@@ -143,9 +143,6 @@ def test_the_oversized_tool_is_named_from_walls(paths):
     assert fit["rms_before_um"] > 60 and fit["rms_after_um"] < 0.2 * fit["rms_before_um"]
 
 
-@pytest.mark.xfail(
-    strict=True, reason="distances of holes alone are called nothing left out; unknown is wanted"
-)
 def test_hole_distances_alone_name_no_tool(paths, tmp_path):
     lines = paths["parts"].read_text().splitlines()
     text = (

@@ -93,7 +93,9 @@ class BarTurning(Roughing):
         raise _too_many(self.pen.scene, MOST_PASSES + 1, self.depth)
 
     def cuts(self) -> None:
-        """All but the one along the shape."""
+        """All but the one along the shape. Raises ProgramError where the shape turns back."""
+        self._monotonic()
+        self.pen.to("G0", self.begin)
         self._cuts()
 
 
