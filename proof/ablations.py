@@ -3,6 +3,24 @@
 
 The same cases of `proof/strangers` are answered by the whole tool and by the tool without one of
 its parts, which is taken out while it runs. For development: the kinds `fresh` are not for it.
+
+Of `--share 0.4` (50 cases of the open kinds). P, R: precision and recall of pairs; aliens: called
+unknown, and names in one. Differences of one case are not significant. Without the threshold from
+drawn nulls, burst noise, the look at the thermometers or lone wrong readings every figure is that
+of the whole.
+
+                                          nulls   first     right if           aliens   names
+                                          named   name      named     P        unknown  an alien
+    the whole                             1 of 16 14 of 20  14 of 15  11 of 13 2 of 6   1.67
+    wander of the instruments             5 of 16 12 of 20  12 of 15  11 of 14 3 of 6   1.83
+    correlation of neighbouring samples   2 of 16 13 of 20  13 of 16  11 of 14 2 of 6   1.33
+    an error of the map                   2 of 16 13 of 20  13 of 17  10 of 11 3 of 6   1.83
+    processes (unknown is no candidate)   1 of 16 14 of 20  14 of 17  11 of 14 0 of 6   1.50
+    errors of form                        1 of 16 13 of 20  13 of 16  11 of 14 3 of 6   1.33
+    a search: the single best name        1 of 16 15 of 20  15 of 17  4 of 5   2 of 6   0.83
+    shapes between those of the grid      1 of 16 14 of 20  14 of 15  11 of 14 2 of 6   1.33
+
+R is 11 of 16, without an error of the map 10, without a search 4.
 """
 
 from __future__ import annotations
