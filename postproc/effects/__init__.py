@@ -2,7 +2,9 @@
 
 Every module holds
 
-- PARAMETERS: name with unit to "unit, meaning"; those that enter linearly and those of a shape;
+- PARAMETERS: name with unit (size_um) to "unit, meaning"; those that enter linearly and those of a
+  shape. A number that stands for something: "0, 1, 2: X, Y, Z, the direction" or "1, this is so; 0,
+  it is not" (diagnose/words.py);
 - KIND, whose error it is: "machine", "instrument" or "data" (the log);
 - USE, what may be done about it: "compensate" (a written machine corrects it: programs where it has
   tables(), grids() or by_angle(), else offsets or a warm-up), "simulate" (of a machine, and no
