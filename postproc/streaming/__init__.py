@@ -9,7 +9,6 @@ thread.
     greeting.py   the talk before the job: who is there, what it says of itself
     live.py       zeros, tool length and modal state of the controller, told to the filter
     limits.py     how long it waits before it draws a conclusion
-    polling.py    when it asks for a report
     outcome.py    how a job ends: kinds, exit statuses, messages
     sender.py     the job: window, answers, hold, stop, and the one outcome
     journal.py    what was sent and answered, as lines that survive a crash
