@@ -242,8 +242,8 @@ class Verifier(Figures):
                 continue
             command = points_of(run, curved, row, place)
             t = t0[row] + (t1 - t0)[row] * place
-            # The end of a piece may be where an axis turns back: it is still reached in the
-            # direction it had before.
+            # A piece may begin or end where an axis turns back: it begins in the direction of the
+            # way ahead, and its end is reached in the direction it had before.
             inside = t0[row] + (t1 - t0)[row] * np.clip(place, 1e-6, 1 - 1e-6)
             sense = led[0].way(led[0].leg(owner[row], inside))
             weights = led[1].at(

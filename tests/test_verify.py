@@ -1,0 +1,74 @@
+"""What `--verify` counts, and what not: its figures on outputs that are right, and on outputs into
+which a wrong number was put."""
+
+from __future__ import annotations
+
+from postproc.compensate import Options
+from postproc.filter import Filter, setup_of
+from postproc.nc import dialects
+from postproc.units import UM
+from postproc.verify import Verifier
+from tests.test_lost_motion import backlash, corrected, machine
+
+
+def verified(m, program: str, old: bytes = b"", new: bytes = b"", **options) -> Verifier:
+    """The verifier of a program in whose output `old`, which stands there once, became `new`."""
+    filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m), Options(**options))
+    verifier = Verifier(filter_)
+
+    def damaged(words, motions, pieces, output, line):
+        assert not old or output.count(old) == 1, output
+        verifier.check(words, motions, pieces, output.replace(old, new), line)
+
+    filter_.watchers[:] = [damaged]
+    filter_.feed(program.encode())
+    filter_.finish()
+    return verifier
+
+
+# X stands 20 um too far at 50 mm, and right at 0 and at 100 mm
+BENT = "X_mm,EXX_um\n-400,0\n0,0\n50,20\n100,0\n400,0\n"
+
+
+def test_of_a_rapid_that_was_cut_the_last_end_counts(tmp_path):
+    """--cut-rapids: X50 on the way to X100 is no end of the program's rapid, and not 50 mm off; a
+    last end that is 30 um off is."""
+    m = machine(tmp_path / "m", "", X=BENT)
+    program = "G0 X0 Y0 Z0\nG0 X100\nM2\n"
+    verifier = verified(m, program, cut_rapids=True)
+    assert verifier.motions_out > verifier.motions_in and verifier.passed
+    verifier = verified(m, program, b"X100.0000", b"X100.0300", cut_rapids=True)
+    assert abs(verifier.corrected.deviation - 30 * UM) < 0.1 * UM and not verifier.passed
+
+
+def test_what_a_reversal_moves_another_axis_by_is_allowed_where_it_turns(tmp_path):
+    """X turns back on a circle, and its slide moves Y by 12 um in that moment: a take-up can bring
+    Y there only behind it."""
+    two_way = "X_mm,EXX_um_fwd,EXX_um_rev,EYX_um_fwd,EYX_um_rev\n-500,0,0,0,12\n500,0,0,0,12\n"
+    leaning = "[squareness]\nC0Y = 400\n" + backlash("X", 5) + backlash("Y", 5)
+    across = "Y_mm,EXY_um_fwd,EXY_um_rev\n-500,0,12\n500,0,12\n"
+    m = machine(tmp_path / "m", leaning, X=two_way, Y=across)
+    circle = "G0 X0 Y0 Z0\nG1 X40 F500\nG91 G2 X0 Y0 I-19 J-3\nG90 G1 X3\nM2\n"
+    verifier = verified(m, circle)
+    assert m.lateral == 24 * UM and verifier.passed
+    assert verifier.allowed - m.lateral < verifier.corrected.deviation < 12.1 * UM
+
+
+def test_a_block_behind_a_reversal_begins_in_its_own_direction(tmp_path):
+    """A map turned round (a control that takes up 8 um too much), a circle whose X turns back where
+    a block of the output begins: its first place has the side of the way ahead, not behind."""
+    m = machine(tmp_path / "m", backlash("X", -8.0))
+    _, verifier = corrected(m, "G0 X0 Y0 Z0\nG1 X40 F500\nG2 X40 Y0 I-20 J0\nM2\n")
+    assert verifier.corrected.deviation < 0.1 * UM and verifier.corrected.slide < 0.1 * UM
+
+
+def test_a_take_up_that_goes_too_far_is_off_along_the_path_too(tmp_path):
+    """X turns at 40 mm with 20 um of play, and the take-up ends at 39.96 instead of 39.99: the tool
+    stands 30 um ahead of the place where the path turns. By the direction last commanded, where
+    take-ups do not count, nothing is off."""
+    m = machine(tmp_path / "m", backlash("X", 20.0))
+    program = "G0 X0 Y0 Z0\nG1 X40 F500\nX20\nM2\n"
+    assert verified(m, program).corrected.slide < 0.1 * UM
+    verifier = verified(m, program, b"X39.9900", b"X39.9600")
+    assert abs(verifier.corrected.slide - 30 * UM) < 0.1 * UM
+    assert verifier.corrected.deviation < 0.1 * UM
