@@ -158,13 +158,10 @@ class Filter:
 
     def __post_init__(self) -> None:
         self.interpreter = Interpreter(self.dialect, self.setup)
-        mismatch = max(
-            self.dialect.arc_tolerance_mm / 2, 2.0 * max(self.setup.least_increment.values())
-        )
         written_out = self.dialect.holes_written_out
         options = replace(
             self.options,
-            arc_mismatch=mismatch,
+            arc_mismatch=self.dialect.arc_tolerance_mm / 2,
             passes_unknown=self.dialect.homes,
             holes_written_out=written_out,
             heat_step=tuple(self.heat.step.tolist()) if self.heat else (),
@@ -388,5 +385,5 @@ class Filter:
             return
         if self._told.get(notice.code, -1.0) < notice.size:
             self._told[notice.code] = notice.size
-            self.notices[:] = [n for n in self.notices if n.code != notice.code or not notice.size]
+            self.notices[:] = [n for n in self.notices if n.code != notice.code]
             self.notices.append(notice)

@@ -179,3 +179,30 @@ def test_a_place_that_the_start_can_not_say_is_not_asked_for_there():
             written("", "", start)
         assert ("--start" in error.value.advice) == (not start)
     assert b"G1 Z-6." in written("", "G0 Z9.\n", {})
+
+
+UNKNOWN = ("G21 G91\n", "G0 X1\n", "G0 X1\n", "G1 X5 F100\n", "G1 X7\n", "G0 X7\n")
+
+
+def test_the_first_feed_at_an_unknown_place_is_refused_however_the_program_is_cut():
+    """Nothing in it could be corrected: the refusal names line 4, where the first feed is, also
+    when rapids come before and further feeds behind it in batches of their own."""
+    dialect = dialects.load("grbl")
+    for cut in (UNKNOWN, ("".join(UNKNOWN),)):
+        m = mill("EXX")
+        filter_ = Filter(m, dialect, setup_of(m))
+        for line in cut:
+            filter_.feed(line.encode())
+        with pytest.raises(ProgramError, match="where X stands is not known here") as error:
+            filter_.finish()
+        assert error.value.place.line == 4
+
+
+def test_rapids_at_an_unknown_place_are_counted_and_the_first_is_named():
+    m = mill("EXX")
+    for cut in (UNKNOWN[:3], ("".join(UNKNOWN[:3]),)):
+        filter_ = Filter(m, dialects.load("grbl"), setup_of(m))
+        for line in cut:
+            filter_.feed(line.encode())
+        filter_.finish()
+        assert [(n.line, n.counts) for n in filter_.notices] == [(2, (2, 0, 0))]

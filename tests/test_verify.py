@@ -3,12 +3,17 @@ which a wrong number was put."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import pytest
+
 from postproc.compensate import Options
 from postproc.filter import Filter, setup_of
 from postproc.nc import dialects
 from postproc.units import UM
 from postproc.verify import Verifier
 from tests.test_lost_motion import backlash, corrected, machine
+from tests.test_unknown_places import mill
 
 
 def verified(m, program: str, old: bytes = b"", new: bytes = b"", **options) -> Verifier:
@@ -72,3 +77,24 @@ def test_a_take_up_that_goes_too_far_is_off_along_the_path_too(tmp_path):
     verifier = verified(m, program, b"X39.9900", b"X39.9600")
     assert abs(verifier.corrected.slide - 30 * UM) < 0.1 * UM
     assert verifier.corrected.deviation < 0.1 * UM
+
+
+@pytest.mark.parametrize(
+    ("dialect", "arc"),
+    [
+        ("grbl", "G1 X145.0 Y267.0 F500\nG3 X137.0 Y263.0 I-3.0 J-4.0\n"),
+        ("fanuc-mill", "G1 X264.0 Y52.0 F500\nG3 X244.0 Y52.0 I-10.0 J0.0\n"),
+    ],
+)
+def test_an_arc_in_coarse_increments_is_one_that_the_control_accepts(dialect, arc):
+    """At 0.01 mm the rounded words of an arc may differ in radius by more than the control takes
+    (GRBL: 0.005 mm, else error 33, in the middle of the job): lines come out instead."""
+    m = mill("EXX", "EYX", "EXY", "EYY")
+    coarse = {x: replace(axis, least_increment=0.01) for x, axis in m.axes.items()}
+    m = replace(m, axes=coarse)
+    start = dict.fromkeys("XYZ", 0.0)
+    filter_ = Filter(m, dialects.load(dialect), setup_of(m, {"G54": {}}, start))
+    verifier = Verifier(filter_)
+    filter_.feed(f"G21 G90 G17\nG0 X0. Y0. Z0.\n{arc}".encode())
+    filter_.finish()
+    assert verifier.passed and verifier.corrected.deviation > 0
