@@ -235,3 +235,24 @@ def test_a_reversal_that_is_spread_by_choice_is_measured_and_passes(tmp_path, mo
     m = machine(tmp_path / "m", backlash("X", 12.0))
     _, verifier = corrected(m, "G0 X0 Y0 Z0\nG1 X40 Y40 F500\nX0 Y80\nM2\n", reversal=mode)
     assert verifier.corrected.deviation > verifier.allowed and verifier.passed
+
+
+def test_a_last_block_without_a_line_end_is_written_before_what_follows_it(tmp_path):
+    """Its new word and its further blocks stand at one place, the end of the text: the word belongs
+    to the block, as where a line end follows."""
+    m = machine(tmp_path / "m", "[squareness]\nC0Y = 400\n" + backlash("X", 40.0))
+    ended = LEANING.replace("M2\n", "")
+    assert corrected(m, ended.rstrip("\n"))[0] == corrected(m, ended)[0]
+    assert corrected(m, ended.rstrip("\n"))[0][-2:] == [
+        {"X": 20.02, "Y": 0.0},
+        {"X": 20.06, "Y": 100.0},
+    ]
+
+
+def test_a_number_of_more_than_nine_decimals_is_cut_as_one_of_nine(tmp_path):
+    """A CAM program writes X20.123456789012: every block that it becomes has nine decimals, a
+    picometre, and the place is the same."""
+    m = machine(tmp_path / "m", "", X="X_mm,EYX_um\n-400,0\n0,0\n10,40\n20,0\n400,0\n")
+    text = "G0 X0 Y0 Z0\nG1 X20.123456789{0} Y5.123456789{0} F100\nM2\n"
+    assert corrected(m, text.format("012"))[0] == corrected(m, text.format(""))[0]
+    assert corrected(m, text.format("012"))[0][-1] == {"X": 20.123456789, "Y": 5.123456789}
