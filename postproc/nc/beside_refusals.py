@@ -33,14 +33,13 @@ def refuse_beside(b: Batch, motions: Motions) -> Motions:
     if not (followed or np.count_nonzero(motions.cutter)) or not by_tool(b):
         return motions
     found = [(-1, before.fault)] if before.fault else [*_codes(b), *_motions(b, motions)]
-    if found:
-        b.beside = replace(b.beside, shifted=None)
-    elif gouge := _gouge(b, motions):
+    first = min(found)[0] if found else b.n
+    if gouge := _gouge(b, motions, first):
         found = [gouge]
-    else:
+    if not found:
         return motions
     block, message = min(found)
-    b.beside = replace(b.beside, fault=message)
+    b.beside = replace(b.beside, shifted=None, fault=message)
     behind = (motions.block >= block) & (motions.reason == 0)
     return replace(motions, reason=np.where(behind, b.because(message, ADVICE), motions.reason))
 
@@ -101,10 +100,11 @@ def _motions(b: Batch, motions: Motions) -> list[tuple[int, str]]:
     ]
 
 
-def _gouge(b: Batch, motions: Motions) -> tuple[int, str] | None:
-    """Where the tool does not fit. Follows the centre from batch to batch."""
+def _gouge(b: Batch, motions: Motions, end: int) -> tuple[int, str] | None:
+    """Where the tool does not fit, of the blocks before `end`. Follows the centre from batch to
+    batch."""
     shifted = copy.deepcopy(b.state.beside.shifted)
-    for i in np.flatnonzero(motions.cutter != FREE).tolist():
+    for i in np.flatnonzero((motions.cutter != FREE) & (motions.block < end)).tolist():
         try:
             shifted = _followed(shifted, motions, i)
         except Gouge as gouge:
