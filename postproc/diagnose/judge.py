@@ -27,7 +27,6 @@ SCATTERS = 1e-3
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
 Said = dict[str, np.ndarray]
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
-AS_FAR = 3.0  # times the usual change of an instrument that switches: more is no such change
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
 
@@ -61,14 +60,14 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
 
 
 def _electronics(d: Diagnosis, sets: Sets) -> None:
-    """A lost step is tentative where an instrument of the same recording switches between levels
-    about as far apart: one change of its reading may be of that kind too."""
-    sizes = telegraph.usual(d.rows, [part.whole for part in sets.evidence.parts])
+    """A lost step is tentative where an instrument of the same recording switches between levels:
+    one change of its reading may be of that kind too."""
+    units = [part.whole for part in sets.evidence.parts]
+    files = telegraph.switching(d.rows, units, telegraph.levels(d.rows, units))
+    files |= telegraph.switching(d.rows, units, telegraph.steps(d.rows, units))
     for f in d.findings:
-        if f.block.name == "step_loss" and any(
-            0 < np.ptp(f.contribution[d.rows.file == file]) < AS_FAR * size
-            for file, size in sizes.items()
-        ):
+        own = [f.contribution[d.rows.file == file] for file in files]
+        if f.block.name == "step_loss" and any(np.ptp(values) > 0 for values in own):
             f.status = "tentative"
 
 

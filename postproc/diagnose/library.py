@@ -271,7 +271,6 @@ def _steps_moving(rows: Rows) -> list[float]:
             own = here[rows.signal[here] == signal]
             own = own[np.argsort(rows.state.time[own], kind="stable")]
             at, size = telegraph.changes(rows.residual[own])
-            at = telegraph.sharpest(rows.residual[own], at)
             scale = max(float(np.median(size)), 1e-9) if len(size) else 1.0
             t = rows.state.time[own]
             abrupt += [(-s / scale, (t[k - 1] + t[k]) / 2) for k, s in zip(at, size, strict=True)]

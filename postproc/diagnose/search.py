@@ -40,8 +40,7 @@ class Search:
         self.sets = sets
         self.least = LEAST
         self._looked: set[tuple] = set()
-        # names whose jumps no readings bear out: from how many at once on
-        self._barred: dict[str, int] = {}
+        self._barred: set[str] = set()  # names whose jumps no readings bear out
 
     def calibrate(self, rng: np.random.Generator) -> None:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
@@ -58,7 +57,7 @@ class Search:
         while True:
             state = self._chosen()
             false = {
-                self.sets.blocks[k].key: len(self.sets.blocks[k].shape)
+                self.sets.blocks[k].key
                 for k in state.members
                 if self.sets.blocks[k].name == abrupt.NAME
                 and not abrupt.borne_out(self.sets, state, k)
@@ -255,7 +254,8 @@ class Search:
     def _allowed(self, chosen: tuple[int, ...], k: int) -> bool:
         """An effect and axis once: what its shape leaves is a process. An instrument is set up anew
         for each recording."""
-        return self._borne_out(k) and not any(self._again(c, k) for c in chosen)
+        barred = self.sets.blocks[k].key in self._barred
+        return not barred and not any(self._again(c, k) for c in chosen)
 
     def _again(self, one: int, other: int) -> bool:
         blocks = self.sets.blocks[one], self.sets.blocks[other]
@@ -268,12 +268,8 @@ class Search:
         anew = blocks[0].module.KIND == "instrument" and len(files) > 1 and min(files) >= 0
         return blocks[0].key == blocks[1].key and not anew
 
-    def _borne_out(self, k: int) -> bool:
-        moments = len(self.sets.blocks[k].shape)
-        return moments < self._barred.get(self.sets.blocks[k].key, moments + 1)
-
     def _free(self, state: Found) -> bool:
-        return all(map(self._borne_out, state.members))
+        return not any(self.sets.blocks[k].key in self._barred for k in state.members)
 
     def _plausible(self, state: Found) -> bool:
         return all(self.sets.fits(state.fit, k) for k in state.members)

@@ -54,19 +54,6 @@ def switching(rows: Rows, units: list[Unit], found: list) -> set[int]:
     }
 
 
-def usual(rows: Rows, units: list[Unit]) -> dict[int, float]:
-    """Number of each recording in which an instrument switches to mm, the usual size of its
-    changes, the largest of its signals."""
-    sizes: dict[int, float] = {}
-    for unit, level, step in zip(units, levels(rows, units), steps(rows, units), strict=True):
-        size = 0.0 if level is None else _usual(rows, unit, level) * 1e-3
-        size = size if step is None else max(size, step[1])
-        if size:
-            file = int(rows.file[unit.rows[0]])
-            sizes[file] = max(size, sizes.get(file, 0.0))
-    return sizes
-
-
 def steps(rows: Rows, units: list[Unit]) -> list[tuple[np.ndarray, float] | None]:
     """For each unit that levels() knows nothing of: (n, C) 0 before and 1 behind each change, and
     mm, their usual size; None where the signals of its recording do not change many times
@@ -177,15 +164,6 @@ def changes(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     sharp = size + 1e-6 * np.abs(np.diff(y, prepend=y[0]))
     at = np.flatnonzero((size > 0) & (sharp == maximum_filter1d(sharp, 2 * WINDOW + 1)))
     return at, size[at]
-
-
-def sharpest(y: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Numbers (C,) of the readings near each change `at` (C,) that differ most from the one before:
-    beside noise that resembles itself a jump shows in one reading only, and the medians of a window
-    tell it to some readings."""
-    size = np.abs(np.diff(y, prepend=y[:1]))
-    first = np.maximum(at - WINDOW, 1)
-    return np.array([k + int(np.argmax(size[k : k + 2 * WINDOW])) for k in first], dtype=int)
 
 
 def _jump(y: np.ndarray) -> np.ndarray:

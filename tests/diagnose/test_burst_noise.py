@@ -11,7 +11,6 @@ import pytest
 
 from postproc import effects
 from postproc.cli import main
-from postproc.diagnose import telegraph
 from postproc.effects import State
 
 MACHINE = """format = "gcomp-machine/1"
@@ -83,23 +82,6 @@ def test_a_lost_step_beside_an_instrument_that_switches(tmp_path):
     assert (found["effect"], found["axis"], found["status"]) == ("step_loss", "X", "tentative")
     assert found["parameters"]["t_s"]["value"] == pytest.approx(20.2, abs=0.02)
     assert any("switches between two levels, 5 times by about 4 um" in n for n in answer["notices"])
-
-
-def test_a_jump_far_larger_than_the_levels_is_no_change_between_them(tmp_path):
-    (found,) = told(
-        tmp_path, switched([20.2], 16.0), across_um=switched([3.1, 9.4, 13.0, 24.3, 31.7], 4.0)
-    )
-    assert (found["effect"], found["axis"]) == ("step_loss", "X")
-
-
-def test_the_moment_of_a_jump_beside_noise_that_resembles_itself():
-    """Medians of a window tell the jump to some readings; the one that differs most from the one
-    before tells it."""
-    rng = np.random.default_rng(2)
-    y = np.cumsum(rng.normal(0, 0.3, 400)) + 9.0 * (np.arange(400) >= 217)
-    at, size = telegraph.changes(y)
-    (largest,) = telegraph.sharpest(y, at[[np.argmax(size)]])
-    assert largest == 217
 
 
 def test_a_jump_that_stays_is_a_lost_step(tmp_path):

@@ -100,15 +100,3 @@ def test_what_may_stand_beside_a_member(one, other, allowed):
     search = Search(cast(Any, Dictionary(one, other)))
     assert search._allowed((0,), 1) is allowed
     assert search._allowed((), 1)
-
-
-def test_of_several_jumps_that_are_none_a_single_one_is_asked_for_next():
-    """Two jumps of X of which one does not show: one of them is left to be tried, then none."""
-    single, both = {"t_s": 3.0}, {"t_s": 3.0, "second_s": 5.0}
-    blocks = [("step_loss", axis, shape, False) for axis in "XY" for shape in (single, both)]
-    search = Search(cast(Any, Dictionary(*blocks)))
-    allowed = []
-    for moments in (3, 2, 1):
-        search._barred = {"step_loss:X": moments}
-        allowed.append([search._allowed((), k) for k in range(4)])
-    assert allowed == [[True] * 4, [True, False, True, True], [False, False, True, True]]
