@@ -43,6 +43,7 @@ class PtyHost:
         self.heard = bytearray()
         self.times: list[tuple[float, int]] = []
         self._pressed = b""
+        self._powered = False
         self._taking = False
         self._thread = threading.Thread(target=self._run, daemon=True)
 
@@ -83,6 +84,12 @@ class PtyHost:
         """Buttons at the machine: realtime bytes that come from nobody's port."""
         self._pressed += data
 
+    def power(self) -> None:
+        """The power goes and comes, between two turns of the loop that the model runs in: in the
+        middle of one, lines that it holds would still count as received."""
+        self._powered = True
+        assert self.soon(lambda: not self._powered)
+
     def _run(self) -> None:
         started = heard = time.monotonic()
         while True:
@@ -103,6 +110,9 @@ class PtyHost:
                         self.times.append((time.monotonic(), value))
                 self.heard += data
                 self.model.write(self.faults.pass_on("to", data), now)
+            if self._powered:
+                self.model.power()
+                self._powered = False
             if self._pressed:
                 data, self._pressed = self._pressed, b""
                 self.model.write(data, now)

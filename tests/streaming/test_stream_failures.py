@@ -88,7 +88,7 @@ def test_a_restart_waits_for_a_zero_that_is_certain(place):
         with running(place, host, 80, "job.nc") as process:
             process.kill()
         assert host.soon(host.read_all)
-        host.model.power()
+        host.power()
         arrived = len(sent_rows(host))
         for more, says in (((), "locked (alarm)"), (("--unlock",), "the zero may be lost")):
             status, _, err = stream(place, host, *resume, *more)
