@@ -173,18 +173,10 @@ def test_the_slow_tests_are_named_as_they_are():
 
 
 def needed(path: Path, known: dict[str, Path]) -> set[str]:
-    """Modules of the package that a module imports, in its functions too; what is imported for
-    annotations alone is none of them."""
-    tree = ast.parse(path.read_text("utf-8"))
-    typing_only = [
-        n
-        for n in ast.walk(tree)
-        if isinstance(n, ast.If) and "TYPE_CHECKING" in ast.unparse(n.test)
-    ]
-    skip = {id(child) for n in typing_only for child in ast.walk(n)}
+    """Modules of the package that a module imports, in its functions and for annotations too."""
     found = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and id(node) not in skip:
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.ImportFrom):
             above = (node.module or "").partition("postproc")[2].lstrip(".")
             names = {f"{above}.{alias.name}".lstrip(".") for alias in node.names}
             found |= {name if name in known else above for name in names}

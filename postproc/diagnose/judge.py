@@ -56,7 +56,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     own = sets.evidence.parts[unit].whole.rows
     signal = int(d.rows.signal[own[0]])
     total = float(np.mean(d.before[own] ** 2))
-    return mapped(d, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
+    return mapped(d.rows, d.held, signal, rms, min(1.0, rms**2 / max(total, 1e-30)), d.after)
 
 
 def _electronics(d: Diagnosis, sets: Sets) -> None:

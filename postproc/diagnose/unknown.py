@@ -8,12 +8,10 @@ none.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from postproc.diagnose.answer import Diagnosis
+from postproc.diagnose.rows import Rows
 
 CELLS = 16
 TARGETS = 64  # places that readings at rest stand at
@@ -50,18 +48,20 @@ class Unknown:
     after: float | None
 
 
-def mapped(d: Diagnosis, signal: int, size: float, share: float, rest: np.ndarray) -> Unknown:
-    """The map of the rest (N,) that explains most where it took no part; where every row took part,
-    most of what it was made of."""
-    which = d.rows.signal == signal
-    axis = max(d.rows.state.position, key=lambda x: float(np.ptp(d.rows.state.position[x][which])))
-    place, side = d.rows.state.position[axis], np.sign(d.rows.state.approach[axis]).astype(int)
-    train, held = which & ~d.held, which & d.held
+def mapped(
+    rows: Rows, held: np.ndarray, signal: int, size: float, share: float, rest: np.ndarray
+) -> Unknown:
+    """The map of the rest (N,), mm, that explains most where it took no part (held (N,) bool);
+    where every row took part, most of what it was made of."""
+    which, state = rows.signal == signal, rows.state
+    axis = max(state.position, key=lambda x: float(np.ptp(state.position[x][which])))
+    place, side = state.position[axis], np.sign(state.approach[axis]).astype(int)
+    train, held = which & ~held, which & held
     ways = (
         (axis, ("position", "direction"), place, side),
         (axis, ("position",), place, np.zeros_like(side)),
         (axis, ("direction",), np.zeros(len(place)), side),
-        ("time", ("time",), d.rows.state.time, np.zeros_like(side)),
+        ("time", ("time",), state.time, np.zeros_like(side)),
     )
     best = None
     for along, depends, value, way in ways:
