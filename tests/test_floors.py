@@ -164,6 +164,39 @@ def test_a_module_stays_in_one_head():
     assert not {name for name in LONGER if lines.get(name, 0) <= LONGEST}, "no exception any more"
 
 
+MOST_COMPLEX = 15  # ways through a function, as McCabe and radon count them
+
+
+def branches(node: ast.AST) -> int:
+    """What a statement adds to the ways through its function; a function within it counts alone."""
+    if isinstance(node, ast.FunctionDef):
+        return 0
+    if isinstance(node, ast.Assert):
+        return 1
+    own = isinstance(node, ast.If | ast.IfExp | ast.For | ast.While | ast.ExceptHandler)
+    if isinstance(node, ast.For | ast.While | ast.Try):
+        own += bool(node.orelse)
+    if isinstance(node, ast.BoolOp):
+        own += len(node.values) - 1
+    if isinstance(node, ast.comprehension):
+        own += 1 + len(node.ifs)
+    return own + sum(map(branches, ast.iter_child_nodes(node)))
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_a_long_list_of_branches_says_why_it_is_whole(path):
+    """A function of many branches is split, or the line above it says why it reads better whole:
+    "# Whole: ..."."""
+    text = path.read_text("utf-8")
+    lines = text.splitlines()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef):
+            ways = 1 + sum(map(branches, node.body))
+            first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
+            said = lines[first - 2].lstrip().startswith("# Whole: ")
+            assert said == (ways > MOST_COMPLEX), (node.name, ways)
+
+
 def test_the_slow_tests_are_named_as_they_are():
     """A test that was renamed would be a fast one by mistake."""
     root = Path(__file__).resolve().parents[1]

@@ -227,6 +227,7 @@ class Batch(Columns):
             self.wanted[row] = self.before[row]
         self.wanted = np.where(self.correctable, self.wanted, self.before)
 
+    # Whole: each row's ends hang on what the row before has settled.
     def settle_ends(self) -> None:
         """Hold still what stands still: an axis without nominal travel moves only when its
         correction has changed by more than half the tolerance. Sets `begin` (A, S), where each
@@ -277,6 +278,7 @@ class Batch(Columns):
         back = self.bound[row] & (off * self.weight_begin[row] < 0)
         return self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
 
+    # Whole: one loop in which each end rests where the one before left it.
     def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
         """(K,) ticks at which strokes `still` end, one after the other, since each rests where the
         one before left it."""

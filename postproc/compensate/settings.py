@@ -82,6 +82,7 @@ class Settings:
     miss its straight way by; plane: the same in the plane of an arc; rows, fixed: the axes that are
     corrected, and those that are not."""
 
+    # Whole: one budget: each share of the tolerance needs those taken before.
     def __init__(self, machine: Machine, options: Options = Options()):
         # what can be reached, and so every bound
         if options.outside and options.outside != machine.limits.outside:

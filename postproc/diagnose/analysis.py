@@ -60,6 +60,7 @@ class Options:
     told: Callable[[str], None] = field(default=lambda word: None)
 
 
+# Whole: the order of a diagnosis, a line to a step.
 def diagnose(
     recordings: list[Recording], machine: Machine, options: Options | None = None
 ) -> Diagnosis:

@@ -45,6 +45,7 @@ def of(recordings: list[Recording], machine: Machine) -> Rows:
     return _joined(parts, machine, signals, recordings)
 
 
+# Whole: one line to a column; a branch is a column that is missing.
 def _joined(
     parts: list[dict], machine: Machine, signals: list[str], recordings: list[Recording]
 ) -> Rows:

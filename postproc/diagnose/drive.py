@@ -64,6 +64,7 @@ class Drive:
     refused: tuple[str, ...]
 
 
+# Whole: three lists under one loop; the branches are their conditions.
 def drives(recordings: Sequence[Recording]) -> list[Drive]:
     """The drive of every axis whose force or current was recorded while it moved, all traces
     together."""

@@ -154,6 +154,7 @@ class Evidence:
 
     # -- a set of blocks ---------------------------------------------------------------------------
 
+    # Whole: what is kept of a like fit and what is learned anew are one state.
     def learn(
         self,
         chosen: tuple[int, ...],

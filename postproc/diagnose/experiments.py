@@ -150,6 +150,7 @@ def showing(effect: str, axis: str, machine: Machine) -> str:
     )
 
 
+# Whole: a list of rules in their order of precedence.
 def separating(key: str, others: list[str], machine: Machine) -> str:
     """The experiment that tells a name from those that explain as well: the one for this set of
     them, else one that shows the first of them by itself."""

@@ -124,6 +124,7 @@ def _derivatives(
     return result
 
 
+# Whole: one shape from its weight to its spread, each needing the last.
 def _others(
     sets: Sets, state: Found, k: int, scores: np.ndarray, sd: dict[str, float]
 ) -> list[tuple[float, dict[str, float], dict[str, float]]]:  # fmt: skip

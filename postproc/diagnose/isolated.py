@@ -10,6 +10,7 @@ from postproc.diagnose.noise import place_of
 from postproc.diagnose.rows import Rows
 
 
+# Whole: a rule to each kind of recording, over the same columns.
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at
     its place nor its neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, and

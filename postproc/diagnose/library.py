@@ -76,6 +76,7 @@ def visible(rows: Rows, module: ModuleType) -> np.ndarray:
     return seen
 
 
+# Whole: a list of drivers, a condition to each.
 def needed(rows: Rows, module: ModuleType, axis: str) -> bool:
     """Whether the rows tell what the effect depends on."""
     state = rows.state
@@ -162,6 +163,7 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
     return moving
 
 
+# Whole: the filters that every block of the dictionary passes, in order.
 def blocks(rows: Rows) -> list[Block]:
     """The dictionary. Blocks that show nothing in these readings are left out."""
     result: list[Block] = []

@@ -21,6 +21,7 @@ from postproc.machine.model import Machine
 SHORTEST = 1.0  # mm: of a range
 
 
+# Whole: three lists of findings, each with its conditions.
 def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[Finding]]:
     """Effects of the machine that go into a written machine, and those that do not: another name
     explains the readings as well and would do something else to a program. accept: names

@@ -33,6 +33,7 @@ NO_INSTRUMENT = 0.1  # mm
 CIRCLE = 24  # places of a circle that tell something of their own
 
 
+# Whole: the ways to miss a map, in their order of precedence.
 def doubts(recordings: list[Recording], rows: Rows, machine: Machine) -> dict[int, list[str]]:
     """What speaks against these being readings of this machine: sentences by the number of the
     recording that does not follow the map.
@@ -136,6 +137,7 @@ def _scattered(recording: Recording, rows: Rows, machine: Machine) -> list[str]:
     ]
 
 
+# Whole: one unit to a pass, under all the conditions for it.
 def _places(recording: Recording, machine: Machine, share: float, error: float) -> str:
     """The unit in which the places would fit the map, or ""."""
     for factor, unit in PLACES.items():

@@ -86,6 +86,7 @@ def of_all(rows: Rows, units: list[Unit]) -> list[list[Group]]:
     return found
 
 
+# Whole: a list of processes, with the condition of each.
 def of_unit(rows: Rows, unit: Unit) -> list[Group]:
     """The same of one unit, but for the levels of an instrument that switches."""
     own, n = unit.rows, len(unit)
@@ -173,6 +174,7 @@ def _of_features(rows: Rows, unit: Unit) -> list[Group]:
     return found
 
 
+# Whole: a list of processes, with the condition of each.
 def processes(rows: Rows, unit: Unit) -> list[Group]:
     """What is there and no name explains: smooth functions of the place, one for each combination
     of the directions of approach ("place"), of the time since a turn, one for each axis and

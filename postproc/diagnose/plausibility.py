@@ -172,6 +172,7 @@ class _Check:
 
     # -- the checks --------------------------------------------------------------------------------
 
+    # Whole: a list of refusals, a condition to each.
     def _axes(self) -> None:
         for letter in self.r.axes:
             if letter not in self.machine.letters:

@@ -164,6 +164,7 @@ def held_out_words(d: Diagnosis) -> str:
     return f"{fit['held_out']} took no part in this: {before}{after}, {noise}; {within}"
 
 
+# Whole: a list of sentences, a condition to each.
 def next_steps(d: Diagnosis, written: str = "") -> list[str]:
     """What to do now, in order. written: as in `as_text`."""
     accepted = [f for f in d.findings if f.status == "accepted"]

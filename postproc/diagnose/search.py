@@ -202,6 +202,7 @@ class Search:
                     result.append(replace(child, score=state.score + child.score - own))
         return result
 
+    # Whole: one step of the search: look, rank, fit, keep.
     def children(
         self, state: Found, names: int = CHILDREN, like: Found | None = None
     ) -> list[Found]:

@@ -17,6 +17,7 @@ LARGEST = 1e7  # N, rpm, mm/min
 Faults = list[tuple[int, str]]  # line of the recording, and what is wrong there
 
 
+# Whole: a list of faults, a condition to each.
 def readable(recording: Recording) -> tuple[Recording, Faults]:
     """The recording with the channels as far as sensors can have read them; one of which nothing is
     left is gone."""

@@ -301,6 +301,7 @@ def _changing(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
     return result
 
 
+# Whole: a column to each driver of a feature; a branch is a kind of feature.
 def _features(recording: Recording, machine: Machine):
     columns = _common(recording)
     kind, axis = recording.columns["kind"], recording.columns["axis"]

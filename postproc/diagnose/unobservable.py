@@ -14,6 +14,7 @@ SENSES = ("servo_mismatch", "squareness")  # one turns over with the sense, the 
 SAME = 0.98  # cosine between two effects that nothing tells apart
 
 
+# Whole: a list of reasons in their order of precedence.
 def spots(rows: Rows, every: list[Block]) -> list[tuple[str, str, str]]:
     """Effect, axis and why it can not be seen in these recordings."""
     seen = {(b.name, b.axis) for b in every}

@@ -52,6 +52,7 @@ def number(value: float, low: float, high: float) -> tuple[str, str, str]:
     return first, second, third
 
 
+# Whole: a list of exceptions in their order of precedence.
 def parameters(
     module: ModuleType,
     value: dict[str, float],

@@ -63,6 +63,7 @@ TEXT = (
 )
 
 
+# Whole: a list of shapes, a condition to each.
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if not len(state.time):
         return []

@@ -149,6 +149,7 @@ def leans(letter: str, lean: np.ndarray) -> list[tuple[int, float]]:
     return found
 
 
+# Whole: the hot loop: no zeros are made or added where a part is missing.
 def tip_deviation(
     arms: Arms,
     parts: dict[str, Parts],

@@ -101,6 +101,7 @@ def polar_on(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, face=space), FACE, reason)
 
 
+# Whole: a list of refusals, a condition to each.
 def _lacking(b: Batch, axis_words, word: str) -> tuple[str, str] | None:
     """Why the interpolation can not be followed from here on."""
     kinematics = b.setup.kinematics

@@ -23,6 +23,7 @@ GROUPS = ("XYZ", "UVW", "ABC")  # the first of them that moves is the one whose 
 SAME = 0.01  # of a feed: less is what every correction does to the length of a block
 
 
+# Whole: one pass over the pieces, whose feed in force goes on.
 def kept_feeds(b: Writing) -> float:
     """Write F where a block's pieces would else be run in another time. Returns the F that the
     output has in force where the program has another one, else nan. Raises BlockFault where a

@@ -48,6 +48,7 @@ WORK_OF_P = ("", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G5
 EXPAND = "--expand writes the program out in plain coordinates"
 
 
+# Whole: what shifts coordinates, in the order in which the control lets it hold.
 def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
     """Let the first block of a segment change the shifts, if it does; sets b.frame and
     b.offsets."""
@@ -205,6 +206,7 @@ def _name(b: Batch, p: int, line: int) -> str:
     return b.dialect.by_number[held].word if held != NONE else "G54"
 
 
+# Whole: the forms of G10 L2 and L20, with a refusal to each.
 def _work_offset(b: Batch, axis_words, p: int, line: int, values) -> None:
     by_place = line == 20 and not b.dialect.extended_by_p
     name = _name(b, p, line)

@@ -49,6 +49,7 @@ def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tu
     return ACROSS.get(int(planes[first]), ""), False
 
 
+# Whole: one line to a column; a branch is a kind of cycle.
 def in_cycle(
     b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
 ) -> InCycle | None:

@@ -202,6 +202,7 @@ class Shifted:
 
     # -- arcs --------------------------------------------------------------------------------------
 
+    # Whole: LinuxCNC's own function, kept in its order to be compared with it.
     def _arc(self, block: Block) -> None:
         assert block.centre is not None
         p, op, c, m = self._in_plane(block.end), self.programmed, self.current, block.centre

@@ -54,6 +54,7 @@ def _stands_unknown(word: str, unknown: list[str]) -> tuple[str, str] | None:
     )
 
 
+# Whole: a list of reasons in their order of precedence.
 def tip_on(b: Batch, axis_words, word: str) -> None:
     """TRAORI, M128: from here on X Y Z are places of the tip."""
     kinematics = b.setup.kinematics

@@ -8,7 +8,7 @@ Fundamentals, "Frames": the working plane turns with the frame.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from postproc.nc.cycles.affine import AXES, Point
 from postproc.nc.cycles.block import Block, Word, number_of
@@ -41,7 +41,7 @@ def lines(
     """The straight lines of an arc in programmed coordinates; centre: where its centre words put it
     (X Y Z), None where R says it; mixed: the axes that the turn mixes, written finer than the
     output. Raises ProgramError."""
-    first, second, third = scene.plane
+    first, second, _ = scene.plane
     words = {w.letter: w for w in block.words}
     start = {x: scene.at(x) for x in AXES}
     to = {x: _place(scene, words.get(x), x, start[x]) for x in AXES}
@@ -51,7 +51,21 @@ def lines(
         arc = by_radius(scene, at, end, _radius(scene, words, first), turn)
     else:
         arc = Arc(at, end, (centre[AXES.index(first)], centre[AXES.index(second)]), turn)
-    points = ends(scene, arc)
+    yield from _written(scene, block, motion, (start, to), ends(scene, arc), mixed)
+
+
+# Whole: first and last line differ from the others by the block's own words.
+def _written(
+    scene: Scene,
+    block: Block,
+    motion: int,
+    between: tuple[dict[str, float], dict[str, float]],
+    points: Sequence[tuple[float, float]],
+    mixed: Collection[str],
+) -> Iterator[bytes]:
+    """The block with the words of the first line, and a block for each other line. between: start
+    and end; points: the ends of the lines in the plane."""
+    (first, second, third), (start, to) = scene.plane, between
     code, written = b"G1", dict(start)
     decimals = {x: scene.decimals(x) + (MORE_DECIMALS if x in mixed else 0) for x in AXES}
     own = {

@@ -96,6 +96,7 @@ class PlacedArcs:
         known = all(c in SWITCHES or c in NAMES for c in block.codes)
         return self.before if idle and known and CHANGES_TOOL not in block.m_codes() else None
 
+    # Whole: half of it are the cases that are not known.
     def _touching(self, block: Block, own: list[int]) -> Touching | None:
         """The end of a line or an arc; None where it is not known."""
         scene = self.scene

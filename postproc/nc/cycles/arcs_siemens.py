@@ -65,7 +65,12 @@ class Openings:
                 "it lies between 0 and 360 degrees",
                 opening,
             )
-        turn = angle if code == COUNTER else -angle
+        return self._opened(block, opening, angle if code == COUNTER else -angle)
+
+    def _opened(self, block: Block, opening: Word, turn: float) -> bytes:
+        """An arc that turns by `turn`, rad, written by its end and its centre. Raises
+        ProgramError."""
+        scene = self.scene
         names = self.plane[:2]
         start = complex(*(scene.at(x) / self.scene.double(x) for x in names))
         own = [block.word(x) for x in names]

@@ -59,6 +59,7 @@ class LatheBlocks:
         """Nothing is held back."""
         return []
 
+    # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:
         """The lines that stand for one. Raises ProgramError."""
         if GOES_ON.match(line.text) or self.scene.passes(line.text):

@@ -83,6 +83,7 @@ class BoltHoles:
         own = next((c for c in block.codes if c in (900, 910)), 0)
         return own == 910 if own else self.scene.incremental
 
+    # Whole: a list of refusals, a condition to each.
     def _check(self, block: Block, code: int) -> None:
         scene, name = self.scene, f"G{code // 10}"
         drilling = next((c for c in block.codes if c in DRILLING), 0)
@@ -117,6 +118,24 @@ class BoltHoles:
     def _words(self, block: Block, code: int) -> list[bytes]:
         """X and Y of each hole."""
         scene, incremental = self.scene, self._incremental(block)
+        centre, here = self._centre(block, incremental)
+        radius = scene.length(next(w for w in block.words if w.letter == "I"), "X")
+        count = int(block.get("L") or 0)
+        step = 360.0 / count if code == CIRCLE else block.get("K") or 0.0
+        found = []
+        for k in range(count):
+            turn = math.radians((block.get("J") or 0.0) + k * step)
+            place = (centre[0] + radius * math.cos(turn), centre[1] + radius * math.sin(turn))
+            texts = [scene.text(axis, place[i] - here[i]) for i, axis in enumerate("XY")]
+            if incremental:  # what is written counts from what was written
+                here = [here[i] + float(texts[i][1:]) for i in (0, 1)]
+            found.append(b" ".join(texts))
+        return found
+
+    def _centre(self, block: Block, incremental: bool) -> tuple[list[float], list[float]]:
+        """X and Y of the centre, and from where the words of the holes count. Raises
+        ProgramError."""
+        scene = self.scene
         centre, here = [], []
         for axis in "XY":
             word = block.word(axis)
@@ -131,15 +150,4 @@ class BoltHoles:
             said = scene.length(word, axis) if word else 0.0
             centre.append(at + said)
         self.aside = {}
-        radius = scene.length(next(w for w in block.words if w.letter == "I"), "X")
-        count = int(block.get("L") or 0)
-        step = 360.0 / count if code == CIRCLE else block.get("K") or 0.0
-        found = []
-        for k in range(count):
-            turn = math.radians((block.get("J") or 0.0) + k * step)
-            place = (centre[0] + radius * math.cos(turn), centre[1] + radius * math.sin(turn))
-            texts = [scene.text(axis, place[i] - here[i]) for i, axis in enumerate("XY")]
-            if incremental:  # what is written counts from what was written
-                here = [here[i] + float(texts[i][1:]) for i in (0, 1)]
-            found.append(b" ".join(texts))
-        return found
+        return centre, here

@@ -95,18 +95,22 @@ class FanucCorners(Corners):
                 one_way(scene, word, [w.letter for w in block.words], self._own)
                 sign = "-" * word.raw.startswith("-")
                 self.own = replace(self.own, letter=word.letter + sign)
-        angle, new = block.get("A") if "A" in self.letters else None, b""
+        return Block.of(block.written(out, self._by_angle(block, names)), scene.dialect.grammar)
+
+    def _by_angle(self, block: Block, names: tuple[str, ...]) -> bytes:
+        """The word of the coordinate that an angle A stands for, or none. Raises ProgramError."""
+        angle = block.get("A") if "A" in self.letters else None
         missing = [x for x in names if not any(w.letter in self._own(x) for w in block.words)]
-        if angle is not None and missing:
-            start = self.held.end if self.held else self._here(names)
-            end = self._end(block, names, start)
-            (axis,) = missing
-            place = [None if x == axis else end[k] for k, x in enumerate(names)]
-            at = on_line(scene, start, angle, place[0], place[1])[names.index(axis)]
-            here = start[names.index(axis)]
-            by = self._distances(block)
-            new = scene.text(axis, (at - here if by else at) * scene.double(axis))
-        return Block.of(block.written(out, new), scene.dialect.grammar)
+        if angle is None or not missing:
+            return b""
+        scene, start = self.scene, self.held.end if self.held else self._here(names)
+        end = self._end(block, names, start)
+        (axis,) = missing
+        place = [None if x == axis else end[k] for k, x in enumerate(names)]
+        at = on_line(scene, start, angle, place[0], place[1])[names.index(axis)]
+        if self._distances(block):
+            at -= start[names.index(axis)]
+        return scene.text(axis, at * scene.double(axis))
 
     def _corner_word(self, letter: str, value: float, raw: str) -> Word:
         """The word of a corner, its size as the control counts it."""

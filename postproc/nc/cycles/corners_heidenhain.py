@@ -110,6 +110,7 @@ class IsoCorners:
     def _beside(self, name: str) -> Exception:
         return self.scene.fault(f"{name} beside something else than a straight feed in XY", WRITE)
 
+    # Whole: a list of refusals, a condition to each.
     def _define(self, block: Block, name: str) -> None:
         scene, size, feed = self.scene, block.get("R"), block.word("F")
         odd = [w for w in block.words if w.letter not in "NGRF"]

@@ -75,6 +75,7 @@ class Corners:
         held, self.held = self.held, None
         return [] if held is None else [held.line, *held.between]
 
+    # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:
         """Lines that can be followed now, without the words of corners. Raises ProgramError."""
         scene = self.scene

@@ -117,6 +117,19 @@ class FanucDrilling(Drilling):
                 )
             return Job(code, Hole(axis, 0.0, 0.0, 0.0), 0, [])
         self._hold(scene, block, axis)
+        place = [w for w in block.words if self.is_place(scene, w, axis)]
+        gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
+        return Job(
+            code,
+            self._hole(scene, block, code, axis),
+            self.times(scene, block, self.repeats, 0),
+            place,
+            codes=gone,
+            drops=self.drops(scene, axis),
+        )
+
+    def _hole(self, scene: Scene, block: Block, code: int, axis: str) -> Hole:
+        """By the words that hold. Raises ProgramError where one is missing."""
         for letter, name in (("R", "R level"), ("depth", "bottom")):
             if letter not in self.held:
                 raise scene.fault(
@@ -131,7 +144,7 @@ class FanucDrilling(Drilling):
             raise scene.fault(
                 f"G{code / 10:g} without Q", "write the depth of a peck, above 0", block.word("Q")
             )
-        hole = Hole(
+        return Hole(
             axis,
             r,
             bottom,
@@ -141,16 +154,6 @@ class FanucDrilling(Drilling):
             less=self.held.get("J", 0.0),
             least=self.held.get("K", 0.0),
             retract=min(RETRACT[scene.inch] * half, q or self.held.get("I", 0.0)),
-        )
-        place = [w for w in block.words if self.is_place(scene, w, axis)]
-        gone = tuple(n for n in block.codes if n in (0, 10, 20, 30))
-        return Job(
-            code,
-            hole,
-            self.times(scene, block, self.repeats, 0),
-            place,
-            codes=gone,
-            drops=self.drops(scene, axis),
         )
 
     dwells: tuple[int, ...] = DWELLS
@@ -199,6 +202,7 @@ class FanucDrilling(Drilling):
     def peck(self, scene: Scene, word: Word, axis: str) -> float:
         return abs(scene.length(word, axis))
 
+    # Whole: a word of the block to each condition.
     def passed_on(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """With the words that the control would still hold, and from the initial level it would
         still know."""

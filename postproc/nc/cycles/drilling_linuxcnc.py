@@ -60,6 +60,7 @@ class LinuxcncDrilling(Drilling):
         own = "P" * (code in DWELLS) + "Q" * (code in PECKS)
         return Form(KIND, named(WORDS, "XYZRL" + own))
 
+    # Whole: LinuxCNC's own order of words, checks and levels.
     def job(self, scene: Scene, block: Block, code: int) -> Job:
         axis = scene.plane[2]
         self._check(scene, block, code, axis)

@@ -139,6 +139,7 @@ class Frames:
             self.at.pop(x, None)
         return True
 
+    # Whole: absolute and incremental words share every place between.
     def _axes(self, mixed: tuple[str, ...], words: dict[str, Word]) -> dict[str, bytes]:
         """The words of axes that belong together."""
         scene = self.scene

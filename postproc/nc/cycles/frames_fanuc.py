@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from postproc.nc.codes import FRAME_KEYS
-from postproc.nc.cycles.affine import AXES, Affine, point, rotation, scaling
+from postproc.nc.cycles.affine import AXES, Affine, Point, point, rotation, scaling
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.frames import Frames
 from postproc.nc.cycles.moves import own_words
@@ -137,6 +137,7 @@ class FanucFrames:
         table = self.scene.table
         return any(c in (40, 530) or (c in table and table[c].takes) for c in block.codes)
 
+    # Whole: the codes that the manual forbids, a condition to each.
     def _check(self, block: Block) -> None:
         """Codes that the manual forbids while the coordinates are turned or scaled."""
         scene = self.scene
@@ -235,6 +236,14 @@ class FanucFrames:
                 "take it out of the block",
                 across,
             )
+        pivot = self._pivot(block)
+        self.turn = rotation(first, second, angle, pivot)
+        self._hold()
+        self.frames.loose |= {first, second} if angle % 360 else set()
+
+    def _pivot(self, block: Block) -> Point:
+        """The centre of a rotation, in the coordinates beneath it. Raises ProgramError."""
+        scene, (first, second, _) = self.scene, self.scene.plane
         given = [w for w in block.words if w.letter in (first, second)]
         if len(given) == 1:
             raise scene.fault(
@@ -242,14 +251,10 @@ class FanucFrames:
                 "name both coordinates of the centre, or none",
                 given[0],
             )
-        if given:
-            pivot = point({w.letter: scene.length(w, w.letter) for w in given})
-            pivot = self.scale(pivot) if self.scale else pivot
-        else:
-            pivot = point({x: self._stands(x) for x in (first, second)})
-        self.turn = rotation(first, second, angle, pivot)
-        self._hold()
-        self.frames.loose |= {first, second} if angle % 360 else set()
+        if not given:
+            return point({x: self._stands(x) for x in (first, second)})
+        pivot = point({w.letter: scene.length(w, w.letter) for w in given})
+        return self.scale(pivot) if self.scale else pivot
 
     def _angle(self, block: Block) -> float:
         """Of G68, in degrees."""

@@ -57,6 +57,7 @@ class SiemensFrames:
         f = self.frames
         f.at, f.residue, f.loose, f.motion, f.written, self.polar = kept
 
+    # Whole: the kinds of blocks in their order of precedence.
     def take(self, block: Block) -> list[bytes]:
         """A plain block in programmed coordinates, in those beneath. Raises ProgramError."""
         own = [c for c in block.codes if c in FRAMES]
@@ -194,17 +195,9 @@ class SiemensFrames:
         rest = block.written(out)
         return [rest] if rest.strip(b" \t\r/") else []
 
-    def _right_angled(self, block: Block) -> Block:
-        """The block with X and Y (Z and X, Y and Z) in the place of AP and RP."""
+    def _hold_polar(self, block: Block) -> None:
+        """AP and RP of the block hold. Raises ProgramError where one of them is not known then."""
         scene = self.scene
-        first, second, _ = scene.plane
-        both = next((w for w in block.words if w.letter in (first, second)), None)
-        if both:
-            raise scene.fault(
-                f"{both.letter} beside polar words",
-                "the place in the plane is AP and RP alone",
-                both,
-            )
         for word in block.words:
             if word.letter in ("AP", "RP") and word.value is not None:
                 if word.mode == "IC" and word.letter not in self.polar:
@@ -221,6 +214,19 @@ class SiemensFrames:
             raise scene.fault(
                 f"polar words without {missing[0]}", "name RP and AP in the first block"
             )
+
+    def _right_angled(self, block: Block) -> Block:
+        """The block with X and Y (Z and X, Y and Z) in the place of AP and RP."""
+        scene = self.scene
+        first, second, _ = scene.plane
+        both = next((w for w in block.words if w.letter in (first, second)), None)
+        if both:
+            raise scene.fault(
+                f"{both.letter} beside polar words",
+                "the place in the plane is AP and RP alone",
+                both,
+            )
+        self._hold_polar(block)
         cosine, sine = exact_turn(self.polar["AP"])
         at = {first: self.pole.get(first, 0.0) + self.polar["RP"] * cosine,
               second: self.pole.get(second, 0.0) + self.polar["RP"] * sine}  # fmt: skip

@@ -93,6 +93,7 @@ def _lines(scene: Scene, data: Holes, radius: float) -> list[tuple[Point, Point]
     return [((ends[k % 2], row), (ends[1 - k % 2], row)) for k, row in enumerate(rows)]
 
 
+# Whole: refusals first, then one line of arithmetic to a figure.
 def _depths(scene: Scene, data: Holes) -> Iterator[tuple[float, bytes]]:
     """Each with its feed."""
     value = data.value

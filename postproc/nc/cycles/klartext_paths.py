@@ -72,6 +72,7 @@ class KlartextPaths:
         """A line with a corner that has no other side."""
         return [self.at_line._replace(text=text) for text in self.corners.finish() if self.at_line]
 
+    # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:
         """The line, or the lines that it becomes. Raises ProgramError."""
         self.scene.forget()
@@ -98,6 +99,13 @@ class KlartextPaths:
             return [line]
         if head[1] and (self.corners.at_work or code.startswith((b"RND", b"CHF"))):
             raise self.scene.fault("a corner in blocks that / may take out", "take the / out")
+        return self._statement(line, code, found, lead, on)
+
+    def _statement(
+        self, line: Line, code: bytes, found: re.Match[bytes], lead: bytes, on: bool
+    ) -> list[Line]:
+        """A line that begins with a word of the language. lead: what its lines begin with; on: its
+        data go on in the next line."""
         self.at_line = line
         self.tool.note(code)
         kind, rest = found[1].split()[-1], code[found.end() :]

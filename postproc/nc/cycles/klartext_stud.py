@@ -77,6 +77,13 @@ def _path(scene: Scene, tool: Tool, cycle: int, value: Value) -> list[Point]:
         raise scene.fault(
             f"cycle {cycle} where the spindle does not turn by M3", "write M3 before it"
         )
+    return _turns(scene, tool, cycle, value, way)
+
+
+# Whole: one line of arithmetic to a size; round and square differ in each.
+def _turns(scene: Scene, tool: Tool, cycle: int, value: Value, way: float) -> list[Point]:
+    """The revolutions that take what stands beyond the finished sizes, from outside inwards. Raises
+    ProgramError where the sizes do not fit each other."""
     radius, left = tool.radius(cycle), value(368, 0.0)
     numbers = ((223, 223), (222, 222)) if cycle == CIRCLE else ((218, 219), (424, 425))
     a, b = (value(n) / 2 + left + radius for n in numbers[0])

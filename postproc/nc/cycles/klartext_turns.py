@@ -162,6 +162,21 @@ class KlartextTurns:
             body = self._placed(body, words, here)
         return text[: head.end()] + body + semicolon + remark
 
+    def _end(
+        self, words: list[re.Match[bytes]], here: dict[str, float], mixed: list[str]
+    ) -> dict[str, float | None]:
+        """The programmed X and Y behind a line. Raises ProgramError where one that is needed is not
+        known."""
+        to = {x: here[x] if x in here else self.known(x) for x in ("X", "Y")}
+        for match in words:
+            axis = match[2].decode()
+            start = to[axis] if match[1] else 0.0
+            to[axis] = float(match[3]) + (self.scene.at(axis) if start is None else start)
+        for axis in mixed:
+            if to[axis] is None:
+                self.scene.at(axis)
+        return to
+
     def _placed(self, body: bytes, words: list[re.Match[bytes]], here: dict[str, float]) -> bytes:
         """The same with other X and Y."""
         scene, named = self.scene, [match[2].decode() for match in words]
@@ -171,14 +186,7 @@ class KlartextTurns:
                 "the first line within other coordinates does not name X and Y as places",
                 "write both, without I, behind cycles 8 and 10",
             )
-        to = {x: here[x] if x in here else self.known(x) for x in ("X", "Y")}
-        for match, axis in zip(words, named, strict=True):
-            value = float(match[3])
-            start = to[axis] if match[1] else 0.0
-            to[axis] = value + (scene.at(axis) if start is None else start)
-        for axis in mixed:
-            if to[axis] is None:
-                scene.at(axis)
+        to = self._end(words, here, mixed)
         here |= {x: v for x in mixed if (v := to[x]) is not None}
         out = dict(zip(AXES, self.map(point(to)), strict=True))
         self.loose = False

@@ -93,6 +93,7 @@ class FanucNurbs:
         self._clear()
         self.begun, self.rank = True, RANK if rank is None else int(rank)
 
+    # Whole: a list of refusals between the steps that they guard.
     def _block(self, scene: Scene, block: Block) -> None:
         """A control point, or a knot alone."""
         knot, weight = block.word("K"), block.word("R")
@@ -154,6 +155,11 @@ class FanucNurbs:
         weights = self._ratios(scene, given, "weights R") if given else np.ones(len(self.poles))
         if (weights <= 0).any():
             raise scene.fault("a weight R that is not above 0", PROGRAM)
+        self._check_knots(scene, knots)
+        return Curve(np.array(self.poles), weights, knots, self.rank)
+
+    def _check_knots(self, scene: Scene, knots: np.ndarray) -> None:
+        """Raises ProgramError for knots that no curve of this rank has."""
         k = self.rank
         steps = np.diff(knots)
         inner = knots[k : len(self.poles)]
@@ -171,7 +177,6 @@ class FanucNurbs:
             raise scene.fault(
                 f"a knot of the NURBS stands there more often than its rank, {k}, allows", PROGRAM
             )
-        return Curve(np.array(self.poles), weights, knots, k)
 
     @staticmethod
     def _ratios(scene: Scene, words: list[Word], what: str) -> np.ndarray:

@@ -17,6 +17,7 @@ NEARLY_TANGENT = 0.02
 SMALLEST_GAP = 1e-2
 
 
+# Whole: the ways that two elements meet, in their order of precedence.
 def offset(elements: list[Element], distance: float, side: int, along: int) -> list[Element] | None:
     """The elements `distance` to the left (`side` 1) or right (-1) of their way, (z, x); `along`: 0
     z, 1 x, the direction of the cuts. None where an element is too short to say what becomes of

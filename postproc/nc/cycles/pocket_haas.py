@@ -216,6 +216,7 @@ def _write(scene: Scene, m: Moves, piece: Piece) -> None:
 # -- the shape -------------------------------------------------------------------------------------
 
 
+# Whole: one pass over the blocks, whose modes and place go on.
 def _shape(scene: Scene, block: Block, start: Point) -> list[Piece]:
     """The closed shape that the subprogram draws, behind its first motion. Raises ProgramError."""
     number = block.get("P")

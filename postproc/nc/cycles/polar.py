@@ -36,6 +36,7 @@ class Polar:
         """Something else moved the axes."""
         self.here, self.residue = None, {}
 
+    # Whole: a list of refusals between the steps that they guard.
     def take(self, block: Block) -> Block:
         """The block with right-angled words. Raises ProgramError."""
         scene = self.scene

@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 import re
 
+from postproc.nc.codes import Code
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
@@ -82,8 +83,11 @@ class PoleArcs:
             self.pole = {}
         elif not taken:
             self._set(block)
-        if taken:
-            return [line]
+        return [line] if taken else self._written(line, block, rows, end)
+
+    # Whole: the kinds of motion in their order of precedence.
+    def _written(self, line: Line, block: Block, rows: list[Code], end: bytes) -> list[Line]:
+        """The block without words of a pole. rows: of its codes."""
         placed = any(block.word(x) for x in "XYZ")
         if self.motion not in self.codes:
             plain = placed and self.motion in (0, 10) and not any(row.refuses for row in rows)
@@ -113,6 +117,7 @@ class PoleArcs:
         text = block.written(out) if out else block.text
         return [line._replace(text=text + end)] if text.strip(b" \t\r") else []
 
+    # Whole: a list of refusals before one place is written.
     def _polar(self, block: Block, end: bytes) -> list[bytes]:
         """G10 and G11: to a radius and an angle. Raises ProgramError."""
         scene, radius, angle = self.scene, block.get("R"), block.get("H")

@@ -62,6 +62,7 @@ class Polynomials:
     def finish(self) -> list[Line]:
         return self.corners.finish()
 
+    # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:
         """Lines that can be followed. Raises ProgramError."""
         code, semicolon, remark = line.text.partition(b";")
@@ -154,6 +155,10 @@ class Polynomials:
             raise scene.fault("a denominator whose poles are not above 0", WRITE)
         points = lines_of(poles, scene.chord, len(axes))
         points[-1] = [values[x][0] if x in values else plain[x] for x in axes]
+        return self._written(line, block, axes, points)
+
+    def _written(self, line: Line, block: Block, axes: list[str], points: np.ndarray) -> list[Line]:
+        """The block with the words of the first line, and a block for each other line."""
         own = own_words(block, AXES, set())
         texts: list[bytes] = []
         for words in self._words(axes, points):

@@ -134,6 +134,7 @@ def find(
     return Profile([block for _, block, _ in chosen], chosen[0][0], chosen[-1][0], corners)
 
 
+# Whole: the cases of a number that stands there never, once or more often.
 def _first(scene: Scene, rows: list[Row], begin: int, after: int, kept: int) -> int:
     """The row of the shape's first block."""
     starts = [i for i, (line, _, n) in enumerate(rows) if n == begin and line > after]
@@ -175,6 +176,7 @@ def _numbered(scene: Scene, lines: list[bytes]) -> list[Row]:
     return rows
 
 
+# Whole: one pass over the blocks, whose place and open line go on.
 def shape(scene: Scene, profile: Profile, start: tuple[float, float], motion: int) -> list[Element]:
     """The elements of a profile, from a start point (z, x radius). Raises ProgramError."""
     here, incremental = start, scene.incremental

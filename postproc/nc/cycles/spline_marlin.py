@@ -8,6 +8,8 @@ lines here lie nearer to it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.curve import bezier
 from postproc.nc.cycles.drilling import Outcome
@@ -56,23 +58,7 @@ class MarlinSpline:
             if value is not None:
                 end[axis] = here + value if scene.incremental else value
         fed = self._fed(scene, block)
-        z, dz = start.get("Z", 0.0), end.get("Z", 0.0) - start.get("Z", 0.0)
-        poles = [
-            (start["X"], start["Y"], z, 0.0),
-            (
-                start["X"] + (block.get("I") or 0.0),
-                start["Y"] + (block.get("J") or 0.0),
-                z + dz / 3,
-                1 / 3,
-            ),
-            (
-                end["X"] + (block.get("P") or 0.0),
-                end["Y"] + (block.get("Q") or 0.0),
-                z + dz * 2 / 3,
-                2 / 3,
-            ),
-            (end["X"], end["Y"], z + dz, 1.0),
-        ]
+        poles = _poles(block, start, end)
         m = Moves(scene, own_words(block, "".join(WORDS), {code}))
         axes, last = tuple(start), 0.0
         for x, y, height, share in bezier(*poles).points(scene.chord, 3):
@@ -99,3 +85,17 @@ class MarlinSpline:
             return 0.0, value, True
         begin = scene.at("E")
         return begin, value - begin, False
+
+
+def _poles(
+    block: Block, start: Mapping[str, float], end: Mapping[str, float]
+) -> list[tuple[float, ...]]:
+    """X Y, and Z and the share of the way, which grow evenly, of the four control points."""
+    z, dz = start.get("Z", 0.0), end.get("Z", 0.0) - start.get("Z", 0.0)
+    i, j, p, q = (block.get(x) or 0.0 for x in "IJPQ")
+    return [
+        (start["X"], start["Y"], z, 0.0),
+        (start["X"] + i, start["Y"] + j, z + dz / 3, 1 / 3),
+        (end["X"] + p, end["Y"] + q, z + dz * 2 / 3, 2 / 3),
+        (end["X"], end["Y"], z + dz, 1.0),
+    ]

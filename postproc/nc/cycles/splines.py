@@ -121,13 +121,25 @@ class Splines:
 
     def _pole(self, scene: Scene, block: Block) -> None:
         """A further control point; the start is the first one."""
+        self._check_pole(scene, block)
+        weight, order = block.get("P"), block.get("L")
+        placed = block.get("X") is not None
+        if not self.poles:
+            self.order = LEAST_ORDER
+            self.poles = [(*_start(scene), 1.0 if placed or weight is None else weight)]
+        if order is not None and order > LEAST_ORDER:
+            self.order = int(order)
+        if placed and weight is not None:
+            self.poles.append((*_place(scene, block), weight))
+
+    def _check_pole(self, scene: Scene, block: Block) -> None:
+        """Raises ProgramError where LinuxCNC refuses a control point."""
         weight, order = block.get("P"), block.get("L")
         named = [block.get(x) is not None for x in "XY"]
-        first = not self.poles
         placed = any(named)
         if placed != all(named):
             raise scene.fault("a control point with one of X and Y", "LinuxCNC wants both")
-        if not placed and not (first and weight):
+        if not placed and (self.poles or not weight):
             raise scene.fault(
                 "a block of G5.2 without a control point", "only the first one may name P alone"
             )
@@ -142,13 +154,6 @@ class Splines:
                 f"L{order:g} is no order of a NURBS",
                 "it is a whole number: 3 (quadratic), 4 (cubic)",
             )
-        if first:
-            self.order = LEAST_ORDER
-            self.poles = [(*_start(scene), 1.0 if placed or weight is None else weight)]
-        if order is not None and order > LEAST_ORDER:
-            self.order = int(order)
-        if placed and weight is not None:
-            self.poles.append((*_place(scene, block), weight))
 
     def _nurbs(self, scene: Scene) -> Curve:
         poles, self.poles = self.poles, []

@@ -128,6 +128,7 @@ class LinuxcncThread:
         m.move("G0", {"X": x1, "Z": z1})
         return Outcome(m.finish())
 
+    # Whole: a word of G76 to a line, with LinuxCNC's refusals.
     def _read(self, scene: Scene, block: Block) -> Thread:
         """The words of the block. Raises ProgramError where LinuxCNC refuses them."""
         self._check(scene, block)

@@ -281,6 +281,7 @@ class Repetitive:
                 way.pen.to("G0 G40", (way.start[0] + by[0], way.start[1] + by[1]))
         way.pen.to("G0", way.start)
 
+    # Whole: a list of refusals between the lines that they guard.
     def _finish(self, scene: Scene, profile: Profile, m: Moves, before: str) -> Outcome:
         """G70: the blocks of the shape as they stand, and back to the start point."""
         start = {x: scene.at(x) for x in "XZ"}

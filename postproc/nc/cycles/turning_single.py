@@ -43,6 +43,7 @@ class Turn:
     def wants(self, scene: Scene, block: Block) -> bool:
         return any(block.get(x) is not None for x in "XZUW" + self.tapers)
 
+    # Whole: four lines to each of two directions, behind a list of refusals.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         if scene.code("cutter") in (410, 420):

@@ -146,6 +146,7 @@ class Runner:
                 wrong.start, wrong.stop = self.place
             raise frame.source.fault(self.program.name, at, wrong) from None
 
+    # Whole: one branch to a kind of block.
     def _execute(self, frame: Frame, at: int, block: Block) -> bytes | None:
         variables, kind, self.place = self.variables, block.kind, block.place
         if kind in (Kind.PLAIN, Kind.WORDS):

@@ -227,6 +227,7 @@ class BlockReader:
                 break  # all behind G65 and G66 is handed over
         return block
 
+    # Whole: one branch to a code of the language.
     def _classify(self, block: Block, word: Word) -> None:
         value = float(word.digits) if word.digits else -1.0
         kind = None

@@ -209,6 +209,7 @@ class Reader:
         self.at += 1
         return self.bracketed()
 
+    # Whole: the grammar of a call, and its four exceptions.
     def _function(self) -> Formula:
         start, found = self.at, NAME.match(self.code, self.at)
         name = SHORT.get(found[0], found[0]) if found else ""

@@ -100,6 +100,7 @@ class _Run:
         if not depth and self.ended:
             yield from self._end(part)
 
+    # Whole: one branch to a statement of the language.
     def _statement(self, part: _File) -> Iterator[Line]:
         """One line: what it stands for, and which line is next."""
         code, text = part.code, part.text

@@ -56,6 +56,7 @@ class Run:
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
         self.ended = False
 
+    # Whole: the hot loop: lines without a special word pass in one go.
     def lines(self) -> Iterator[Line]:
         """Execute it."""
         flow, steps = self.flow, 0

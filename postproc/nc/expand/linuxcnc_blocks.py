@@ -103,6 +103,7 @@ class Block:
     letters: str = ""
     active: bool = False
 
+    # Whole: assignments hold at once, behind all that they are read from.
     def run(self, memory: Memory) -> Outcome:
         """Evaluate it, and let its assignments hold. Raises Refusal."""
         line, at, pieces = self.line, 0, []

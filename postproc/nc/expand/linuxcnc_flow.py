@@ -103,6 +103,7 @@ class Flow:
         """What ends the sub that runs."""
         return "M99" if self.calls[-1].fanuc else f"o{shown(self.calls[-1].name)} endsub"
 
+    # Whole: one branch to a kind of O word, and to what is skipped.
     def control(self, control: Control, place: Place) -> None:
         """Execute an O-word, M98 or M99. Raises Refusal."""
         kind = control.kind

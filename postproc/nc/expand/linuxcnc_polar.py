@@ -21,6 +21,7 @@ NO_MOTION = {40, 530, 100, 280, 281, 300, 301, 520, 920, 921, 922, 923, 431}
 UNITS, DISTANCE = {200: True, 210: False}, {900: False, 910: True}
 
 
+# Whole: radius and angle, each stated, incremental or kept.
 def right_angled(text: bytes, codes: set[int], letters: str, memory: Memory) -> bytes:
     """A plain line with X and Y in the place of @ and ^. codes: ten times its G numbers. Raises
     Refusal."""

@@ -140,7 +140,8 @@ class States:
         held = int(state.codes.get(group, -1))
         return GROUPS.get(group, -1) if held < 0 else held
 
-    def _back(self, kept: Kept, word: str) -> list[bytes]:
+    def _check(self, kept: Kept, word: str) -> None:
+        """Raises Refusal where a state differs from now in what is not brought back here."""
         state = self.tracker.state
         if kept.touched:
             what = b" ".join(sorted(kept.touched)).decode("latin-1")
@@ -154,7 +155,10 @@ class States:
             raise Refusal(
                 f"{word} brings G92 or the tool length back, which is not followed", WRITE
             )
-        words = []
+
+    def _back(self, kept: Kept, word: str) -> list[bytes]:
+        self._check(kept, word)
+        state, words = self.tracker.state, []
         for group in GROUPS:
             if kept.codes[group] == self._code(state, group):
                 continue

@@ -126,6 +126,7 @@ class Resolver:
         file, first, last = self.skip
         return line.file == file and first <= line.source <= last
 
+    # Whole: the hot loop: what concerns no cycle passes first.
     def _take(self, line: Line) -> list[Line]:
         """A line without corners."""
         if self.skip is not None:
@@ -173,8 +174,12 @@ class Resolver:
                     "it could move an axis: write it as plain words",
                 )
             return self._tell([text], True)
-        codes = block.codes
         self._spindle(block)
+        return self._plain(block, block.codes)
+
+    def _plain(self, block: Block, codes: list[int]) -> list[bytes]:
+        """A block of words and numbers: a cycle's, or one that passes."""
+        scene = self.scene
         own = [code for code in codes if code in self.family.cycles]
         if own and not self._overridden(codes, own[-1]):
             return self._cycle(block, own[-1], codes)
@@ -185,6 +190,11 @@ class Resolver:
                 return self._cycle(block, self.code, codes)
             elif not codes:
                 self._idle(block)
+        return self._passed_on(block, codes)
+
+    def _passed_on(self, block: Block, codes: list[int]) -> list[bytes]:
+        """A block of no cycle, with the motion code that a cycle before it has replaced."""
+        scene = self.scene
         if self.loose:
             self._counted(block, codes)
         if self.scene.unsure and not self._taken(codes):
@@ -299,6 +309,7 @@ class Resolver:
 
     # -- a block of a cycle ------------------------------------------------------------------------
 
+    # Whole: the order of one cycle: before, words, run, what holds behind it.
     def _cycle(self, block: Block, code: int, codes: list[int]) -> list[bytes]:
         scene, cycle = self.scene, self.family.cycles[code]
         self._check_alone(code, [c for c in codes if c != code])

@@ -83,6 +83,22 @@ class Boring(Drilling):
             )
         return [b"M%d" % value] if value else []
 
+    def _lead(self, unit: float) -> float:
+        """Of the thread of CYCLE84, below 0 of a left-handed one. unit: of the program, mm. Raises
+        Refusal."""
+        g = self.given
+        lead = g.get("PIT") or 0.0
+        if g.get("MPIT"):
+            size = abs(g["MPIT"])
+            if size not in COARSE or lead:
+                raise Refusal("MPIT of CYCLE84 is no metric thread alone", "write PIT, the lead")
+            lead = math.copysign(COARSE[int(size)] / unit, g["MPIT"])
+        if not lead or not g.get("SST"):
+            raise Refusal("CYCLE84 without PIT or SST", "write its lead and its speed")
+        if g.get("AMODE", 0) >= 1000:
+            lead = abs(lead) * (-1 if g["AMODE"] == LEFT_HANDED else 1)
+        return lead
+
     def _tap(self, tracker: Tracker, axis: str, to: To, level: float, bottom: float) -> list[bytes]:
         g = self.given
         if (
@@ -91,22 +107,11 @@ class Boring(Drilling):
             or g.get("PITA", 0) not in (0, 3 if tracker.inch else 1)
         ):
             raise self._odd()
-        lead = g.get("PIT") or 0.0
-        if g.get("MPIT"):
-            size = abs(g["MPIT"])
-            if size not in COARSE or lead:
-                raise Refusal("MPIT of CYCLE84 is no metric thread alone", "write PIT, the lead")
-            lead = (
-                COARSE[int(size)] / (25.4 if tracker.inch else 1.0) * (1 if g["MPIT"] > 0 else -1)
-            )
-        if not lead or not g.get("SST"):
-            raise Refusal("CYCLE84 without PIT or SST", "write its lead and its speed")
-        if g.get("AMODE", 0) >= 1000:
-            lead = abs(lead) * (-1 if g["AMODE"] == LEFT_HANDED else 1)
-        pitch = f" {LEAD[axis]}{number(lead, 5)} S".encode()
+        unit = 25.4 if tracker.inch else 1.0
+        pitch = f" {LEAD[axis]}{number(self._lead(unit), 5)} S".encode()
         into, out = (number(x, 3).encode() for x in (g["SST"], g.get("SST1") or g["SST"]))
         found = [b"SPOS=" + number(g.get("POSS", 0.0), 3).encode()]
-        for deep, back in self._turns(level, bottom, CHIP / (25.4 if tracker.inch else 1.0)):
+        for deep, back in self._turns(level, bottom, CHIP / unit):
             found += [
                 b"G331 " + to(deep) + pitch + into,
                 *self._wait(),

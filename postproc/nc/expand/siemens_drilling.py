@@ -37,6 +37,7 @@ DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE: the plane across the axis of the h
 GEOMETRY = {"X": 1, "Y": 2, "Z": 3}  # of AXN: the number of that geometry axis
 # mm: how far CYCLE83 keeps off the bottom that it has reached
 SHALLOW, AHEAD, PART, MOST_AHEAD = 30.0, 0.6, 50.0, 7.0
+NEAR = 1e-9  # of a length: the same depth
 CHIP = 1.0  # mm, by which it goes back to break chips
 MOST_STROKES = 10_000
 WRITE_OUT = "let the CAM program write this hole out as G0 and G1"
@@ -102,13 +103,13 @@ class Drilling:
         level, bottom = self._levels()
         found = [move("G0", level)]
         if self.name == "CYCLE83":
-            first, slower = "G1", self._slower(feed)
+            slower = self._slower(feed)
             for code, place in self._pecks(inch):
-                if code == "G1" and slower and first:
+                if code == "G1" and slower:
                     found += [move("G1" + slower, place), b"F" + feed]
-                    first = ""
-                    continue
-                found.append(move(code, place) if code else self._dwell(place))
+                    slower = ""  # the first stroke alone
+                else:
+                    found.append(move(code, place) if code else self._dwell(place))
         else:
             found.append(move("G1" + self._feed("FFR"), bottom))
             if self.given.get("DTB"):
@@ -119,13 +120,9 @@ class Drilling:
             found.append(move("G1" + self._feed("RFF"), level))
         found.append(move("G0", self.given["RTP"]))
         motion = tracker.code("motion")
-        if motion > 0 and (self.given.get("FFR") or self.given.get("RFF")):
-            found.append(b"G%d F%s" % (motion // 10, feed))
-        elif motion > 0:
-            found.append(b"G%d" % (motion // 10))
-        elif self.given.get("FFR") or self.given.get("RFF"):
-            found.append(b"F" + feed)
-        return found
+        back = [b"G%d" % (motion // 10)] if motion > 0 else []
+        back += [b"F" + feed] if self.given.get("FFR") or self.given.get("RFF") else []
+        return [*found, b" ".join(back)] if back else found
 
     def _slower(self, feed: bytes) -> str:
         """The F word of the first stroke of CYCLE83, "": that in force."""
@@ -212,22 +209,8 @@ class Drilling:
             raise Refusal(
                 "the first drilling depth of CYCLE83 is not within the hole", "correct FDEP or FDPR"
             )
-        reached, stroke = first, first
-        for _ in range(MOST_STROKES):
-            if reached >= depth - 1e-9:
-                yield bottom
-                return
-            yield g["RFP"] - up * reached
-            left = depth - reached
-            if factor:
-                stroke = max(stroke * factor, least)
-                reached = min(reached + stroke, depth)
-                continue
-            stroke = stroke - less if stroke - less > less else max(less, 0.0) or stroke
-            if less and left < 2 * less and left > stroke:
-                stroke = left / 2
-            reached = min(reached + stroke, depth)
-        raise Refusal(f"CYCLE83 takes more than {MOST_STROKES} strokes", "correct FDPR and DAM")
+        for reached in _reached(depth, first, less, least, factor):
+            yield bottom if reached >= depth - NEAR else g["RFP"] - up * reached
 
     def _pecks(self, inch: bool) -> Iterator[tuple[str, float]]:
         """Code and place of what CYCLE83 does behind the rapid to the level; "" and seconds for a
@@ -251,3 +234,24 @@ class Drilling:
                 yield "G0", place + up * ahead
             else:
                 yield "G1", place + up * (g.get("VRT") or CHIP / unit)
+
+
+def _reached(
+    depth: float, first: float, less: float, least: float, factor: float
+) -> Iterator[float]:
+    """How deep each stroke ends, the hole's depth at last: strokes get shorter by `less`, or by
+    `factor` down to `least`. Raises Refusal."""
+    reached = stroke = first
+    for _ in range(MOST_STROKES):
+        yield reached
+        if reached >= depth - NEAR:
+            return
+        if factor:
+            stroke = max(stroke * factor, least)
+        else:
+            left = depth - reached
+            stroke = stroke - less if stroke - less > less else max(less, 0.0) or stroke
+            if less and left < 2 * less and left > stroke:
+                stroke = left / 2
+        reached = min(reached + stroke, depth)
+    raise Refusal(f"CYCLE83 takes more than {MOST_STROKES} strokes", "correct FDPR and DAM")

@@ -56,6 +56,7 @@ class Parameter:
 # -- control lines ---------------------------------------------------------------------------------
 
 
+# Whole: one branch to a kind of statement.
 def read(text: str) -> Statement:
     """What a line says. Raises Refusal."""
     head = HEAD.match(text)

@@ -109,6 +109,7 @@ class Source:
             )
         return found
 
+    # Whole: one branch to a kind of jump.
     def destination(self, jump: Jump, target: str, at: int) -> int | None:
         """The line that a jump leads to. None: GOTOC finds none. Raises Refusal where there is
         none."""
@@ -138,6 +139,7 @@ class Source:
             jump.stop,
         )
 
+    # Whole: the cases of a start and an end that stand before or behind.
     def section(self, first: str, last: str, at: int) -> tuple[int, int]:
         """First and last line of the part that a REPEAT at line `at` repeats. Raises Refusal."""
         starts = self.marks.get(first, [])

@@ -144,6 +144,7 @@ def filled(
     return "".join(out) + text[at:stop]
 
 
+# Whole: one branch to a kind of right side, with its refusals.
 def assign(scope: Scope, target: Target, right: Right) -> None:
     """A variable or array takes what stands right of "="."""
     index = target.places(scope)
