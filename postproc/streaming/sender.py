@@ -373,7 +373,6 @@ class Sender:
             return
         self.tally.rejected.append((line, words))
         self.tally.answered += 1
-        self._end = ()
         self.path.lose()
         self.account.refused(line.number)
         self.log.append(("rejected", line, now))

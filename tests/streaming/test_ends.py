@@ -7,6 +7,7 @@ import pytest
 
 from postproc.streaming.endings import stopped
 from postproc.streaming.lines import WireLine
+from postproc.streaming.protocols.marlin import Marlin
 from postproc.streaming.sender import HALTING, HELD, Sender
 from tests.streaming.bench import lines_of, new_sender, run
 from tests.streaming.grbl_model import GrblModel
@@ -87,3 +88,72 @@ def test_one_report_of_rest_is_not_the_end(times, done):
             sender.receive(b"<Idle|MPos:1.000,0.000,0.000|FS:0,0>\r\n", now + 0.005)
             reports += 1
     assert reports == times and (sender.outcome is not None) == done
+
+
+def emptied(sender: Sender) -> bytes:
+    """All that the sender wants to write now."""
+    return b"".join(iter(sender.bytes_out, b""))
+
+
+@pytest.mark.parametrize("watched, at", [(True, 1.0), (False, 0.0)])
+def test_where_the_path_is_watched_no_line_leaves_before_the_first_report(watched, at):
+    """It says where the path begins; one that does not come is waited for for a second."""
+    sender = new_sender(GrblModel(), watched=watched)
+    sender.give([WireLine(1, 1, 0, b"G1X1F600")])
+    left = []
+    for k in range(60):
+        sender.tick(k * 0.02)
+        if b"G1X1F600" in emptied(sender):
+            left.append(k * 0.02)
+    assert left == [pytest.approx(at)]
+
+
+def test_where_the_path_is_watched_the_first_report_lets_lines_leave():
+    sender = new_sender(GrblModel(), watched=True)
+    sender.give([WireLine(1, 1, 0, b"G1X1F600")])
+    sender.tick(0.0)
+    assert emptied(sender) == b"?"
+    sender.receive(b"<Idle|MPos:0.000,0.000,0.000|FS:0,0>\r\n", 0.02)
+    sender.tick(0.03)
+    assert b"G1X1F600" in emptied(sender)
+
+
+def test_a_stop_waits_for_its_answer_though_the_computer_slept():
+    """Its grace of a second is no time in which nobody looked: the answer was there to be read."""
+    sender = new_sender(GrblModel())
+    sender.give([WireLine(1, 1, 0, b"G1X1F600")])
+    sender.tick(0.0)
+    emptied(sender)
+    sender.stop(0.1)
+    sender.tick(0.12)
+    sender.tick(7.12)
+    assert sender.outcome is None
+    sender.receive(b"\r\nGrbl 1.1h ['$' for help]\r\n", 7.13)
+    assert sender.outcome.kind == "aborted" and "confirm" not in sender.outcome.text()
+
+
+def test_each_pause_of_a_controller_is_told():
+    """Marlin says so again and again while it waits; an answer between two is the end of one."""
+    sender = Sender(Marlin())
+    sender.give([WireLine(k, k, 0, b"G1 X%d" % k) for k in (1, 2, 3)])
+    now = 0.0
+    for answer in (b"echo:busy: paused for user\n", b"echo:busy: paused for user\n", b"ok\n") * 2:
+        sender.tick(now)
+        emptied(sender)
+        sender.receive(answer, now := now + 0.1)
+    assert len([what for kind, what, _ in sender.log if kind == "hold"]) == 2
+
+
+def test_a_check_says_nothing_of_where_the_tool_is():
+    """In check mode nothing moves: no line may be executed, none is over."""
+    sender = new_sender(GrblModel(), check=True)
+    sender.give([WireLine(k, k, 0, b"G1X%d" % k, (k, 0.0, 0.0)) for k in (1, 2)])
+    sender.tick(0.0)
+    emptied(sender)
+    sender.receive(b"[MSG:Enabled]\r\nok\r\n", 0.1)
+    sender.tick(0.1)
+    emptied(sender)
+    sender.receive(b"ok\r\n<Check|MPos:0.000,0.000,0.000|FS:0,0>\r\n", 0.2)
+    sender.lost("the port was closed", 0.3)
+    assert sender.outcome.last_certain == 1
+    assert (sender.outcome.at, sender.outcome.unsure) == (None, None)
