@@ -217,6 +217,22 @@ def test_a_code_before_an_assigned_word_is_set_off(tmp_path):
     assert b"\nG64 X=200.0" in filter_.feed(text) + filter_.finish()
 
 
+@pytest.mark.parametrize(
+    "block, first",
+    [("G9 X300", "X200.0"), ("N7 G9 X300", "N7 X200.0"), ("X300 G9 F90", "X200.0"),
+     ("N7G9X300", "N7X200.0"), ("N7  G9  X300", "N7   X200.0")],
+)  # fmt: skip
+def test_a_code_that_goes_takes_one_blank_along(tmp_path, block, first):
+    """Only the last piece stops exactly; a line keeps no blank before its
+    first word, and the blanks between two others stay but for one."""
+    m = read_machine(machine(tmp_path / "m", "X_mm,EXX_um\n-10,0\n100,0\n200,20\n400,20\n"))
+    filter_ = Filter(m, dialects.load("fanuc-mill"), setup_of(m, {}), Options(tolerance=0.2 * UM))
+    text = f"G21G90\nG1X150.Z0F500\n{block.replace('300', '300.')}\nM30\n"
+    lines = (filter_.feed(text.encode()) + filter_.finish()).decode().split("\n")
+    at = next(i for i, line in enumerate(lines) if line.startswith(first))
+    assert "G9" not in lines[at] and "G9" in lines[at + 1], lines
+
+
 @pytest.mark.parametrize("um, moves", [(0.30, False), (0.32, True)])
 def test_an_axis_that_rests_moves_for_more_than_half_its_share(tmp_path, um, moves):
     """By hand: of 1 um an eighth pays for products, the rest is shared by two axes: 0.875 / sqrt 2

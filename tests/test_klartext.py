@@ -277,6 +277,14 @@ def test_new_blocks_are_statements(tmp_path):
     assert pieces.rstrip().endswith("M9")
 
 
+def test_new_words_are_set_off_where_the_program_writes_without_blanks(tmp_path):
+    """LY+4.98 would be no statement: L stands alone."""
+    text = b"L X+64 Y+5 Z+20 R0 FMAX\nL F100X+20\nM30\n"
+    lines = corrected(write_mill(tmp_path / "mill", True), text, [])[0].split(b"\n")
+    assert lines[2].startswith(b"L F100X+63.98") and b" Z+20.0" in lines[2]
+    assert [line[:4] for line in lines[3:-2]] == [b"L X+", b"L Y+", b"L X+"]
+
+
 def test_a_tap_loses_the_tool_axis_alone(tmp_path):
     """Its place is corrected, and what comes behind it; its depth is not, which a notice says."""
     text = PART.replace("16 L X+0", "CYCL DEF 207 TAP ~\n Q200=+2\n16 L X+0").replace(
