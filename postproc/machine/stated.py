@@ -163,14 +163,16 @@ class Stated:
 
     @cached_property
     def reached(self) -> dict[str, tuple[float, float]]:
-        """Axis to where a nominal program can take it: its travel, within tables that end it."""
+        """Axis to where a nominal program can take it: its travel, within tables that end it; the
+        first above the second where they leave nothing, and a program that names it is
+        refused."""
         found = {}
         for x, axis in self.axes.items():
             low, high = axis.travel
             if self.limits.outside == "error" and x in self.ranges and x in LINEAR:
                 first, last = self.ranges[x]
                 low, high = max(low, first), min(high, last)
-            found[x] = (low, high) if low < high else axis.travel
+            found[x] = low, high
         return found
 
     @cached_property
