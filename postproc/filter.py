@@ -30,7 +30,7 @@ from postproc.pieces import Pieces
 from postproc.units import UM
 
 if TYPE_CHECKING:
-    from postproc.heat.follow import Heat, Warmth
+    from postproc.heat.follow import Heat, HeatState
 
 # a batch, its output, the lines before it
 Watcher = Callable[[Words, Motions, Pieces, bytes, int], None]
@@ -177,7 +177,7 @@ class Filter:
         self.carry = self.compensator.initial(self.interpreter.stands()[0])
         self.written = Written()
         self.contours = Contours()
-        self.warmth: Warmth | None = self.heat.initial() if self.heat else None
+        self.warmth: HeatState | None = self.heat.initial() if self.heat else None
         self._rest = b""
         self._numbering = checksums.START
         self._begun = False

@@ -23,7 +23,7 @@ STOPS = (0, 1, 6, 60)  # M codes that wait for a person, or for a tool changer
 
 
 @dataclass(frozen=True)
-class Ticking:
+class ClockState:
     """What one batch hands the next. now: microseconds since the program began; spoken: of the
     spindle; without: motions that had no feed and took no time; stops: how often a person, or a
     tool changer, was waited for; radius: mm, where X stands;
@@ -48,8 +48,8 @@ class Rates:
 
 
 @dataclass(frozen=True)
-class Rests:
-    """The R dwells of a batch. before (R,): number of the motion before which it rests, N behind
+class Dwells:
+    """The R dwells of a batch. before (R,): number of the motion before which it dwells, N behind
     the last; took (R,): microseconds; rpm (R,): of its own block."""
 
     before: np.ndarray
@@ -60,34 +60,36 @@ class Rests:
 @dataclass(frozen=True)
 class Times:
     """Of each motion (N,): begin and end, microseconds since the program began; rpm, the spindle's
-    turns per minute; rests: between them."""
+    turns per minute; dwells: between them."""
 
     begin: np.ndarray
     end: np.ndarray
     rpm: np.ndarray
-    rests: Rests
+    dwells: Dwells
 
     def steps(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(M,) microseconds, (M,) turns per minute and (M,) bool, whether it is a motion, of all
-        that takes time, in order: motions, and rests between them."""
-        at = self.rests.before
-        took = np.insert(self.end - self.begin, at, self.rests.took)
-        rpm = np.insert(self.rpm, at, self.rests.rpm)
+        that takes time, in order: motions, and dwells between them."""
+        at = self.dwells.before
+        took = np.insert(self.end - self.begin, at, self.dwells.took)
+        rpm = np.insert(self.rpm, at, self.dwells.rpm)
         return took, rpm, np.insert(np.ones(len(self.begin), bool), at, False)
 
 
-def run(words: Words, motions: Motions, rates: Rates, before: Ticking) -> tuple[Times, Ticking]:
+def run(
+    words: Words, motions: Motions, rates: Rates, before: ClockState
+) -> tuple[Times, ClockState]:
     """The times of a batch."""
     spindle, spoken = pace.spindle(words, rates.dialect, before.spoken)
     n = len(motions)
     rpm = _turns(motions, spindle) if n else np.zeros(0)
     took, without = _durations(motions, spindle, rpm, rates)
     micros = np.rint(took * MICRO).astype(np.int64)
-    rests = _rests(words, motions, spindle, rates, before.radius)
-    waits = np.bincount(rests.before, weights=rests.took, minlength=n + 1).astype(np.int64)
+    dwells = _dwells(words, motions, spindle, rates, before.radius)
+    waits = np.bincount(dwells.before, weights=dwells.took, minlength=n + 1).astype(np.int64)
     end = before.now + np.cumsum(micros + waits[:-1])
     now = (int(end[-1]) if n else before.now) + int(waits[-1])
-    after = Ticking(
+    after = ClockState(
         now,
         spoken,
         before.without + without,
@@ -95,13 +97,13 @@ def run(words: Words, motions: Motions, rates: Rates, before: Ticking) -> tuple[
         float(_radius(motions)[-1]) if n else before.radius,
         before.unlimited + int((spindle.on & spindle.surface & np.isinf(spindle.cap)).sum()),
     )
-    return Times(end - micros, end, rpm, rests), after
+    return Times(end - micros, end, rpm, dwells), after
 
 
-def _rests(
+def _dwells(
     words: Words, motions: Motions, spindle: pace.Spindle, rates: Rates, radius: float
-) -> Rests:
-    """Every dwell, behind the motions of its own block; one whose time is not known rests 0.
+) -> Dwells:
+    """Every dwell, behind the motions of its own block; one whose time is not known dwells 0.
     radius: mm, where X stands before the batch."""
     live = pace.live(words, rates.dialect)
     found = []
@@ -114,7 +116,7 @@ def _rests(
     before = np.searchsorted(motions.block, blocks, "right")
     stands = np.concatenate([[radius], _radius(motions)])[before]
     took = np.array([micros for _, micros in found], np.int64)
-    return Rests(before, took, spindle.turns(blocks, stands))
+    return Dwells(before, took, spindle.turns(blocks, stands))
 
 
 def _stops(words: Words, rates: Rates) -> int:

@@ -54,7 +54,7 @@ class Lags:
         return found + slow * self.p["housing_um"] if self.p["housing_s"] > 0 else found
 
 
-def spun(p: dict[str, float], times: clock.Times, pace: float, before: State) -> Lags:
+def spindle_lags(p: dict[str, float], times: clock.Times, pace: float, before: State) -> Lags:
     """A spindle along a batch. pace: how many times longer the machine takes than the clock."""
     took, rpm, moves = times.steps()
     fastest = max(p["fastest_rpm"], 1.0)

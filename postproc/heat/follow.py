@@ -16,7 +16,7 @@ import numpy as np
 
 from postproc.errors import BlockFault, Notice
 from postproc.heat import clock
-from postproc.heat.course import Course, Lags, State, spun
+from postproc.heat.course import Course, Lags, State, spindle_lags
 from postproc.heat.log import Log, Newest
 from postproc.machine.axis import Driver
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, Motions, Spells
@@ -27,15 +27,15 @@ from postproc.units import UM
 # within one spell, from its middle on
 SHARE = 1 / 8
 LONG = 60.0  # s: a thermometer on metal moves by 6 K at most meanwhile (diagnose/thermometers.py)
-LOOKS = 16  # places a spell at which is looked where heat has moved the machine how far
+SAMPLES = 16  # places a spell at which is looked where heat has moved the machine how far
 
 
 @dataclass(frozen=True)
-class Warmth:
-    """What one batch hands the next. ticking: the clock; spindles: two lags of each spindle
+class HeatState:
+    """What one batch hands the next. clock_state: the clock; spindles: two lags of each spindle
     driver; most: axis to mm, by how much heat moved it most so far."""
 
-    ticking: clock.Ticking = field(default_factory=clock.Ticking)
+    clock_state: clock.ClockState = field(default_factory=clock.ClockState)
     spindles: tuple[State, ...] = ()
     most: tuple[float, ...] = ()  # in the order of `letters`
 
@@ -54,10 +54,10 @@ class Heat:
     step: np.ndarray
     hold: bool = False
 
-    def initial(self) -> Warmth:
+    def initial(self) -> HeatState:
         """Before the first block: spindles are cold."""
         none = tuple((0.0, 0.0) for d in self.drivers if not d.column)
-        return Warmth(spindles=none, most=(0.0,) * len(self.letters))
+        return HeatState(spindles=none, most=(0.0,) * len(self.letters))
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
@@ -74,8 +74,8 @@ class Heat:
         return float(np.abs(unit.T @ np.unique(values[own], axis=1)).max(initial=0.0))
 
     def run(
-        self, words: Words, motions: Motions, before: Warmth
-    ) -> tuple[Motions, Warmth, list[Notice]]:
+        self, words: Words, motions: Motions, before: HeatState
+    ) -> tuple[Motions, HeatState, list[Notice]]:
         """The motions with the whole steps (D, N) of the drivers in the middle of each, and spells
         of those that are to be cut in time. Raises BlockFault."""
         course, after = self.course(words, motions, before)
@@ -89,17 +89,21 @@ class Heat:
             max(a, self._moved(x, values)) for x, a in zip(self.letters, before.most, strict=True)
         )
         after = replace(after, most=most)
-        notices += [Notice("heat", self.sentence(after), size=1.0 + after.ticking.now)]
-        notices += self._stops(after.ticking.stops) + self._unlimited(after.ticking.unlimited)
+        notices += [Notice("heat", self.sentence(after), size=1.0 + after.clock_state.now)]
+        notices += self._stops(after.clock_state.stops) + self._unlimited(
+            after.clock_state.unlimited
+        )
         return replace(motions, heat=steps, spells=spells), after, notices
 
-    def course(self, words: Words, motions: Motions, before: Warmth) -> tuple[Course, Warmth]:
+    def course(self, words: Words, motions: Motions, before: HeatState) -> tuple[Course, HeatState]:
         """The drivers along a batch, and what the next one must know. Raises BlockFault."""
-        times, ticking = clock.run(words, motions, self.rates, before.ticking)
+        times, clock_state = clock.run(words, motions, self.rates, before.clock_state)
         self._refuse(motions, times)
         lags: list[Lags] = []
         for driver in (d for d in self.drivers if not d.column):
-            lags.append(spun(dict(driver.spindle), times, self.pace, before.spindles[len(lags)]))
+            lags.append(
+                spindle_lags(dict(driver.spindle), times, self.pace, before.spindles[len(lags)])
+            )
         second = self.pace / clock.MICRO
         course = Course(
             self.drivers,
@@ -109,7 +113,9 @@ class Heat:
             times.end * second,
             tuple(lags),
         )
-        return course, replace(before, ticking=ticking, spindles=tuple(x.after for x in lags))
+        return course, replace(
+            before, clock_state=clock_state, spindles=tuple(x.after for x in lags)
+        )
 
     def _whole(self, values: np.ndarray) -> np.ndarray:
         """(D, K) whole steps of values (D, K)."""
@@ -128,7 +134,7 @@ class Heat:
         motion, until, heat = [], [], []
         for k in np.flatnonzero(may & (varied > limit)).tolist():
             parts = int(np.ceil(varied[k] / limit))
-            share = np.linspace(0.0, 1.0, LOOKS * parts + 1)
+            share = np.linspace(0.0, 1.0, SAMPLES * parts + 1)
             so_far = course.varied(np.full(len(share), k), share, self.step)
             edges = np.interp(np.arange(1, parts) / parts * varied[k], so_far, share)
             middles = np.interp((np.arange(parts) + 0.5) / parts * varied[k], so_far, share)
@@ -206,11 +212,11 @@ class Heat:
                     " its last reading",
                 )
 
-    def sentence(self, warmth: Warmth) -> str:
+    def sentence(self, state: HeatState) -> str:
         """How long the program takes, and what the heat did, for a person."""
-        lasts = warmth.ticking.now * self.pace / clock.MICRO
+        lasts = state.clock_state.now * self.pace / clock.MICRO
         moved = ", ".join(
-            f"{x} by {size / UM:.1f} um" for x, size in zip(self.letters, warmth.most, strict=True)
+            f"{x} by {size / UM:.1f} um" for x, size in zip(self.letters, state.most, strict=True)
         )
         return (
             f"by its own clock the program takes {lasts:.0f} s; heat moves {moved or 'nothing'} at"

@@ -14,7 +14,7 @@ import numpy as np
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.volumetric.rows import SAME, Rows, angle_columns, nominal_tip
-from postproc.volumetric.stairs import on_the_beam
+from postproc.volumetric.step_diagonals import on_the_beam
 from postproc.volumetric.unknowns import Group, Unknowns, components
 
 MOST = 15  # places that are nodes as they are; beyond, EVEN nodes from the first to the last

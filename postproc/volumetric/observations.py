@@ -12,7 +12,7 @@ from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
 from postproc.units import UM
-from postproc.volumetric import VolumetricError, circles, stairs
+from postproc.volumetric import VolumetricError, circles, step_diagonals
 from postproc.volumetric.rows import SAME, Rows, nominal_tip
 
 # mm, standard deviation of a station's stated place: a ball on a table is set with a rule
@@ -276,15 +276,15 @@ def _stair(
     recording: Recording, machine: Machine, base: Rows, along: np.ndarray, which: np.ndarray
 ) -> Rows | None:
     """A set-up of a step diagonal; None where its readings are of no stair."""
-    if not stairs.may_be(along):
+    if not step_diagonals.is_diagonal(along):
         return None
-    aside = stairs.aside(nominal_tip(machine, base.q[:, which], base.tool), along)
-    if not stairs.is_one(aside):
+    aside = step_diagonals.aside(nominal_tip(machine, base.q[:, which], base.tool), along)
+    if not step_diagonals.is_stepped(aside):
         return None
-    leans = len(stairs.across(aside))
+    leans = len(step_diagonals.across(aside))
     return _picked(
         base, which, kind="stair", value=recording.reading[which], along=along, aside=aside,
-        start=np.zeros(1 + leans), loose=stairs.held(recording, leans),
+        start=np.zeros(1 + leans), loose=step_diagonals.mirror_weights(recording, leans),
     )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from postproc.machine.model import Machine
 from postproc.machine.poses import tips
 from postproc.machine.rotary import rotation
 from postproc.units import UM, URAD
-from postproc.volumetric import stairs
+from postproc.volumetric import step_diagonals
 from postproc.volumetric.unknowns import Unknowns
 
 SAME = 1e-3  # mm
@@ -113,7 +113,7 @@ class Rows:
         if self.kind == "straightness":
             return self._way[None]
         if self.kind == "stair":
-            found: np.ndarray = stairs.across(self.aside) @ self.aside
+            found: np.ndarray = step_diagonals.across(self.aside) @ self.aside
             return found
         return np.zeros((0, self.q.shape[1]))
 

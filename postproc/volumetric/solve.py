@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 
 from postproc.iso.chance import student
 from postproc.machine.chain import XYZ
-from postproc.volumetric import VolumetricError, stairs
+from postproc.volumetric import VolumetricError, step_diagonals
 from postproc.volumetric.rows import Rows, angle_columns, nominal_tip, to_machine, unit_of
 from postproc.volumetric.unknowns import Group, Unknowns
 
@@ -220,7 +220,7 @@ class _Fixed:
     @classmethod
     def of(cls, r: Rows, unknowns: Unknowns) -> _Fixed:
         columns, known = (
-            stairs.on_the_beam(partial(of, r.q, r.approach), r.tool, r.aside)
+            step_diagonals.on_the_beam(partial(of, r.q, r.approach), r.tool, r.aside)
             if r.kind == "stair"
             else of(r.q, r.approach, r.tool)
             for of in (unknowns.columns, unknowns.already)

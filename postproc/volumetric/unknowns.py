@@ -124,7 +124,7 @@ class Unknowns:
         `tool` (3,) mm."""
         result = np.zeros((self.number, 3, q.shape[1]))
         for group, where in zip(self.groups, self.slices, strict=True):
-            one = _off(self._alone(group, tool), q)
+            one = _tip_deviation(self._alone(group, tool), q)
             if not len(group.nodes):
                 half = (
                     approach[self.bare.letters.index(group.letter)] / 2
@@ -133,7 +133,7 @@ class Unknowns:
                 )
                 result[where] = one * half
                 continue
-            hats = _hats(group.nodes, q[self.bare.letters.index(group.letter)])
+            hats = _hat_functions(group.nodes, q[self.bare.letters.index(group.letter)])
             result[where] = np.einsum("km,kn,in->min", group.basis, hats, one)
         return result
 
@@ -143,14 +143,14 @@ class Unknowns:
         result = np.zeros((self.number, q.shape[1]))
         for group, where in zip(self.groups, self.slices, strict=True):
             if group.letter == letter and group.row == row and len(group.nodes):
-                result[where] = group.basis.T @ _hats(
+                result[where] = group.basis.T @ _hat_functions(
                     group.nodes, q[self.bare.letters.index(letter)]
                 )
         return result
 
     def already(self, q: np.ndarray, approach: np.ndarray, tool: np.ndarray) -> np.ndarray:
         """(3, N) mm: what the known errors do."""
-        return _off(replace(self.known, tool=tool), q, approach)
+        return _tip_deviation(replace(self.known, tool=tool), q, approach)
 
     def _alone(self, group: Group, tool: np.ndarray) -> Machine:
         """The machine with one of a group, the same wherever its axis stands."""
@@ -169,12 +169,14 @@ class Unknowns:
         return replace(m, square={group.letter: np.eye(3)[group.row]})
 
 
-def _hats(nodes: np.ndarray, q: np.ndarray) -> np.ndarray:
+def _hat_functions(nodes: np.ndarray, q: np.ndarray) -> np.ndarray:
     """(K, N): the share of each node at places q (N,)."""
     return np.array([np.interp(q, nodes, one) for one in np.eye(len(nodes))])
 
 
-def _off(machine: Machine, q: np.ndarray, approach: np.ndarray | None = None) -> np.ndarray:
+def _tip_deviation(
+    machine: Machine, q: np.ndarray, approach: np.ndarray | None = None
+) -> np.ndarray:
     """(3, N) mm by which the tip is off."""
     approach = np.zeros_like(q) if approach is None else approach
     if machine.chain.rotary:

@@ -15,7 +15,7 @@ from postproc.commands import reading, reading_options, warming
 from postproc.effects import State
 from postproc.errors import GcompError, Notice
 from postproc.heat import clock, log
-from postproc.heat.course import spun
+from postproc.heat.course import spindle_lags
 from postproc.machine import growth
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -81,10 +81,10 @@ def filter_of(folder, *words: str):
     return reading.filter_of(asked, reading.machine_of(asked))
 
 
-def times(filter_, text: str) -> tuple[clock.Times, clock.Ticking]:
+def times(filter_, text: str) -> tuple[clock.Times, clock.ClockState]:
     words = lex(text.encode(), filter_.dialect.grammar, False)
     motions, _, _ = filter_.interpreter.run(words, filter_.modal)
-    return clock.run(words, motions, filter_.heat.rates, clock.Ticking())
+    return clock.run(words, motions, filter_.heat.rates, clock.ClockState())
 
 
 def test_the_clock_by_hand(tmp_path):
@@ -97,11 +97,11 @@ def test_the_clock_by_hand(tmp_path):
         "G21 G90 G54\nG0 X0 Y0 Z0\nG0 X100\nG0 X200 Z100\nG4 P7\nG1 X300 F600\nG17 G2 X360 Y-60 I0"
         " J-60\nG93 G1 X400 F2\nG94 G20 F60\nG1 X16.7480314961\nG21 M3 S600\nG95 G1 Z50 F0.5\n"
     )
-    found, ticking = times(f, text)
+    found, clock_state = times(f, text)
     took = (found.end - found.begin) / clock.MICRO
     by_hand = [0.0, 0.5, 1.0, 10.0, np.pi * 30 / 10, 30.0, 1.0, 10.0]
     assert took == pytest.approx(by_hand, abs=2e-6)
-    assert ticking.now / clock.MICRO == pytest.approx(sum(by_hand) + 7.0, abs=1e-5)
+    assert clock_state.now / clock.MICRO == pytest.approx(sum(by_hand) + 7.0, abs=1e-5)
     assert (found.begin[3] - found.end[2]) / clock.MICRO == pytest.approx(7.0)
 
 
@@ -260,8 +260,8 @@ def test_a_spindle_warms_as_the_effect_says():
     end = np.rint((t - t[0]) * clock.MICRO).astype(np.int64)[1:]
     none = np.zeros(0, np.int64)
     begin = np.append(0, end[:-1])
-    times = clock.Times(begin, end, rpm[1:], clock.Rests(none, none, none.astype(float)))
-    lags = spun(p, times, 1.0, (0.0, 0.0))
+    times = clock.Times(begin, end, rpm[1:], clock.Dwells(none, none, none.astype(float)))
+    lags = spindle_lags(p, times, 1.0, (0.0, 0.0))
     found = lags.at(np.arange(299), (end - begin) / clock.MICRO)
     # The effect lets the turns of a row hold until the next one.
     turns = np.append(rpm[1:], rpm[-1])

@@ -129,7 +129,7 @@ def test_a_dwell_warms_the_spindle_that_turns_in_it(tmp_path, text, um):
         motions, modal, _ = f.interpreter.run(words, f.modal)
         f.modal = modal
         _, warmth = f.heat.course(words, motions, warmth)
-    assert warmth.spindles == after.spindles and warmth.ticking.now == after.ticking.now
+    assert warmth.spindles == after.spindles and warmth.clock_state.now == after.clock_state.now
 
 
 def rpm_of(tmp_path, text: str, *words: str) -> list[float]:
@@ -137,8 +137,8 @@ def rpm_of(tmp_path, text: str, *words: str) -> list[float]:
     head = "G71 G90 G54\n" if f.dialect.name == "siemens" else "G21 G90 G54\n"
     blocks = lex((head + text).encode(), f.dialect.grammar, False)
     motions, _, _ = f.interpreter.run(blocks, f.modal)
-    times, ticking = clock.run(blocks, motions, f.heat.rates, clock.Ticking())
-    return [*times.rpm.tolist(), ticking.unlimited]
+    times, clock_state = clock.run(blocks, motions, f.heat.rates, clock.ClockState())
+    return [*times.rpm.tolist(), clock_state.unlimited]
 
 
 @pytest.mark.parametrize(
@@ -175,7 +175,7 @@ def test_a_block_that_is_stepped_over_takes_no_time(tmp_path):
     text = b"G21 G90 G54\nM3 S1000\n/S500 M5\n/G4 P7\n/M6\n/M30\nG0 X4\nG1 X1 F60\nG4 P1\n"
     words = lex(text, f.dialect.grammar, True)
     motions, _, _ = f.interpreter.run(words, f.modal)
-    times, ticking = clock.run(words, motions, f.heat.rates, clock.Ticking())
-    assert times.rpm.tolist() == [1000.0, 1000.0] and ticking.stops == 0
+    times, clock_state = clock.run(words, motions, f.heat.rates, clock.ClockState())
+    assert times.rpm.tolist() == [1000.0, 1000.0] and clock_state.stops == 0
     assert times.end[-1] - times.begin[-1] == 3_000_000
-    assert ticking.now == times.end[-1] + 1_000_000
+    assert clock_state.now == times.end[-1] + 1_000_000

@@ -12,7 +12,7 @@ from postproc.volumetric import VolumetricError, identify, nodes, solve, written
 from postproc.volumetric.observations import rows_of
 from postproc.volumetric.unknowns import Unknowns, components
 from tests.volumetric.readings import MILL, gcomp
-from tests.volumetric.test_stairs import ANGLES
+from tests.volumetric.test_step_diagonals import ANGLES
 from tests.volumetric.test_volumetric import _rigid
 
 R = 150.0

@@ -16,7 +16,7 @@ from postproc.volumetric import nodes, solve, written
 from postproc.volumetric.observations import rows_of
 from postproc.volumetric.unknowns import Unknowns, components
 from tests.volumetric.readings import MILL, TOOLS, drawn, gcomp, recording, unknowns
-from tests.volumetric.test_stairs import ANGLES
+from tests.volumetric.test_step_diagonals import ANGLES
 from tests.volumetric.test_volumetric import _rigid
 
 KEPT = [n for n in part.names(MILL) if n not in ANGLES]  # example-mill whose slides do not turn

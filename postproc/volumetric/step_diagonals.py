@@ -23,7 +23,7 @@ ALONG = 0.045  # sine of 2.6 degrees: a beam that leans less lies along one axis
 STEP = 0.1  # mm: words of a diagonal are rounded to micrometres, steps are millimetres
 
 
-def may_be(along: np.ndarray) -> bool:
+def is_diagonal(along: np.ndarray) -> bool:
     """Whether a beam (3,) lies along several axes."""
     return int((np.abs(along) > ALONG).sum()) > 1
 
@@ -35,7 +35,7 @@ def aside(place: np.ndarray, along: np.ndarray) -> np.ndarray:
     return found
 
 
-def is_one(sideways: np.ndarray) -> bool:
+def is_stepped(sideways: np.ndarray) -> bool:
     """Whether these are steps, and not a straight diagonal."""
     return bool(np.abs(sideways).max(initial=0.0) > STEP)
 
@@ -48,7 +48,7 @@ def across(sideways: np.ndarray) -> np.ndarray:
     return found
 
 
-def held(recording: Recording, leans: int) -> np.ndarray:
+def mirror_weights(recording: Recording, leans: int) -> np.ndarray:
     """(1 + leans,): how much the zero and the leans are held at zero: 1/rad of the leans where the
     head says how well the mirror stands across the beam, else nothing. Raises RecordingError."""
     said = recording.head.get("mirror_u_urad")

@@ -10,7 +10,7 @@ import pytest
 
 from postproc import cli, recordings
 from postproc.machine.tables import AxisTable
-from postproc.volumetric import identify, solve, stairs, written
+from postproc.volumetric import identify, solve, step_diagonals, written
 from postproc.volumetric.observations import rows_of
 from postproc.volumetric.unknowns import Unknowns
 from tests.volumetric.readings import MILL, drawn, unknowns
@@ -41,8 +41,8 @@ def read(u: Unknowns, truth, corner, rng, lean=(0.0, 0.0), noise=2e-4, **head) -
     """The rows of a stair on a machine without rotations, by the displacement of the tool alone."""
     q, along = stair(corner)
     off = np.einsum("p,pin->in", truth, u.columns(q, 0 * q, u.bare.tool))
-    aside = stairs.aside(q, along)
-    value = along @ off + np.array(lean) @ (stairs.across(aside) @ aside)
+    aside = step_diagonals.aside(q, along)
+    value = along @ off + np.array(lean) @ (step_diagonals.across(aside) @ aside)
     columns = {f"{x}_mm": q[i] for i, x in enumerate("XYZ")}
     columns |= {f"approach_{x}": 0 * q[i] for i, x in enumerate("XYZ")}
     columns |= {"run": 0 * q[0] + 1, "t_s": np.arange(q.shape[1])}
@@ -60,7 +60,7 @@ def test_the_place_on_the_mirror_by_hand():
     the tool: along the beam 20e-6 * 15 * sqrt 2 mm = 0.424 um."""
     q = np.array([[0.0, 0.0], [0.0, 30.0], [0.0, 0.0]])
     along = np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
-    aside = stairs.aside(q, along)
+    aside = step_diagonals.aside(q, along)
     assert aside[:, 1] == pytest.approx([-15, 15, 0])
     both = np.zeros((6, 2))
     both[5] = 20e-6
@@ -71,7 +71,7 @@ def test_the_place_on_the_mirror_by_hand():
     def effect(tool):
         return replace(turned, tool=tool).deviation(q, 0 * q)
 
-    more = along @ (stairs.on_the_beam(effect, bare.tool, aside) - effect(bare.tool))
+    more = along @ (step_diagonals.on_the_beam(effect, bare.tool, aside) - effect(bare.tool))
     assert more * 1e3 == pytest.approx([0.0, 20e-6 * 15 * np.sqrt(2) * 1e3], abs=1e-9)
 
 
@@ -167,8 +167,8 @@ def test_the_simulated_mirror_is_the_model_of_the_fit(tmp_path):
         def effect(tool):
             return replace(MILL, tool=tool).deviation(row.q, row.approach)
 
-        said = row.along @ stairs.on_the_beam(effect, row.tool, row.aside)
-        nuisances = np.vstack([np.ones(len(said)), stairs.across(row.aside) @ row.aside]).T
+        said = row.along @ step_diagonals.on_the_beam(effect, row.tool, row.aside)
+        nuisances = np.vstack([np.ones(len(said)), step_diagonals.across(row.aside) @ row.aside]).T
         left = row.value - said
         own = np.linalg.lstsq(nuisances, left, rcond=None)[0]
         assert (
