@@ -14,7 +14,7 @@ from postproc.units import TICKS_PER_MM
 SETUP = Setup(
     axes=("X", "Y", "Z"),
     least_increment=dict.fromkeys("XYZ", 1e-4),
-    offsets={"G54": {}},
+    offsets={"G54": {}, "T1": {}},
     start=dict.fromkeys("XYZ", 0.0),
 )
 HEAD = "%PART G71 *|N10 G00 G40 G90 X+0 Y+0 Z+50 *|"
@@ -53,3 +53,10 @@ def test_what_moves_where_it_is_defined_is_refused(cycle):
     of 238 and 246 nothing was found, and to refuse is the safe side."""
     _, reasons = follow(f"N20 {cycle} *|N40 G01 X+20 F100 *")
     assert cycle[:4] in "".join(reasons)
+
+
+def test_an_oversize_of_the_radius_in_a_tool_call_moves_nothing():
+    """T1 G17 S2000 DR+1 (iTNC 530 user's manual, DIN/ISO, "Tool call data": delta values)."""
+    ends, reasons = follow("N20 T1 G17 S2000 DR+1 DR2-0.1 *|N30 G01 X+10 F500 *")
+    assert ends == [0.0, 10.0]
+    assert not any(reasons)

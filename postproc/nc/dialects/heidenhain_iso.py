@@ -196,8 +196,13 @@ DIALECT = Dialect(
         142: codes.RESTORED,
         144: codes.TOOL_POINT,
     },
-    # the name; its unit stays
-    grammar=Grammar(ignores=(r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",)),
+    grammar=Grammar(
+        ignores=(
+            r"^[ \t]*(?:N[0-9]+[ \t]*)?%[^ \t*\n]*(?:[ \t]+(G7[01]))?",  # the name; its unit stays
+            # by how much the radius of the tool (R2: of its corner) differs: of T, as in Klartext
+            r"(?<![A-Z])DR2?[ \t]*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?![0-9.])",
+        )
+    ),
     plane=170,
     dwell="F",
     g_takes=(*_CALLED, *_AT_ONCE),  # Q200=2 and its kin are a cycle's own
