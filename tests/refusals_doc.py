@@ -69,6 +69,7 @@ CHAPTERS = (
     ("Written out: Sinumerik's control structures", ("nc/expand/siemens",)),
     ("Written out: Heidenhain Klartext", ("nc/expand/klartext",)),
     ("Written out: Fadal's subroutines", ("nc/expand/fadal",)),
+    ("Written out: Okuma's user tasks", ("nc/expand/okuma",)),
     ("Written out: all languages", ("nc/expand",)),
     ("Machine folders", ("machine", "effects")),
     ("Heat over time", ("heat", "commands/warming")),

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 ENDINGS = (
     "", ".ngc", ".nc", ".NC", ".NGC", ".tap", ".TAP", ".spf", ".SPF", ".mpf", ".MPF", ".cnc",
-    ".CNC", ".txt", ".TXT",
+    ".CNC", ".txt", ".TXT", ".SUB", ".sub", ".SSB", ".ssb", ".MIN", ".min",
 )  # fmt: skip
 
 

@@ -39,6 +39,7 @@ CHAPTERS = (
     "Written out: Sinumerik's control structures",
     "Written out: Heidenhain Klartext",
     "Written out: Fadal's subroutines",
+    "Written out: Okuma's user tasks",
     "Written out: all languages",
 )
 WRITE = {"expand": True}

@@ -17,6 +17,7 @@ from tests.advice import (
     fadal,
     follow,
     klartext,
+    okuma,
     plain,
     rest,
     written_fanuc,
@@ -34,6 +35,7 @@ CASES = [
     *rest.ALL,
     *klartext.ALL,
     *fadal.ALL,
+    *okuma.ALL,
 ]
 ALL = {
     follow.bare(message): advice

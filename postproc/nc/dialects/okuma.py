@@ -5,8 +5,8 @@ Source: what Autodesk's `okuma.cps` (OSP-P200, P300) writes and says of it, for 
 H200, G56 H, G53, G71 Z with M52 to M54, G10 and G11 rotation, G169 G170 tool point, G605 planes,
 CALL O and RTS, PF and VZOF variables. To go as far as the travel reaches it writes X9999. Y9999.
 Z9999. (400. in inches): such a block passes, and the axes are known again where the program names
-them. The OSP programming manuals themselves were not found as text. Rotations, planes, the tool
-point, macros are refused.
+them. The OSP programming manuals themselves were not found as text. Rotations, planes and the
+tool point are refused. Jumps, variables and calls: expand/okuma.py.
 """
 
 from postproc.nc import codes
@@ -129,22 +129,30 @@ DIALECT = Dialect(
     },
     m_refuses={},
     grammar=Grammar(
-        ignores=(r"^[ \t]*O[A-Z0-9]*[A-Z][A-Z0-9]*[ \t]*\r?$", r"^[ \t]*\$[^\n]*"),
+        ignores=(
+            r"^[ \t]*O[A-Z0-9]*[A-Z][A-Z0-9]*[ \t]*\r?$",
+            r"^[ \t]*\$[^\n]*",
+            r"^[ \t]*(?:/[ \t]*)?N(?!(?:OEX|CYL)\b)[A-Z][A-Z0-9]*(?=[ \t(\r]|$)",
+        ),
         macros=(
             (
-                _HEAD
-                + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS|RTI|DEF|NCYL|MSG|NOEX|GET|PUT|READ|WRITE|COPY|COPYE)\b[^\n]*",  # noqa: E501
+                _HEAD + r"(?:RTI|DEF|NCYL|MSG|NOEX|GET|PUT|READ|WRITE|COPY|COPYE)\b[^\n]*",
                 1,
             ),
-            (_HEAD + r"V[A-Z]+\d*[ \t]*(?:\[[^\]\n]*\])?[ \t]*=[^\n]*", 2),
-            (_HEAD + r"P[A-Z]?\d*[ \t]*=[^\n]*", 2),
+            (_HEAD + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS)\b[^\n]*", 3),
+            (_HEAD + r"V(?!C?[0-9])[A-Z]+[0-9]*[ \t]*(?:\[[^\]\n]*\][ \t]*)?=[^\n]*", 2),
+            (r"^(?:[^\n(]|\([^)\n]*\))*?=[^\n]*", 4),
             (r"^([ \t]*(?:N[ \t]*\w+[ \t]+)?)(?:G[ \t]*0*(?:0|90)[ \t]+)*" + _FAR, 0),
         ),
     ),
     macro_refuses=(
         codes.INLINE,
-        "its value may stand for a place, or shift the zero: write the numbers",
+        "it sets data of the control, and may shift the zero: set them before the program, and take"
+        " the block out",
+        codes.CALL,
+        "its value may stand for a place: --expand writes its number",
     ),
+    language="okuma",
     plane=170,
     length_left_open=True,
     dwell="F",

@@ -7,8 +7,8 @@ cycles (P-139), nose radius (P-76). There is no G54 here and no code for inches:
 the control's. T is four digits, tool and offset, or six with the number of the nose radius before
 them: the offset is called by the last four (T010101: T0101). G71 and G72 are threads, G75 and G76
 corners. Refused: the other turret, whose slides are others; coordinates that the control converts
-(G137, G101 to G103, G107 to G133); holes of the C axis but G181 (G184 stays);
-variables, jumps and calls.
+(G137, G101 to G103, G107 to G133); holes of the C axis but G181 (G184 stays). Jumps, variables and
+calls: expand/okuma.py.
 """
 
 from postproc.nc import codes
@@ -27,7 +27,8 @@ _ON = f"the block before it goes on in this line: {codes.EXPAND}"
 _RADIUS = f"its radius is L: {codes.EXPAND}"
 _ANGLE = f"its end lies on a line at the angle A: {codes.EXPAND}"
 _NAMED = f"its shape stands under a name: {codes.EXPAND}"
-_VALUE = "its value may stand for a place: write the numbers"
+_VALUE = "its value may stand for a place: --expand writes its number"
+_DATA = "it sets or reads data of the control: set them before the program, and take the block out"
 _NO_L = r"(?![^\n]*G[ \t]*0*(?:3[1-5]|7[1-8]|18[0-9]|190)(?![0-9]))"
 
 DIALECT = Dialect(
@@ -186,10 +187,9 @@ DIALECT = Dialect(
         ),
         macros=(
             (r"^[ \t]*\$[^\n]*", 1),
-            (
-                _HEAD + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS|GET|PUT|READ|WRITE|PSELECT)\b[^\n]*",
-                2,
-            ),
+            (_HEAD + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS)\b[^\n]*", 2),
+            (_HEAD + r"(?:GET|PUT|READ|WRITE|PSELECT)\b[^\n]*", 8),
+            (_HEAD + r"V(?!C?[0-9])[A-Z]+[0-9]*[ \t]*(?:\[[^\]\n]*\][ \t]*)?=[^\n]*", 8),
             (r"^(?:[^\n(]|\([^)\n]*\))*?=[^\n]*", 3),
             (_HEAD + r"G[ \t]*50(?=[^\n(]*[XZ])[^\n]*", 4),
             (_HEAD + r"G[ \t]*8[5-8][ \t]*N[A-Z][^\n]*", 5),
@@ -197,7 +197,8 @@ DIALECT = Dialect(
             ("^" + _NO_L + r"(?:[^\n(]|\([^)\n]*\))*?(?<![A-Z])A[ \t]*[-+]?[0-9.][^\n]*", 7),
         ),
     ),
-    macro_refuses=(_ON, codes.INLINE, _VALUE, _SHIFTS, _NAMED, _RADIUS, _ANGLE),
+    macro_refuses=(_ON, codes.CALL, _VALUE, _SHIFTS, _NAMED, _RADIUS, _ANGLE, _DATA),
+    language="okuma",
     plane=180,
     dwell="F",
     motion=0,

@@ -43,11 +43,18 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
 
 
 class Formula:
-    """One formula over parameters by name ("1", "L2")."""
+    """One formula over parameters by name ("1", "L2"). `token`: its pieces: digits, a parameter, a
+    name, a mark; `brackets`: what holds a part of it together."""
+
+    token = TOKEN
+    brackets = "()"
+    functions = FUNCTIONS
 
     def __init__(self, text: str, parameters: dict[str, float]):
         self.parameters, self.at, self.deep = parameters, 0, 0
-        self.tokens = [m.groups() for m in TOKEN.finditer(text.strip().upper())]
+        found = list(self.token.finditer(text.strip().upper()))
+        self.tokens = [m.groups() for m in found]
+        self.ends = [m.end() for m in found]
         self.text = text.strip()
 
     def value(self) -> float:
@@ -108,9 +115,9 @@ class Formula:
         if sign := self._next("+", "-"):
             value = self._factor()
             return -value if sign == "-" else value
-        if self._next("("):
+        if self._next(self.brackets[0]):
             value = self._length()
-            if not self._next(")"):
+            if not self._next(self.brackets[1]):
                 raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
             return value
         if self.at >= len(self.tokens):
@@ -120,11 +127,15 @@ class Formula:
         if digits:
             return float(digits)
         if parameter:
-            if parameter not in self.parameters:
-                raise Unset(f"Q{parameter}")
-            return self.parameters[parameter]
+            return self._held(parameter)
         if name == "PI":
             return math.pi
-        if name in FUNCTIONS:
-            return FUNCTIONS[name](self._factor())
+        if name in self.functions:
+            return self.functions[name](self._factor())
         raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
+
+    def _held(self, parameter: str) -> float:
+        """Its value. Raises Unset."""
+        if parameter not in self.parameters:
+            raise Unset(f"Q{parameter}")
+        return self.parameters[parameter]

@@ -1,0 +1,372 @@
+"""Okuma's user tasks, run: jumps, variables and subprograms become plain blocks.
+
+Okuma OSP-P200L / P20L programming manual 5238-E, user task, as NC-PB/gEdit sums it up
+(syntax-okuma.md), and MachinistFTW/OkumaMacros, which run on lathes and mills. GOTO N2 and IF [V1
+EQ 3] N2 (GOTO N2) go to a block of the same program by its name, which is text (N2 is not N02); IF
+PX N2 where the local variable PX has a value. CALL O1 Q3 PX=5 runs a subprogram three times up to
+RTS, which takes its variables' values away; MODIN O1 runs it behind every block that moves an axis,
+until MODOUT. X=V1+2 is a word whose number is worked out; common variables (V1, VC1) hold what
+nobody knows until the program sets them, and so does what NOEX sets. What sets or asks the
+control's own variables stays, and is refused where it is run.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from postproc.errors import ProgramError
+from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.nc.expand.klartext_formulas import FormulaError, Unset
+from postproc.nc.expand.okuma_expressions import VARIABLE, Expression, is_own
+from postproc.nc.expand.tracker import Tracker, number
+
+COMMENT = re.compile(rb"\([^()\n]*\)?")
+HEAD = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:(N(?!OEX\b)[A-Z0-9]+)(?=[ \t/]|\Z)[ \t]*)?(?:/[ \t]*)?")
+DELETED = re.compile(rb"[ \t]*(?:N[A-Z0-9]+[ \t]+)?/", re.IGNORECASE)
+NAMED = re.compile(rb"(O[A-Z0-9]+)[ \t]*\Z")
+TAPE = re.compile(rb"\$[-A-Z0-9._]*%|%\Z")  # before a program
+GOES_ON = re.compile(rb"[ \t]*\$(?![-A-Z0-9._]*%)", re.IGNORECASE)
+STATEMENT = re.compile(rb"(IF(?=[ \t\[])|GOTO|CALL|MODIN|MODOUT|RTS|NOEX)(?![A-Z0-9])[ \t]*")
+TARGET = re.compile(r"[ \t]*(?:GOTO[ \t]*)?(N[A-Z0-9]+)[ \t]*\Z")
+DEFINED = re.compile(rf"({VARIABLE})[ \t]+(?:GOTO[ \t]*)?(N[A-Z0-9]+)[ \t]*\Z")
+CALLED = re.compile(r"(O[A-Z0-9]+)[ \t]*(?:Q[ \t]*=?[ \t]*([0-9]+)(?![0-9.])[ \t]*)?")
+# words of two letters, which are no variables: SB=1200
+TWO = r"[ADFIKLRSTUWXZ][AB]|B[CR]|QA|HP|C[LPQR]|S[XYZ]|T[LDS]"
+SETS = re.compile(rf"(?!(?:{TWO})[ \t]*=)({VARIABLE})[ \t]*=[ \t]*")
+OWN = re.compile(rb"V[A-Z]+[0-9]*(?<!VC)[ \t]*(?:\[|=)(?<!VC=)")
+WORD = re.compile(rf"(?<![A-Z0-9])(?:([A-Z])|({TWO}))[ \t]*=[ \t]*")
+PLAIN = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?=[ \t]*(?:[A-Z]|\Z))")
+AXIS = re.compile(r"(?<![A-Z])[XYZABC][ \t]*=?[ \t]*[-+.0-9]")
+ENDS = re.compile(rb"(?<![A-Z])M[ \t]*0*(?:2|30)(?![0-9])")
+GIVE = "give it a value in the program before this line, the one that it has on the control"
+
+
+def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
+    """The blocks in the order in which the control executes them. Raises ProgramError."""
+    run = _Run(program, tracker, limits)
+    yield from run.main()
+
+
+@dataclass
+class _Part:
+    """One program of a file: its lines from `first` to `last`, and the places of its blocks'
+    names. `file`: "" for the main one."""
+
+    file: str
+    texts: list[bytes]
+    codes: list[bytes]
+    first: int
+    last: int
+    labels: dict[str, list[int]] = field(default_factory=dict)
+    at: int = 0
+
+
+def _parts(texts: list[bytes], file: str) -> dict[str, _Part]:
+    """The programs of a file by name; the first one also as ""."""
+    codes = [_code(text) for text in texts]
+    begins = [(i, m[1].decode()) for i, code in enumerate(codes) if (m := NAMED.match(code))]
+    if not begins or any(code and not TAPE.match(code) for code in codes[: begins[0][0]]):
+        begins.insert(0, (0, ""))
+    begins[0] = (0, begins[0][1])
+    found: dict[str, _Part] = {}
+    for (first, name), (last, _) in zip(begins, [*begins[1:], (len(texts), "")], strict=True):
+        part = _Part(file, texts, codes, first, last)
+        for i in range(first, last):
+            head = HEAD.match(_bare(texts[i]))
+            if head and head[1]:
+                part.labels.setdefault(head[1].decode(), []).append(i)
+        found.setdefault(name, part)
+    found.setdefault("", found[begins[0][1]])
+    return found
+
+
+class _Run:
+    """`values`: of variables by name; NaN: nobody knows it; none: a local variable is empty."""
+
+    def __init__(self, program: Program, tracker: Tracker, limits: Limits):
+        self.program, self.tracker, self.limits = program, tracker, limits
+        texts = program.lines()
+        self.files = {"": _parts(texts[:-1] if not texts[-1] else texts, "")}
+        self.values: dict[str, float] = {}
+        self.left = limits.steps
+        self.ended = False
+        # of MODIN the subprogram, how often, and where it stands
+        self.behind: tuple[str, int, _Part, int] | None = None
+        self.within = False  # a subprogram that MODIN runs
+
+    def main(self) -> Iterator[Line]:
+        part = self.files[""][""]
+        yield from self._run(part, 0)
+        for i in range(part.at, part.last):  # behind the end only what is no block
+            if not part.codes[i] or part.codes[i] == b"%":
+                yield Line(part.texts[i], i + 1)
+
+    def _run(self, part: _Part, depth: int) -> Iterator[Line]:
+        """One program, to RTS or its end."""
+        part.at = part.first
+        while part.at < part.last and not self.ended:
+            here = part.at
+            part.at += 1
+            self.left -= 1
+            if self.left < 0:
+                raise self._error(
+                    part,
+                    here,
+                    f"more than {self.limits.steps:,} statements run",
+                    "does it repeat without an end? --max-steps sets the limit",
+                )
+            code = part.codes[here]
+            if self.tracker.setup.block_delete and DELETED.match(part.texts[here]):
+                yield self._line(part, here)
+                continue
+            found = STATEMENT.match(code)
+            if found and found[1] == b"RTS":
+                return
+            if depth and here == part.first and NAMED.match(code):
+                continue
+            if found:
+                yield from self._statement(part, here, found, depth)
+            elif SETS.match(code.decode("latin-1")) and not OWN.match(code):
+                self._assign(part, here, self._joined(part, here), plain=True)
+            else:
+                yield self._filled(part, here)
+                self.ended = bool(ENDS.search(code)) and not depth
+                if self.behind and not self.within and AXIS.search(code.decode("latin-1")):
+                    yield from self._behind(depth)
+        if part.at == part.last < len(part.texts) and not self.ended:
+            raise self._error(
+                part,
+                part.last,
+                f"the program before it goes on into {part.codes[part.last].decode()}",
+                "write M02 or RTS at its end",
+            )
+
+    def _statement(
+        self, part: _Part, here: int, found: re.Match[bytes], depth: int
+    ) -> Iterator[Line]:
+        """GOTO, IF, CALL, MODIN, MODOUT and NOEX."""
+        name = found[1]
+        rest = self._joined(part, here)[found.end() :].decode("latin-1")
+        if name == b"NOEX":
+            for match in SETS.finditer(rest):
+                self.values[match[1]] = math.nan
+        elif name == b"MODOUT":
+            self.behind = None
+        elif name in (b"GOTO", b"IF"):
+            self._jump(part, here, rest, name == b"IF")
+        else:
+            called = CALLED.match(rest)
+            if called is None:
+                raise self._strange(part, here)
+            times = int(called[2] or 1)
+            if name == b"CALL":
+                yield from self._call(part, here, called[1], times, rest[called.end() :], depth)
+            elif self.behind:
+                raise self._error(
+                    part, here, "MODIN within MODIN", "end the first one before: MODOUT"
+                )
+            else:
+                self._assign(part, here, rest[called.end() :].encode("latin-1"))
+                self.behind = called[1], times, part, here
+
+    def _jump(self, part: _Part, here: int, rest: str, condition: bool) -> None:
+        target = rest
+        if condition and (defined := DEFINED.match(rest)):
+            target = defined[2]
+            if is_own(defined[1]) or math.isnan(self.values.get(defined[1], 0.0)):
+                raise self._unset(part, here, defined[1])
+            if defined[1] not in self.values:
+                return
+        elif condition:
+            expression = Expression(rest, self.values)
+            holds, stop = self._worked_out(part, here, expression.holds)
+            target = rest.strip()[stop:]
+            if not holds:
+                if TARGET.match(target) is None:
+                    raise self._strange(part, here)
+                return
+        to = TARGET.match(target)
+        if to is None:
+            raise self._strange(part, here)
+        places = part.labels.get(to[1], [])
+        if len(places) > 1:
+            raise self._error(part, here, f"two blocks are named {to[1]}", "give one another name")
+        if not places:
+            raise self._error(
+                part,
+                here,
+                f"there is no block {to[1]} in this program",
+                "write its name before the block, with a blank behind it",
+            )
+        part.at = places[0]
+
+    def _call(
+        self, part: _Part, here: int, name: str, times: int, given: str, depth: int
+    ) -> Iterator[Line]:
+        """A subprogram, so many times; behind it the variables of the call are empty."""
+        called = self._find(part, here, name)
+        if depth >= self.limits.depth:
+            raise self._error(
+                part,
+                here,
+                f"programs call each other {depth} deep",
+                "does a program call itself? --max-depth sets the limit",
+            )
+        names = self._assign(part, here, given.encode("latin-1"))
+        back = part.at
+        for _ in range(times):
+            yield from self._run(replace(called), depth + 1)
+        part.at = back
+        for own in names:
+            if not own.startswith("V"):
+                self.values.pop(own, None)
+
+    def _behind(self, depth: int) -> Iterator[Line]:
+        """What MODIN runs behind a motion."""
+        assert self.behind is not None
+        name, times, part, here = self.behind
+        self.within = True
+        yield from self._call(part, here, name, times, "", depth)
+        self.within = False
+
+    def _find(self, part: _Part, here: int, name: str) -> _Part:
+        """A program by its name: in the files that are open, else in one of its own."""
+        for file in (part.file, "", name):
+            if name in self.files.get(file, {}):
+                return self.files[file][name]
+        text = self.program.library(name)
+        if text is None:
+            raise self._error(
+                part,
+                here,
+                f"there is no program {name} in this file or beside it",
+                "put its file there, or name its folder with --library",
+            )
+        parts = self.files[name] = _parts(Program(name, text).lines(), name)
+        return parts.setdefault(name, parts[""])
+
+    # -- numbers -----------------------------------------------------------------------------------
+
+    def _assign(self, part: _Part, here: int, code: bytes, plain: bool = False) -> list[str]:
+        """AB=5 AC=V1+2: the names. `plain`: what is not known is told where it is used."""
+        text, at, names = code.decode("latin-1"), 0, []
+        while at < len(text.rstrip()):
+            match = SETS.match(text, at)
+            if match is None:
+                raise self._strange(part, here)
+            rest = text[match.end() :]
+            blank = len(rest) - len(rest.lstrip())
+            try:
+                value, stop = self._worked_out(part, here, Expression(rest, self.values).first)
+            except ProgramError:
+                if not plain:
+                    raise
+                self.values[match[1]] = math.nan
+                return names
+            self.values[match[1]] = value
+            names.append(match[1])
+            at = match.end() + blank + stop
+            at += len(text[at:]) - len(text[at:].lstrip())
+        return names
+
+    def _filled(self, part: _Part, here: int) -> Line:
+        """A plain block with a number for each expression."""
+        text = part.texts[here]
+        bare = _bare(text).decode("latin-1")
+        pieces, done = [], 0
+        for match in WORD.finditer(bare):
+            if match.start() < done:
+                continue
+            begin, letter = match.end(), match[1]
+            if plain := PLAIN.match(bare, begin):
+                if letter:
+                    pieces.append(text[done : match.start()] + letter.encode())
+                    done = plain.start()
+                continue
+            if GOES_ON.match(text):
+                raise self._error(
+                    part, here, "an expression behind $", "write its block in one line"
+                )
+            value, stop = self._worked_out(part, here, Expression(bare[begin:], self.values).first)
+            written = self._written(part, here, letter or match[2], value)
+            head = text[done : match.start()] + (
+                letter.encode() if letter else text[match.start() : begin]
+            )
+            pieces.append(head + written)
+            rest = bare[begin:]
+            done = begin + len(rest) - len(rest.lstrip()) + stop
+        line = self._line(part, here)
+        return line._replace(text=b"".join(pieces) + text[done:]) if pieces else line
+
+    def _written(self, part: _Part, here: int, letter: str, value: float) -> bytes:
+        """The number of a word."""
+        if letter == "T":
+            return b"%0*d" % (4 if value < 1e4 else 6, round(value))
+        text = number(value, self.tracker.decimals(letter)).rstrip(".")
+        if self.tracker.counts and "." in text:
+            raise self._error(
+                part,
+                here,
+                f"{letter}={text} while whole numbers count least increments",
+                "write it as a whole number, or say --integers units",
+            )
+        return text.encode()
+
+    def _worked_out(self, part, here, of):
+        try:
+            return of()
+        except Unset as error:
+            raise self._unset(part, here, str(error)) from None
+        except FormulaError as error:
+            raise self._error(
+                part,
+                here,
+                f"an expression that gives no number: {error}",
+                "write the number itself in its place",
+            ) from None
+
+    # -- lines -------------------------------------------------------------------------------------
+
+    def _joined(self, part: _Part, here: int) -> bytes:
+        """A statement with the lines that go on behind it; the next line is behind them."""
+        code = part.codes[here]
+        while part.at < part.last and GOES_ON.match(part.texts[part.at]):
+            code += b" " + _bare(part.texts[part.at]).strip()[1:].strip()
+            part.at += 1
+        return code
+
+    def _line(self, part: _Part, here: int) -> Line:
+        return Line(part.texts[here], here + 1, part.file)
+
+    def _strange(self, part: _Part, here: int) -> ProgramError:
+        return self._error(
+            part,
+            here,
+            f"{part.codes[here].decode('latin-1')[:40]!r} is no statement that is known here",
+            "write out the blocks that it runs",
+        )
+
+    def _unset(self, part: _Part, here: int, name: str) -> ProgramError:
+        if is_own(name):
+            return self._error(part, here, f"{name}: only the control knows its value", GIVE)
+        return self._error(part, here, f"{name} has no value in this program yet", GIVE)
+
+    def _error(self, part: _Part, here: int, message: str, advice: str) -> ProgramError:
+        name = part.file or self.program.name
+        return fault(name, here + 1, part.texts[here], message, advice)
+
+
+def _bare(text: bytes) -> bytes:
+    """A line in capitals with blanks for its comments, byte for byte as long."""
+    return COMMENT.sub(lambda m: b" " * len(m[0]), text).upper()
+
+
+def _code(text: bytes) -> bytes:
+    """A block without its slash, its name and its comments, in capitals."""
+    bare = _bare(text).rstrip()
+    head = HEAD.match(bare)
+    assert head is not None
+    return bare[head.end() :].strip()
