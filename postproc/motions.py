@@ -29,7 +29,8 @@ class Arcs:
     (n,): mm. grid (2, n): ticks of one least increment of the two centre words. words (3, n): word
     index of the two centre words and of R, -1 where not written.
     absolute (2, n): whether the centre words are absolute; origin (2, n): ticks, their zero if so.
-    by_radius (n,): ticks, the R word with its sign, 0 where a centre is written.
+    by_radius (n,): ticks, the R word with its sign, 0 where a centre is written; radius_alone (n,):
+    whether the control takes no centre there.
     """
 
     motion: np.ndarray
@@ -45,6 +46,7 @@ class Arcs:
     absolute: np.ndarray
     origin: np.ndarray
     by_radius: np.ndarray
+    radius_alone: np.ndarray
 
     def __len__(self) -> int:
         return len(self.motion)

@@ -157,12 +157,16 @@ class Proof:
             programmed, fitted = self._radius_words(exact)
             yield self._drawn(programmed), programmed, f.tolerance / 2 + self.half, never
             yield self._drawn(fitted), fitted, np.inf, never
+        if f.arcs.radius_alone.any():  # where that is so, no arc by a centre is there
+            yield self._drawn(programmed), programmed, np.inf, self._kept()
+            alone = f.arcs.radius_alone[self.arc]
+            exact = np.where(alone, np.nan, exact)
         yield self._rounded(exact), none, np.inf, never
         if f.inside[self.arc].any():
             kept = self._kept()
             yield self._as_wide(exact), none, np.inf, kept
             yield self._rounded(exact), none, np.inf, kept
-        flat = (
+        flat = ~np.isnan(exact[0]) & (
             self._sagitta() < FLAT * f.arcs.grid.take(self.arc, axis=1).max(axis=0) / TICKS_PER_MM
         )
         if not flat.any():

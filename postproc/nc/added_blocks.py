@@ -37,11 +37,13 @@ def late_codes(b: Writing) -> None:
         )
 
 
-# what an added block begins with, by 2 * its code + block delete, from -2 (no code) on
-PLAIN_LEADS = [
-    (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"") for k in range(-2, 20)
-]
-KLARTEXT_LEADS = [b"/ L" if k % 2 else b"L" for k in range(-2, 20)]
+def _plain_lead(k: int) -> bytes:
+    """What an added block begins with, by 2 * its code + block delete, from -2 (no code) on."""
+    return (b"/" if k % 2 else b"") + (b"G%d" % (k // 2) if k >= 0 else b"")
+
+
+def _klartext_lead(k: int) -> bytes:
+    return b"/ L" if k % 2 else b"L"
 
 
 def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
@@ -56,16 +58,16 @@ def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
     # it ends with its line, as nearly all do
     line = (stop < len(w.text)) & ~np.isin(end, marks)
     returns = (b.byte[np.maximum(stop - 1, 0)] == ord("\r")) & (stop > 0)
-    skip, code = w.skip[block], np.where(b.names_code[added], p.code[added], -1)
-    lead_of = PLAIN_LEADS
+    skip, code = w.skip[block], np.where(b.names_code[added], p.code[added] + b.above[motion], -1)
+    lead_of = _plain_lead
     if b.klartext:
-        lead_of = KLARTEXT_LEADS
+        lead_of = _klartext_lead
         fast = p.code[added] == RAPID
         b.splice.constants(at[fast], at[fast], rank[fast] + 50, b" FMAX")
     kind = 2 * code + skip
     for k in sorted(set(kind[line].tolist())):
         which = line & (kind == k)
-        b.splice.constants(at[which], at[which], rank[which], lead_of[k + 2])
+        b.splice.constants(at[which], at[which], rank[which], lead_of(k))
     for text, which in ((b"\r\n", line & returns), (b"\n", line & ~returns)):
         b.splice.constants(at[which], at[which], rank[which] + 90, text)
     lead: list[bytes] = []
@@ -73,7 +75,7 @@ def frames_of_blocks(b: Writing, added: np.ndarray) -> None:
     others = (~line).nonzero()[0]
     for k in others:
         before, after = _ends(b, int(stop[k]))
-        lead.append(before + lead_of[kind[k] + 2])
+        lead.append(before + lead_of(int(kind[k])))
         tail.append(after)
     b.splice.texts(at[others], at[others], rank[others], lead)
     b.splice.texts(at[others], at[others], rank[others] + 90, tail)

@@ -162,6 +162,7 @@ def arcs_of(
         absolute=stated,
         origin=origin,
         by_radius=np.where(by_radius, value[2], 0),
+        radius_alone=by_radius & bool(batch.polar and batch.dialect.contour),
     )
 
 
@@ -183,6 +184,7 @@ def _empty() -> Arcs:
         two.astype(bool),
         two.astype(np.int64),
         i,
+        i.astype(bool),
     )
 
 

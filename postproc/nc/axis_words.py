@@ -29,21 +29,22 @@ def motion_codes(b: Writing) -> None:
             b.w.number[word],
             b.w.stop[word],
             np.zeros(len(word)),
-            [b"%d" % c for c in first_code[change]],
+            [b"%d" % c for c in (first_code + b.above)[change]],
         )
         b.touched[change] = True
     insert = (~explicit & (first_code != before) & followed).nonzero()[0]
     if len(insert):
         texts = [
             b"G%d" % c + (b" " if s else b"")
-            for c, s in zip(first_code[insert], b.spaced[insert], strict=True)
+            for c, s in zip((first_code + b.above)[insert], b.spaced[insert], strict=True)
         ]
         b.splice.texts(b.head[insert], b.head[insert], np.full(len(insert), INSERT_CODE), texts)
         b.touched[insert] = True
     # Pieces behind the first name their code when it differs from the piece before.
     code = p.code.astype(np.int64)
     if b.dialect.modal_motion and not b.klartext:
-        b.names_code &= begins(code)
+        # L is a radius beside G102 and G103 alone
+        b.names_code &= begins(code) | ((b.above[p.motion] > 0) & (p.arc >= 0))
 
 
 def last_code(b: Writing) -> int:

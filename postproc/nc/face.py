@@ -1,4 +1,5 @@
-"""Polar interpolation of turning centres: G12.1 (G112) of Fanuc lathes, G112 of Haas lathes.
+"""Polar interpolation of turning centres: G12.1 (G112) of Fanuc lathes, G112 of Haas lathes, G137
+of Okuma lathes.
 
 From the call on X and a second coordinate are Cartesian coordinates, in mm or inches, of the face
 that C turns under the tool; the control makes X and C of them (postproc.machine.face). The second
@@ -9,6 +10,10 @@ radius whether X is a diameter or not; I and J are the centre; the plane is that
 G17 to G19 said before; G0, G27 to G30, G52, G53, G92 and cycles in it are alarm PS0146, and so is
 a begin or an end within G41 G42. Haas lathe operator's manual 96-8900, "G112 XY to XC
 interpolation": the second coordinate is Y, X is a radius, arcs and G41 G42 need G17.
+Okuma OSP-P200L / P20L programming manual 5238-E, "Contour generation" (P-244 to P-248), and those
+of OSP-P300, as NC-PB/gEdit sums them up: as Haas, with G101 G102 G103 for G1 G2 G3; C of G137 is
+the direction of X, where C stands in programs (elsewhere it is refused). One part by one post is
+G112 on a Haas and G137 on an Okuma with the same places, sides and senses.
 """
 
 from __future__ import annotations
@@ -32,6 +37,7 @@ PLANES = {170: ("X", "Y", "I", "J"), 180: ("Z", "X", "K", "I"), 190: ("Y", "Z", 
 ON_FACE = ("X", "C", "I", "J")
 OWN_WAY = TRANSFORM.partition(": ")[2]
 INCREMENT = {"C": "H", "Y": "V"}
+SAME = 1e-3  # degrees
 BESIDE = 0.1  # mm: a corrected Y stands beside its zero, by less than that
 OFF = "end it before, and begin it anew behind"
 
@@ -42,9 +48,10 @@ def letter_in(b: Batch) -> str:
     """The letter of the second coordinate in this segment, "" while nothing is interpolated."""
     if not b.dialect.polar or "C" not in b.rows:
         return ""
-    given = b.given.get("polar")
+    group = b.dialect.polar_group
+    given = b.given.get(group)
     number = NONE if given is None or not b.n else int(given[0])
-    number = b.state.codes.get("polar", NONE) if number == NONE else number
+    number = b.state.codes.get(group, NONE) if number == NONE else number
     return b.dialect.polar if b.dialect.frame_codes.get(number) == "polar on" else ""
 
 
@@ -117,6 +124,8 @@ def _lacking(b: Batch, axis_words, word: str) -> tuple[str, str] | None:
     x, c = kinematics.face
     unknown = [b.setup.axes[row] for row in (x, c) if not b.state.known[row]]
     y = b.rows.get("Y")
+    if not unknown and (turned := _turned(b, c)):
+        return (f"{word} {turned} is not where C stands", "write G0 and the same C before it")
     if y is not None and not b.state.known[y]:
         unknown.append("Y")
     if unknown:
@@ -128,6 +137,30 @@ def _lacking(b: Batch, axis_words, word: str) -> tuple[str, str] | None:
     if y is not None and abs(b.state.position[y] - _zero(b, y)) > BESIDE * TICKS_PER_MM:
         return (f"{word} while Y does not stand at zero", "move Y to Y0 before it")
     return None
+
+
+def _turned(b: Batch, row: int) -> str:
+    """C of the block where it is another one than that of the axis."""
+    for place in b.places.get("C", ())[:1]:
+        at = (b.state.position[row] - _zero(b, row)) / TICKS_PER_MM
+        if b.words.block[place] == 0 and abs(float(b.numbers(np.array([place]))[0]) - at) > SAME:
+            return f"C{b.words.text[b.words.number[place] : b.words.stop[place]].decode()}"
+    return ""
+
+
+def motions(b: Batch, motion: np.ndarray) -> np.ndarray:
+    """(B,) the motion codes with G1 G2 G3 for those of a contour on the face (Okuma's G101)."""
+    if not b.polar or not b.dialect.contour:
+        return motion
+    own = 10 * b.dialect.contour
+    plain = b.has_axis & ~b.taken & (motion >= 0) & (motion < own)
+    b.foreign |= plain
+    b.blame(
+        np.flatnonzero(plain),
+        "G0 to G3 in polar interpolation",
+        f"write G{b.dialect.contour + 1} and its kin, which make X and C of X and Y",
+    )
+    return np.where((motion > own) & (motion <= own + 30), motion - own, motion)
 
 
 def _zero(b: Batch, row: int) -> int:

@@ -22,6 +22,9 @@ class Grammar(NamedTuple):
     # Expressions of lines that run what only the machine has; each with 0, or with the number, from
     # 1, of the sentence that says why they can not be followed.
     macros: tuple[tuple[str, int], ...] = ()
+    # Expressions of words that another letter stands for, in their group, and what that letter is:
+    # L of Okuma's G103 is R.
+    letters: tuple[tuple[str, str], ...] = ()
     homing: str = ""  # an expression of what homes all axes
     untold: bool = False  # whether F and S may be variables whose value only the machine knows
     klartext: bool = False  # whether its statements are those of Heidenhain's Klartext
@@ -30,6 +33,7 @@ class Grammar(NamedTuple):
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         patterns = (self.keywords, self.spellings, self.ignores, self.macros, self.homing)
+        patterns += (self.letters,)
         return any((*patterns, self.assigns, self.checksums, self.bare_letters, self.klartext))
 
 

@@ -160,7 +160,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
         conditionals(b)
     check_points(b)
     centre_words = {c: place for c, s in CENTRES.items() if len(place := b.one_of(*s))}
-    motion = as_motion(b, _motion(b))
+    motion = face.motions(b, as_motion(b, _motion(b)))
     moving = _moving(b, motion, centre_words)
     b.cycle = cycle_of(b, motion, axis_words)
     if b.cycle is not None:

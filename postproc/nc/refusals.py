@@ -277,7 +277,7 @@ def refuse_motions(b: Batch, motion: np.ndarray, moving: np.ndarray) -> None:
         if number not in (NONE, 800) and not b.dialect.is_refused[number]:
             return
     refused = b.dialect.is_refused[np.maximum(motion, 0)] & (motion >= 0) & moving
-    if "motion" in b.given:
+    if "motion" in b.given and not (b.polar and b.dialect.contour):
         given = b.given["motion"]
         refused |= b.dialect.is_refused[np.maximum(given, 0)] & (given >= 0)
     for number in sorted(set(motion[refused].tolist())):

@@ -80,6 +80,8 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
         code = _homing(grammar.homing).sub(_homes, code)
     for pattern, number in _macros(grammar.macros):
         code = pattern.sub(partial(_macro, number), code)
+    for pattern, letter in grammar.letters:
+        code = _ignored((pattern,))[0].sub(partial(_lettered, letter), code)
     if grammar.untold and (b"#" in code or b"[" in code):
         code = MACHINE_KNOWS.sub(_untold, code)
     if grammar.bare_letters:
@@ -95,6 +97,12 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
 @lru_cache
 def _ignored(texts: tuple[str, ...]) -> tuple[re.Pattern[bytes], ...]:
     return tuple(re.compile(text.encode(), re.IGNORECASE | re.MULTILINE) for text in texts)
+
+
+def _lettered(letter: str, match: re.Match[bytes]) -> bytes:
+    """The match with another letter in its group."""
+    at = match.start(1) - match.start()
+    return match[0][:at] + letter.encode() + match[0][at + 1 :]
 
 
 @lru_cache

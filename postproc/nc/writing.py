@@ -75,6 +75,11 @@ class Writing:
         self.several = ~(self.first & self.final)
         # numbers above 0 have their sign, and every block begins with its statement
         self.klartext = dialect.grammar.klartext
+        # what is above G1 G2 G3 in their codes: G101 of Okuma's polar interpolation
+        self.above = np.zeros(len(motions), np.int64)
+        if dialect.contour:
+            polar = np.array([s is not None and bool(s.polar) for s in motions.spaces], bool)
+            self.above[:] = dialect.contour * polar[motions.space]
         self.layout()
 
     def layout(self) -> None:

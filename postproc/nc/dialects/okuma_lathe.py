@@ -6,8 +6,9 @@ thread cutting cycles (P-97, P-114), LAP (P-175 to P-218), address characters of
 cycles (P-139), nose radius (P-76). There is no G54 here and no code for inches: zeros and units are
 the control's. T is four digits, tool and offset, or six with the number of the nose radius before
 them: the offset is called by the last four (T010101: T0101). G71 and G72 are threads, G75 and G76
-corners. Refused: the other turret, whose slides are others; coordinates that the control converts
-(G137, G101 to G103, G107 to G133); holes of the C axis but G181 (G184 stays). Jumps, variables and
+corners. G137 begins polar interpolation, with G101 to G103, where
+L is the radius (nc/face.py). Refused: the other turret, whose slides are others; X and C without
+G137 (G101 to G103), G107 to G133; holes of the C axis but G181 (G184 stays). Jumps, variables and
 calls: expand/okuma.py.
 """
 
@@ -29,7 +30,8 @@ _ANGLE = f"its end lies on a line at the angle A: {codes.EXPAND}"
 _NAMED = f"its shape stands under a name: {codes.EXPAND}"
 _VALUE = "its value may stand for a place: --expand writes its number"
 _DATA = "it sets or reads data of the control: set them before the program, and take the block out"
-_NO_L = r"(?![^\n]*G[ \t]*0*(?:3[1-5]|7[1-8]|18[0-9]|190)(?![0-9]))"
+_BY_C = "the control makes X and C of a line on the face: program in X and Y, under G137"
+_NO_L = r"(?![^\n]*G[ \t]*0*(?:3[1-5]|7[1-8]|10[23]|18[0-9]|190)(?![0-9]))"
 
 DIALECT = Dialect(
     name="okuma-lathe",
@@ -56,18 +58,21 @@ DIALECT = Dialect(
         *rows("limits", {"22": "barrier on", "23": "barrier off"}),
         *rows("priority", {"110": "speed by turret A", "111": "speed by turret B"}),
         *rows("spindle", {"140": "spindle", "141": "spindle", "142": "spindle", "143": "spindle"}),
-        *rows("diameter", {"136": "no conversion, X a diameter"}, like="G7"),
-        *rows("diameter", {"138": "Y axis on, X a radius"}, like="G8"),
-        *rows("diameter", {"137": "conversion, X a radius"}, refuses=codes.TRANSFORM),
+        *rows("diameter", {"136": "no conversion, X a diameter"}, does="polar off", like="G7"),
+        *rows("diameter", {"138": "Y axis on, X a radius"}, does="polar off", like="G8"),
+        *rows("diameter", {"137": "X and Y on the face"}, takes=True, does="polar on"),
         *rows(
             "motion",
             {
-                "101": "line by the C axis",
-                "102": "arc by the C axis",
-                "103": "arc by the C axis",
-                "132": "arc on the side",
-                "133": "arc on the side",
+                "101": "line by X and C",
+                "102": "arc by X and C, clockwise",
+                "103": "arc by X and C, counter-clockwise",
             },
+            refuses=_BY_C,
+        ),
+        *rows(
+            "motion",
+            {"132": "arc on the side", "133": "arc on the side"},
             refuses=codes.TRANSFORM,
         ),
         *rows(
@@ -185,6 +190,13 @@ DIALECT = Dialect(
             _HEAD + r"(?:CLEAR|DRAW|DEF[ \t]+WORK|PS[ \t]+[A-Z]+[ \t]*,[^\n]*|END)[ \t]*\r?$",
             r"^[ \t]*(?:/[ \t]*)?N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)",
         ),
+        letters=(
+            (
+                r"^(?:[^\n(]|\([^)\n]*\))*?G[ \t]*10[23](?![0-9])[^\n(]*?(?<![A-Z])(L)"
+                r"(?=[ \t]*[-+]?[0-9.])",
+                "R",
+            ),
+        ),
         macros=(
             (r"^[ \t]*\$[^\n]*", 1),
             (_HEAD + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS)\b[^\n]*", 2),
@@ -197,6 +209,9 @@ DIALECT = Dialect(
             ("^" + _NO_L + r"(?:[^\n(]|\([^)\n]*\))*?(?<![A-Z])A[ \t]*[-+]?[0-9.][^\n]*", 7),
         ),
     ),
+    polar="Y",
+    polar_group="diameter",
+    contour=100,
     macro_refuses=(_ON, codes.CALL, _VALUE, _SHIFTS, _NAMED, _RADIUS, _ANGLE, _DATA),
     language="okuma",
     plane=180,
