@@ -91,7 +91,7 @@ TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scale
 TURNED = {8: codes.FRAME, 10: codes.FRAME, 19: codes.TILTED}
 CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
-TAPS = (2, 17, 206, 207, 209)
+STAY = (2, 17, 202, 204, 206, 207, 209, 241, *range(262, 266), 267)  # klartext_holes.py
 ZERO = b"G52X0Y0Z0"
 PLANE = b"G268"
 # TCPM with places of rotary axes, about the tip and with its feed: M128. Not PATHCTRL VECTOR, with
@@ -283,7 +283,7 @@ def _cycle(text: bytes) -> bytes:
         return _turned(text, number, rest)
     if number in ACT_AT_ONCE or part not in (None, b"0"):
         return _blank(text)
-    return (b"G207" if number in TAPS else b"G200").ljust(len(text))
+    return (b"G207" if number in STAY else b"G200").ljust(len(text))
 
 
 def _moves_otherwise(number: int) -> str:

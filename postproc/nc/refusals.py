@@ -238,8 +238,8 @@ def macros(b: Batch) -> None:
 
 
 def cycle_calls(b: Batch) -> None:
-    """CYCL CALL of Klartext: a tap goes with the spindle, from the place that is corrected before
-    it; other cycles can not be followed."""
+    """CYCL CALL of Klartext: what goes by the spindle stays, from the place that is corrected
+    before it; other cycles can not be followed."""
     block = b.single.get(CYCLE_CALL)
     if block is None or not b.dialect.grammar.klartext:
         return
@@ -251,8 +251,9 @@ def cycle_calls(b: Batch) -> None:
         b.notices.append(
             Notice(
                 "tapping cycle",
-                "cycles that tap stay as they are: their place is corrected at the clearance above"
-                " the hole, their depth is not",
+                "cycles that tap, mill threads, or bore and drill by the spindle's angle or speed"
+                " stay as they are: their place is corrected at the clearance above the hole, their"
+                " depth is not",
                 int(b.words.line[block[tapped][0]]),
             )
         )

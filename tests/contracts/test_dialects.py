@@ -70,7 +70,8 @@ def test_the_motions_and_modes_that_the_interpreter_asks_for(name):
                 number
             )
     for group, numbers in (("diameter", (70, 80)), ("arc centre", (901, 911))):
-        have = {c.number for c in dialect.codes if c.group == group and not c.refuses}
+        own = [c for c in dialect.codes if c.group == group and not c.refuses]
+        have = {c.number for c in own if c.does != "polar on"}  # X is what face.py says
         assert have <= {*numbers, codes.code_number("DIAM90")}, group
 
 

@@ -399,10 +399,11 @@ def test_drilling(cycle, lines):
     assert last == ("L X+20 F900" if lines else "L X+20")
 
 
-@pytest.mark.parametrize("cycle", ["206", "207", "209"])
+@pytest.mark.parametrize("cycle", ["202", "204", "206", "207", "209", "241", "262", "265", "267"])
 @pytest.mark.parametrize("call", ["L X+10 FMAX M99", "L X+10 FMAX|CYCL CALL"])
-def test_a_tap_stays_and_is_called_at_its_clearance(cycle, call):
-    """Between places of the tool axis that are known: surface -1, clearances 2 and 50."""
+def test_what_goes_by_the_spindle_stays_and_is_called_at_its_clearance(cycle, call):
+    """TNC 640 user's manual, cycles: each begins at Q200 and ends at Q204 above Q203. Between
+    places of the tool axis that are known: surface -1, clearances 2 and 50."""
     lines = plain(CYCLE.format(cycle, "-15", "+50", "0").replace("L X+10 FMAX M99", call))
     assert drilled(lines) == ["L Z+1 FMAX", "CYCL CALL", "L Z+49 FMAX", "L X+20"]
 

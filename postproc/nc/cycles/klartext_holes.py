@@ -7,8 +7,11 @@ out to the clearance, where it waits Q210, and back to the clearance (205: Q258,
 above what is drilled; at the bottom it waits Q211; then FMAX (201, 203: at Q208) to the clearance,
 and to the second one, Q204, if it lies higher. Q212 makes each peck smaller than the one before,
 down to Q205. Chips break by Q256: in cycle 203 after Q213 pecks out of Q213 + 1, in cycle 205 every
-Q257 within a peck. With Q201 0 the control does nothing. Taps (206, 207, 209) stay, called at the
-set-up clearance by CYCL CALL; the old ones (2, 17) where they are called. How fast the tool is
+Q257 within a peck. With Q201 0 the control does nothing. What goes by the spindle stays, called at
+the set-up clearance by CYCL CALL, and ends at the higher clearance: taps (206, 207, 209), boring
+that stops at an angle of the spindle (202, 204), one lip that drills at speeds of its own (241),
+and threads that are milled on ways that the manual leaves open (262 to 265, 267); the old taps (2,
+17) where they are called. How fast the tool is
 drawn back within the hole the manuals leave open in places: here FMAX; its line is the hole's axis
 either way.
 """
@@ -30,7 +33,7 @@ IN_PECKS = (200, 203, 205)
 AT_OWN_FEED = (201, 203, 205)  # come out at Q208
 NOT_FOLLOWED = (343, 379, 395)  # a diameter, a deeper start, another reference
 OLD_TAPS = (2, 17)
-TAPS = (*OLD_TAPS, 206, 207, 209)
+STAY = (*OLD_TAPS, 202, 204, 206, 207, 209, 241, *range(262, 266), 267)
 HELP = "let the CAM program write its motions out as L"
 
 
@@ -82,11 +85,11 @@ class Holes:
         return [*lines, *self._dwell(4), self._to(self.scene.at("Z"), b" FMAX")]
 
     @property
-    def taps(self) -> bool:
-        """Whether the cycle goes in step with the spindle."""
-        return self.cycle in TAPS
+    def stays(self) -> bool:
+        """Whether the cycle goes by the spindle."""
+        return self.cycle in STAY
 
-    def tapped(self) -> list[bytes]:
+    def kept(self) -> list[bytes]:
         """A call that stays, with places in front and behind at which the tool axis is known."""
         if self.cycle in OLD_TAPS:  # they come back to where they are called
             return [b"CYCL CALL", self._to(self.scene.at("Z"), b" FMAX")]

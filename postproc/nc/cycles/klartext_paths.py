@@ -166,8 +166,8 @@ class KlartextPaths:
 
     def _called(self) -> list[bytes]:
         """The cycle that is defined, where the tool stands."""
-        if self.holes.taps:
-            return self.holes.tapped()
+        if self.holes.stays:
+            return self.holes.kept()
         lines = called(self.scene, self.tool, self.holes)
         self.due = self.due or bool(lines)
         return lines

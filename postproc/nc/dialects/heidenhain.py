@@ -33,7 +33,7 @@ DIALECT = Dialect(
         *rows("work offset", {"54": "the datum in force, where it is stated"}),
         *rows("work offset", {"247": "preset (cycle 247)"}, does="extended", like="G54.1"),
         *LOCAL,
-        *rows("defined cycle", {"200": "a cycle, defined", "207": "a tapping cycle, defined"}),
+        *rows("defined cycle", {"200": "a cycle, defined", "207": "one that stays, defined"}),
         *rows("", {"268": "tilted plane (PLANE)"}, takes=True, does="spatial"),
         *rows("", {"79": "cycle call"}, takes=True, does="words"),
     ),
