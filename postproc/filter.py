@@ -113,6 +113,7 @@ def setup_of(
     block_delete: bool = False,
     arc_centre: str = "incremental",
     integers: str = "",
+    scaling: str = "",
 ) -> Setup:
     """What the text layer must know of a machine, and of how its control is set. start: mm by axis,
     and under T the number of the tool in the spindle."""
@@ -126,6 +127,7 @@ def setup_of(
         block_delete=block_delete,
         arc_centre=arc_centre,
         integers=integers,
+        scaling=scaling,
         kinematics=Poses(machine) if machine.chain.rotary else None,
         home=dict(machine.home),
     )

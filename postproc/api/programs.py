@@ -29,7 +29,8 @@ class Settings(TypedDict, total=False):
     expand: True writes loops and subprograms out, False refuses what needs it, None (the rule of
     `gcomp FILE`) does so where nothing else corrects the program, and says so in
     `Compensated.written_out`; block_delete: whether blocks that begin with / are skipped at the
-    machine; dialect: "auto" looks at the program; integers: "units" or "least-increments".
+    machine; dialect: "auto" looks at the program; integers: "units" or "least-increments";
+    scaling: what cycle 11 of a Heidenhain scales, "plane" or "space".
     temperatures: a log of thermometers, each block meets the temperature of its moment; log_begin:
     when in it the program begins; pace: factor by which the machine takes longer than the program
     says; hold_temperature: holds the log's last row behind it.
@@ -49,6 +50,7 @@ class Settings(TypedDict, total=False):
     offsets_unit: str
     offsets_x: str
     integers: str
+    scaling: str
     expand: bool | None
     library: list[str | Path]
     max_steps: int
@@ -153,6 +155,7 @@ CHOICES = {
     "offsets_unit": ("mm", "inch"),
     "offsets_x": ("radius", "diameter"),
     "integers": ("units", "least-increments"),
+    "scaling": ("plane", "space"),
     "arc_centre": ("incremental", "absolute"),
 }
 

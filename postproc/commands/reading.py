@@ -162,7 +162,7 @@ def filter_of(options: argparse.Namespace, machine: Machine, head: bytes = b"") 
                 )
     setup = setup_of(
         machine, offsets, options.start, options.block_delete == "on", options.arc_centre,
-        (options.integers or "").replace("-", " "),
+        (options.integers or "").replace("-", " "), options.scaling or "",
     )  # fmt: skip
     how = Options(
         options.tolerance, options.outside, options.reversal, options.ramp, options.cut_rapids,

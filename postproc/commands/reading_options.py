@@ -44,6 +44,7 @@ OPTIONS = """
 --offsets-x (radius|diameter)  what X of --offsets is, where the file does not say
 --integers (units|least-increments)  what a coordinate without a decimal point counts, if not as
     usual on the control
+--scaling (plane|space)  what cycle 11 of a Heidenhain scales: X and Y, or Z too (MP 7410)
 --expand  write loops, subprograms, variables, cycles and turned coordinates out as plain blocks,
     and correct those; without either, gcomp FILE does so where nothing else corrects the program,
     and says so

@@ -88,7 +88,7 @@ VALUE = re.compile(rb"[-+]?[0-9]*\.?[0-9]+")
 PATTERNS = (220, 221)
 MOVES_AT_ONCE = (224, 238, 239)
 TURNS = {8: "", 10: "0", 11: "1", 19: "0", 26: "1"}  # a value that turns, scales, mirrors nothing
-TURNED = {8: codes.FRAME, 10: codes.FRAME, 19: codes.TILTED}
+TURNED = {19: codes.TILTED}
 CYLINDERS = (27, 28, 29, 39)
 ACT_AT_ONCE = (7, 9, 13, 14, 20, 32, 247, *TURNS)  # and are no cycles that are called
 STAY = (2, 17, 202, 204, 206, 207, 209, 241, *range(262, 266), 267)  # klartext_holes.py
@@ -303,7 +303,7 @@ def _turned(text: bytes, number: int, rest: bytes) -> bytes:
     nothing = TURNS[number]
     if nothing and values and all(v == float(nothing) for v in values):
         return _blank(text)
-    return _macro(text, TURNED.get(number, codes.UNTURNED))
+    return _macro(text, TURNED.get(number, codes.FRAME))
 
 
 def _shift(text: bytes, begin: int) -> bytes:

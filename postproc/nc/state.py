@@ -21,7 +21,8 @@ class Setup:
     increments (mm), work and tool offsets (mm by axis, by name "G54", "T0101"), where it stands at
     the start and after homing (mm, machine coordinates), and how block delete and arc centres are
     read (None: as the dialect does), and what a coordinate without a decimal point counts ("": as
-    in the dialect).
+    in the dialect). scaling: which axes cycle 11 of Heidenhain scales, "plane", "space", "" not
+    said.
     tool: the one in the spindle at the start, 0: none, -1: not said.
     kinematics: of a machine with rotary axes, whose tool tip can be followed."""
 
@@ -33,6 +34,7 @@ class Setup:
     block_delete: bool = False
     arc_centre: str = "incremental"
     integers: str = ""
+    scaling: str = ""
     tool: int = -1
     kinematics: Kinematics | None = None
     home: dict[str, float] = field(default_factory=dict)

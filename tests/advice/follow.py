@@ -91,6 +91,7 @@ def stopped(dialect: str, text: str, how: Mapping) -> ProgramError | None:
         how.get("delete", False),
         how.get("centre", "incremental"),
         how.get("integers", ""),
+        how.get("scaling", ""),
     )
     hole = how.get("hole_um")
     options = Options(1.0 * UM, how.get("outside"), hole_tolerance=hole and hole * UM)

@@ -71,6 +71,7 @@ OPTIONS = (  # what an advice names, and what its user would type
     (r"--start ([A-Z0-9,.]+)", ("--start", "")),  # as the advice writes it
     (r"--outside", ("--outside", "clamp")),
     (r"--integers units", ("--integers", "units")),
+    (r"--scaling (\w+) for", ("--scaling", "")),
     (r"say it in mm: --offset (\S+=\S*R5)", ("--offset", "")),
 )
 BROKEN = (  # an error that the control tells too, or that no control could run

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -29,13 +30,13 @@ SETUP = Setup(
 )
 
 
-def plain(program: str, files: dict[str, str] | None = None) -> list[str]:
+def plain(program: str, files: dict[str, str] | None = None, scaling: str = "") -> list[str]:
     """The statements between BEGIN and END."""
     text = "\n".join(["BEGIN PGM A MM", *program.split("|"), "END PGM A MM", ""]).encode()
     library = {name: t.replace("|", "\n").encode() for name, t in (files or {}).items()}
     written = Written(
         Program("a.h", text, library.get),
-        Interpreter(dialects.load("heidenhain"), SETUP),
+        Interpreter(dialects.load("heidenhain"), replace(SETUP, scaling=scaling)),
         Limits(steps=1000, depth=8),
         tolerance=TOLERANCE,
     )

@@ -133,3 +133,58 @@ def test_refused(program, said):
     with pytest.raises(ProgramError) as error:
         plain(HEAD + program)
     assert said in f"{error.value.message} {error.value.advice}"
+
+
+SPACE = {"plane": (2.0, 2.0, 1.0), "space": (2.0, 2.0, 2.0)}
+
+
+@pytest.mark.parametrize("how", SPACE)
+def test_a_factor_of_cycle_11_by_hand(how):
+    """Every place of the body twice as far from the datum; along Z as the machine is set."""
+    body = "L X+1 Y+1 Z+8 FMAX|" + BODY  # an axis that is not named stays
+    lines = plain(f"{HEAD}CYCL DEF 11.0 SCALING|CYCL DEF 11.1 SCL 2|{body}", scaling=how)
+    without = places(plain(HEAD + body))
+    assert "CYCL DEF 11.1 SCL 1" in lines
+    kept = len(places(plain(HEAD)))
+    wanted = [tuple(c * f for c, f in zip(p, SPACE[how], strict=True)) for p in without[kept:]]
+    found = places(lines)[kept:]
+    assert_same(found, wanted)
+
+
+def test_a_factor_and_a_turn_by_hand():
+    """X+10 twice as far, turned by 90 degrees, whichever is defined first."""
+    turn, factor = "CYCL DEF 10.1 ROT+90|", "CYCL DEF 11.1 SCL 2|"
+    for both in (turn + factor, factor + turn):
+        lines = plain(f"{HEAD}{both}L X+10 Y+0 FMAX|L IX+1 IY+0", scaling="plane")
+        assert places(lines)[-2:] == [(0.0, 20.0, 10.0), (0.0, 22.0, 10.0)]
+
+
+def test_a_factor_per_axis_about_a_point_by_hand():
+    """X = 15 + 1.4 (10 - 15) = 8, Y = 20 + 0.5 (40 - 20) = 30; then X by 1.4, alone."""
+    lines = plain(
+        f"{HEAD}CYCL DEF 26.0 AXIS-SPECIFIC SCALING|CYCL DEF 26.1 X1.4 Y0.5 CCX+15 CCY+20|"
+        "L X+10 Y+40 F90|L IX+10|CYCL DEF 26.1 X1 Y1|L X+10 Y+40"
+    )
+    ways = [line for line in lines if line.startswith("L ")]
+    assert places(ways)[-3:] == [(8.0, 30.0, 10.0), (22.0, 30.0, 10.0), (10.0, 40.0, 10.0)]
+
+
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        ("CYCL DEF 11.1 SCL 2", "--scaling plane"),
+        ("CYCL DEF 11.1 SCL 0", "not above 0"),
+        ("CYCL DEF 26.1 X20", "not above 0"),
+        ("CYCL DEF 10.1 ROT+30|CYCL DEF 26.1 X2", "cycle 26 within"),
+        ("CYCL DEF 26.1 X2|CYCL DEF 7.1 X+5", "a datum shift within"),
+        # its diameter would be scaled on the control
+        ("CYCL DEF 262 ~|Q200=2 ~|Q203=0 ~|Q204=5|CYCL DEF 26.1 X2|L X+1 M99", "cycle 262 in"),
+        ("CYCL DEF 207 ~|Q200=2 ~|Q203=0 ~|Q204=5|CYCL DEF 26.1 Z2|L X+1 M99", "cycle 207 in"),
+        # RL would be RR there, Q214 another direction
+        ("CYCL DEF 202 ~|Q200=2 ~|Q203=0 ~|Q204=5|CYCL DEF 8.1 X|L X+1 M99", "cycle 202 in"),
+    ],
+)
+def test_factors_that_are_refused(program, said):
+    with pytest.raises(ProgramError) as error:
+        plain(HEAD + program)
+    assert said in f"{error.value.message} {error.value.advice}"

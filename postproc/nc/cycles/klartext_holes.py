@@ -33,7 +33,8 @@ IN_PECKS = (200, 203, 205)
 AT_OWN_FEED = (201, 203, 205)  # come out at Q208
 NOT_FOLLOWED = (343, 379, 395)  # a diameter, a deeper start, another reference
 OLD_TAPS = (2, 17)
-STAY = (*OLD_TAPS, 202, 204, 206, 207, 209, 241, *range(262, 266), 267)
+TAPS = (*OLD_TAPS, 206, 207, 209)
+STAY = (*TAPS, 202, 204, 241, *range(262, 266), 267)
 HELP = "let the CAM program write its motions out as L"
 
 

@@ -1,16 +1,19 @@
-"""Mirrored and turned coordinates of Heidenhain Klartext, cycles 8 and 10: the lines behind them
-written in the coordinates beneath.
+"""Mirrored, turned and scaled coordinates of Heidenhain Klartext, cycles 8, 10, 11 and 26: the
+lines behind them written in the coordinates beneath.
 
 HEIDENHAIN TNC 640, TNC 620, iTNC 530 user's manuals, cycle programming, "Mirroring (cycle 8)",
 "Rotation (cycle 10)": about the active datum, which cycle 7 or a preset has set; the angle counts
 from X in the working plane, IROT from the angle in force; ROT 0 and cycle 8 without axes end them;
-a mirror of one axis turns the sense of motions round (RL becomes RR). Cycle 247 resets both. What
-depends on places (poles, corners, cycles) is written out first, in the program's coordinates
-(klartext_paths.py); on the control the cycles stand at nothing then, as ROT+0 and 8.1.
+a mirror of one axis turns the sense of motions round (RL becomes RR). "Scaling (cycle 11)": every
+coordinate by SCL from the active datum, about which mirror, turn and factor can be exchanged; in
+the plane or along Z too by MP 7410 (iTNC 530), which --scaling says. "Axis-specific scaling (cycle
+26)": a factor per axis about CCX, CCY. Cycle 247 resets them. What depends on places (poles,
+corners, cycles) is written out first, in the program's coordinates (klartext_paths.py); on the
+control the cycles stand at nothing then, as ROT+0 and 8.1.
 
-Refused: both together and a datum shift of the axes that they mix, for their order is not said in a
-text that was found; a mirrored tool axis; scaling (11, 26), which reaches the tool axis or not by a
-parameter of the machine; APPR and DEP, and tilted planes within.
+Refused: mirror and turn together, cycle 26 with another, and a datum shift of the axes that they
+change, for their order is not said in a text that was found; a mirrored tool axis; APPR and DEP,
+and tilted planes within; factors above 10, by which chords of arcs would grow.
 """
 
 from __future__ import annotations
@@ -18,22 +21,24 @@ from __future__ import annotations
 import re
 
 from postproc.nc.cycles.affine import AXES, Affine, point, rotation, scaling
-from postproc.nc.cycles.klartext_holes import signed
+from postproc.nc.cycles.klartext_holes import TAPS, signed
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 from postproc.nc.klartext import BUILDER, HEAD, MACHINE
 
-MIRROR, ROTATION, PRESET, SHIFT = 8, 10, 247, 7
+MIRROR, ROTATION, SCALE, STRETCH, PRESET, SHIFT = 8, 10, 11, 26, 247, 7
+LARGEST = 10.0  # factor
 DEFINED = re.compile(rb"CYCL[ \t]+DEF[ \t]*([0-9]+)[ \t]*(?:\.[ \t]*([0-9]+))?")
 ANGLE = re.compile(rb"(I?)ROT[ \t]*([-+]?[0-9]*\.?[0-9]+)")
-PLACE = re.compile(rb"(?<![A-Z])(I?)([XY])[ \t]*([-+]?[0-9]*\.?[0-9]+)")
-MOVED = re.compile(rb"(?<![A-Z])I?[XY][ \t]*[-+]?[0-9]*\.?[0-9]*[1-9]")
+FACTOR = re.compile(rb"(?<![A-Z])(SCL|CC[XYZ]|[XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)")
+PLACE = re.compile(rb"(?<![A-Z])(I?)([XYZ])[ \t]*([-+]?[0-9]*\.?[0-9]+)")
+MOVED = re.compile(rb"(?<![A-Z])I?([XYZ])[ \t]*[-+]?[0-9]*\.?[0-9]*[1-9]")
 SIDE = re.compile(rb"(?<=[ \t])R([LR])(?![A-Z0-9.+-])")
 STRAIGHT = re.compile(rb"L(?![A-Z])")
 REFUSED = re.compile(rb"(APPR|DEP|PLANE)(?![A-Z])(?![ \t]+RESET)")
 DATUM = re.compile(rb"TRANS[ \t]+DATUM(?![ \t]+RESET)")
-END = "end it before: CYCL DEF 10.1 ROT+0, CYCL DEF 8.1"
+END = "end it before: CYCL DEF 10.1 ROT+0, 8.1, 11.1 SCL 1, 26.1 X1 Y1"
 
 
 class KlartextTurns:
@@ -45,8 +50,9 @@ class KlartextTurns:
 
     def __init__(self, scene: Scene):
         self.scene, self.paths = scene, KlartextPaths(scene)
-        self.map, self.angle = Affine(), 0.0
+        self.map, self.angle, self.factor = Affine(), 0.0, 1.0
         self.mirrored: tuple[str, ...] = ()
+        self.stretch = Affine()  # cycle 26
         self.loose = False  # whether the control's manual leaves open where X and Y stand
         self.tilted = False
         self.exact: tuple[dict[str, float], dict[str, float]] = {}, {}
@@ -60,7 +66,7 @@ class KlartextTurns:
 
     def known(self, axis: str) -> float | None:
         """The programmed coordinate at which an axis stands."""
-        if axis not in ("X", "Y") or self.map.identity:
+        if self.map.leaves(axis):
             return self.scene.work(axis)
         work = {x: self.scene.work(x) for x in self.map.partners(axis)}
         if self.loose or any(value is None for value in work.values()):
@@ -96,46 +102,88 @@ class KlartextTurns:
         ]
 
     def _shifts(self, code: bytes) -> bool:
-        """Whether cycle 7 moves an axis of the plane, but for back to the preset."""
+        """Whether cycle 7 moves an axis that the map changes, but for back to the preset."""
         found = DEFINED.match(code)
-        return bool(found and int(found[1]) == SHIFT and MOVED.search(code[found.end() :]))
+        if not found or int(found[1]) != SHIFT:
+            return False
+        moved = MOVED.findall(code[found.end() :])
+        return any(not self.map.leaves(axis.decode()) for axis in moved)
 
     def _define(self, code: bytes) -> list[bytes] | None:
-        """What stays of cycle 8 or 10; None: the line is none of them."""
+        """What stays of cycle 8, 10, 11 or 26; None: the line is none of them."""
         found = DEFINED.match(code)
         number = int(found[1]) if found else 0
         if number == PRESET:
-            self._hold((), 0.0)
-        if found is None or number not in (MIRROR, ROTATION) or found[2] in (None, b"0"):
+            self.mirrored, self.angle, self.factor, self.stretch = (), 0.0, 1.0, Affine()
+            self._hold()
+        own = (MIRROR, ROTATION, SCALE, STRETCH)
+        if found is None or number not in own or found[2] in (None, b"0"):
             return None
         rest = code[found.end() :].upper()
+        if number in (SCALE, STRETCH):
+            self._scaled(number, rest)
+            return [code[: found.end()] + (b" SCL 1" if number == SCALE else b" X1 Y1")]
         if number == MIRROR:
             axes = tuple(rest.decode().split())
             if any(x not in ("X", "Y") for x in axes):
                 raise self.scene.fault(
                     f"cycle 8 with {' '.join(axes)}", "only X and Y of the plane are mirrored"
                 )
-            self._hold(axes, self.angle)
+            self.mirrored = axes
+            self._hold()
             return [code[: found.end()] if axes else code]
         angle = ANGLE.search(rest)
         if angle is None:
             raise self.scene.fault("cycle 10 without its angle", "write CYCL DEF 10.1 ROT+30")
         value = float(angle[2])
-        self._hold(self.mirrored, value + (self.angle if angle[1] else 0.0))
+        self.angle = value + (self.angle if angle[1] else 0.0)
+        self._hold()
         return [code if value == 0.0 and not angle[1] else code[: found.end()] + b" ROT+0"]
 
-    def _hold(self, mirrored: tuple[str, ...], angle: float) -> None:
-        """Another map holds from here on."""
-        if mirrored and angle % 360:
+    def _scaled(self, number: int, rest: bytes) -> None:
+        """Cycle 11 or 26 with its words."""
+        words = {name.decode(): float(value) for name, value in FACTOR.findall(rest)}
+        factors = {x: v for x, v in words.items() if not x.startswith("CC")}
+        if not factors or any(not 0 < v <= LARGEST for v in factors.values()):
+            raise self.scene.fault(
+                f"a factor of cycle {number} that is missing, or is not above 0 to {LARGEST:g}",
+                "write CYCL DEF 11.1 SCL 0.995, or 26.1 X1.1 Y0.9 CCX+15 CCY+20",
+            )
+        if number == SCALE:
+            self.factor = words.get("SCL", 1.0)
+        else:
+            centre = {x: words.get("CC" + x, 0.0) for x in AXES}
+            self.stretch = scaling({x: factors.get(x, 1.0) for x in AXES}, point(centre))
+        self._hold()
+
+    def _factors(self) -> dict[str, float]:
+        """Of cycle 11."""
+        how = self.scene.tracker.setup.scaling
+        if self.factor != 1.0 and not how:
+            raise self.scene.fault(
+                "whether cycle 11 scales Z too is a parameter of the machine (MP 7410)",
+                "say it: --scaling plane for X and Y alone, or --scaling space",
+            )
+        return dict.fromkeys("XYZ" if how == "space" else "XY", self.factor)
+
+    def _hold(self) -> None:
+        """The map that holds from here on."""
+        turned, mirrored = bool(self.angle % 360), self.mirrored
+        if mirrored and turned:
             raise self.scene.fault("a mirror and a turn at once (cycles 8 and 10)", END)
-        new = rotation("X", "Y", angle % 360) if angle % 360 else Affine()
+        new = rotation("X", "Y", self.angle % 360) if turned else Affine()
         new = scaling(dict.fromkeys(mirrored, -1.0)) if mirrored else new
-        self.mirrored, self.angle = mirrored, angle
+        if self.factor != 1.0:
+            new = scaling(self._factors()).after(new)
+        if not self.stretch.identity:
+            if not new.identity:
+                raise self.scene.fault("cycle 26 within cycle 8, 10 or 11", END)
+            new = self.stretch
         if new == self.map:
             return
         if self.tilted or self.scene.compensated:
             within = "a tilted plane" if self.tilted else "cutter radius compensation"
-            raise self.scene.fault(f"cycle 8 or 10 within {within}", "end it before")
+            raise self.scene.fault(f"other coordinates within {within}", "end it before")
         if self.paths.corners.at_work:
             raise self.paths.corners.beside()
         self.paths.heading.lose()
@@ -150,14 +198,18 @@ class KlartextTurns:
         head = HEAD.match(text)
         assert head is not None
         body, semicolon, remark = text[head.end() :].partition(b";")
-        if self.map.identity or not STRAIGHT.match(body):
+        if self.map.identity:
+            return text
+        if body.startswith(b"CYCL CALL") and not self._as_it_is():
+            raise self.scene.fault(f"cycle {self.paths.holes.cycle} in other coordinates", END)
+        if not STRAIGHT.match(body):
             return text
         if MACHINE.search(body) or BUILDER.search(body):
             here.clear()
             return text
-        if self.map.similarity("X", "Y") == -1.0:
+        if (self.map.similarity("X", "Y") or 1.0) < 0:
             body = SIDE.sub(lambda m: b"R" + (b"R" if m[1] == b"L" else b"L"), body)
-        words = list(PLACE.finditer(body))
+        words = [m for m in PLACE.finditer(body) if not self.map.leaves(m[2].decode())]
         if words:
             body = self._placed(body, words, here)
         return text[: head.end()] + body + semicolon + remark
@@ -165,9 +217,9 @@ class KlartextTurns:
     def _end(
         self, words: list[re.Match[bytes]], here: dict[str, float], mixed: list[str]
     ) -> dict[str, float | None]:
-        """The programmed X and Y behind a line. Raises ProgramError where one that is needed is not
+        """The programmed places of some axes behind a line. Raises ProgramError where one that is needed is not
         known."""
-        to = {x: here[x] if x in here else self.known(x) for x in ("X", "Y")}
+        to = {x: here[x] if x in here else self.known(x) for x in mixed}
         for match in words:
             axis = match[2].decode()
             start = to[axis] if match[1] else 0.0
@@ -177,10 +229,14 @@ class KlartextTurns:
                 self.scene.at(axis)
         return to
 
+    def _as_it_is(self) -> bool:
+        """Whether the cycle that is called, and stays, does the same in the coordinates beneath."""
+        return self.paths.holes.cycle in TAPS and self.map.leaves("Z")
+
     def _placed(self, body: bytes, words: list[re.Match[bytes]], here: dict[str, float]) -> bytes:
-        """The same with other X and Y."""
+        """The same with other X, Y and Z."""
         scene, named = self.scene, [match[2].decode() for match in words]
-        mixed = list(self.map.partners(named[0])) if len(named) == 1 else ["X", "Y"]
+        mixed = sorted({x for axis in named for x in self.map.partners(axis)})
         if self.loose and (set(mixed) - set(named) or any(match[1] for match in words)):
             raise scene.fault(
                 "the first line within other coordinates does not name X and Y as places",
