@@ -33,8 +33,16 @@ class Grammar(NamedTuple):
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         patterns = (self.keywords, self.spellings, self.ignores, self.macros, self.homing)
-        patterns += (self.letters,)
-        return any((*patterns, self.assigns, self.checksums, self.bare_letters, self.klartext))
+        return any(
+            (
+                *patterns,
+                self.letters,
+                self.assigns,
+                self.checksums,
+                self.bare_letters,
+                self.klartext,
+            )
+        )
 
 
 PLAIN = Grammar()

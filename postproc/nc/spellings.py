@@ -80,8 +80,8 @@ def respelled(code: bytes, grammar: Grammar) -> bytes:
         code = _homing(grammar.homing).sub(_homes, code)
     for pattern, number in _macros(grammar.macros):
         code = pattern.sub(partial(_macro, number), code)
-    for pattern, letter in grammar.letters:
-        code = _ignored((pattern,))[0].sub(partial(_lettered, letter), code)
+    for text, letter in grammar.letters:
+        code = _ignored((text,))[0].sub(partial(_lettered, letter), code)
     if grammar.untold and (b"#" in code or b"[" in code):
         code = MACHINE_KNOWS.sub(_untold, code)
     if grammar.bare_letters:

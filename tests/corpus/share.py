@@ -53,9 +53,10 @@ axes other than X Y Z A B C), or it is a template.
 
 Lathes have X Z, where a program names Y or C X Y Z C; an offset that no list has (T0203, G30) is
 stated as zero too. Some refusals of turning programs were judged by hand (a missing shape or
-subprogram; a corner where the shape goes straight on; G70 in its own shape; decimal commas), and
-seven of mills (R in a block of M02; a line of another control; a number with two points, twice;
-50 mm above the reference point, in G91; Z behind a tool change; a home that the control holds)."""
+subprogram; a corner where the shape goes straight on; G70 in its own shape; decimal commas; a sum
+without = on an Okuma), and seven of mills (R in a block of M02; a line of another control; a number
+with two points, twice; 50 mm above the reference point, in G91; Z behind a tool change; a home that
+the control holds)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked
@@ -78,6 +79,8 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     "is too short: the end lies",
     "is followed by more than a comment",  # LinuxCNC: "Unexpected character after O-word"
     "':' behind the statement",
+    " endsub behind this line",  # LinuxCNC: "File ended with no percent sign or program end"
+    "a canned cycle without Y",  # LinuxCNC: "Y value unspecified in xz plane canned cycle"
     "inverse time needs an F word",
     "a depth has no sign",
     "',' or ')' is missing",

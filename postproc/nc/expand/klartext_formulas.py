@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from typing import ClassVar
 
 TOKEN = re.compile(r"\s*(?:([0-9]*\.?[0-9]+)|Q([LR]?[0-9]+)|([A-Z]+)|(.))")
 DEEPEST = 50
@@ -46,9 +47,9 @@ class Formula:
     """One formula over parameters by name ("1", "L2"). `token`: its pieces: digits, a parameter, a
     name, a mark; `brackets`: what holds a part of it together."""
 
-    token = TOKEN
-    brackets = "()"
-    functions = FUNCTIONS
+    token: ClassVar[re.Pattern[str]] = TOKEN
+    brackets: ClassVar[str] = "()"
+    functions: ClassVar[dict[str, Callable[[float], float]]] = FUNCTIONS
 
     def __init__(self, text: str, parameters: dict[str, float]):
         self.parameters, self.at, self.deep = parameters, 0, 0

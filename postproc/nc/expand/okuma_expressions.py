@@ -53,7 +53,7 @@ class Expression(Formula):
         rf"({VARIABLE})|([A-Z]+2?)|(.))"
     )
     brackets = "[]"
-    functions: ClassVar = {
+    functions: ClassVar[dict[str, Callable[[float], float]]] = {
         **{name: Formula.functions[name] for name in ("SIN", "COS", "TAN", "ATAN", "SQRT", "ABS")},
         "ROUND": _whole(lambda v: math.floor(v + 0.5)),
         "FIX": _whole(math.floor),
