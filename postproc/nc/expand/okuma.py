@@ -252,7 +252,8 @@ class _Run:
 
     def _assign(self, part: _Part, here: int, code: bytes, plain: bool = False) -> list[str]:
         """AB=5 AC=V1+2: the names. `plain`: what is not known is told where it is used."""
-        text, at, names = code.decode("latin-1"), 0, []
+        text, at = code.decode("latin-1"), 0
+        names: list[str] = []
         while at < len(text.rstrip()):
             match = SETS.match(text, at)
             if match is None:
