@@ -217,8 +217,8 @@ class KlartextTurns:
     def _end(
         self, words: list[re.Match[bytes]], here: dict[str, float], mixed: list[str]
     ) -> dict[str, float | None]:
-        """The programmed places of some axes behind a line. Raises ProgramError where one that is needed is not
-        known."""
+        """The programmed places of `mixed` axes behind a line. Raises ProgramError where one of
+        them is not known."""
         to = {x: here[x] if x in here else self.known(x) for x in mixed}
         for match in words:
             axis = match[2].decode()
