@@ -26,6 +26,13 @@ def test_a_zero_centre_word_outside_the_plane_is_nothing(dialect):
     assert "does not belong" in refused(text.format(" K1", ""), dialect, HOME).message
 
 
+def test_a_zero_centre_word_outside_the_plane_is_nothing_on_fanuc():
+    text = "G0 X60. Y50. Z1.\nG2 X80. Y50. I10. J0{} F600.\n"
+    strange = written(text.format(" K0."), "fanuc-mill", HOME)
+    assert [x.replace(" K0.", "") for x in strange] == written(text.format(""), "fanuc-mill", HOME)
+    assert "does not belong" in refused(text.format(" K1."), "fanuc-mill", HOME).message
+
+
 def test_linuxcnc_refuses_a_centre_word_outside_the_plane():
     """Its interpreter: "K word given for arc in XY-plane"."""
     assert (

@@ -57,7 +57,7 @@ TURNING = [
     lathe("M3 S100|G83 Z-5. R-1. K2 L2 F.1", "M3 S100|G83 Z-5. R-1. K2 F.1|G80"),
     lathe("G90 X50. Z-5. R1. I1. F.1", "G90 X50. Z-5. R1. F.1"),
     lathe("G74 R1. Z-5. F.1", "G74 Z-5. F.1"),
-    lathe(ROUGH + "N10 G0 X40. M8|N20 G1 Z-5.", "M8|" + ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
+    lathe(ROUGH + "N10 G0 X40. B8.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe("G90 X50. U-5. Z-5. F.1", "G90 X50. Z-5. F.1"),
     lathe(ROUGH + "N10 G0 X40.|G4 X1.|N20 G1 Z-5.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe("G42 G1 X90. F.1|G90 X80. Z-5.", "G42 G1 X90. F.1|G40 G1 X91.|G90 X80. Z-5."),
@@ -76,7 +76,6 @@ TURNING = [
         "G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5. F.1",
         "G70 P10 Q20|N10 G0 G42 X40.|G1 Z-5. F.1|N20 G40 G1 X60.",
     ),
-    lathe("M3 S100|G83 Z-5. M31 F.1", "M3 S100|G0 Z1.|G1 Z-5. F.1|G0 Z2."),
     lathe("G71|G0 Z9.", ROUGH + "N10 G0 X40.|N20 G1 Z-5."),
     lathe(
         "G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5. F.1",
@@ -97,6 +96,13 @@ TURNING = [
         "G71 U2. R1.|G71 P10 Q30|N10 G0 X40.|N20 G1 Z-5. F.1", ROUGH + "N10 G0 X40.|N20 G1 Z-5. F.1"
     ),
     lathe("G75 F.1|G0 Z9.", "G75 X50. Z-5. P1000 Q1000 F.1|G0 Z9."),
+    lathe("G75 X50. P1000 R.2 F.1", "G75 X50. Z-5. P1000 Q1000 R.2 F.1"),
+    Case(
+        "haas-lathe",
+        "G0 X100. Z2.|G75 X50. Z-5. I1. K1. D.2 F.1",
+        "G0 X100. Z2.|G75 X50. Z-5. I1. K1. F.1",
+        how=WRITE,
+    ),
     lathe(
         "G70 P10 Q20|M30|N10 G0 X40.|N20 G1 Z-5. F.1|N10 G0 X1.",
         "G70 P10 Q20|M30|N10 G0 X40.|N20 G1 Z-5. F.1|N11 G0 X1.",

@@ -53,9 +53,6 @@ LATHE_REFUSED = {
         "last block of the shape takes Z back"
     ),
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G1 Z-5.|N20 X30. Z-9.": "goes deeper in X",
-    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. M8|N20 G1 Z-5.": (
-        "M8 in the shape of a cycle, in 'N10 G0 X40. M8'"
-    ),
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. R2.": "behind its last line",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|G4 X1.|N20 G1 Z-5.": "G4 in the shape",
     "G70 P10 Q20|N10 G0 G42 X40.|N20 G1 Z-5.": "G42 is still on at the end",
@@ -81,8 +78,9 @@ LATHE_REFUSED = {
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5. ,R2.": "behind its last line",
     "G71 U2. R1.|G71 P10 Q20|N10 G0 X40.|N20 G1 Z-5.|X1.": "no motion code is named",
     "G73 U2.|G73 P10 Q20|N10 G0 X40.|N20 G1 Z-5.": "how often",
-    "G74 X50. Z-5. P1000 Q1000 R.2": "draws the tool aside",
-    "G83 Z-5. C90. M31": "clamps",
+    "G74 X50. Z-5. P1000 Q1000 R-.2": "draws the tool aside",
+    "G71 U2. R1.|G71 P10 Q20|N10 G0 X40. M98 P5|N20 G1 Z-5.": "in the shape of a cycle",
+    "G71 U2. R1.|G71 P10 Q20 V1.|N10 G0 X40.|N20 G1 Z-5.": "V in a turning cycle",
     "G90 X50.": "without Z",
 }
 

@@ -7,6 +7,7 @@ import re
 
 import pytest
 
+from postproc.errors import ProgramError
 from postproc.nc import dialects
 from postproc.nc.expand import Line, Program
 from postproc.nc.expand.resolve import Resolver
@@ -127,6 +128,42 @@ def test_g74_and_g75_peck_by_least_increments():
     lines = lathe("G0 X100. Z2.|G75 R.5|G75 X90. Z-2. P3000 Q4000|G0 X120.")
     one = ["G1 X94.", "G0 X95.", "G1 X90.", "G0 X100."]
     assert lines[1:] == [*one, "Z-2.", *one, "Z2.", "G0 X120."]
+
+
+def test_g75_draws_the_tool_aside_behind_the_first_cut():
+    """B-64304EN-1, G75: R of the second block is the "relief amount of the tool at the cutting
+    bottom"; ADTECH CNC4620 3.6.6: against the step, and not at the first cut. Steps to -Z: 0.2 to
+    +Z; in G74 steps to +X: 0.1 by the radius to -X, so X 102 - 0.2 = 101.8."""
+    out = ["G0 X100.", "Z-2."]
+    lines = lathe("G0 X100. Z2.|G75 R.5|G75 X90. Z-6. P9000 Q4000 R.2|G0 X120.")
+    one = ["G1 X90.", "G0 Z-1.8", "X100."]
+    last = ["Z-6.", "G1 X90.", "G0 Z-5.8", "X100.", "Z2."]
+    assert lines[1:] == ["G1 X90.", *out, *one, *last, "G0 X120."]
+    lines = lathe("G0 X100. Z2.|G74 R.5|G74 X102. Z-6. P1000 Q9000 R.1|G0 Z9.")
+    assert lines[1:] == [
+        *("G1 Z-6.", "G0 Z2.", "X102."),
+        *("G1 Z-6.", "G0 X101.8", "Z2.", "X100."),
+        "G0 Z9.",
+    ]
+
+
+def test_m_codes_of_a_shape_are_the_finishings():
+    """B-64304EN-1, G71, "F, S, and T functions": what stands between A and B is ineffective, M
+    likewise. A G72 may name V, where it is 0."""
+    shape = "G0 X50. Z2.|G71 U5. R1.|G71 P10 Q20|N10 G0 X40.{}|N20 G1 Z-5.{}|G70 P10 Q20|G0 X60."
+    bare, full = lathe(shape.format("", "")), lathe(shape.format(" M8", " T0202 M6"))
+    assert full[:-4] == bare[:-4]
+    assert full[-4:] == ["N10 G0 X40. M8", "N20 G1 Z-5. T0202 M6", "G0 X50. Z2.", "G0 X60."]
+    face = "G0 X50. Z2.|G72 W1. R1.|G72 P10 Q20 U0{}|N10 G0 Z-2.|N20 G1 X0.|G0 Z9."
+    assert lathe(face.format(" V0 W0")) == lathe(face.format(" W0"))
+
+
+def test_a_zero_centre_word_outside_of_the_plane_of_a_shape_says_nothing():
+    """As G2 does outside of a shape on Fanuc's lathes; any other value is refused."""
+    shape = "G0 X50. Z2.|G71 U5. R1.|G71 P10 Q20|N10 G0 X40.|N20 G2 X44. Z-2. I2.{} K0|G0 X60."
+    assert lathe(shape.format(" J0.0")) == lathe(shape.format(""))
+    with pytest.raises(ProgramError, match="in the shape of a cycle"):
+        lathe(shape.format(" J1."))
 
 
 def test_threads_of_a_lathe_stay_and_end_where_they_began():

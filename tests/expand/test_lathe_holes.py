@@ -35,6 +35,21 @@ def test_lathe_drilling_counts_r_from_where_it_stands():
     ]
 
 
+def test_the_m_code_of_a_hole_clamps_c_and_the_next_one_frees_it():
+    """B-64304EN-1, "C-axis clamp/unclamp": M is sent behind the positioning, before R level, the
+    code above it behind the way back; a hole without M is not clamped. M8 and M5 are no clamps."""
+    lines = lathe("G0 X50. Z5. C0.|G83 Z-4. R-3. F.1 M31 M8|C90. M31|C180.|G80 M5", "fanuc-lathe-a")
+    hole = ["G1 Z-4.", "G0 Z5."]
+    assert lines[1:] == [
+        *("M31 F.1 M8", "G0 Z2.", *hole, "M32"),
+        *("G0 C90.", "M31", "Z2.", *hole, "M32"),
+        *("G0 C180.", "Z2.", *hole),
+        "G80 M5",
+    ]
+    lines = lathe("G0 X50. Z5. C0.|G88 X40. R-3. F.1 M31|G80", "fanuc-lathe-a")
+    assert lines[1] == "G88 X40. R-3. F.1 M31"
+
+
 def test_holes_of_a_haas_lathe_go_to_r_as_a_place_and_back_to_where_they_began():
     """Haas lathe operator's manual, G83, G85, G243; written as Autodesk's `haas lathe.cps` writes a
     hole: to the clearance, then X Z R F, G80. R of a radial hole is a diameter, pecks are radii: X

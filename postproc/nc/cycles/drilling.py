@@ -91,7 +91,8 @@ class Hole:
 class Job:
     """What a block asks for: the cycle `code`, the `hole`, how many `times`, the words of its
     `place`; levels to go to `first`, and the `level` at which the place is gone to (None: where it
-    stands). `drops`: other letters and `codes` that belong to the cycle."""
+    stands). `drops`: other letters and `codes` that belong to the cycle; `clamp`: the M word that
+    holds the place before a hole, the next M code frees it behind."""
 
     code: int
     hole: Hole
@@ -101,6 +102,7 @@ class Job:
     level: float | None = None
     drops: str = ""
     codes: tuple[int, ...] = ()
+    clamp: Word | None = None
 
 
 # -- what each cycle does between R level and its return -------------------------------------------
@@ -302,7 +304,8 @@ class Drilling:
                 "check L, K, Q and Z",
             )
         letters = "".join(w.letter for w in job.place) + hole.axis + self.words + job.drops
-        m = Moves(scene, own_words(block, letters, {job.code, *job.codes}), self.late)
+        own, clamp = own_words(block, letters, {job.code, *job.codes}), job.clamp
+        m = Moves(scene, own | {i for i, w in enumerate(block.words) if w is clamp}, self.late)
         for level in job.first:
             m.move("G0", {hole.axis: level})
         for k in range(job.times):
@@ -317,8 +320,12 @@ class Drilling:
                 words.append(m.word(hole.axis, job.level))
             if words:
                 m.words("G0", *words)
+            if clamp:
+                m.line(b"M" + clamp.raw.encode())
             m.move("G0", {hole.axis: hole.r})
             self.actions[job.code](m, hole, scene)
+            if clamp:
+                m.line(b"M%d" % (int(clamp.value or 0) + 1))
         return m.finish()
 
     def times(self, scene: Scene, block: Block, letters: str, least: int) -> int:

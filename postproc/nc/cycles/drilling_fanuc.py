@@ -13,6 +13,7 @@ they went in with (5149).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import ClassVar
 
 from postproc.errors import Notice
@@ -59,6 +60,7 @@ ALONG_X = (870, 880, 890)
 HAAS_PECKS = {"I": "first peck", "J": "how much less each one is", "K": "least peck"}
 RETRACT = {False: 0.5, True: 0.02}  # mm, inch
 AFTER_MOTION = (5, 9)
+NO_CLAMPS = (0, 1, 2, 3, 4, 5, 7, 8, 9, 30)
 
 
 class FanucDrilling(Drilling):
@@ -272,7 +274,9 @@ class HaasDrilling(FanucDrilling):
 
 class LatheDrilling(FanucDrilling):
     """A lathe: G83 G84 G85 along Z, G87 G88 G89 along X. R is a distance from the initial level, a
-    radius; Q counts least increments where it has no point; U V W H are distances."""
+    radius; Q counts least increments where it has no point; U V W H are distances. M is the code
+    that clamps the C axis at the place of a hole; the control sends the next one, which frees it,
+    behind the way back (B-64304EN-1, "C-axis clamp/unclamp")."""
 
     dwells = tuple(LATHE)
     pecking = ()  # without Q they drill in one go
@@ -311,17 +315,17 @@ class LatheDrilling(FanucDrilling):
         return "".join(u for u, x in scene.dialect.increments.items() if x == axis)
 
     def job(self, scene: Scene, block: Block, code: int) -> Job:
-        clamp = next(
-            (w for w in block.words if w.letter == "M" and w.value not in (3, 4, 5, 7, 8, 9)), None
-        )
-        if clamp:
-            raise scene.fault(
-                f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before the hole and"
-                " frees it behind",
-                "that is the machine's own way: write the hole out as G0 and G1",
-                clamp,
+        job = super().job(scene, block, code)
+        clamp = next((w for w in block.words if w.letter == "M" and w.value not in NO_CLAMPS), None)
+        if clamp is None or not job.times:
+            return job
+        if code not in self.tapping and all(n.code != "clamp" for n in scene.notices):
+            said = (
+                f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before a hole, and"
+                f" M{int(clamp.value or 0) + 1} frees it behind: both are written out beside it"
             )
-        return super().job(scene, block, code)
+            scene.notices.append(Notice("clamp", said, scene.source))
+        return replace(job, clamp=clamp)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         for u, x in scene.dialect.increments.items():

@@ -13,15 +13,20 @@ count least increments; and "Series 10/11 program format": one block, I along X 
 lathe operator's manual 96-8900, G74, G75: one block, I and K likewise, back by setting 22 behind
 each peck, and two cycles at least where the other axis is named. P and I are radii.
 
-Assumed: RETRACT in place of parameter 5139, or of setting 22. Refused unless 0: R of the second
-block, and D of one alone, which draw the tool aside at the bottom: whether at the first cut too,
-controls differ.
+R of the second block, and D of one alone, draw the tool aside at the bottom, against the step
+(Fanuc: "relief amount of the tool at the cutting bottom"). Fanuc does not say whether at the first
+cut too; controls of its kind do not (ADTECH CNC4620, programming manual 3.6.6), and there the tool
+may stand in the material on both sides: the first cut is drawn out straight, which a notice says.
+Without steps the sign of R says which way, so it is refused there, as Haas' D is everywhere.
+
+Assumed: RETRACT in place of parameter 5139, or of setting 22.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.moves import Moves, own_words
@@ -34,6 +39,10 @@ KIND = "a grooving cycle"
 PLACES = {"X": "end", "Z": "end", "U": "end, from the start", "W": "end, from the start"}
 AXES = "XZUW"
 ASIDE = "it draws the tool aside at the bottom"
+ASIDE_LATER = (
+    "{} draws the tool aside at the bottom of the second cut and those behind it; the first one is"
+    " drawn out straight (controls differ there)"
+)
 
 
 @dataclass
@@ -61,9 +70,7 @@ class Grooving:
             Form(KIND, {"R": "back behind a peck"}, name="first of two blocks", unless=AXES),
             Form(
                 KIND,
-                PLACES | counted | alone,
-                refused={"R": ASIDE, "D": ASIDE},
-                zero="RD",
+                PLACES | counted | alone | dict.fromkeys("RD", "how far aside at the bottom"),
                 increments=True,
                 name="second block, or one alone",
             ),
@@ -98,6 +105,7 @@ class Grooving:
                 f"{len(places):,} cuts of {len(depths):,} pecks each", "check the step and the peck"
             )
         back = escape if to[deep] < start[deep] else -escape
+        aside = self._aside(scene, block, code, places if to[deep] != start[deep] else [])
         for k, place in enumerate(places):
             if k:
                 m.move("G0", {over: place})
@@ -105,9 +113,28 @@ class Grooving:
                 m.move("G1", {deep: depth})
                 if depth != depths[-1]:
                     m.move("G0", {deep: depth + back})
+            if k and aside:
+                m.move("G0", {over: place + aside * half[over]})
             m.move("G0", {deep: start[deep]})
         m.move("G0", {over: start[over]})
         return Outcome(m.finish())
+
+    def _aside(self, scene: Scene, block: Block, code: int, places: list[float]) -> float:
+        """How far the tool goes over at the bottom, against the step; X a radius."""
+        word = block.word("R") or block.word("D")
+        size = _length(scene, word, self.over)
+        if not word or not size:
+            return 0.0
+        name = f"{word.letter}{word.raw}"
+        if len(places) < 2 or (word.value or 0) < 0:
+            raise scene.fault(
+                f"{name} in {KIND} (G{code / 10:g}): {ASIDE}, and without steps, or with a sign,"
+                " which way is not certain",
+                f"write the cycle without {word.letter}, or with steps and {word.letter} above 0",
+                word,
+            )
+        scene.notices.append(Notice("aside", ASIDE_LATER.format(name), scene.source))
+        return size if places[0] > places[1] else -size
 
     def _hold(self, scene: Scene, block: Block, code: int) -> None:
         """The first of two blocks."""

@@ -242,7 +242,11 @@ def _known(scene: Scene, block: Block, arc: bool) -> None:
     increments = [u for u, axis in scene.dialect.increments.items() if axis in "XZ"]
     drawn = ARCS if arc else drawing_fanuc.bare(scene, "CRAIK")
     known = ANYWHERE + drawn + "".join(increments)
-    strange = next((w for w in block.words if w.letter not in known), None)
+    nothing = "J" * (arc and scene.dialect.skips_centre)
+    strange = next(
+        (w for w in block.words if w.letter not in known and (w.value or w.letter not in nothing)),
+        None,
+    )
     if strange:
         text = block.text.strip().decode("latin-1")
         raise scene.fault(

@@ -3,6 +3,9 @@
 Fanuc B-64304EN-1, "Multiple repetitive cycle"; the order of motions and which of them are rapids
 also in the lathe maker Robur's concise guide to Fanuc, pages 48 and 57.
 
+F, S, T and M in the shape are the finishing's ("F, S, and T functions": those between the points A
+and B are ineffective, and M is treated as they are).
+
 A roughing takes the first block with the number P behind it; the control keeps where P and Q are,
 so G70 with the same numbers means that shape ("Storing P and Q blocks"), whatever else has them.
 
@@ -26,7 +29,7 @@ pockets_fanuc.py. I K of G71 G72, the allowance of a rough finishing pass, are r
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from postproc.errors import Notice, ProgramError
 from postproc.nc.cycles.block import Block, number_of
@@ -38,7 +41,7 @@ from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
 
 RETRACT = {False: 0.5, True: 0.02}  # mm, inch, radius
-OWN = "XZUWPQRDIK"
+OWN = "XZUVWPQRDIK"
 KIND = "a turning cycle"
 OF_SHAPE = "the shape"  # in sentences on what the words of the shape lead to
 SHAPE = {"P": "first block of the shape", "Q": "last block of the shape"}
@@ -103,6 +106,7 @@ class Repetitive:
                 KIND,
                 SHAPE | ALLOWANCE | alone,
                 refused=NOT_WRITTEN | TYPE_II[self.haas],
+                zero="V" * (not self.haas),
                 one=one,
                 name=second,
             ),
@@ -138,7 +142,7 @@ class Repetitive:
             return self._finish(scene, profile, m, before)
         nose = self._nose(scene, code, profile, before)
         start = (scene.at("Z"), scene.at("X") / _half(scene))
-        elements = shape(scene, profile, start, scene.code("motion"))
+        elements = shape(scene, self._moving(scene, code, profile), start, scene.code("motion"))
         allowance = (_word(scene, block, "W", "Z"), _word(scene, block, "U", "X") / _half(scene))
         way = Way(Pen(scene, m), elements, start, allowance)
         if before:
@@ -149,6 +153,19 @@ class Repetitive:
             self._rough(block, role, profile, way, nose)
         texts = [*m.finish(), *([before.encode().strip()] if before else [])]
         return Outcome(texts, skip=(profile.first, profile.last), then=UNDEFINED)
+
+    def _moving(self, scene: Scene, code: int, profile: Profile) -> Profile:
+        """A shape without its M words, which are the finishing's; Haas' stay, and are refused."""
+        held = [(b, w) for b in profile.texts for w in b.words if w.letter == "M"]
+        if self.haas or not held or any(w.value in scene.dialect.m_refuses for _, w in held):
+            return profile
+        if self.roles[code] != "finish":
+            said = f"M{held[0][1].raw} in the shape of G{code / 10:g} is executed in G70 alone"
+            scene.notices.append(Notice(f"M of a shape {code}", said, scene.source))
+        texts = [
+            replace(b, words=tuple(w for w in b.words if w.letter != "M")) for b in profile.texts
+        ]
+        return replace(profile, texts=texts)
 
     def _before(self, scene: Scene, code: int) -> str:
         """G41 or G42 in force at the cycle, " G42", else ""."""
@@ -288,7 +305,7 @@ class Repetitive:
         texts = [text for text in m.finish() if text.strip(b" \t\r/")]
         scene.forget()
         if profile.drawn(scene):
-            texts += self._drawn(scene, profile)
+            texts += self._drawn(scene, profile, self._moving(scene, 700, profile))
         else:
             texts += [b.text for b in profile.texts]
         back = [b"G0", *[b"G40"] * bool(before), *(scene.text(x, v) for x, v in start.items())]
@@ -307,10 +324,10 @@ class Repetitive:
         texts += [b" ".join(back), *[before.encode().strip()] * bool(before)]
         return Outcome(texts, then=motions[-1] if motions else None)
 
-    def _drawn(self, scene: Scene, profile: Profile) -> list[bytes]:
+    def _drawn(self, scene: Scene, profile: Profile, moving: Profile) -> list[bytes]:
         """The blocks of a shape with corners or angles, each with the ends of its own elements."""
         half, here = _half(scene), (scene.at("Z"), scene.at("X") / _half(scene))
-        elements = shape(scene, profile, here, scene.code("motion"))
+        elements = shape(scene, moving, here, scene.code("motion"))
         texts = []
         for row, block in enumerate(profile.texts):
             own = [e for e in elements if e.row == row]

@@ -217,6 +217,7 @@ DIALECT = Dialect(
         "coordinates without a decimal point are read as whole millimetres or inches (calculator"
         " input); on a control that reads them as least increments the program means something else"
     ),
+    skips_centre=True,
     one_code_per_group=False,
     extended_by_p=True,
     hole_from_start=True,
