@@ -40,6 +40,18 @@ def test_linuxcnc_refuses_a_centre_word_outside_the_plane():
     )
 
 
+@pytest.mark.parametrize(
+    ("dialect", "code"), [("fanuc-mill", "G50.1"), ("haas", "G100"), ("fadal", "G50.1")]
+)
+def test_the_axes_of_a_mirror_that_ends_are_no_place(dialect, code):
+    """B-64304EN-2, "Programmable mirror image": G50.1 names the axes; Haas mill operator's manual,
+    G100: "at least one is required". Neither moves one."""
+    text = "G90\nG0 X60. Y50. Z1.\n{}G1 X80. F600.\nY20.\n"
+    lines = written(text.format(f"{code} X0 Y0\n"), dialect, HOME)
+    assert f"{code} X0 Y0" in lines
+    assert [x for x in lines if code not in x] == written(text.format(""), dialect, HOME)
+
+
 @pytest.mark.parametrize("dialect", ["linuxcnc", "grblhal", "fluidnc", "fanuc-mill", "haas"])
 @pytest.mark.parametrize(
     "word", ["F#<_hal[motion.feed]> ", "S#5 ", "F[#<_f>*2.] ", "S[#101+[#102*2]] ", "f#101 "]

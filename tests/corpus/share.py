@@ -53,10 +53,10 @@ axes other than X Y Z A B C), or it is a template.
 
 Lathes have X Z, where a program names Y or C X Y Z C; an offset that no list has (T0203, G30) is
 stated as zero too. Some refusals of turning programs were judged by hand (a missing shape or
-subprogram; a corner where the shape goes straight on; G70 in its own shape; decimal commas; a sum
-without = on an Okuma), and seven of mills (R in a block of M02; a line of another control; a number
-with two points, twice; 50 mm above the reference point, in G91; Z behind a tool change; a home that
-the control holds)."""
+subprogram; a corner where the shape goes straight on; a Haas shape of type I that turns back; G70
+in its own shape; decimal commas; a sum without = on an Okuma), and seven of mills (R in a block of
+M02; a line of another control; a number with two points, twice; 50 mm above the reference point, in
+G91; Z behind a tool change; a home that the control holds)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked

@@ -77,7 +77,8 @@ DIALECT = Dialect(
             },
             refuses=codes.UNTURNED,
         ),
-        *rows("rotation", {"50": "no scaling", "50.1": "no mirror", "69": "no rotation"}),
+        *rows("rotation", {"50": "no scaling", "69": "no rotation"}),
+        *rows("rotation", {"50.1": "no mirror"}, takes=True),
         *rows(
             "work offset",
             {str(n): f"work offset E{n - 53} of format 2" for n in range(54, 60)},

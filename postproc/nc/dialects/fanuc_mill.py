@@ -103,7 +103,7 @@ DIALECT = Dialect(
         ),
         *rows("motion", {"37": "tool length, measured"}, refuses=codes.PROBE),
         *rows("motion", {"81.1": "chopping"}, refuses=codes.ITSELF),
-        *rows("mirror", {"50.1": "no mirror"}),
+        *rows("mirror", {"50.1": "no mirror"}, takes=True),
         *rows("mirror", {"51.1": "mirror"}, refuses=codes.FRAME),
         *rows("polar words", {"15": "no polar coordinates"}),
         *rows("polar words", {"16": "polar coordinates"}, refuses=codes.FRAME),

@@ -108,7 +108,7 @@ DIALECT = Dialect(
             refuses=codes.CYCLE,
         ),
         *rows("", {"72": "bolt holes on a line"}, refuses=codes.WRITE_OUT),
-        *rows("mirror", {"100": "no mirror"}),
+        *rows("mirror", {"100": "no mirror"}, takes=True),
         *rows("mirror", {"101": "mirror"}, refuses=codes.FRAME),
         *rows("cylinder", {"107": "cylindrical mapping"}, refuses=codes.TRANSFORM),
         *rows("cutter", {"141": "cutter radius in space"}, refuses=codes.CUTTER),

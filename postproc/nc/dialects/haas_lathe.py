@@ -125,7 +125,7 @@ DIALECT = Dialect(
             {"31": "skip", "211": "tool offset by hand", "212": "tool offset, measured"},
             refuses=codes.PROBE,
         ),
-        *rows("mirror", {"100": "no mirror"}),
+        *rows("mirror", {"100": "no mirror"}, takes=True),
         *rows("mirror", {"101": "mirror"}, refuses=codes.UNTURNED),
         *rows("cylinder", {"107": "cylindrical mapping"}, refuses=codes.TRANSFORM),
         *rows("polar", {"113": "no XY to XC"}, does="polar off"),
