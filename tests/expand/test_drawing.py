@@ -50,6 +50,7 @@ def test_corners_are_those_of_sinumerik(dialect):
          ["G1 X58.", "G1 Z-1. X60.", "Z-24.", "G2 Z-30. X72. K0. I6.", "G1 X90."]),
         ("G1 X60.|Z-10. A150.", ["G1 X60.", f"Z-10. X{60 + 20 * math.tan(math.pi / 6):.3f}"]),
         ("G1 X60.|X80. A135.", ["G1 X60.", "X80. Z-10."]),
+        ("G1 X60.|X80. , a135. (a,A9)", ["G1 X60.", "X80.   Z-10. (a,A9)"]),
         ("G1 X60. K-1.|Z-30. I6.|X90.",
          ["G1 X58.", "G1 Z-1. X60.", "Z-24.", "G1 Z-30. X72.", "X90."]),
         ("G1 X60. R-1.|Z-30. R6.|X90.",
@@ -98,6 +99,7 @@ def test_a_line_by_its_angle_counts_as_its_block_says(drawn, written):
         # 135 degrees from Z: as far out as along. Two lines by their angles meet at X40 Z-20.
         ("G1 Z0.|X30.|A180.|X60. Z-30. A135.|Z-40.", "G1 Z0.|X30.|Z-15.|X60. Z-30.|Z-40."),
         ("G1 Z0.|X30.|Z-20. A180.|X50. A135.|Z-40.", "G1 Z0.|X30.|Z-20.|X50. Z-30.|Z-40."),
+        ("G1 Z0.|X30.|Z-20.|X50.,A135. ,R1.|Z-40.", "G1 Z0.|X30.|Z-20.|X50. A135. R1.|Z-40."),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize(
@@ -159,3 +161,10 @@ SHAPES = [
 def test_what_a_shape_does_not_say_is_refused(lines, why):
     with pytest.raises(ProgramError, match=why):
         text_of(f"G0 X70. Z2.|G71 U2. R1.|G71 P10 Q20 F.2|N10 G0 X20.|G1 {lines}|N20 X62.", A, TURN)
+
+
+def test_a_line_that_can_not_be_read_is_told_at_its_own_place():
+    """Behind a comment, and told when a cycle asks where the tool stands."""
+    with pytest.raises(ProgramError, match="does not belong to a number") as caught:
+        text_of("G0 X40. Z2.|(FACE)|G0 X-4.5.Z0.|(ROUGH)|G71 U1. R1.|M30", A, TURN)
+    assert (caught.value.place.line, caught.value.place.text) == (3, "G0 X-4.5.Z0.")

@@ -27,6 +27,7 @@ from postproc.nc.cycles.drawing_fanuc import (
     on_line,
     one_way,
     split,
+    without_comma,
 )
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
@@ -63,7 +64,8 @@ class FanucCorners(Corners):
 
     def _read(self, line: Line) -> Block:
         """The block without its corner, which is kept, and with both ends of its line."""
-        text, found = split(line.text)
+        text = without_comma(line.text) if "A" in self.letters else line.text
+        text, found = split(text)
         block = Block.of(text, self.scene.dialect.grammar)
         self.own = None
         if found is not None:

@@ -2,10 +2,10 @@
 
 Fanuc B-64304EN-1, "Direct drawing dimension programming" and "Chamfering and corner R": C and R of
 a straight line (with a comma or without) are the way of a chamfer from the corner, and the radius
-of an arc that touches both lines; A is the angle of the line from the first axis of the plane, Z,
-in degrees. With A one of X and Z may be missing; with A alone the end lies on the next line, which
-says its own A, X and Z. I of a line along Z and K of one along X are chamfers to a line across,
-the way of their sign. LinuxCNC has none of this, and nor has Haas' A.
+of an arc that touches both lines; A, with a comma or without, is the angle of the line from the
+first axis of the plane, Z, in degrees. With A one of X and Z may be missing; with A alone the end
+lies on the next line, which says its own A, X and Z. I of a line along Z and K of one along X are
+chamfers to a line across, the way of their sign. LinuxCNC has none of this, and nor has Haas' A.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from postproc.nc.cycles.scene import COUNTER, Scene
 
 COMMA = re.compile(rb",[ \t]*([CR])[ \t]*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))", re.IGNORECASE)
 COMMENT = re.compile(rb"\([^()\n]*\)|;.*", re.DOTALL)
+ANGLE = re.compile(rb",(?=[ \t]*A)", re.IGNORECASE)
 NEAR = 1e-9
 ACROSS = {"I": "X", "K": "Z"}  # the axis along which a chamfer of this letter ends
 Point = tuple[float, float]
@@ -43,6 +44,14 @@ def split(text: bytes) -> tuple[bytes, re.Match[bytes] | None]:
     if found is None:
         return text, None
     return text[: found.start()].rstrip(b" \t") + text[found.end() :], found
+
+
+def without_comma(text: bytes) -> bytes:
+    """A block with A for its ",A", as long."""
+    code = COMMENT.sub(lambda m: b" " * len(m[0]), text) if b"," in text else b""
+    for found in ANGLE.finditer(code):
+        text = text[: found.start()] + b" " + text[found.end() :]
+    return text
 
 
 def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corner | None:

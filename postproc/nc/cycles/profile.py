@@ -122,6 +122,8 @@ def find(
         text, corner = drawing_fanuc.split(block.text)
         if corner is not None and scene.dialect.language == "fanuc":
             corners[k], block = corner, Block.of(text, scene.dialect.grammar)
+        if not block.plain and drawing_fanuc.bare(scene, "A"):
+            block = Block.of(drawing_fanuc.without_comma(block.text), scene.dialect.grammar)
         if not block.plain and (worked := scene.tracker.rendered(block.text)) is not None:
             block = Block.of(worked, scene.dialect.grammar)
         chosen[k] = line, block, number

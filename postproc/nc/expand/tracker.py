@@ -76,8 +76,9 @@ class Tracker:
                 if words.fault and not self._state.ended:
                     raise words.fault
             except BlockFault as error:
-                before = words.line[: error.block + 1]
-                self.unread = origins[int(before[-1])] if len(before) else origins[-1]
+                read = error.block < len(words.line)
+                row = words.line[error.block] if read else words.text.count(b"\n", 0, error.start)
+                self.unread = origins[int(row)]
                 raise
         return self._state
 
