@@ -84,6 +84,10 @@ PROGRAMS = {
         "$SHAFT.MIN%\nO1001\nG50 S2500\nG00 X600 Z400\nT010101\nG96 S180 M03\nNAT01 G81\n"
         "G00 X20 Z2\nG01 Z-20 F0.15\nG80\nG85 NAT01 D4 F0.3 U0.4 W0.1\nM02\n"
     ),
+    "linuxcnc-pathpilot": (
+        "(PART)\nG90 G54 G64 G50 G17 G40 G80 G94 G91.1 G49\nG20 (INCH)\nG30\nT1 G43 H1 M6\n"
+        "S5000 M3 M8\nG0 X1. Y1.\nG0 Z.6\nG1 Z-.1 F10.\nM5 M9\nG30\nM30\n"
+    ),
     "fluidnc": "; FluidNC\n$SD/Run=part.nc\nG21 G90\nG38.6 Z-10 F50\nG0 X0 Y0\n",
 }
 
@@ -134,6 +138,21 @@ def test_evidence_says_the_line():
 def test_what_speaks_against_a_dialect_says_the_line():
     said = list(against(Text(b"G0 X1\nG33.1 Z5 K1\nG1 X5 E2\n"), dialects.load("grbl")))
     assert said == ["it has no G33.1 (line 2)", "E in a motion (line 3)"]
+
+
+def test_codes_are_found_without_blanks_between_words():
+    text = "N1T006M06F800S1800\nN2G55X0.000Y0.00Z3.G00\nSET_A=1G2 TOOL1M44 #1G3\n"
+    codes = Text(text.encode()).codes
+    assert [word for _, _, word in codes["G"]] == ["G55", "G00"]
+    assert [word for _, _, word in codes["M"]] == ["M06"]
+
+
+def test_the_kind_of_a_path_in_a_remark_is_no_slicers():
+    """jscut writes `; Type:         Inside`, slicers `;TYPE:Perimeter`."""
+    text = b"G21\nG90\n;{}\nG1 X1 Y2 F500\n".replace(b"{}", b" Type:         Inside")
+    assert "grbl" in between(text)
+    assert "marlin" in between(text.replace(b" Type:         Inside", b"TYPE:Perimeter"))
+    assert "grbl" not in between(text.replace(b" Type:         Inside", b"TYPE:Perimeter"))
 
 
 def test_comments_are_looked_at_apart():

@@ -21,7 +21,9 @@ HEAD = 65_536  # bytes that are looked at
 LONGEST = 2_000  # characters of a line that are looked at: no control reads as many
 MOST = 60  # characters of evidence shown
 COMMENT = re.compile(r"\([^()\n]*\)|;[^\n]*")
-CODE = re.compile(r"(?<![A-Z0-9_$#<.\"])([GM])[ \t]*(\d{1,4}(?:\.\d)?)(?![\d.]*[A-Z_]{2})")
+CODE = re.compile(r"(?<![A-Z_$#<\"])([GM])[ \t]*(\d{1,4}(?:\.\d)?)(?![\d.]*[A-Z_]{2})")
+# What stands before a code that no blank sets apart: N4T006M06, X0.0Y0.G00, whole words each.
+BEFORE = re.compile(r"(?<![A-Z0-9_$#<.\"])(?:[A-Z][-+]?[0-9.]+)*\Z")
 EXTRUDES = re.compile(r"^[ \t]*(?:N\d+[ \t]*)?G0?[01]\b[^\n]*(?<![A-Z0-9._])E-?\.?\d", re.MULTILINE)
 BLOCK_ENDS = re.compile(r";[ \t\r]*$", re.MULTILINE)
 REMARK = re.compile(
@@ -58,9 +60,15 @@ class Text:
         seen: set[tuple[str, int]] = set()
         for match in CODE.finditer(self.code):
             letter, number = match[1], code_number("G" + match[2])
-            if (letter, number) not in seen:
+            if (letter, number) not in seen and self._apart(match.start()):
                 seen.add((letter, number))
                 self.codes[letter].append((number, match.start(), f"{letter}{match[2]}"))
+
+    def _apart(self, at: int) -> bool:
+        """Whether a code begins a word: behind a blank, or behind the words of a block."""
+        if at == 0 or self.code[at - 1] not in "0123456789.":
+            return True
+        return bool(BEFORE.search(self.code, self.code.rfind("\n", 0, at) + 1, at))
 
     def search(self, pattern: re.Pattern[str], part: str = "code") -> re.Match[str] | None:
         """The first place of a pattern; several dialects ask for the same one."""

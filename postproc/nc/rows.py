@@ -150,6 +150,8 @@ BLANKS = r"G190[0-3](?:[ \t]*[A-Z][ \t]*[-+.\d]+)*"
 NAMED_PROGRAM = r"^[ \t]*(?:<[^<>\n]{1,32}>|:[ \t]*\d{1,8})(?=[ \t;]*(?:\([^()\n]*\)[ \t;]*)*\r?$)"
 # Lines for a printer (B-64304EN, "External output commands"): they move nothing.
 PRINTS = r"(?:POPEN|PCLOS|[BD]PRNT[ \t]*\[[^();\n]*)"
+# Blanks, tools and datums that Denford's simulation draws (as its QuickCAM posts write them)
+DRAWS = r"^[ \t]*\[(?:BILLET|TOOLDEF|EDGEMOVE)\b[^;\n]*"
 FANUC_LATHE = [
     *MOTION,
     *PLANE,

@@ -10,6 +10,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from postproc.nc import dialects
+from postproc.nc.lexer import lex
 from tests.expand.fanuc_lines import LATHE, MILL, plain, refused, run, value
 
 
@@ -267,4 +269,15 @@ def test_alarm_and_message():
     assert error.place.start == 15
     assert plain("#100=#3901\n#3901=#3901+1\nX1\n#101=#3020-#100\n") == ["X1"]
     assert plain("#3006=1(TURN THE PART)\nX1\n#3001=0\n") == ["(TURN THE PART)", "X1"]
+    draws = "[BILLET X100 Y80 Z30\n[edgemove X-5 Y-2\n[TOOLDEF T1 D6.000"
+    assert plain(draws + "\n#1=2\nX#1\n") == [*draws.split("\n"), "X2."]
     assert plain("POPEN\nN5 DPRNT[X#1[53]]\nBPRNT[O#1]\nPCLOS\nSETVN500[A]\nX1\n") == ["X1"]
+
+
+@pytest.mark.parametrize("name", ["fanuc-mill", "fanuc-lathe-a"])
+def test_what_a_simulation_draws_holds_no_words(name):
+    """Blank, tool and datum of Denford's software (its QuickCAM posts write them)."""
+    text = b"[BILLET X3 Y5.Z.75\nG0 X1.\n [TOOLDEF T05 D6.0\n[billet x52 z31;\n"
+    words = lex(text, dialects.load(name).grammar, False)
+    assert words.fault is None
+    assert bytes(words.letter).decode() == "GX"

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from postproc.nc import codes
 from postproc.nc.dialects import fanuc_lathe
-from postproc.nc.rows import CUTTER, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
+from postproc.nc.rows import CUTTER, DRAWS, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
 
 DIALECT = replace(
     fanuc_lathe.DIALECT,
@@ -46,6 +46,7 @@ DIALECT = replace(
     threads_chained=(330,),
     signs=(
         *MACRO_SIGNS,
+        DRAWS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+[ \t]*)?(G0?0[ \t]*)?T(?!0000)\d{4}\b",
         r"G50[ \t]*S\d",

@@ -248,7 +248,7 @@ PRINTS = (
     r"^[ \t]*N\d+[^\n*]*\*\d{1,3}[ \t]*$",
 )
 SLICED = (
-    r"\bLAYER[:_]", r"\bTYPE:", r"\bEXTRUDER\b",
+    r"\bLAYER[:_]", r"\bTYPE:(?=\S)", r"\bEXTRUDER\b",
     r"\b(CURA|SLIC3R|PRUSASLICER|SUPERSLICER|ORCASLICER|SIMPLIFY3D)\b",
 )  # fmt: skip
 # Commands with names are Klipper's, statements RepRapFirmware's.

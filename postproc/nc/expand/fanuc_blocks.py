@@ -34,6 +34,7 @@ HEAD = re.compile(r"(/[1-9]?|N\d+|[O:]\d+)*", re.ASCII)
 PROGRAM = re.compile(r"[O:](\d+)", re.ASCII)
 LABEL = re.compile(r"N(\d+)", re.ASCII)
 PRINT = re.compile(r"POPEN|PCLOS|BPRNT|DPRNT|SETVN")
+DRAWS = re.compile(r"\[(?:BILLET|TOOLDEF|EDGEMOVE)")  # rows.DRAWS: no words of a motion
 KEYWORD = re.compile(r"GOTO|WHILE|THEN|DO\d|END\d", re.ASCII)
 LOOP = re.compile(r"(DO|END?)(\d{1,9})$", re.ASCII)
 END_OF_PROGRAM = (2, 30)
@@ -146,6 +147,8 @@ class BlockReader:
             return self._made(kind, start)
         if PRINT.match(rest):
             return self._made(Kind.NOTHING, start)
+        if DRAWS.match(rest):
+            return self._made(Kind.PLAIN, start)
         return self._words(start)
 
     def _made(self, kind: Kind, start: int, **more) -> Block:
