@@ -22,7 +22,7 @@ def stands(dialect: str, *blocks: str) -> dict[str, float | None]:
     setup = Setup(
         ("X", "Y", "Z"),
         start=dict.fromkeys("XYZ", 1.0),
-        offsets={"G54": {"X": 100.0, "Y": 0.0, "Z": 0.0}, "G30": PLACE},
+        offsets={"G54": {"X": 100.0, "Y": 0.0, "Z": 0.0}, "G30": PLACE, "G28": PLACE},
     )
     tracker = Tracker(Interpreter(dialects.load(dialect), setup))
     for block in blocks:
@@ -53,6 +53,16 @@ def test_further_reference_points_are_not_known():
 @pytest.mark.parametrize("dialect", ["okuma", "marlin"])
 def test_g30_means_other_things_elsewhere(dialect):
     assert stands(dialect, "G90", "G0 X10. Y20. Z30.", "G30 P1")["X"] != PLACE["X"]
+
+
+@pytest.mark.parametrize("code", ["G28", "G30", "G91 G28"])
+def test_without_an_axis_it_is_not_said_what_moves(code):
+    """Fanuc: the axes of which the block names an intermediate point (B-64484EN, "Reference
+    position return"). Haas: without any, all of them (mill operator's manual, G28)."""
+    head = ["G90 G54 G21 G17", "G0 X10. Y20. Z30."]
+    assert stands("fanuc-mill", *head, code) == {"X": None, "Y": None, "Z": None}
+    assert stands("fanuc-mill", *head, code, "G90 G0 X3.") == {"X": 103.0, "Y": None, "Z": None}
+    assert None not in stands("haas", *head, code).values()
 
 
 def test_its_name():

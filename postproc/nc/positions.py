@@ -3,6 +3,7 @@ whole ticks."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -271,10 +272,12 @@ def _away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget
                 drop = gone
             else:
                 block_of = b.single[number]
+                unsure = _bare(b, number) if b.dialect.home_named else np.zeros(b.n, bool)
                 if number == 300:
-                    further = np.isin(block_of, _further(b))
-                    drop[block_of[further]] = gone[block_of[further]]
-                    block_of = block_of[~further]
+                    unsure[_further(b)] = True
+                elsewhere = unsure[block_of]
+                drop[block_of[elsewhere]] = gone[block_of[elsewhere]]
+                block_of = block_of[~elsewhere]
                 drop[block_of] = False
                 there = block_of[gone[block_of]]
                 place = round(reference[letter] * TICKS_PER_MM)
@@ -354,14 +357,27 @@ def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int
 def _reference(b: Batch, number: int, letter: str, drop: np.ndarray) -> None:
     """G28 with axis words sends those axes away, without any all of them."""
     block = b.single[number]
-    named = np.zeros(b.n, bool)
     mine = np.zeros(b.n, bool)
+    for axis, place in _axis_words(b):
+        if axis == letter:
+            mine[b.words.block[place]] = True
+    drop[block] = mine[block] | _bare(b, number)[block]
+
+
+def _bare(b: Batch, number: int) -> np.ndarray:
+    """(B,) bool: blocks with G28 or G30 that name no axis."""
+    bare = np.zeros(b.n, bool)
+    bare[b.single[number]] = True
+    for _, place in _axis_words(b):
+        bare[b.words.block[place]] = False
+    return bare
+
+
+def _axis_words(b: Batch) -> Iterator[tuple[str, np.ndarray]]:
+    """Axes, and the words that name each, as a place, an increment or a letter alone."""
     reverse = {u: b.setup.axes[row] for u, row in b.control.increment_rows.items()}
     for other, place in b.places.items():
         if ord(other) >= BARE:
             other = AXES[ord(other) - BARE]
         if other in b.rows or other in reverse:
-            named[b.words.block[place]] = True
-            if reverse.get(other, other) == letter:
-                mine[b.words.block[place]] = True
-    drop[block] = mine[block] | ~named[block]
+            yield reverse.get(other, other), place

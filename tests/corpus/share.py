@@ -110,6 +110,7 @@ NOT_THERE = (  # what the text does not say
     "[%",
     "(probe)",
     "only the control knows",
+    "is known to the control only",
     "the machine has no axis",
     "the machine has no rotary axes",
     "only the machine knows",

@@ -91,10 +91,11 @@ class Dialect:
     (True) and off.
 
     `homes`: printers and routers: where homing left the slides is where they stand when a program
-    begins, and feeds before the axes have places pass as they are, counted. `home_z_over`: axes
-    that homing Z may take to a place of its own (above the bed's middle). `g_takes`: like
-    `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of the plane is
-    passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
+    begins, and feeds before the axes have places pass as they are, counted. `home_named`: G28 and
+    G30 take the axes that they name; without any, nobody says where the axes stand then.
+    `home_z_over`: axes that homing Z may take to a place of its own (above the bed's middle).
+    `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of
+    the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
     code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them.
     `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to a
     place of its own. `length_left_open`: where an axis stands whose tool length changes is not said
@@ -175,6 +176,7 @@ class Dialect:
     plane_frame: str = ""
     tip_codes: dict[int, bool] = field(default_factory=dict)
     homes: bool = False
+    home_named: bool = False
     home_z_over: str = ""
     g_takes: tuple[int, ...] = ()
     skips_centre: bool = False

@@ -73,6 +73,7 @@ DIALECT = Dialect(
         44: "gear",
     },
     restarts=(99,),
+    home_named=True,
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS, NAMED_PROGRAM, DRAWS)),

@@ -205,6 +205,7 @@ DIALECT = Dialect(
         89: "coolant off",
     },
     restarts=(99,),
+    home_named=True,
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
     grammar=Grammar(semicolon="end of block", ignores=(PRINTS, NAMED_PROGRAM, DRAWS)),
