@@ -95,11 +95,11 @@ class Dialect:
     G30 take the axes that they name; without any, nobody says where the axes stand then.
     `home_z_over`: axes that homing Z may take to a place of its own (above the bed's middle).
     `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of
-    the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever their own
-    code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers them.
-    `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to a
-    place of its own. `length_left_open`: where an axis stands whose tool length changes is not said
-    until the program names its place (postproc/nc/lengths.py).
+    the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever
+    their own code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers
+    them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to
+    a place of its own. `length_left_open`: where an axis stands whose tool length changes is not
+    said until the program names its place (postproc/nc/lengths.py).
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
