@@ -14,8 +14,10 @@ from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.machine.tip import TipMachine
-from postproc.motions import COUNTER, FEED, FREE, HOLE, RAPID, Motions
-from postproc.units import TICKS_PER_MM
+from postproc.motions import CUTS, FEED, FREE, HOLE, RAPID, Motions
+from postproc.units import TICKS_PER_MM, in_mm, in_ticks
+
+TICKS = np.array(float(TICKS_PER_MM))  # without axes: postproc.units
 
 
 def _leashed(kept: int, own: int, most: int) -> int:
@@ -56,36 +58,29 @@ class Batch(Columns):
         self.arc_of = np.empty(len(m), np.int64)
         self.arc_of.fill(-1)
         self.arc_of[arcs.motion] = np.arange(len(arcs))
-        self.arc_start = m.start.take(arcs.motion, axis=1) / TICKS_PER_MM
-        self.arc_target = m.target.take(arcs.motion, axis=1) / TICKS_PER_MM
-        motion, t0 = np.arange(len(m)), np.zeros(len(m))
-        t1 = t0 + 1.0
+        self.motion, self.t0, self.t1 = whole = np.arange(len(m)), np.zeros(len(m)), np.ones(len(m))
         self.tip = isinstance(self.machine, TipMachine)
         if self.c.follows:
-            motion, t0, t1 = turning.divided(self)
+            self.motion, self.t0, self.t1 = turning.divided(self)
         if self.span != (0.0, 1.0):
-            motion, t0, t1 = turning.within(motion, t0, t1, self.span)
-        self.motion, self.t0, self.t1 = motion, t0, t1
-        self.last = t1 == 1.0
-        self.begin_nominal, self.end_nominal = self.nominal(motion, t0), self.nominal(motion, t1)
-        travel = (m.target - m.start).take(motion, axis=1)
-        whole = t1 - t0 == 1.0
-        parts = (~whole).nonzero()[0]
-        if len(parts):
-            way = self.end_nominal.take(parts, axis=1) - self.begin_nominal.take(parts, axis=1)
-            travel[:, parts] = np.rint(way * TICKS_PER_MM).astype(np.int64)
-        code = m.code[motion]
-        sure = (m.start_known & m.target_known).take(motion, axis=1)
-        idle = sure.all(axis=0) & (code <= FEED) & whole
-        self.forget = ~sure
-        if np.count_nonzero(self.forget):
-            travel = np.where(sure, travel, 0)
-            self.forget &= (m.target_known & (m.word >= 0)).take(motion, axis=1)
-        self.travel = travel
+            self.motion, self.t0, self.t1 = turning.within(self.motion, self.t0, self.t1, self.span)
+        motion, t0, t1 = self.motion, self.t0, self.t1
+        self.undivided = motion is whole[0]
+        if self.undivided:
+            self.last = np.ones(len(m), bool)
+            self.begin_nominal, self.end_nominal = in_mm(m.start), in_mm(m.target)
+        else:
+            self.last = t1 == 1.0
+            self.begin_nominal = self.nominal(motion, t0)
+            self.end_nominal = self.nominal(motion, t1)
+        self.code = code = self.of(m.code)
+        self._travel()
         self.inside = bool(np.count_nonzero(m.cutter))
         self.reads_beside = self.inside and cutter.reads_beside(self)
-        self.turns = cutter.last_way(self, travel) if self.inside else travel
-        self.known_before = self.start_known[motion] | (t0 > 0)
+        self.turns = cutter.last_way(self, self.travel) if self.inside else self.travel
+        self.known_before = self.of(self.start_known)
+        if not self.undivided:
+            self.known_before = self.known_before | (t0 > 0)
         self.hole = motion.searchsorted(m.holes.motion)
         self.reached = self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
@@ -95,25 +90,47 @@ class Batch(Columns):
             )
         # Strokes that begin where the last one did not end, since something else (G28) has moved
         # the axis.
-        self.jumps = self.jumped.take(motion, axis=1) & (t0 == 0)
+        self.jumps = self.of(self.jumped)
+        if not self.undivided:
+            self.jumps = self.jumps & (t0 == 0)
         # A motion that is left as it is moves the axes that it names; the others stay where they
         # were sent last.
-        free = self.free[motion]
-        self.sure_after = free & (code != HOLE)
-        self.sure = np.logical_not(self.jumps.any(axis=0))
-        self.sure[:1] &= self.carry.sure
-        self.sure[1:] &= self.sure_after[:-1]
+        self.moved = free = self.of(self.free)
+        self.sure_after = free & (code != HOLE) if len(m.holes) else free
+        self.sure = np.empty(len(motion), bool)
+        self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
+        if np.count_nonzero(self.jumps):
+            self.sure &= ~self.jumps.any(axis=0)
         # Strokes before which lost motion may be taken up.
-        self.cutting = free & (code >= FEED) & (code <= COUNTER) & (m.cutter[motion] == FREE)
-        self.correctable = self.places.rows.take(
-            motion, axis=1
-        )  # (A, S) axes whose correction can be told
-        self.left = ~(free & self.correctable) & (m.word < 0).take(motion, axis=1)
+        self.cutting = free & CUTS.take(code)
+        if self.inside:
+            self.cutting &= self.of(m.cutter) == FREE
+        self.correctable = self.of(self.places.rows)  # (A, S) axes whose correction can be told
+        self.left = ~(free & self.correctable) & self.of(m.word < 0)
         # So does everything where the nominal path does not move at all.
-        self.left |= idle & free & self.sure & ~travel.any(axis=0)
+        rests = ~self.travel.any(axis=0)
+        if np.count_nonzero(rests):
+            rests &= (self.t1 - t0 == 1.0) & (code <= FEED) & free & self.sure
+            self.left |= rests & self.of(m.start_known & m.target_known).all(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
             self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
             self.left[:, self.hole[~m.holes.place]] = True
+
+    def _travel(self) -> None:
+        """`travel` (A, S) ticks, 0 where an end is not known; `forget` (A, S): axes that come from
+        nowhere to a place that is known."""
+        m = self.m
+        travel = self.of(m.target - m.start)
+        parts = (self.t1 - self.t0 != 1.0).nonzero()[0] if not self.undivided else ()
+        if len(parts):
+            way = self.end_nominal.take(parts, axis=1) - self.begin_nominal.take(parts, axis=1)
+            travel[:, parts] = in_ticks(way)
+        sure = self.of(m.start_known & m.target_known)
+        self.forget = ~sure
+        if np.count_nonzero(self.forget):
+            travel = np.where(sure, travel, 0)
+            self.forget &= self.of(m.target_known & (m.word >= 0))
+        self.travel = travel
 
     def approach(self) -> None:
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm:
@@ -130,7 +147,7 @@ class Batch(Columns):
         if self.c.mode == "off":
             self.weight_end, self.sides = sides.nominal_sides(self)
         self.weight_begin = self.weight_end
-        which = self.free[self.motion].nonzero()[0]
+        which = self.moved.nonzero()[0]
         self.exact = self.end_nominal.copy()
         nominal = self.end_nominal.take(which, axis=1)
         weight = self.weight_end.take(which, axis=1)
@@ -171,16 +188,13 @@ class Batch(Columns):
 
     def ends(self) -> None:
         """`end` (A, S) ticks commanded at each stroke's end, as if nothing were held still."""
-        m, motion = self.m, self.motion
-        free = self.free[motion]
-        step = m.grid.take(motion, axis=1)
+        m, free, step = self.m, self.moved, self.of(self.m.grid)
         correction = self.exact - self.end_nominal
-        whole = np.rint(correction * TICKS_PER_MM / step).astype(np.int64) * step
-        nominal_ticks = m.target.take(motion, axis=1)
+        whole = np.rint(correction * TICKS / step.astype(float)).astype(np.int64) * step
+        nominal_ticks = self.of(m.target)
         inner = (~self.last).nonzero()[0]
         if len(inner):
-            inside = np.rint(self.end_nominal * TICKS_PER_MM).astype(np.int64)
-            nominal_ticks = np.where(self.last, nominal_ticks, inside)
+            nominal_ticks = np.where(self.last, nominal_ticks, in_ticks(self.end_nominal))
         self.nominal_end = nominal_ticks
         # A programmed word keeps its own decimals: its correction is rounded, not its sum.
         self.end = nominal_ticks + whole
@@ -196,18 +210,21 @@ class Batch(Columns):
         self.before = np.empty_like(self.end)
         self.before[:, 0], self.before[:, 1:] = self.carry.issued, self.end[:, :-1]
         if np.count_nonzero(self.jumped):
-            self.before = np.where(self.jumps, m.start.take(motion, axis=1), self.before)
+            self.before = np.where(self.jumps, self.of(m.start), self.before)
 
     def starts(self) -> None:
         """`wanted` (A, S) ticks: where a stroke must be begun, for strokes (`turning`) whose start
         may differ."""
-        motion = self.motion
         first = self.carry.sides.side.astype(float)
-        ramped = self.c.reach > 0
-        first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
-        before = np.empty_like(self.weight_end)
+        if self.c.ramped:
+            ramped = self.c.reach > 0
+            first[ramped] = self.carry.sides.taken[ramped] / self.c.reach[ramped]
+        before = np.empty(self.weight_end.shape)
         before[:, 0], before[:, 1:] = first, self.weight_end[:, :-1]
-        self.flipped = ((before != self.weight_begin) & self.machine.two_way[:, None]) | self.twice
+        self.flipped = before != self.weight_begin
+        if len(self.c.two_way) < len(before):
+            self.flipped &= self.machine.two_way[:, None]
+        self.flipped = self.flipped | self.twice
         self.turning = self.cutting & self.known_before
         if self.c.mode in ("mean", "off"):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
@@ -220,7 +237,7 @@ class Batch(Columns):
                 self.machine,
                 self.begin_nominal.take(which, axis=1),
                 self.weight_begin.take(which, axis=1),
-                motion[which],
+                self.motion[which],
             )
             self.wanted[:, which] = self.grid(which, exact)
         for row in self.fixed:
@@ -232,7 +249,7 @@ class Batch(Columns):
         """Hold still what stands still: an axis without nominal travel moves only when its
         correction has changed by more than half the tolerance. Sets `begin` (A, S), where each
         stroke is begun, and the final `before` and `end`."""
-        free, known = self.free[self.motion], self.known_before
+        free, known = self.moved, self.known_before
         held = (self.travel == 0).any(axis=1)
         self.leash = cutter.leash(self) if self.inside else None
         unknown = np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
@@ -240,7 +257,7 @@ class Batch(Columns):
         if not (unknown or moved or held[self.rows].any() or self.leash is not None):
             self.begin = self.before
             return
-        code = self.m.code[self.motion]
+        code = self.code
         # In a rapid the axes that rest may be left beside their places by all of the tolerance
         # together.
         resting = np.maximum((self.travel[self.rows] == 0).sum(axis=0), 1)
@@ -251,7 +268,8 @@ class Batch(Columns):
         self.bound = self.machine.two_way[:, None] & ~self.flipped & self.sure
         if isinstance(self.machine, TipMachine):
             self.bound &= self.machine.direct[:, None]
-        self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
+        if np.count_nonzero(self.c.overshoots):
+            self.bound &= ~(self.c.overshoots[:, None] & (code == RAPID))
         self.begin = self.before.copy()
         for row in range(len(self.end)):
             end = self.end[row]
@@ -335,13 +353,17 @@ class Batch(Columns):
             return
         cutting = self.cutting & self.known_before
         sides = np.zeros((len(rows), self.end.shape[1]), np.int64)
-        at = ((self.travel[rows] == 0) & cutting).any(axis=0).nonzero()[0]
+        rests = self.travel.take(rows, axis=0) == 0
+        at = (rests & cutting).any(axis=0).nonzero()[0] if np.count_nonzero(rests) else ()
         if len(at):
             play = self.machine.lost_motion(self.begin.take(at, axis=1) / TICKS_PER_MM, rows)
-            rests = (self.travel[rows[:, None], at] == 0) & (play < -self.c.chord)
-            sides[:, at] = np.where(rests, self.weight_begin[rows[:, None], at], 0)
-        twice = self.twice[rows] & cutting
-        ways = (self.begin - self.before)[rows], (self.end - self.begin)[rows]
+            beyond = rests.take(at, axis=1) & (play < -self.c.chord)
+            sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
+        twice = self.twice.take(rows, axis=0) & cutting
+        ways = [
+            (b - a).take(rows, axis=0)
+            for a, b in ((self.before, self.begin), (self.begin, self.end))
+        ]
         self.way = self.carry.way.copy()
         if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
             self.way[rows] = last_way(*ways, self.way[rows])

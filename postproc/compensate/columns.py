@@ -5,6 +5,8 @@ A stroke is a motion, or a part of one between two places where a two-way axis t
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from postproc.compensate.approach import Sides
@@ -13,7 +15,7 @@ from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
 from postproc.motions import Motions
-from postproc.units import TICKS_PER_MM
+from postproc.units import TICKS_PER_MM, in_mm
 
 
 class Columns:
@@ -21,15 +23,16 @@ class Columns:
     worked out, in batch.py."""
 
     motion: np.ndarray
+    undivided: bool
     t0: np.ndarray
     t1: np.ndarray
     arc_of: np.ndarray
-    arc_start: np.ndarray
-    arc_target: np.ndarray
     begin_nominal: np.ndarray
     end_nominal: np.ndarray
     nominal_end: np.ndarray
     last: np.ndarray
+    code: np.ndarray
+    moved: np.ndarray
     forget: np.ndarray
     travel: np.ndarray
     turns: np.ndarray
@@ -72,14 +75,28 @@ class Columns:
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
 
+    @cached_property
+    def arc_start(self) -> np.ndarray:
+        """(A, n) mm where each arc begins."""
+        return in_mm(self.m.start.take(self.m.arcs.motion, axis=1))
+
+    @cached_property
+    def arc_target(self) -> np.ndarray:
+        """(A, n) mm where each arc ends."""
+        return in_mm(self.m.target.take(self.m.arcs.motion, axis=1))
+
+    def of(self, column: np.ndarray) -> np.ndarray:
+        """(..., S) a column (..., N) of the motions for every stroke; not to be written to."""
+        return column if self.undivided else column.take(self.motion, axis=-1)
+
     def nominal(self, motion: np.ndarray, t: np.ndarray) -> np.ndarray:
         """(A, K) mm nominal point of motions at t; ends exactly as programmed."""
         m, n = self.m, len(t)
         for end, column in ((1.0, m.target), (0.0, m.start)):
             if np.count_nonzero(t == end) == n:
-                return column.take(motion, axis=1) / TICKS_PER_MM
-        start = m.start.take(motion, axis=1) / TICKS_PER_MM
-        target = m.target.take(motion, axis=1) / TICKS_PER_MM
+                return in_mm(column.take(motion, axis=1))
+        start = in_mm(m.start.take(motion, axis=1))
+        target = in_mm(m.target.take(motion, axis=1))
         result = np.where(t == 1.0, target, np.where(t == 0.0, start, start + (target - start) * t))
         on_arc = (self.arc_of[motion] >= 0) & (t > 0) & (t < 1)
         if on_arc.any():

@@ -26,10 +26,11 @@ def command(
         return target
     result = target - machine.deviation(target, approach)
     after = target - machine.deviation(result, approach)
-    step = np.abs(after - result).max(axis=0)
+    steps = np.abs(after - result)
     result = after
-    if step.max() * machine.bounds.steepest <= CLOSE:
+    if steps.max() * machine.bounds.steepest <= CLOSE:
         return result
+    step = steps.max(axis=0)
     for _ in range(ROUNDS):
         open_ = np.flatnonzero(step * machine.bounds.steepest > CLOSE)
         if not len(open_):

@@ -48,13 +48,14 @@ def may_bend(
 ) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the
     end of a table where it is held beyond (`clamped`), or product terms."""
-    result = machine.bounds.parts(start, target, slack) > 1
-    onward = np.array_equal(start[:, 1:], target[:, :-1])  # each begins where the last one ends
+    result = machine.bounds.bends(target - start, slack)
+    # each begins where the last one ends
+    onward = not np.count_nonzero(start[:, 1:] != target[:, :-1])
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         if onward:
             interval = table.place(np.concatenate([start[row, :1], target[row]]))[0]
-            result |= interval[:-1] != interval[1:]
+            result = result | (interval[:-1] != interval[1:])
         else:
             result |= table.place(start[row])[0] != table.place(target[row])[0]
         if clamped:  # held beyond the ends, it bends there

@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc.compensate import approach
 from postproc.machine import tip
-from postproc.machine.chain import XYZ
+from postproc.machine.chain import LINEAR, XYZ
 from postproc.machine.model import Machine
 from postproc.records import columns, record
 from postproc.spaces import Space
@@ -124,6 +124,8 @@ class Settings:
         )
         self.rows = list(machine.corrected)
         self.at = np.array(self.rows, np.int64)
+        # rows of the slides of the chain
+        self.slides = [row for row in machine.chained if machine.letters[row] in LINEAR]
         self.fixed = [i for i in range(len(machine.axes)) if i not in self.rows]
         # (R, 1) mm, lowest and highest place of each corrected axis
         travel = np.array([machine.axes[machine.letters[i]].travel for i in self.rows])
@@ -138,6 +140,7 @@ class Settings:
         if isinstance(m, tip.TipMachine):
             self.mode = "step" if self.mode in ("step", "ramp") else "mean"
         self.follows = self.mode != "mean"
+        self.two_way = np.flatnonzero(m.two_way)
         slides = np.array([x in XYZ for x in m.letters]) & m.two_way
         self.band = np.where(slides, 2 * round(self.hysteresis / 2 * TICKS_PER_MM), 0)
         ramps = {x: self.options.ramp or m.pretravel.get(x, 0.0) for x in m.letters}
@@ -147,6 +150,7 @@ class Settings:
             ramps = {}
         self.reach = np.array([round(ramps.get(x, 0.0) / 2 * TICKS_PER_MM) for x in m.letters])
         self.reach[~slides] = 0
+        self.ramped = bool(np.any(self.reach))
         self.overshoots = slides & (m.least_play < -self.chord)
         self.followed = (
             np.flatnonzero(slides & (self.reach == 0))

@@ -21,9 +21,10 @@ from postproc.compensate.columns import Columns
 from postproc.compensate.cutter import commands
 from postproc.machine.tip import TipMachine
 from postproc.motions import RAPID
-from postproc.units import TICKS_PER_MM
+from postproc.units import TICKS_PER_MM, in_ticks
 
-NOWHERE = np.int64(2**61)  # ticks: no place to look at
+NOWHERE = np.array(2**61)  # ticks: no place to look at
+TWO = np.array(2.0)
 
 
 class Course:
@@ -37,9 +38,9 @@ class Course:
     end: np.ndarray
 
     def __init__(self, b: Columns):
-        self.b, self.rows = b, np.flatnonzero(b.machine.two_way)
-        self.band = b.c.band[self.rows]
-        self.travel = b.travel[self.rows]
+        self.b, self.rows = b, b.c.two_way
+        self.band = b.c.band.take(self.rows)
+        self.travel = b.travel.take(self.rows, axis=0)
         self.couples = b.machine.lateral > 0
         self._given()
         self.carry = self._begin()
@@ -48,37 +49,42 @@ class Course:
         """Where a side is known whatever was before: a hole's axis has come up last; what comes
         from nowhere has none."""
         b, m = self.b, self.b.m
-        sense, given = np.zeros_like(b.travel), b.forget | b.jumps
+        sense, given = np.zeros(b.travel.shape, np.int64), b.forget | b.jumps
         if len(m.holes):
             sense[m.holes.axis, b.hole] = np.sign(m.holes.level - m.holes.bottom)
             given = given.copy()
             given[m.holes.axis, b.hole] = True
         # arcs inside G41 G42, not cut where an axis turns back: as their last part
         led = b.turns != b.travel
-        sense = np.where(b.jumps | led, np.sign(b.turns), sense)
-        given = given | led
-        unknown = ~b.m.target_known.take(b.motion, axis=1)
-        self.sense, self.given = sense[self.rows], given[self.rows]
+        if np.count_nonzero(led) or np.count_nonzero(b.jumps):
+            sense = np.where(b.jumps | led, np.sign(b.turns), sense)
+            given = given | led
+        self.sense, self.given = sense.take(self.rows, axis=0), given.take(self.rows, axis=0)
+        stays = ~b.of(m.target_known) | b.left
         # Where forward lies beyond reverse an axis turns by being led beyond its place and back,
         # which no rapid does.
-        rests = (b.travel == 0) & (m.code[b.motion] == RAPID) & b.c.overshoots[:, None]
-        self.stays = (unknown | b.left | rests)[self.rows] & ~self.given
+        if np.count_nonzero(b.c.overshoots):
+            stays |= (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
+        self.stays = stays.take(self.rows, axis=0) & ~self.given
 
     def _begin(self) -> Sides:
         """The carry of these rows; an axis that has not stood anywhere yet begins where its first
         stroke does."""
         whole, rows = self.b.carry.sides, self.rows
-        carry = Sides(whole.side[rows], whole.middle[rows], whole.taken[rows], whole.begun[rows])
-        if carry.begun.all():
+        carry = Sides(
+            whole.side.take(rows), whole.middle.take(rows), whole.taken.take(rows),
+            whole.begun.take(rows),
+        )  # fmt: skip
+        if np.count_nonzero(carry.begun) == len(rows):
             return carry
-        place = (
-            np.rint(self.b.end_nominal[rows, 0] * TICKS_PER_MM).astype(np.int64) - self.travel[:, 0]
-        )
+        place = in_ticks(self.b.end_nominal[rows, 0]) - self.travel[:, 0]
         return replace(carry, middle=np.where(carry.begun, carry.middle, place))
 
     def before(self, column: np.ndarray, first: np.ndarray) -> np.ndarray:
         """(T, S) what a column (T, S) was before each stroke."""
-        return np.concatenate([first[:, None], column[:, :-1]], axis=1)
+        result = np.empty_like(column)
+        result[:, 0], result[:, 1:] = first, column[:, :-1]
+        return result
 
     @cached_property
     def leads(self) -> tuple[np.ndarray, np.ndarray]:
@@ -89,6 +95,8 @@ class Course:
 
     def spread(self, side: np.ndarray) -> np.ndarray:
         """(A, K) float sides of all axes."""
+        if len(self.rows) == len(self.b.travel):
+            return side.astype(float)
         every = np.zeros((len(self.b.travel), side.shape[1]))
         every[self.rows] = side
         return every
@@ -97,12 +105,14 @@ class Course:
         """(A, K) mm of strokes `at` (K,) for sides (T, K)."""
         b = self.b
         result = b.end_nominal.take(at, axis=1)
-        free = b.free.take(b.motion.take(at)).nonzero()[0]
+        free = b.moved.take(at).nonzero()[0]
         if len(free):
             at, weight = at.take(free), self.spread(side.take(free, axis=1))
             found = commands(b, at, b.t1.take(at), b.reached.take(at, axis=1), weight)
             told = b.correctable.take(at, axis=1)
-            result[:, free] = np.where(told, found, result.take(free, axis=1))
+            if np.count_nonzero(told) < told.size:
+                found = np.where(told, found, result.take(free, axis=1))
+            result[:, free] = found
         return result
 
     def places(
@@ -116,7 +126,8 @@ class Course:
         nothing up."""
         b = self.b
         exact = self.commands(at, side)
-        begin = np.full(side.shape, NOWHERE)
+        begin = np.empty(side.shape, np.int64)
+        begin.fill(NOWHERE)
         turned = ~b.sure.take(at)
         if self.couples:
             turned |= (side != before).any(axis=0)
@@ -130,7 +141,7 @@ class Course:
 
     def _without_play(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
         play = self.b.machine.lost_motion(exact, self.rows)
-        return np.rint((exact[self.rows] - side * play / 2) * TICKS_PER_MM).astype(np.int64)
+        return in_ticks(exact.take(self.rows, axis=0) - side * play / TWO)
 
     def once(self, at: np.ndarray, before: np.ndarray, middle: np.ndarray) -> np.ndarray:
         """(T, K) the side of each stroke `at` (K,) by itself, from side and state (T, K) before
@@ -173,18 +184,23 @@ class Course:
         before, every = self.before(led, self.carry.side), np.arange(led.shape[1])
         self.led, (self.exact, self.begin, self.end) = led, self.places(every, led, before)
         side, middle = self.bear()
-        off = (side != led).any(axis=0)
-        open_ = off | _behind(off)
+        off = side != led
+        open_ = off.any(axis=0) if np.count_nonzero(off) else np.zeros(0, bool)
+        open_ = open_ | _behind(open_)
         while np.count_nonzero(open_):
             self._decide(open_.nonzero()[0], side, middle)
             found, now = self.bear()
             open_ = _behind(((found != side) | (now != middle)).any(axis=0))
             side, middle = found, now
-        at = (side != self.led).any(axis=0).nonzero()[0]
-        self.exact[:, at] = self.commands(at, side.take(at, axis=1))
+        other = side != self.led
+        if np.count_nonzero(other):
+            at = other.any(axis=0).nonzero()[0]
+            self.exact[:, at] = self.commands(at, side.take(at, axis=1))
         self.side, self.middle = side, middle
         held = middle + side * (self.band // 2)[:, None]
-        self.behind = np.where(self.given | self.stays, 0, held - self.end)
+        self.behind = held - self.end
+        if np.count_nonzero(self.given) or np.count_nonzero(self.stays):
+            self.behind = np.where(self.given | self.stays, 0, self.behind)
 
     def _decide(self, at: np.ndarray, side: np.ndarray, middle: np.ndarray) -> None:
         """The sides of strokes `at` (K,) from sides and states (T, S): first as its nominal motion
@@ -208,7 +224,7 @@ class Course:
 
 def _behind(which: np.ndarray) -> np.ndarray:
     """(S,) bool: the strokes behind some (S,)."""
-    result = np.zeros_like(which)
+    result = np.zeros(len(which), bool)
     result[1:] = which[:-1]
     return result
 
@@ -268,7 +284,7 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     course.settle()
     side = course.spread(course.side)
     begin, end, taken = side, side, None
-    if b.c.reach.any():
+    if b.c.ramped:
         begin, end, taken = _ramps(b, course, side)
         which = b.free[b.motion].nonzero()[0]
         exact = b.end_nominal.copy()
@@ -278,9 +294,11 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     exact, b.twice = course.exact, np.zeros(side.shape, bool)
     # Where nothing was corrected before, the way to the first corrected place turns an axis too
     # that the stroke moves.
-    b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
-    holds = (b.c.reach[course.rows] == 0)[:, None] & b.free[b.motion]
-    exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
+    if np.count_nonzero(course.twice):
+        b.twice[course.rows] = course.twice & ((course.travel == 0) | ~b.sure)
+    if np.count_nonzero(course.behind):
+        holds = (b.c.reach[course.rows] == 0)[:, None] & b.moved
+        exact[course.rows] += np.where(holds, course.behind, 0) / TICKS_PER_MM
     return begin, end, exact, carried(b, course, course.side, course.middle, taken)
 
 

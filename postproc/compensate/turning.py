@@ -16,11 +16,11 @@ from postproc.compensate import nodes
 from postproc.compensate.arcs import points, turning_points
 from postproc.compensate.columns import Columns
 from postproc.compensate.inverse import command
-from postproc.machine.chain import LINEAR, XYZ
+from postproc.machine.chain import XYZ
 from postproc.machine.polar import PolarMachine
 from postproc.machine.tip import TipMachine
-from postproc.motions import COUNTER, FEED, FREE
-from postproc.units import TICKS_PER_MM
+from postproc.motions import COUNTER, CUTS, FEED, FREE
+from postproc.units import TICKS_PER_MM, in_mm
 
 SAMPLES = (8, 64)  # of an arc, at least and at most
 PORTION = 500  # arcs looked at at once: the samples of more leave the processor's cache
@@ -29,13 +29,13 @@ APART = 1e-9  # of a motion: closer places are one
 
 
 def divided(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(S,) motion, t0 and t1 of the strokes of a batch."""
-    motion, t0, t1 = np.arange(len(b.m)), np.zeros(len(b.m)), np.ones(len(b.m))
+    """(S,) motion, t0 and t1 of the strokes of a batch, which has them whole; the very same columns
+    where none is divided."""
     found = _of_slides(b) if isinstance(b.machine, TipMachine) else [_quadrants(b), *_induced(b)]
     if not any(len(owner) for owner, _ in found):
-        return motion, t0, t1
-    motion = np.concatenate([motion, *(owner for owner, _ in found)])
-    t0 = np.concatenate([t0, *(t for _, t in found)])
+        return b.motion, b.t0, b.t1
+    motion = np.concatenate([b.motion, *(owner for owner, _ in found)])
+    t0 = np.concatenate([b.t0, *(t for _, t in found)])
     order = np.lexsort((t0, motion))
     motion, t0 = motion[order], t0[order]
     same = np.concatenate([[False], (motion[1:] == motion[:-1]) & (t0[1:] - t0[:-1] < APART)])
@@ -108,7 +108,7 @@ def _bends(b: Columns, chosen: np.ndarray, least: float) -> np.ndarray:
     """(K,) bool: arcs, and straight motions whose correction is no straight line but for less than
     `least` mm, which is all that such a one can turn back by."""
     m = b.m
-    start, target = (p.take(chosen, axis=1) / TICKS_PER_MM for p in (m.start, m.target))
+    start, target = (in_mm(p.take(chosen, axis=1)) for p in (m.start, m.target))
     clamped = b.c.outside == "clamp"
     return (b.arc_of[chosen] >= 0) | nodes.may_bend(b.machine, start, target, least, clamped)
 
@@ -119,19 +119,21 @@ def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:
     m, rows = b.m, b.c.followed
     if not len(rows):
         return []
-    cutting = (m.code >= FEED) & (m.code <= COUNTER) & b.free & b.start_known & (m.cutter == FREE)
-    way = np.abs(m.target - m.start) / TICKS_PER_MM
-    slides = [row for row in b.machine.chained if b.machine.letters[row] in LINEAR]
-    length = np.sqrt((way[slides] ** 2).sum(axis=0))
-    length[m.arcs.motion] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
-    turns = list(b.machine.turning)
+    way = in_mm(np.abs(m.target - m.start))
+    length = np.sqrt(sum(way[row] * way[row] for row in b.c.slides))
+    arcs = m.arcs.motion
+    if len(arcs):
+        length[arcs] = np.abs(m.arcs.sweep) * np.maximum(m.arcs.radius, m.arcs.radius_end)
     # mm that any deviation changes along the motion; one that turns is looked at whatever its
     # length
-    most = np.where((way[turns] > 0).any(axis=0), np.inf, b.machine.bounds.steepest * length)
-    slow = (way[rows] < most).any(axis=0)
-    slow[m.arcs.motion] = True
+    most = b.machine.bounds.steepest * length
+    for row in b.machine.turning:
+        most = np.where(way[row] > 0, np.inf, most)
+    slow = (way.take(rows, axis=0) < most).any(axis=0)
+    slow[arcs] = True
     # what a resting axis is held still by is not seen either
     least = max(b.c.hysteresis / 2, b.c.hold)
+    cutting = b.free & b.start_known & CUTS.take(m.code) & (m.cutter == FREE)
     chosen = (cutting & slow & (most > 2 * least)).nonzero()[0]
     chosen = chosen[_bends(b, chosen, least)]
     if not len(chosen):

@@ -15,6 +15,7 @@ import numpy as np
 from postproc.machine.chain import LINEAR, XYZ, along
 from postproc.machine.stated import Stated
 
+ONE = np.array(1.0)
 FARTHEST = 1e5  # mm: travels that are stated without end
 
 
@@ -199,10 +200,10 @@ class Bounds:
         return result
 
     @cached_property
-    def _quarters(self) -> list[tuple[int, int, float]]:
+    def _quarters(self) -> list[tuple[int, int, np.ndarray]]:
         """Rows of two axes, and a quarter of their twist where there is any."""
         some = np.argwhere(self.twist).tolist()
-        return [(i, j, float(self.twist[i, j]) / 4) for i, j in some]
+        return [(i, j, np.array(self.twist[i, j] / 4)) for i, j in some]
 
     def bend(self, way: np.ndarray) -> np.ndarray:
         """(N,) mm: how far products can bend the deviation of straight motions away from its chord;
@@ -210,9 +211,14 @@ class Bounds:
         times less."""
         result, size = np.zeros(way.shape[1]), np.abs(way)
         for i, j, twist in self._quarters:
-            result += twist * (size[i] * size[j])
+            result = result + twist * (size[i] * size[j])
         if self.machine.chain.rotary:
-            result += self._turning(way) / 8
+            result = result + self._turning(way) / 8
+        return result
+
+    def bends(self, way: np.ndarray, slack: float) -> np.ndarray:
+        """(N,) bool: straight motions that must be cut in more than one of `parts`."""
+        result: np.ndarray = np.sqrt(self.bend(way) / slack) > ONE
         return result
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:

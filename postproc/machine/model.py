@@ -12,7 +12,7 @@ from postproc.machine.axis import Axis
 from postproc.machine.bounds import Bounds
 from postproc.machine.chain import ROTARY, XYZ, Parts, along, summed, tip_deviation
 from postproc.machine.stated import Stated
-from postproc.machine.tables import PORTION
+from postproc.machine.tables import PORTION, AxisTable
 from postproc.records import record
 
 Columns = dict[str, np.ndarray]
@@ -115,15 +115,24 @@ class Machine(Stated):
         result = np.zeros(position.shape)
         for first in range(0, position.shape[1], PORTION):
             part = slice(first, first + PORTION)
-            along = None if self.chain.rotary else direction
+            along = None if self._turns else direction
             q, each = self._at(position[:, part], approach[:, part], along)
-            if self.chain.rotary:
+            if self._turns:
                 parts = rotary.tip_deviation(self.geometry, each, q)
             else:
                 parts = tip_deviation(self.arms, each, self.leaning, q)
-            for row in self.corrected:
-                result[row, part] = parts[XYZ.index(self.letters[row])]
+            for row, own in self._ways:
+                result[row, part] = parts[own]
         return result
+
+    @cached_property
+    def _turns(self) -> bool:
+        return bool(self.chain.rotary)
+
+    @cached_property
+    def _ways(self) -> list[tuple[int, int]]:
+        """Rows of the corrected axes, and the direction, 0 to 2, of each."""
+        return [(row, XYZ.index(self.letters[row])) for row in self.corrected]
 
     def orientation(self, position: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """(3, N) rad: how the tool leans relative to the workpiece, which no slide can correct."""
@@ -139,19 +148,16 @@ class Machine(Stated):
         self, position: np.ndarray, approach: np.ndarray, direction: int | None = None
     ) -> tuple[Columns, dict[str, Parts]]:
         """Axis to its position, and to its deviations there, or those that count along one."""
-        q = {x: position[i] for i, x in enumerate(self.letters)}
-        s = {x: approach[i] for i, x in enumerate(self.letters)}
+        q = dict(zip(self.letters, position, strict=True))
+        s = dict(zip(self.letters, approach, strict=True))
         each = {x: self._parts(x, q, s, direction) for x in self.chain.axes}
         return q, {x: part for x, part in each.items() if part is not None}
 
     def _parts(self, letter: str, q: Columns, s: Columns, direction: int | None) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
         with temperature."""
-        axis = self.axes[letter]
         part: Parts | None = None
-        if axis.table is not None and axis.table.rows:
-            part = axis.table.evaluate(q[letter], s[letter], direction)
-        for table in self.added.get(letter, ()):
+        for table in self._live[letter]:
             part = summed(part, table.evaluate(q[letter], s[letter], direction))
         for grid in self.grids_of[letter]:
             part = summed(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
@@ -162,6 +168,17 @@ class Machine(Stated):
             )
             part = summed(part, more)
         return part
+
+    @cached_property
+    def _live(self) -> dict[str, list[AxisTable]]:
+        """Axis to its table, if anything in it is not zero, and to those that effects add."""
+        return {
+            x: [
+                *([a.table] if a.table is not None and a.table.rows else []),
+                *self.added.get(x, ()),
+            ]
+            for x, a in self.axes.items()
+        }
 
     @cached_property
     def bounds(self) -> Bounds:

@@ -243,7 +243,7 @@ class Stated:
         )
 
     @cached_property
-    def leaning(self) -> dict[str, list[tuple[int, float]]]:
+    def leaning(self) -> dict[str, list[tuple[int, np.ndarray]]]:
         return {x: leans(x, lean) for x, lean in self.square.items()}
 
     @cached_property

@@ -23,7 +23,7 @@ MANY = 64  # places for which a search takes longer than a few more steps
 PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
 
-Bins = tuple[list[int], np.ndarray, np.ndarray, dict[int, tuple[np.ndarray, np.ndarray]]]
+Bins = tuple[list[int], np.ndarray, np.ndarray, dict[int, int]]
 
 
 @columns
@@ -105,15 +105,13 @@ class AxisTable:
         return [self._of([i for i in self.rows if i in those]) for those in each]
 
     def _of(self, rows: list[int]) -> Bins:
-        """The components; value and rise (C, K - 1) of the mean of each at each interval's lower
-        node; and component to the same (K - 1,) of its half, where it was measured both ways."""
-        mean = self.mean[rows]
-        half = {
-            i: (self.half[i, :-1].copy(), np.diff(self.half[i]))
-            for i in rows
-            if np.any(self.half[i])
-        }
-        return rows, mean[:, :-1].copy(), np.diff(mean), half
+        """The components; value and rise (C + H, K - 1) at each interval's lower node of the mean
+        of each, and behind them of the half of those that were measured both ways; and component to
+        the row of its half."""
+        both = [i for i in rows if np.any(self.half[i])]
+        value = np.concatenate([self.mean[rows], self.half[both]])
+        half = {i: len(rows) + k for k, i in enumerate(both)}
+        return rows, value[:, :-1].copy(), np.diff(value), half
 
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) index of the node below each position, mm, and (N,) the share of the interval above
@@ -123,10 +121,9 @@ class AxisTable:
         """
         if self.step:
             first, per, zero, top, last = self._even
-            place = (position - first) * per
-            np.minimum(np.maximum(place, zero, out=place), top, out=place)
+            place = np.minimum(np.maximum((position - first) * per, zero), top)
             interval = np.minimum(place.astype(np.int64), last)
-            return interval, np.subtract(place, interval, out=place)
+            return interval, place - interval
         low, high, inner, width = self._uneven
         inside = np.minimum(np.maximum(position, low), high)
         if len(position) < MANY or not self._nearly:
@@ -154,16 +151,17 @@ class AxisTable:
     @cached_property
     def _even(self) -> tuple[np.ndarray, ...]:
         """The first node mm, intervals per mm, 0, how many there are, and the last one's index. As
-        arrays: with a number a call takes half as long again, which counts where N is 1."""
+        arrays without axes: with a number a call takes half as long again, with an array of one
+        three times as long, which counts where N is 1; and so does a result in place there."""
         last = len(self.nodes) - 2
         numbers = (self.nodes[0], 1.0 / self.step, 0.0, last + 1.0, last)
-        return tuple(np.array([number]) for number in numbers)
+        return tuple(np.array(number) for number in numbers)
 
     @cached_property
-    def _uneven(self) -> tuple[float, float, np.ndarray, np.ndarray]:
-        """Both ends, the nodes between, and the intervals' widths, mm."""
+    def _uneven(self) -> tuple[np.ndarray, ...]:
+        """Both ends, as arrays without axes, the nodes between, and the intervals' widths, mm."""
         n = self.nodes
-        return float(n[0]), float(n[-1]), n[1:-1].copy(), np.diff(n)
+        return np.array(n[0]), np.array(n[-1]), n[1:-1].copy(), np.diff(n)
 
     def evaluate(
         self, position: np.ndarray, approach: np.ndarray, along: int | None = None
@@ -181,21 +179,18 @@ class AxisTable:
         value = rise.take(interval, axis=1)
         value *= share
         value += base.take(interval, axis=1)
-        for i, column in zip(rows, value, strict=True):
-            if i in half:
-                low, more = half[i]
-                column += approach * (low[interval] + more[interval] * share)
-            result[i] = column
+        for k, i in enumerate(rows):
+            result[i] = value[k] + approach * value[half[i]] if i in half else value[k]
         return result
 
     def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:
         """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
         one way."""
-        half = self._bins[3].get(row)
-        if half is None:
+        _, base, rise, half = self._bins
+        if row not in half:
             return 0.0
         interval, share = self.place(position)
-        value: np.ndarray = half[0][interval] + half[1][interval] * share
+        value: np.ndarray = base[half[row]][interval] + rise[half[row]][interval] * share
         return value
 
 
