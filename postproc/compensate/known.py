@@ -37,7 +37,7 @@ def known(machine: Machine, m: Motions) -> Known:
     if np.count_nonzero(both) == both.size or both[chained].all():
         no = np.zeros(shape, bool)
         yes = ~no
-        return Known(yes[0], yes[0], yes, no[0], no)
+        return Known(end=yes[0], start=yes[0], rows=yes, idle=no[0], wanting=no)
     needs = machine.depends.astype(np.int64)
     moved = (m.word >= 0) | (m.target != m.start) | (m.sent & m.start_known)
     for axes in (m.arcs.first, m.arcs.second):

@@ -72,8 +72,8 @@ class Course:
         stroke does."""
         whole, rows = self.b.carry.sides, self.rows
         carry = Sides(
-            whole.side.take(rows), whole.middle.take(rows), whole.taken.take(rows),
-            whole.begun.take(rows),
+            side=whole.side.take(rows), middle=whole.middle.take(rows),
+            taken=whole.taken.take(rows), begun=whole.begun.take(rows),
         )  # fmt: skip
         if np.count_nonzero(carry.begun) == len(rows):
             return carry
@@ -273,7 +273,10 @@ def carried(b: Columns, course: Course, side: np.ndarray, middle: np.ndarray, ta
     for whole, part in zip(after, (side, middle, taken), strict=True):
         if part is not None:
             whole[course.rows] = part[:, -1]
-    return Sides(after[0], after[1], after[2], s.begun | b.m.target_known.any(axis=1))
+    begun = s.begun
+    if np.count_nonzero(begun) < len(begun):
+        begun = begun | b.m.target_known.any(axis=1)
+    return Sides(side=after[0], middle=after[1], taken=after[2], begun=begun)
 
 
 def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:

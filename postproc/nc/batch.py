@@ -19,8 +19,11 @@ from postproc.units import LARGEST_WORD_MM, TICKS_PER_INCH, TICKS_PER_MM
 
 LINEAR = "XYZUVW"
 ANY = bytes(range(256))
+LETTERS = [np.array(c, np.uint8) for c in ANY]  # without axes: postproc.units
 # not a group of the tables: the last of G0 to G3, which a canned cycle leaves as it is
 UNDER = "under cycles"
+# ticks, and decimals that are exact in ticks; without axes: postproc.units
+LARGEST_WORD, EXACT = np.array(LARGEST_WORD_MM * TICKS_PER_MM), np.array(9)
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
@@ -67,7 +70,7 @@ class Batch:
         # deleted twice: in order, and faster than a set of all letters
         present = ANY.translate(None, ANY.translate(None, words.letter.tobytes()))
         # letter to its words
-        self.places = {chr(c): (words.letter == c).nonzero()[0] for c in present}
+        self.places = {chr(c): (words.letter == LETTERS[c]).nonzero()[0] for c in present}
         self.ended = state.ended
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
@@ -117,7 +120,8 @@ class Batch:
     def _live(self) -> np.ndarray:
         """(B,) bool: blocks that the control reads; none after the end of the program, none that
         block delete drops."""
-        w, live = self.words, np.ones(self.n, dtype=bool)
+        w, live = self.words, np.empty(self.n, bool)
+        live.fill(True)
         if self.setup.block_delete:
             live &= ~w.skip
         if self.ended:
@@ -181,13 +185,13 @@ class Batch:
         """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the
         tick beyond."""
         mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
-        scale = np.asarray(scale, np.int64)
         # one unit for all: look the ticks of a last digit up by the number of decimals
         if scale.size == 1:
             per = _last_digit(scale.item()).take(decimals, mode="clip")
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
-        far = (np.abs(mantissa.astype(float)) * per > LARGEST_WORD_MM * TICKS_PER_MM).nonzero()[0]
+        size = np.abs(mantissa.astype(float)) * per.astype(float)
+        far = (size > LARGEST_WORD).nonzero()[0]
         if len(far):
             far = far[np.minimum(decimals[far], 9) == decimals[far]]
         if len(far):
@@ -200,7 +204,7 @@ class Batch:
                 "is a decimal point missing?",
             )
         value = mantissa * per
-        for i in (decimals > 9).nonzero()[0] if len(decimals) else ():
+        for i in (decimals > EXACT).nonzero()[0]:
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)
@@ -366,9 +370,9 @@ class Batch:
             return np.int64(1)
         if letter == "X" and "diameter" in self.dialect.groups:
             mode = self.held("diameter")
-            if isinstance(mode, int) and mode in (70, 80):
-                return np.int64(2 if mode == 70 else 1)
             default = 2 if letter in self.setup.diameter else 1
+            if isinstance(mode, int) and mode != DIAM90:
+                return np.int64({70: 2, 80: 1}.get(mode, default))
             if DIAM90 in self.dialect.by_number:
                 by_distance = np.where(self.held("distance") == 910, 1, 2)
                 return np.where(

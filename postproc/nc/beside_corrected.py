@@ -37,9 +37,9 @@ class Contours:
 def follow_both(before: Contours, motions: Motions, pieces: Pieces) -> Contours:
     """The contours behind a batch; `before` stays as it is. Raises BlockFault for a block that only
     the nominal program could cut."""
-    inside = np.flatnonzero(motions.cutter != FREE)
-    if not len(inside):
+    if not np.count_nonzero(motions.cutter):  # all FREE
         return before
+    inside = np.flatnonzero(motions.cutter != FREE)
     c = copy.deepcopy(before)
     first = np.searchsorted(pieces.motion, np.arange(len(motions) + 1))
     for i in inside.tolist():

@@ -71,7 +71,10 @@ class Emitter:
             thread_words(b)
             frames_of_blocks(b, (~b.first).nonzero()[0])
         shift = tuple((b.p.end[:, -1] - b.m.target[:, -1]).tolist())
-        state = Written(last_code(b), b.state.marked, b.state.newline, shift, b.bottom, feed)
+        state = Written(
+            code=last_code(b), marked=b.state.marked, newline=b.state.newline, shift=shift,
+            bottom=b.bottom, feed=feed,
+        )  # fmt: skip
         touched = b.touched.nonzero()[0]
         if len(touched) and not state.marked and self.marker:
             at = b.w.text.rfind(b"\n", 0, int(b.w.block_start[b.m.block[touched[0]]])) + 1

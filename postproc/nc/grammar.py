@@ -3,10 +3,13 @@ handed on: what the lexer, the spellings and the dialects agree on."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import cached_property
+
+from postproc.records import record
 
 
-class Grammar(NamedTuple):
+@record
+class Grammar:
     """What is a word in a dialect's text, and what is none. Regular expressions are searched
     without regard to case, line by line; what their group holds stays."""
 
@@ -29,7 +32,7 @@ class Grammar(NamedTuple):
     untold: bool = False  # whether F and S may be variables whose value only the machine knows
     klartext: bool = False  # whether its statements are those of Heidenhain's Klartext
 
-    @property
+    @cached_property
     def is_respelled(self) -> bool:
         """Whether words may be written in other ways than as a letter and a number."""
         patterns = (self.keywords, self.spellings, self.ignores, self.macros, self.homing)

@@ -283,20 +283,10 @@ def columns(
     else:
         feed.fill(b.state.feed)
         b.feed = b.state.feed
-    coded = b.code_word >= 0
-    named = coded.cumsum()
-    if len(block):
-        before = (named - coded)[block]  # codes named before each block
-        renamed = np.empty(len(block), bool)
-        renamed[0] = before[0] > 0 or b.state.renamed
-        np.greater(before[1:], named[block[:-1]], out=renamed[1:])
-        b.renamed = bool(named[-1] > named[block[-1]])
-    else:
-        renamed = np.zeros(0, bool)
-        b.renamed = b.state.renamed or bool(len(named) and named[-1])
+    renamed = _renamed(b, block)
     mode = b.held("feed mode")
     inverse = spread(at(mode, block), len(block)) == 930
-    if np.count_nonzero(mode == 930):
+    if np.count_nonzero(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if untold is not None:
             unknown = inverse & np.isin(block, b.words.block[untold])
@@ -344,6 +334,7 @@ def columns(
         sent=places.sent,
         holes=holes_of(b, b.cycle, block),
         presets=b.presets,
+        heat=NO_HEAT,
         spells=no_spells(),
         **beside_columns(b, block),
         stop=stop_column(b, block),
@@ -355,6 +346,25 @@ def columns(
         spaces=[None, b.frame.space],
     )
     return refuse_beside(b, motions)
+
+
+def _renamed(b: Batch, block: np.ndarray) -> np.ndarray:
+    """(N,) bool: whether a motion code was named since the motion before; sets b.renamed."""
+    coded = b.code_word >= 0
+    renamed = np.zeros(len(block), bool)
+    if not np.count_nonzero(coded):
+        renamed[:1] = b.state.renamed
+        b.renamed = b.state.renamed and not len(block)
+        return renamed
+    named = coded.cumsum()
+    if not len(block):
+        b.renamed = True
+        return renamed
+    before = (named - coded)[block]  # codes named before each block
+    renamed[0] = before[0] > 0 or b.state.renamed
+    np.greater(before[1:], named[block[:-1]], out=renamed[1:])
+    b.renamed = bool(named[-1] > named[block[-1]])
+    return renamed
 
 
 def next_state(b: Batch, places: Places) -> ModalState:
@@ -394,4 +404,5 @@ def tool_in_use(b: Batch) -> int:
     return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
+NO_HEAT = np.zeros((0, 0), np.int64)
 CENTRES = {c: (c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": ("R",)}

@@ -16,8 +16,9 @@ does not know what a word means.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -28,7 +29,14 @@ from postproc.records import columns
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 BLANKS = b" \t\r"
+# Numbers of operators as arrays without axes: where a batch is one block an operator takes twice as
+# long with a number.
+DIGITS, SIGNS, POINTS, LETTERS, SLASHES, ENDS, MINUS, UPPER = (
+    np.array(kind, np.uint8) for kind in (DIGIT, SIGN, POINT, LETTER, SLASH, END, ord("-"), 0xDF)
+)
+NEXT, ALL = np.array(1), np.array(8)
 LONGEST_NUMBER = 18  # digits that fit an int64
+LONGEST, EIGHT_BYTES = np.array(LONGEST_NUMBER), np.dtype("<u8")
 THREE_ENDS, THREE = np.full(3, END, np.uint8), np.zeros(3, np.int64)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
 # Eight digits in a word of eight bytes: pairs are joined, then fours, then all. Shift by their
@@ -121,6 +129,14 @@ def _classes(semicolon: str, spelled: bool, block_end: str) -> bytes:
     return bytes(table)
 
 
+@cache
+def _respelled() -> Callable[[bytes, Grammar], bytes]:
+    """What brings other spellings to letter and number: its expressions cost start-up."""
+    from postproc.nc.spellings import respelled
+
+    return respelled
+
+
 def _blanked(text: bytes, grammar: Grammar) -> bytes:
     """The text with its comments blanked."""
     semicolon = grammar.semicolon
@@ -138,10 +154,8 @@ def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes,
     if drop and b"/" in code:
         code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
     spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
-    if spelled:  # whose expressions cost start-up
-        from postproc.nc.spellings import respelled
-
-        code = respelled(code, grammar)
+    if spelled:
+        code = _respelled()(code, grammar)
     if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):
         code = LONE_RETURN.sub(bytes([LONE]), code)
     return code if code.endswith(b"\n") else code + b"\n", spelled
@@ -168,19 +182,20 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     mark_kind = np.concatenate([kind[mark], THREE_ENDS])
     mark = np.concatenate([mark, len(offset) + THREE])
 
-    is_letter = mark_kind == LETTER
-    is_end = mark_kind == END
+    is_letter = mark_kind == LETTERS
+    is_end = mark_kind == ENDS
     first = is_letter.nonzero()[0]
     here = mark[first]
-    block_of_mark = is_end.cumsum()
+    block_of_mark = np.add.accumulate(is_end, dtype=np.int64)
     block = block_of_mark[first]
-    signed = (mark_kind[first + 1] == SIGN) & (mark[first + 1] == here + 1)
-    after = first + 1 + signed
-    pointed = mark_kind[after] == POINT
+    after, begin = first + NEXT, here + NEXT
+    signed = (mark_kind[after] == SIGNS) & (mark[after] == begin)
+    if np.count_nonzero(signed):
+        after, begin = after + signed, begin + signed
+    pointed = mark_kind[after] == POINTS
     point = mark[after]
-    after += pointed
+    after = after + pointed
     stop = mark[after]
-    begin = here + 1 + signed
     whole = point - begin  # without a point that is where the number stops
     decimals = stop - point - pointed
     digits = whole + decimals
@@ -192,15 +207,16 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     block_first = np.zeros(len(end_at), np.int64)
     block_first[1:] = end_at[:-1] + 1
     first_kind = kind[block_first]
-    skip = first_kind == SLASH
+    skip = first_kind == SLASHES
 
     fault = None
-    wrong = (digits < 1) | (digits > LONGEST_NUMBER)
+    wrong = (digits < NEXT) | (digits > LONGEST)
     # Every letter, sign, point and slash that stands where it may is a mark of its own.
-    right = len(first) + len(end) + sum(map(np.count_nonzero, (signed, pointed, skip)))
-    if right < len(mark) - 3 or np.count_nonzero(wrong) or np.count_nonzero(first_kind == DIGIT):
+    right = len(first) + len(end) + np.count_nonzero(signed)
+    right += np.count_nonzero(pointed) + np.count_nonzero(skip)
+    if right < len(mark) - 3 or np.count_nonzero(wrong) or np.count_nonzero(first_kind == DIGITS):
         used = is_end | is_letter
-        used[(first + 1)[signed]] = True
+        used[(first + NEXT)[signed]] = True
         used[(after - 1)[pointed]] = True
         used[np.searchsorted(mark, block_first[skip])] = True
         fault, tape = _first_fault(
@@ -220,26 +236,27 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     else:
         tape = -1
 
-    end_offset = offset.take(end_at)
+    end_offset, number = offset.take(end_at), here + NEXT
     block_start, line = np.zeros(len(end_at), np.int64), np.arange(len(end_at))
     block_start[1:] = end_offset[:-1] + 1
     if semicolon != "comment" or grammar.block_end:  # a line may hold several blocks
         (byte[end_at[:-1]] == ord("\n")).cumsum(out=line[1:])
     words = Words(
         text=text,
-        letter=byte[here] & 0xDF,
-        mantissa=_mantissa(byte, begin, whole, decimals, pointed, byte[here + 1] == ord("-")),
+        letter=byte[here] & UPPER,
+        mantissa=_mantissa(byte, begin, whole, decimals, pointed, byte[number] == MINUS),
         decimals=decimals,
         pointed=pointed,
         block=block,
         start=offset.take(here),
-        number=offset.take(here + 1),
-        stop=offset.take(stop - 1) + 1,
+        number=offset.take(number),
+        stop=offset.take(stop - NEXT) + NEXT,
         block_start=block_start,
-        block_stop=np.minimum(end_offset, len(text)),
+        block_stop=end_offset if code is text else np.minimum(end_offset, len(text)),
         line=line,
         skip=skip,
         tape=tape,
+        fault=None,
     )
     if tape >= 0 and (fault is None or fault.block > _block_at(words, tape)):
         return words.part(0, _block_at(words, tape))
@@ -268,12 +285,12 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     """(W,) int64 the digits of each number as one integer, with its sign; the point is stepped
     over."""
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
-    eight = np.ndarray(len(byte), "<u8", byte.tobytes() + bytes(8), strides=(1,))
+    eight = np.ndarray(len(byte), EIGHT_BYTES, byte.tobytes() + bytes(8), strides=(1,))
     digits = whole + decimals
-    before = BELOW.take(np.where(pointed, whole, 8), mode="clip")
+    before = BELOW.take(np.where(pointed, whole, ALL), mode="clip")
     text = eight[begin]  # `take` would write them all out first
     value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
-    long = (digits + pointed > 8).nonzero()[0]
+    long = (digits + pointed > ALL).nonzero()[0]
     if len(long):  # both sides of the point by themselves
         left, right = whole[long], decimals[long]
         behind = (begin + pointed)[long] + left
@@ -282,7 +299,7 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
         for i in long[np.maximum(left, right) > 8]:
             number = byte[begin[i] : begin[i] + digits[i] + pointed[i]].tobytes().replace(b".", b"")
             value[i] = int(number) if len(number) <= LONGEST_NUMBER else 0
-    return np.where(negative, -value, value)
+    return np.where(negative, -value, value) if np.count_nonzero(negative) else value
 
 
 def _digits(text, count):

@@ -58,12 +58,14 @@ def position(
 def _nowhere(b: Batch, n: int) -> Places:
     shape = (len(b.rows), n)
     whole = [np.zeros(shape, np.int64) for _ in range(6)]
+    word = np.empty(shape, np.int64)
+    word.fill(-1)
     return Places(
         start=whole[0],
         target=whole[1],
         start_known=np.zeros(shape, bool),
         target_known=np.zeros(shape, bool),
-        word=np.zeros(shape, np.int64) - 1,
+        word=word,
         incremental=np.zeros(shape, bool),
         grid=whole[2],
         scale=whole[3],

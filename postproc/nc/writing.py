@@ -22,6 +22,9 @@ AFTER, AFTER_END = (
 )  # ranks of added blocks: before all else at their place, unless that is the end of the text
 
 
+IS_BLANK = np.isin(np.arange(256), (ord(" "), ord("\t")))
+
+
 @record
 class Written:
     """What one batch hands to the next: the motion code that the output last wrote (-1: as the
@@ -115,12 +118,10 @@ class Writing:
             )
         self.head = np.where(some, w.start[first], fallback) if n else fallback
         self.at = np.where(some, self.tail(last), fallback) if n else fallback
-        blank = (self.byte == ord(" ")) | (self.byte == ord("\t"))
-        self.spaced = (
-            blank[np.maximum(self.head - 1, 0)] | blank[np.minimum(self.at, len(blank) - 1)]
-        )
-        # G64X=5 would be read as no code and its word
-        self.spaced |= self.dialect.grammar.assigns or self.klartext
+        before, behind = self.byte[np.maximum(self.head - 1, 0)], self.byte[self.at]
+        self.spaced = IS_BLANK.take(before) | IS_BLANK.take(behind)
+        if self.dialect.grammar.assigns or self.klartext:
+            self.spaced.fill(True)  # G64X=5 would be read as no code and its word
 
     def value(self, row: int | np.ndarray, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""
@@ -172,14 +173,16 @@ class Writing:
     ) -> None:
         if np.count_nonzero(where) < len(where):
             word, value, decimals = word[where], value[where], decimals[where]
-        plus = np.where(value >= 0, ord("+"), 0).astype(np.uint8)[:, None]
+        plus = None
+        if self.klartext:
+            plus = np.where(value >= 0, ord("+"), 0).astype(np.uint8)[:, None]
         self.splice.numbers(
             self.w.number[word],
             self.w.stop[word],
             np.zeros(len(word), np.int64),
             value,
             decimals,
-            plus if self.klartext else None,
+            plus,
         )
 
     def rank(self, piece: np.ndarray) -> np.ndarray:

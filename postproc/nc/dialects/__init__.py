@@ -379,7 +379,8 @@ def _grammar(dialect: Dialect) -> Grammar:
                 0,
             ),
         )
-    return dialect.grammar._replace(
+    return replace(
+        dialect.grammar,
         macros=macros,
         ignores=ignores,
         bare_letters=dialect.bare_letters,
