@@ -360,10 +360,10 @@ class Batch(Columns):
             beyond = rests.take(at, axis=1) & (play < -self.c.chord)
             sides[:, at] = np.where(beyond, self.weight_begin[rows[:, None], at], 0)
         twice = self.twice.take(rows, axis=0) & cutting
-        ways = [
-            (b - a).take(rows, axis=0)
-            for a, b in ((self.before, self.begin), (self.begin, self.end))
-        ]
+        ways = (
+            (self.begin - self.before).take(rows, axis=0),
+            (self.end - self.begin).take(rows, axis=0),
+        )
         self.way = self.carry.way.copy()
         if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
             self.way[rows] = last_way(*ways, self.way[rows])

@@ -115,9 +115,9 @@ class Machine(Stated):
         result = np.zeros(position.shape)
         for first in range(0, position.shape[1], PORTION):
             part = slice(first, first + PORTION)
-            along = None if self._turns else direction
+            along = None if self._rotary else direction
             q, each = self._at(position[:, part], approach[:, part], along)
-            if self._turns:
+            if self._rotary:
                 parts = rotary.tip_deviation(self.geometry, each, q)
             else:
                 parts = tip_deviation(self.arms, each, self.leaning, q)
@@ -126,7 +126,7 @@ class Machine(Stated):
         return result
 
     @cached_property
-    def _turns(self) -> bool:
+    def _rotary(self) -> bool:
         return bool(self.chain.rotary)
 
     @cached_property

@@ -72,6 +72,23 @@ def hold_last_float(column: np.ndarray, carry: float) -> np.ndarray:
     return np.where(last >= 0, column[np.maximum(last, 0)], carry)
 
 
+def named_since(named: np.ndarray, at: np.ndarray, carry: bool) -> tuple[np.ndarray, bool]:
+    """(N,) bool: whether a block that names something, of `named` (B,), stands between the one
+    before of the blocks `at` (N,), or the begin, and each, itself among them; and whether one does
+    behind the last. carry: whether one does before the first block."""
+    since = np.zeros(len(at), bool)
+    if not np.count_nonzero(named):
+        since[:1] = carry
+        return since, carry and not len(at)
+    if not len(at):
+        return since, True
+    count = named.cumsum()
+    before = (count - named)[at]
+    since[0] = before[0] > 0 or carry
+    np.greater(before[1:], count[at[:-1]], out=since[1:])
+    return since, bool(count[-1] > count[at[-1]])
+
+
 def cells(table: np.ndarray, row: int | np.ndarray, column: np.ndarray) -> np.ndarray:
     """(K,) table[row, column] of an (A, N) table, three times as fast."""
     return table.take(row * table.shape[1] + column)

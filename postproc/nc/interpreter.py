@@ -23,7 +23,7 @@ from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
-from postproc.nc.columns import at, hold_last_float, one_of, spread
+from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
 from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
@@ -283,7 +283,7 @@ def columns(
     else:
         feed.fill(b.state.feed)
         b.feed = b.state.feed
-    renamed = _renamed(b, block)
+    renamed, b.renamed = named_since(b.code_word >= 0, block, b.state.renamed)
     mode = b.held("feed mode")
     inverse = spread(at(mode, block), len(block)) == 930
     if np.count_nonzero(inverse):
@@ -346,25 +346,6 @@ def columns(
         spaces=[None, b.frame.space],
     )
     return refuse_beside(b, motions)
-
-
-def _renamed(b: Batch, block: np.ndarray) -> np.ndarray:
-    """(N,) bool: whether a motion code was named since the motion before; sets b.renamed."""
-    coded = b.code_word >= 0
-    renamed = np.zeros(len(block), bool)
-    if not np.count_nonzero(coded):
-        renamed[:1] = b.state.renamed
-        b.renamed = b.state.renamed and not len(block)
-        return renamed
-    named = coded.cumsum()
-    if not len(block):
-        b.renamed = True
-        return renamed
-    before = (named - coded)[block]  # codes named before each block
-    renamed[0] = before[0] > 0 or b.state.renamed
-    np.greater(before[1:], named[block[:-1]], out=renamed[1:])
-    b.renamed = bool(named[-1] > named[block[-1]])
-    return renamed
 
 
 def next_state(b: Batch, places: Places) -> ModalState:
