@@ -52,6 +52,7 @@ KEPT = {
     "fresh": "fresh kinds",
     "sealed": "sealed kinds",
     "unseen": "unseen kinds",
+    "later": "later kinds",
 }
 
 

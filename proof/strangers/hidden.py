@@ -10,7 +10,7 @@ import numpy as np
 
 from .base import AX, Array, Rec, Rng, Shape, logu, observe, pick, stream
 from .oracle import Oracle, alone
-from .registry import NUMBERED, allowed
+from .registry import ALONE, NUMBERED, allowed
 from .world import World
 
 SEEN = 40.0  # energy from which the oracle calls an effect visible
@@ -83,10 +83,13 @@ def draw_effect(
     axis: int | None = None,
     kinds: set[str] | None = None,
 ) -> Hidden | None:
-    """A form of an effect scaled to a peak (um); None where it can not reach 60 % of it."""
+    """A form of an effect scaled to a peak (um); None where it can not reach 60 % of it.
+
+    `kinds` names the forms to draw from, open ones whatever the family."""
     forms = allowed(effect, w.family)
     if kinds:
-        forms = [f for f in forms if f[0] in kinds] or forms
+        simple = [*allowed(effect, "open"), *forms]
+        forms = [f for f in dict.fromkeys(simple) if f[0] in kinds] or forms
     own = [f for f in forms if f[1] != "open"]
     # two of three: what an effect usually is stays in
     if own and w.family in NUMBERED and len(own) < len(forms):
@@ -206,6 +209,7 @@ def hide_blind(r: Rng, w: World, recs: list[Rec], suspects: list[str], ax: int) 
             "abbe": {"unmapped_pitch", "unmapped_parabola"},
             "cyclic": {"pure", "harmonics"},
         }.get(name)
+        kinds = None if w.family in ALONE else kinds
         h = draw_effect(r, w, recs, name, logu(r, 3, 16), ax, kinds)
         # numbered families: but for circles in one sense, which show two suspects alike, the test
         # sees nothing

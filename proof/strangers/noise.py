@@ -5,7 +5,7 @@ ou (Ornstein-Uhlenbeck), walk (Wiener), iou (integrated OU), flicker (1/f as a s
 decades, Milotti 1995), settle (exponential after set-up), quant (rounding), outlier.
 Held: modulated (periodic variance), arma (moving-average part), levy (jumps that relax),
 hum (narrow-band, unstable frequency), tempwander (follows the room), telegraph (two states).
-Fresh, sealed, unseen: see LATER; the modules that file them are not for who works on the judged
+Fresh, sealed, unseen, later: see LATER; the modules that file them are not for who works on the judged
 tool.
 A slow kind is given to the oracle as a kernel (FITC approximation on knots in time); kinds that
 are not Gaussian enter with their second moments.
@@ -21,6 +21,7 @@ import numpy as np
 from scipy.signal import lfilter
 
 from .base import Array, Rec, Rng, logu, pick
+from .registry import ALONE
 from .world import World, lowpass
 
 FAST = ["white", "student", "bursts"]
@@ -218,11 +219,13 @@ def draw_noise(r: Rng, rec: Rec, world: World, held: bool, harsh: bool) -> list[
     lo, hi = scale.get(rec.kind, (0.05, 1.5 if harsh else 1.0))
     sd = logu(r, lo, hi)
     fasts = FAST_TRACE if trace else FAST
+    alone = world.family in ALONE
+    held = held or alone
     own = LATER[world.family if held else "held"]
-    if held and r.random() < 0.5:
+    if alone or (held and r.random() < 0.5):
         fasts = own["trace" if trace else "parts" if rec.kind == "features" else "fast"]
     kinds = [pick(r, fasts)]
-    pool = SLOW + (own["slow"] * 2 if held else [])
+    pool = own["slow"] if alone else SLOW + (own["slow"] * 2 if held else [])
     many = int(r.integers(1, 4)) if harsh else int(pick(r, [0, 1, 1, 2]))
     kinds += [pick(r, pool) for _ in range(many)] if rec.kind != "features" else []
     if held and not set(kinds) & set(own["all"]):

@@ -1,9 +1,11 @@
 """Register of textbook forms: effect name -> list of (form, family, function).
 
-Five families of kinds: "open" to development; "held" back from it, until a trial has shown them;
-"fresh" and "sealed", whose cases were looked at after a trial; "unseen", which no run has used.  A
-case draws from its own family and from the open one.  Forms, noises and aliens of the last three
-bear numbers for names, so that the page of a trial does not give away what they are.
+Six families of kinds: "open" to development; "held" back from it, until a trial has shown them;
+"fresh", "sealed" and "unseen", whose cases were looked at after a trial; "later", which no run has
+used.  A case draws from its own family and from the open one; one of "later" draws its forms,
+noises, aliens and plans from its own alone (what rounds a reading, a gross error and the tests of
+the tier "blind" are the frame's).  Forms, noises and aliens of the last four bear numbers for
+names, so that the page of a trial does not give away what they are.
 """
 
 from __future__ import annotations
@@ -17,8 +19,9 @@ from .world import World
 
 Form = Callable[[World, Rng, int], "Shape | None"]
 FORMS: dict[str, list[tuple[str, str, Form]]] = {}
-FAMILIES = ("open", "held", "fresh", "sealed", "unseen")
-NUMBERED = ("fresh", "sealed", "unseen")  # families whose kinds bear numbers
+FAMILIES = ("open", "held", "fresh", "sealed", "unseen", "later")
+NUMBERED = ("fresh", "sealed", "unseen", "later")  # families whose kinds bear numbers
+ALONE = ("later",)  # families whose cases draw nothing from the open one
 
 
 def form(effect: str, name: str, family: str = "open") -> Callable[[Form], Form]:
@@ -46,6 +49,11 @@ def unseen(effect: str) -> Callable[[Form], Form]:
     return numbered(effect, "unseen")
 
 
+def later(effect: str) -> Callable[[Form], Form]:
+    """Decorator that files a form of the later family under its effect, numbered."""
+    return numbered(effect, "later")
+
+
 def numbered(effect: str, family: str) -> Callable[[Form], Form]:
     """Decorator that files a form under its effect by the next number of its family."""
     mine = sum(f == family for _, f, _ in FORMS.get(effect, []))
@@ -53,8 +61,9 @@ def numbered(effect: str, family: str) -> Callable[[Form], Form]:
 
 
 def allowed(effect: str, family: str) -> list[tuple[str, str, Form]]:
-    """Forms of an effect that a family may draw: the open ones and its own."""
-    return [f for f in FORMS[effect] if f[1] in ("open", family)]
+    """Forms of an effect that a family may draw: its own and, unless it is ALONE, the open ones."""
+    mine = (family,) if family in ALONE else ("open", family)
+    return [f for f in FORMS[effect] if f[1] in mine]
 
 
 def along(rec: Rec, ax: int, value: Array) -> Array:

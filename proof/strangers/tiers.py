@@ -16,6 +16,12 @@ from . import (  # noqa: F401
     fresh_place,
     fresh_servo,
     fresh_time,
+    later_aliens,
+    later_motion,
+    later_noise,
+    later_place,
+    later_servo,
+    later_time,
     sealed_aliens,
     sealed_motion,
     sealed_noise,
@@ -31,10 +37,11 @@ from . import (  # noqa: F401
 )
 from .base import AX, Case, Part, Rec, Rng, digest, observe, pick, stream
 from .hidden import ALIKE, Hidden, hide, hide_blind, peak_of, tell
+from .later_designs import ALIENS, absent
 from .machines import draw_map_error, map_error, stated
 from .noise import LATER, Noise, draw_noise
 from .oracle import Oracle
-from .plans import EFFECTS, PLANS, blind, experiment
+from .plans import EFFECTS, MADE_FOR, blind, experiment
 from .registry import FAMILIES, FORMS
 from .world import World, draw_world
 from .write import machine_files, recording
@@ -68,9 +75,9 @@ MASKED = [
 
 
 def plan_names(r: Rng, tier: str, suspect: str, family: str, plan: str) -> list[list[str]]:
-    """For each hidden effect the names to try in turn; `unseen` tries none that the experiment is
-    not made for."""
-    fits = [e for e in EFFECTS if family != "unseen" or plan in PLANS[e]]
+    """For each hidden effect the names to try in turn; `unseen` and `later` try none that the
+    experiment is not made for."""
+    fits = [e for e in EFFECTS if family not in MADE_FOR or plan in MADE_FOR[family][e]]
 
     def tries(first: str | None, pool: list[str], n: int) -> list[str]:
         names = [first] * 4 if first and r.random() < 0.6 else []
@@ -109,9 +116,10 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     key = digest(seed, tier, number, family)
     rx, rn, rh, rt = (stream(key, k) for k in ("experiment", "noise", "hidden", "text"))
     later = family != "open"
-    # circles and long tests show most of the last family's aliens
+    # circles and long tests show most of that family's aliens
     more = ["squareness"] * 4 + ["screw_heat"] * 3 if family == "unseen" else []
-    pools = {"masked": MASKED, "withheld": sorted(HIDDEN), "alien": MASKED[:13] + more}
+    strange = ALIENS if family == "later" else MASKED[:13] + more
+    pools = {"masked": MASKED, "withheld": sorted(HIDDEN), "alien": strange}
     suspect = pick(rx, pools.get(tier, EFFECTS))
     spot, follow, info = "", [], {}
     if tier == "blind":
@@ -157,6 +165,8 @@ def make(seed: str, tier: str, number: int, family: str = "open") -> Case:
     )
     if tier == "withheld":
         hidden |= HIDDEN[suspect]
+    if family == "later":
+        hidden |= absent(rt, m, suspect)
     files, notes = machine_files(m), {}
     out_follow: dict[str, str] = {}
     for i, q in enumerate(recs + follow):

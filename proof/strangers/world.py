@@ -136,7 +136,10 @@ def draw_world(r: Rng, m: Machine, recs: list[Rec], family: str, drivers: dict) 
     )
 
 
-THERMOMETERS = {"unseen": ["good", "lag", "lag", "lag", "offset", "coarse"]}  # of a family
+THERMOMETERS = {  # of a family
+    "unseen": ["good", "lag", "lag", "lag", "offset", "coarse"],
+    "later": ["good", "good", "lag", "offset", "coarse", "coarse"],
+}
 
 
 def thermometer(r: Rng, true: Array, t: Array, family: str) -> tuple[Array, dict]:

@@ -177,6 +177,8 @@ def recording(
         if w.rpm.any():
             places["T_spindle_C"] = w.spindle + 0.5 * w.air
         for name, series in places.items():
+            if name in hide:
+                continue
             v, note = thermometer(r, w.at(series, rec.t), rec.t, w.family)
             add(name, col(v, 2))
             notes[name] = note
