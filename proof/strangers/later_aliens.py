@@ -118,7 +118,7 @@ def diagonal_pads(w: World, r: Rng, ax: int) -> Shape | None:
     seen = [q for q in w.recs if q.outside and (ax in q.moving or to in q.moving)]
     if not seen or any(ax not in q.moving or to not in q.moving for q in seen):
         return None
-    if all(q.kind == "targets" for q in seen):
+    if not any(in_motion(q) for q in seen) or any(q.kind == "features" for q in seen):
         return None
     soon = r.uniform(0.02, 0.6)
 
@@ -180,7 +180,7 @@ def slipping_tape(w: World, r: Rng, ax: int) -> Shape | None:
     q0 = max(mine, key=lambda q: float(np.ptp(q.t)))
     n = int(r.integers(4, 10))
     at = q0.t[0] + np.ptp(q0.t) * np.sort(r.uniform(0.05, 0.95, n))
-    level = np.cumsum(np.r_[0.0, r.choice([-1.0, 1.0], n) * r.uniform(0.5, 1.5, n)])
+    level = np.cumsum(np.r_[0.0, (-1.0) ** np.arange(n) * r.uniform(0.5, 1.5, n)])
     level = level - level.mean()
 
     def field(q: Rec, a: float) -> Part:

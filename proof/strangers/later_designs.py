@@ -63,7 +63,7 @@ PLANS: dict[str, list[str]] = {
     "encoder_cyclic": ["log"],
     "screw_heat": WARM,
     "structure_drift": ["step_and_dwell", "spindle_run", "two_days"],
-    "spindle_growth": ["spindle_run", "spindle_run", "step_and_dwell"],
+    "spindle_growth": ["spindle_run", "spindle_run", "warm_spindle"],
     "squareness": ["circles", "circles", "diagonals", "grid"],
     "bow": ["dial", "dial", "grid", "circles"],
     "abbe": ["dial", "visit", "diagonals"],
@@ -78,10 +78,10 @@ PLANS: dict[str, list[str]] = {
     "delay": ["log", "grid", "visit"],
     "clock_skew": ["log", "grid"],
 }
-ALIENS = [  # suspects of tests that show the aliens
-    *["squareness"] * 4,
-    *["screw_heat", "servo_lag", "spindle_growth", "force_compliance", "tool_size"] * 2,
-    *["scale", "pitch_shape", "inertia", "sag", "scale"],
+ALIENS = [  # plans that show the aliens
+    *["circles", "grid", "step_and_dwell", "warm_spindle", "positioning"] * 3,
+    *["log", "parts", "two_days"] * 2,
+    "visit",
 ]
 Make = Callable[[float, str], Rec]
 
@@ -144,9 +144,9 @@ def staircase(r: Rng, m: Machine, ax: int) -> Make:
 
 
 def step_and_dwell(r: Rng, m: Machine, ax: int) -> Make:
-    """Two to five targets every 4 to 12 minutes; the axis works for the first part of the time and
+    """Three to six targets every 4 to 12 minutes; the axis works for the first part of the time and
     stands for the rest."""
-    n, (lo, hi) = int(r.integers(2, 6)), usable(m, ax)
+    n, (lo, hi) = int(r.integers(3, 7)), usable(m, ax)
     runs, share = int(r.integers(8, 19)), r.uniform(0.4, 0.75)
     force = {
         "n": n,
@@ -232,7 +232,7 @@ def circles(r: Rng, m: Machine, planes: list[list[int]]) -> list[Make]:
         room = min(float(np.ptp(m.travel[a])) for a in plane)
         force = {
             "plane": plane,
-            "radius": float(pick(r, [x for x in (100, 150, 250) if x < room * 0.45] or [50])),
+            "radius": float(pick(r, [x for x in (30, 50, 100, 150, 250) if x < room * 0.45][-2:])),
             "centre": inside(m, r, 0.48, 0.52),
             "arc": 360.0 if k == 0 else 220.0,
             "senses": [1, -1],
@@ -250,7 +250,7 @@ def corners(r: Rng, room: float, top: float) -> list[tuple[float, float, float]]
         a = half * room
         out += [(a, -a, top), (a, a, top), (-a, a, top), (-a, -a, top)]
         half += 0.08
-    return (out + [(0.0, 0.0, top)]) * 6
+    return [*out, (0.0, 0.0, top)] * 6
 
 
 def ladder(r: Rng, room: float, top: float) -> list[tuple[float, float, float]]:
@@ -327,7 +327,7 @@ def visit(r: Rng, m: Machine, plan: str, suspect: str) -> list[Make]:
         return [*extra, fine(r, m, axes[0]), fine(r, m, axes[0])]
     if plan == "staircase":
         return [*(staircase(r, m, a) for a in some), positioning(r, m, axes[0])]
-    if plan == "step_and_dwell":
+    if plan in ("step_and_dwell", "warm_spindle"):
         return [step_and_dwell(r, m, a) for a in some[:2]]
     if plan == "spindle_run":
         return [spindle_run(r, m, a) for a in axes[: int(r.integers(1, 3))]]
@@ -359,15 +359,17 @@ def campaign(r: Rng, m: Machine, plan: str, suspect: str, t: float) -> list[Rec]
 
 
 def experiment(r: Rng, suspect: str, masked: bool) -> tuple[Machine, list[Rec], dict, str]:
-    """Machine, files in order of time, drivers asked for, and the plan's name."""
-    plan = str(pick(r, PLANS.get(suspect, STILL)))
+    """Machine, files in order of time, drivers asked for, and the plan's name; a suspect of ALIENS
+    is a plan itself."""
+    alien = suspect in ALIENS
+    plan = suspect if alien else str(pick(r, PLANS.get(suspect, STILL)))
     if masked and plan in ("parts", "log"):  # neither shows the machine's map
         plan = "visit"
     kinds = KINDS if plan == "parts" else [*KINDS, "roll lathe", "lathe", "grinder"]
     m = draw_machine(r, masked, str(pick(r, kinds)), flat=plan == "parts")
     drivers = {
-        "load": suspect == "force_compliance" or r.random() < 0.1,
-        "spindle": suspect == "spindle_growth" or plan == "spindle_run" or r.random() < 0.1,
+        "load": suspect == "force_compliance" or r.random() < (0.3 if alien else 0.1),
+        "spindle": plan in ("spindle_run", "warm_spindle") or r.random() < 0.1,
         "T": suspect in ("screw_heat", "structure_drift", "laser_air") and r.random() < 0.8,
         "current": plan in ("log", "grid") and r.random() < 0.4,
     }

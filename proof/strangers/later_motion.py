@@ -9,8 +9,8 @@ Lin 1997 and Erkorkmaz and Altintas 2001 (quadrant glitches and the acceleration
 Renishaw's manual of the QC20-W ballbar (spikes that are compensated too much), Derjaguin, Push and
 Tolstoi 1957 (stick-slip that falls with the logarithm of speed), Ibrahim 1994 (friction-induced
 vibration: slips that ring), Makkar et al. 2005 (A new continuously differentiable friction model),
-Moore 1959 (thixotropy: structure that is broken by shear and heals), Wouterse 1991 (eddy-current
-drag with a critical speed), Merritt 1967 (Hydraulic control systems: orifices, unlike areas).
+Moore 1959 (thixotropy: structure that is broken by shear and heals), Merritt 1967 (Hydraulic
+control systems: orifices, unlike areas).
 """
 
 from __future__ import annotations
@@ -163,14 +163,13 @@ def ringing_slip(w: World, r: Rng, ax: int) -> Shape:
 @later("stick_slip")
 def fading_with_speed(w: World, r: Rng, ax: int) -> Shape:
     """A saw as high as the logarithm of speed tells: all of it at 0.3 mm/s, none at the speed from
-    which the slide runs smoothly (Derjaguin et al. 1957); a jump takes longer ways the faster."""
-    seg, top, more = logu(r, 0.05, 0.6), logu(r, 4, 12), r.uniform(0.0, 0.5)
+    which the slide runs smoothly (Derjaguin et al. 1957)."""
+    seg, top = logu(r, 0.05, 0.6), logu(r, 4, 12)
 
     def f(q: Rec) -> Array:
         v = np.clip(np.abs(q.vel[:, ax]), 0.3, top)
         high = np.log(top / v) / np.log(top / 0.3)
-        long = seg * (1 + more * np.round(v / top, 1))
-        return -q.sgn[:, ax] * creeping(q, ax, top) * high * ((q.since[:, ax] / long) % 1.0)
+        return -q.sgn[:, ax] * creeping(q, ax, top) * high * ((q.since[:, ax] / seg) % 1.0)
 
     return both(ax, f)
 
@@ -217,14 +216,6 @@ def _thixotropy(q: Rec, w: World, ax: int, c: Array) -> Array:
     return v * (1 + more * out)
 
 
-def _eddies(q: Rec, w: World, ax: int, c: Array) -> Array:
-    """Eddy currents of a motor: drag in proportion to speed, less of it towards a critical speed
-    of 1.5 to 4 times the fastest one (Wouterse 1991)."""
-    v = q.vel[:, ax]
-    top = max(float(np.abs(v).max()), 1e-9) * (1.5 + 2.5 * c[0])
-    return v / (1 + (v / top) ** 2)
-
-
 def _cover(q: Rec, w: World, ax: int, c: Array) -> Array:
     """A cover that is pushed together in + and pulls along in -: the more the farther out."""
     s, u = moving(q, ax), np.clip(unit_place(w, ax, q), 0, 1)
@@ -245,7 +236,6 @@ for _e, _law in (
     ("coulomb_friction", _makkar),
     ("coulomb_friction", _break_away),
     ("viscous_friction", _thixotropy),
-    ("viscous_friction", _eddies),
     ("friction_asymmetry", _cover),
     ("friction_asymmetry", _balance),
 ):

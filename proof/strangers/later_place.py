@@ -186,7 +186,7 @@ def turned_down_ends(w: World, r: Rng, ax: int) -> Shape:
 
 @later("bow")
 def worn_before_the_chuck(w: World, r: Rng, ax: int) -> Shape:
-    """A bed worn before the chuck: deepest at a fifth or so of its length and as new at its far end,
+    """A bed worn before the chuck: deepest at a fifth or so of its length, as new at its far end,
     s (1 - s)^n (Schlesinger)."""
     to, n, flip = across(w, r, ax), r.uniform(2.5, 6), r.random() < 0.5
     top = n**n / (n + 1) ** (n + 1)
@@ -347,16 +347,3 @@ def clamped_anew(w: World, r: Rng, ax: int) -> Shape:
         return sign * (1 + each[part] - each[1:].mean())
 
     return _radial(w, amount, lambda a: {"diameter_um": sign * a})
-
-
-@later("tool_size")
-def deep_in_a_bore(w: World, r: Rng, ax: int) -> Shape:
-    """A wrong diameter, less of it in small bores that hold the tool on all sides (Altintas)."""
-    sign, k = pick(r, [-1.0, 1.0]), r.uniform(0.5, 2.5)
-
-    def amount(q: Rec) -> Array:
-        size = np.array([i[3] for i in q.meta["info"]])
-        bore = np.array([i[1] == "bore_diameter" for i in q.meta["info"]])
-        return sign * (1 - bore * k / np.maximum(size, 10.0))
-
-    return _radial(w, amount)

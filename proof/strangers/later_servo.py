@@ -112,9 +112,9 @@ def piston_pump(w: World, r: Rng, ax: int) -> Shape | None:
     """Half waves of the flow of a pump with 7 or 9 pistons: a tone with its harmonics, cusps down
     (Ivantysyn 2003)."""
     top = fastest(w, 1 / 7)
-    if top is None:
+    if top is None or top < 2.5:
         return None
-    hz, ph = logu(r, min(1.5, top / 3), min(top, 60.0)), r.uniform(0, 1)
+    hz, ph = logu(r, 2.0, min(top, 60.0)), r.uniform(0, 1)
 
     def f(q: Rec) -> Array:
         if not in_motion(q):
@@ -130,9 +130,9 @@ def rocking_on_mounts(w: World, r: Rng, ax: int) -> Shape | None:
     """A machine that rocks on its mounts at 3 to 20 Hz: an ellipse in two directions that swells
     and dies as the floor is shaken (Rivin 2003); no scale sees it."""
     top = fastest(w, 1 / 2.6)
-    if top is None or not any(in_motion(q) and q.outside for q in w.recs):
+    if top is None or top < 4.0 or not any(in_motion(q) and q.outside for q in w.recs):
         return None
-    hz = logu(r, min(3.0, top / 2), min(top, 20.0))
+    hz = logu(r, 3.0, min(top, 20.0))
     to = int(pick(r, [a for a in w.machine.axes if a != ax]))
     k, ph, slow = r.uniform(0.15, 0.4), r.uniform(0, 6.28, 3), hz / r.uniform(40, 120)
 

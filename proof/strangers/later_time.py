@@ -6,9 +6,9 @@ that oil flows through; yielding bearings on both sides), Bryan 1968 (Internatio
 thermal error research: rooms whose control switches), Ramesh, Mannan and Poo 2000 (two thermal
 masses), ISO 230-3:2020 (spindles whose chiller switches; directions that warm up with unlike time
 constants), Edlen 1966 and Ciddor 1996 (index of air), Renishaw's notes on the XL-80 and XC-80 (a
-sensor of air in the wrong place; values that are entered by hand for each run; dead path; a head
+sensor of air in the wrong place; values that are entered by hand; dead path; a head
 that warms its surroundings), ISO 230-1:2012 and Steinmetz 1990 (alignment, stands that sink),
-Bessel filters (Thomson 1949: constant delay), multiplexed converters (Horowitz and Hill), Mills
+Bessel filters (Thomson 1949: constant delay), Mills
 1991 (clocks that are slewed), Allan 1987 (quartz in a room that warms and cools).
 """
 
@@ -148,20 +148,29 @@ def sensor_in_the_cabinet(w: World, r: Rng, ax: int) -> Shape | None:
     return Shape(field, _lit(w), most=4.0)
 
 
+def dead_band(x: Array, band: float) -> Array:
+    """What is shown of x by something that is renewed once x has gone `band` away from it."""
+    shown, out = float(x[0]), np.empty(len(x))
+    for i, v in enumerate(x.tolist()):
+        if abs(v - shown) > band:
+            shown = v
+        out[i] = shown
+    return out
+
+
 @later("laser_air")
-def entered_for_each_run(w: World, r: Rng, ax: int) -> Shape | None:
-    """Air that is read and typed in when a run begins: what it has done since (XL-80; Edlen)."""
+def renewed_by_hand(w: World, r: Rng, ax: int) -> Shape | None:
+    """Air that is typed in anew when somebody sees the thermometer to have gone half a kelvin to a
+    whole one away, and the barometer 1 to 4 hPa (XL-80; Edlen's index)."""
     if not lasers(w, ax):
         return None
-    far, index = r.random() < 0.5, edlen(w.air, w.pressure) * 1e-3
+    far = r.random() < 0.5
+    air = dead_band(w.air, r.uniform(0.5, 1.0))
+    weight = dead_band(w.pressure, r.uniform(1.0, 4.0))
+    left = (edlen(w.air, w.pressure) - edlen(air, weight)) * 1e-3
 
     def field(q: Rec, a: float) -> Part:
-        if not q.laser:
-            return Part()
-        n = w.at(index, q.t)
-        first = np.unique(q.run, return_index=True)
-        start = n[first[1]][np.searchsorted(first[0], q.run)]
-        return Part(reading=a * (n - start) * beam(w, q, far))
+        return Part(reading=a * w.at(left, q.t) * beam(w, q, far)) if q.laser else Part()
 
     return Shape(field, _lit(w), most=4.0)
 
@@ -245,12 +254,6 @@ def _bessel(q: Rec, a: float, c: Array) -> Array:
     return -a * lfilter(num, den, q.vel, axis=0)
 
 
-def _multiplexed(q: Rec, a: float, c: Array) -> Array:
-    """Axes that are read one after the other, a fiftieth to a tenth of the delay apart."""
-    step = (0.02 + 0.08 * c[0]) * (np.argsort(np.argsort(c)) - 1.0)
-    return -a * q.vel * (1 + step)
-
-
 def share_of(q: Rec) -> Array:
     """Time within the file, 0..1."""
     return (q.t - q.t[0]) / max(float(q.t[-1] - q.t[0]), 1e-9)
@@ -270,6 +273,5 @@ def _warm_and_cool(q: Rec, a: float, c: Array) -> Array:
 
 
 _late("delay", _bessel, linear=False)
-_late("delay", _multiplexed)
 _late("clock_skew", _slewed)
 _late("clock_skew", _warm_and_cool)
