@@ -310,6 +310,8 @@ def log(r: Rng, m: Machine, sees: str, kind: str, t0: float, name: str) -> Rec:
 def visit(r: Rng, m: Machine, plan: str, suspect: str) -> list[Make]:
     """The files of a plan."""
     axes = [int(a) for a in r.permutation(m.axes)]
+    if suspect in ("laser_air", "dead_path"):  # air shows on long ways
+        axes.sort(key=lambda a: -np.ptp(m.travel[a]))
     flat = [[0, 2]] if len(m.axes) == 2 else [[0, 1], [0, 2], [1, 2]]
     slow = ["crawl"] if suspect == "stick_slip" else ["ladder", "ladder", "corners"]
     kind = str(pick(r, [*slow, *(["crawl"] if suspect in ("coulomb_friction", "windup") else [])]))

@@ -160,12 +160,12 @@ def dead_band(x: Array, band: float) -> Array:
 
 @later("laser_air")
 def renewed_by_hand(w: World, r: Rng, ax: int) -> Shape | None:
-    """Air that is typed in anew when somebody sees the thermometer to have gone half a kelvin to a
-    whole one away, and the barometer 1 to 4 hPa (XL-80; Edlen's index)."""
+    """Air that is typed in anew when somebody sees the thermometer to have gone one to
+    two and a half kelvin away, and the barometer 1 to 4 hPa (XL-80; Edlen's index)."""
     if not lasers(w, ax):
         return None
     far = r.random() < 0.5
-    air = dead_band(w.air, r.uniform(0.5, 1.0))
+    air = dead_band(w.air, r.uniform(1.0, 2.5))
     weight = dead_band(w.pressure, r.uniform(1.0, 4.0))
     left = (edlen(w.air, w.pressure) - edlen(air, weight)) * 1e-3
 
