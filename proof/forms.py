@@ -35,7 +35,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m proof.forms", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--kinds", choices=("open", "held", "fresh", "sealed"), default="open")
+    parser.add_argument("--kinds", choices=("open", "held", "fresh", "sealed", "unseen"), default="open")
     parser.add_argument("--seed", default="forms")
     parser.add_argument("--count", type=int, default=100)
     options = parser.parse_args(argv)
