@@ -24,6 +24,7 @@ from postproc.diagnose import library, noise, nuisances, rows
 from proof import laid
 from proof.score import same
 from proof.strangers import tiers
+from proof.strangers.registry import FAMILIES
 
 PER_MM = 1e3  # urad that count as much as a um
 OPEN = 5e-3  # mm: a zero or a set-up that is larger is taken out
@@ -35,7 +36,7 @@ def main(argv: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="python -m proof.forms", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("--kinds", choices=("open", "held", "fresh", "sealed", "unseen"), default="open")
+    parser.add_argument("--kinds", choices=FAMILIES, default="open")
     parser.add_argument("--seed", default="forms")
     parser.add_argument("--count", type=int, default=100)
     options = parser.parse_args(argv)
