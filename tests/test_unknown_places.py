@@ -206,3 +206,41 @@ def test_rapids_at_an_unknown_place_are_counted_and_the_first_is_named():
             filter_.feed(line.encode())
         filter_.finish()
         assert [(n.line, n.counts) for n in filter_.notices] == [(2, (2, 0, 0))]
+
+
+OVER = (
+    "G21 G90 G40 G49 G80\nG28 G91 Z0\nG90\nT1 M6\nG54\nG1 X10. Y20. F1000.\n",
+    "G1 X12.\nG43 Z15. H1\nG1 X50.\nM30\n",
+)
+
+
+def test_feeds_between_a_tool_change_and_the_new_length_stay_as_they_are():
+    """CAM programs without rapids lead the tool over the part by G1 (Autodesk's personal licence):
+    both are left and counted, and X and Y follow with the first Z. A feed behind G28 alone, and an
+    arc, are refused as before."""
+    m = mill("EXZ", "EYZ", "EXX")
+
+    def filtered(*parts: str) -> tuple[str, list]:
+        offsets = {"G54": {}, "H1": {"Z": 0.0}}
+        filter_ = Filter(m, dialects.load("fanuc-mill"), setup_of(m, offsets))
+        out = b"".join([*(filter_.feed(p.encode()) for p in parts), filter_.finish()])
+        return out.decode(), filter_.notices
+
+    whole, notices = filtered("".join(OVER))
+    lines = whole.splitlines()
+    assert "G1 X10. Y20. F1000." in lines and "G1 X12." in lines
+    first = next(line for line in lines if "Z15" in line)
+    place = np.array([[12.0], [20.0], [15.0]])
+    off = m.deviation(place, 0 * place)[:, 0]
+    assert np.abs(off[:2]).min() > 0.004
+    for letter, nominal, error in zip("XY", (12.0, 20.0), off, strict=False):
+        assert float(first.split(letter)[1].split()[0]) == pytest.approx(nominal - error, abs=5e-4)
+    assert [(n.line, n.counts) for n in notices if n.code == "unknown"] == [(6, (2, 2, 1))]
+    for cut in (OVER, [line + "\n" for line in "".join(OVER).splitlines()]):
+        assert filtered(*cut)[0] == whole
+    for text in (
+        "".join(OVER).replace("T1 M6\n", ""),
+        "".join(OVER).replace("G1 X12.", "G2 X12. I1."),
+    ):
+        with pytest.raises(ProgramError, match="where Z stands is not known"):
+            filtered(text)

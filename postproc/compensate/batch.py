@@ -85,9 +85,8 @@ class Batch(Columns):
         self.reached = self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
             self.reached = self.end_nominal.copy()
-            self.reached[m.holes.axis, self.hole] = (
-                (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
-            )
+            middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
+            self.reached[m.holes.axis, self.hole] = middle
         # Strokes that begin where the last one did not end, since something else (G28) has moved
         # the axis.
         self.jumps = self.of(self.jumped)

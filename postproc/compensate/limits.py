@@ -50,14 +50,16 @@ def refuse_turning_arcs(b: Batch) -> None:
 
 def check_unknown(b: Batch) -> None:
     """What can not be corrected since a place is not known: a rapid is left as it is, and a feed
-    where a program begins like that (printers, routers); elsewhere it is refused. All that is left
-    is counted, and said."""
+    where a program begins like that (printers, routers) or where it leads the new tool over the
+    part before its length holds (CAM programs without rapids write G1 there); elsewhere it is
+    refused. All that is left is counted, and said."""
     if not np.count_nonzero(~(b.known & b.start_known)):
         return
     lost = ~b.known & ~b.m.alone
     feeds = lost & (b.m.code != RAPID)
     fault = None
-    refused = feeds & (b.m.code != FEED) if b.options.passes_unknown else feeds
+    passes = (b.m.code == FEED) & (b.m.changed | b.options.passes_unknown)
+    refused = feeds & ~passes
     for i in (refused if refused.any() else feeds).nonzero()[0][:1]:
         axes = " ".join(x for k, x in enumerate(b.machine.letters) if b.places.wanting[k, i])
         fault = MotionFault(

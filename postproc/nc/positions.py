@@ -20,7 +20,8 @@ from postproc.units import TICKS_PER_MM
 class Places:
     """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how
     each axis' word is (or would be) written; sent: whether G28 has taken the axis elsewhere since
-    the motion before; end_position, end_known, end_sent (A,): behind the batch."""
+    the motion before; changed (N,): whether a tool change has taken an axis away that no block has
+    named since; end_position, end_known, end_sent, end_changed (A,): behind the batch."""
 
     start: np.ndarray
     target: np.ndarray
@@ -33,7 +34,9 @@ class Places:
     origin: np.ndarray
     least: np.ndarray
     sent: np.ndarray
+    changed: np.ndarray
     end_sent: np.ndarray
+    end_changed: np.ndarray
     end_position: np.ndarray
     end_known: np.ndarray
 
@@ -72,7 +75,9 @@ def _nowhere(b: Batch, n: int) -> Places:
         origin=whole[4],
         least=whole[5],
         sent=np.zeros(shape, bool),
+        changed=np.zeros(n, bool),
         end_sent=np.zeros(len(b.rows), bool),
+        end_changed=_before(b, b.state.changed),
         end_position=b.state.position.copy(),
         end_known=b.state.known.copy(),
     )
@@ -94,10 +99,9 @@ class _Shared:
         # whether any word says by itself that it is absolute or a distance
         self.spelled = any(ord(letter) >= RELATIVE for letter in b.places)
         self.sends = 280 in b.single or 300 in b.single
-        self.sent = b.state.sent if b.state.sent is not None else np.zeros(len(b.rows), bool)
-        self.moves_without_words = (
-            self.forgets or self.sends or np.count_nonzero(self.sent) or b.cycle
-        )
+        self.sent, self.changed = _before(b, b.state.sent), _before(b, b.state.changed)
+        held = np.count_nonzero(self.sent | self.changed)
+        self.moves_without_words = self.forgets or self.sends or held or b.cycle
 
 
 class _Axis:
@@ -205,8 +209,8 @@ class _Axis:
             _since(p, self.row, away, block, sent)
         elif sent:
             _since(p, self.row, away, block, True)
-        if self.letter in b.changed:
-            drop = drop | self._changed(away, block, sent)
+        if self.letter in b.changed or shared.changed[self.row]:
+            drop = drop | self._changed(p, away, block, sent)
         self.known: np.ndarray | None = None
         unsure = self.cycle is not None and not self.cycle.known
         if not self.was_known or shared.forgets or unsure:
@@ -215,14 +219,20 @@ class _Axis:
                 event[self.cycle.blocks[self.cycle.initial]] = 0
             self.known = hold_last(event, int(self.was_known)).astype(bool)
 
-    def _changed(self, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
-        """(B,) bool: where a tool change takes it to a place that is not known: not where a program
+    def _changed(self, p: Places, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
+        """Fill in which motions come between a tool change and the first word of the axis. (B,)
+        bool: where a tool change takes it to a place that is not known: not where a program
         that measures from there goes on in G91 (it means that the change takes the axis back), but
         for what G28 has sent away."""
         event = np.full(self.b.n, -1)
         event[block], event[away] = 0, 1
         is_away = hold_last(event, int(sent)).astype(bool)
-        return self.b.changed[self.letter] & (is_away | (self.distance != 910))
+        lost = self.b.changed.get(self.letter, False) & (is_away | (self.distance != 910))
+        event = np.where(self.named | away, 0, np.where(lost, 1, -1))
+        since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
+        p.changed |= since[block]
+        p.end_changed[self.row] = since[-1]
+        return lost
 
     def write(self, p: Places, block: np.ndarray) -> None:
         """Fill the axis' row of `p` at the moving blocks."""
@@ -250,6 +260,11 @@ class _Axis:
         if n:
             p.end_position[row] = self.position[-1]
             p.end_known[row] = True if self.known is None else self.known[-1]
+
+
+def _before(b: Batch, held: np.ndarray | None) -> np.ndarray:
+    """(A,) what holds of each axis before the batch."""
+    return np.zeros(len(b.rows), bool) if held is None else held.copy()
 
 
 @lru_cache

@@ -64,6 +64,7 @@ def _assignments(code: bytes, grammar: Grammar) -> bytes:
     return ASSIGNED.sub(_assigned, code)
 
 
+# Whole: one spelling after the other, each where the grammar has it.
 def respelled(code: bytes, grammar: Grammar) -> bytes:
     """The text with every other spelling brought to letter and number, byte for byte as long."""
     # the letters that stand for spellings are none of the program's own

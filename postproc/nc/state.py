@@ -127,7 +127,8 @@ class ModalState:
     code was named since the last motion. origin (A,): ticks, where the zero of absolute words lies
     behind the batch, and zero_known: whether it does; offsets: work and tool offsets that the
     program itself has set, mm, beside those of the Setup. frame: other shifts in force; sent (A,):
-    axes that G28 has taken elsewhere since the last motion; cycle: the canned cycle in force;
+    axes that G28 has taken elsewhere since the last motion; changed (A,): axes that a tool change
+    has taken away and no block has named since; cycle: the canned cycle in force;
     beside: how the tool stands beside the contour; tool_number: the tool in the spindle, which G43
     without H means, and next_tool the last T; -1: none named. loose: axes that an engraving left
     beside its text, by an unknown way."""
@@ -143,6 +144,7 @@ class ModalState:
     zero_known: bool = True
     frame: Frame | None = None
     sent: np.ndarray | None = None
+    changed: np.ndarray | None = None
     cycle: Cycle | None = None
     beside: Beside = Beside()
     tool_number: int = -1

@@ -295,6 +295,7 @@ class Drilling:
         out."""
         return [block.text]
 
+    # Whole: the motions of a hole in their order, with what stands between them.
     def lines(self, scene: Scene, block: Block, job: Job) -> list[bytes]:
         """G0 to the place and to R level, and the cycle's own motions, as often as L or K says."""
         hole = job.hole

@@ -82,6 +82,7 @@ class Grooving:
     def wants(self, scene: Scene, block: Block) -> bool:
         return False
 
+    # Whole: the cuts in the order in which the tool makes them.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         if scene.code("cutter") in (410, 420):

@@ -109,6 +109,7 @@ class KlartextTurns:
         moved = MOVED.findall(code[found.end() :])
         return any(not self.map.leaves(axis.decode()) for axis in moved)
 
+    # Whole: one cycle after the other, each with its own words.
     def _define(self, code: bytes) -> list[bytes] | None:
         """What stays of cycle 8, 10, 11 or 26; None: the line is none of them."""
         found = DEFINED.match(code)

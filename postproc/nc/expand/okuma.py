@@ -104,6 +104,7 @@ class _Run:
             if not part.codes[i] or part.codes[i] == b"%":
                 yield Line(part.texts[i], i + 1)
 
+    # Whole: the one loop over statements, which jumps and calls lead.
     def _run(self, part: _Part, depth: int) -> Iterator[Line]:
         """One program, to RTS or its end."""
         part.at = part.first
