@@ -56,7 +56,11 @@ stated as zero too. Some refusals of turning programs were judged by hand (a mis
 subprogram; a corner where the shape goes straight on; a Haas shape of type I that turns back; G70
 in its own shape; decimal commas; a sum without = on an Okuma), and seven of mills (R in a block of
 M02; a line of another control; a number with two points, twice; 50 mm above the reference point, in
-G91; Z behind a tool change; a home that the control holds)."""
+G91; Z behind a tool change; a home that the control holds).
+
+Of programs that nobody has looked at before, expect less: of the last 103, 69 of 93 legitimate ones
+were corrected before anything was mended for them (74 %; of Fanuc lathes 3 of 15, many by students;
+of the 61 for other controls than these and Fanuc mills 57)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked
