@@ -48,7 +48,7 @@ def may_bend(
 ) -> np.ndarray:
     """(M,) whether anything can happen between the ends of motions (A, M), mm: a node passed, the
     end of a table where it is held beyond (`clamped`), or product terms."""
-    result = machine.bounds.bends(target - start, slack)
+    result = machine.bounds.bends(start, target, slack)
     # each begins where the last one ends
     onward = not np.count_nonzero(start[:, 1:] != target[:, :-1])
     for letter, table in machine.every_table:

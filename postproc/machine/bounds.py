@@ -216,9 +216,9 @@ class Bounds:
             result = result + self._turning(way) / 8
         return result
 
-    def bends(self, way: np.ndarray, slack: float) -> np.ndarray:
-        """(N,) bool: straight motions that must be cut in more than one of `parts`."""
-        result: np.ndarray = np.sqrt(self.bend(way) / slack) > ONE
+    def bends(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
+        """(M,) bool: straight motions (A, M) that must be cut in more than one of `parts`."""
+        result: np.ndarray = np.sqrt(self.bend(target - start) / slack) > ONE
         return result
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:

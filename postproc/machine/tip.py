@@ -180,6 +180,10 @@ class TipBounds(Bounds):
                 result[some] = self._parts(start[:, some], target[:, some], count, slack)
         return result
 
+    def bends(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
+        """(M,) bool: straight motions (A, M) that must be cut in more than one of `parts`."""
+        return self.parts(start, target, slack) > 1
+
     def angle(self, start: np.ndarray, target: np.ndarray) -> np.ndarray:
         """(M,) degrees that a rotary axis turns along straight motions (A, M), at most."""
         turns: np.ndarray = np.abs(target - start)[list(self.machine.base.turning)].max(axis=0)

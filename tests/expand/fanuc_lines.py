@@ -34,7 +34,7 @@ def run(
 ) -> list[Line]:
     dialect = load(dialect)
     if grammar:
-        dialect = replace(dialect, grammar=PLAIN._replace(**grammar))
+        dialect = replace(dialect, grammar=replace(PLAIN, **grammar))
     tracker = Tracker(Interpreter(dialect, setup))
     data = text if isinstance(text, bytes) else text.encode("latin-1")
     out = []
