@@ -108,6 +108,13 @@ def chapter(dialect: dialects.Dialect) -> str:
     if dialect.length_left_open:
         changed = "its axis is unknown until the program names its place"
         rows.append(("where a tool length changes", changed))
+    if dialect.length_modal:
+        rows.append(("H by itself", "another length, while G43 or G44 is in force"))
+    if dialect.length_lapses:
+        away = " ".join(f"G{n // 10}" for n in dialect.length_lapses)
+        rows.append(
+            (f"behind {away} along the tool", "no length holds until G43 H names it again")
+        )
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
         (

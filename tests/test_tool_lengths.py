@@ -3,6 +3,7 @@ nobody named."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import lex
 from postproc.nc.state import Setup
+from postproc.units import TICKS_PER_MM
 from tests.linuxcnc import oracle
 from tests.linuxcnc.test_against_linuxcnc import ours
 
@@ -183,3 +185,58 @@ def test_an_increment_behind_another_edge_travels_it_or_not():
     with pytest.raises(ProgramError, match="zero or its tool length was changed"):
         corrected(head.format("D1\n"), "siemens", lengths)
     corrected(head.format("D1\nZ=AC(20)\n"), "siemens", lengths)
+
+
+def read(dialect: str, text: str):
+    """The motions of a text on a mill whose zeros are the machine's."""
+    machine = places.load(MILL)
+    setup = replace(
+        setup_of(machine, {"G54": dict.fromkeys("XYZ", 0.0), **LENGTHS}), home={"Z": 200.0}
+    )
+    interpreter = Interpreter(dialects.load(dialect), setup)
+    words = lex(
+        ("G90 G54\nG0 X0 Y0 Z300.\n" + text).encode(), dialects.load(dialect).grammar, False
+    )
+    return interpreter.run(words, interpreter.initial())[0]
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "centroid"])
+@pytest.mark.parametrize(
+    "text, z",
+    [
+        ("G43 H1 Z5.\nH2 Z6.\n", [35.0, 61.0]),
+        ("G43 H1 Z5.\nH0 Z6.\n", [35.0, 6.0]),
+        ("G43 H1 Z5.\nH2\nZ6.\n", [35.0, 61.0]),
+        ("G43 H1 Z5.\nG49\nH2 Z6.\n", [35.0, 6.0]),
+        ("G43 H1 Z5.\nG44 H2 Z6.\nH1 Z6.\n", [35.0, -49.0, -24.0]),
+    ],
+)
+def test_h_by_itself_names_another_length(dialect, text, z):
+    """By hand: lengths of 30 and 55 mm. Fanuc 0i-MB B-63844EN, 14.1.2, "independent specification
+    of the H command"; Centroid M-series, 11-2: "H3 ; Selects offset corresponding to H3"."""
+    if dialect == "centroid" and "G44" in text:
+        return  # not one of its codes
+    motions = read(dialect, text)
+    assert (motions.target[2, 1:] / TICKS_PER_MM).tolist() == z and motions.target_known[2].all()
+
+
+TAKEN_BACK = [
+    *((d, c) for d in ("fanuc-mill", "haas") for c in ("G91 G28 Z0\nG90", "G28 Z9.")),
+    *(("fanuc-mill", c) for c in ("G30 Z9.", "G53 Z150.")),
+]
+
+
+@pytest.mark.parametrize("dialect, away", TAKEN_BACK)
+def test_g28_takes_the_length_back(dialect, away):
+    """Fanuc 0i-MB B-63844EN, 14.1.2: "tool length offset vectors are canceled"; Haas 96-8000, G28:
+    "cancels tool length offsets for the following lines of code". So no Z may be put in behind it
+    (30 mm too low by the shortest of these tools), and none be read, until H names it again."""
+    head = f"G43 H1 Z5.\n{away}\nX10.\n"
+    assert not read(dialect, head).target_known[2, -1]
+    assert any("taken back" in m for m, _ in read(dialect, head + "Z5.\n").reasons)
+    assert any("taken back" in m for m, _ in read(dialect, head + "F9\nG81 Z-5. R2.\n").reasons)
+    for again in ("G43 H2 Z5.", "H2 Z5.", "G49 Z5."):
+        motions = read(dialect, head + again + "\nX11. Z6.\n")
+        assert motions.target_known[2, -1] and not motions.reason.any()
+    alone = read(dialect, f"{away}\nX10.\nZ5.\n")  # no length, none taken back
+    assert not alone.reason.any() and alone.target_known[2, -1]

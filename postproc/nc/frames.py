@@ -27,6 +27,7 @@ from postproc.nc.lengths import (
     no_length,
     set_radius,
     set_tool,
+    sign_of_h,
 )
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import (
@@ -83,6 +84,8 @@ def _edge(b: Batch, axis_words) -> None:
     number, tool = number_of(b, letter), number_of(b, "T")
     if number is not None and (letter != "H" or b.dialect.length_at_once):
         length_by(b, axis_words, letter, int(number))
+    elif number is not None and (sign := sign_of_h(b)):
+        _length(b, axis_words, "H", sign=sign)
     elif letter == "D" and tool is not None:
         length_by(b, axis_words, letter, 1 if tool else 0)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import Batch
-from postproc.nc.state import ticks_of
+from postproc.nc.state import NONE, ticks_of
 from postproc.nc.zeros import (
     changed,
     note_presets,
@@ -116,7 +116,7 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
         return
     units = int(np.broadcast_to(b.held("units"), b.n)[0])
     length = b.frame.length + length if add else length
-    b.frame = with_known(replace(b.frame, length=length, length_units=units), "length")
+    b.frame = with_known(replace(b.frame, length=length, length_units=units, lapsed=()), "length")
 
 
 def left_open(b: Batch, axis_words, before: np.ndarray) -> None:
@@ -133,6 +133,48 @@ def left_open(b: Batch, axis_words, before: np.ndarray) -> None:
         named = (x for x, (_, is_inc) in values_of(b, axis_words).items() if not is_inc)
         changes[[b.rows[x] for x in named]] = False
     b.state = replace(b.state, known=b.state.known & ~changes)
+
+
+def sign_of_h(b: Batch) -> int:
+    """1 or -1 where H stands by itself, while G43 or G44 is in force, and so names another length;
+    0 where it does not. Fanuc 0i-MB B-63844EN, 14.1.2 ("independent specification of the H
+    command"; H0 is no length); Centroid M-series operator's manual 11-2 ("H is modal"). Haas was
+    not seen: H works with G43 there as on a Fanuc."""
+    if not b.dialect.length_modal or not b.live[0]:
+        return 0
+    if b.given.get("tool length", (NONE,))[0] != NONE:
+        return 0
+    return {430: 1, 440: -1}.get(int(np.broadcast_to(b.held("tool length"), b.n)[0]), 0)
+
+
+def lapses(b: Batch, letter: str, away: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """(B,) bool: blocks that send an axis away and take its length back. `away` (B,): blocks of
+    G28 and G30 that do send it away; `by`: blocks whose words are absolute places of it.
+
+    Where it stands there in the program's coordinates, no word may say: "When G53, G28, or G30 is
+    specified in tool length offset mode, tool length offset vectors are canceled" (Fanuc 0i-MB
+    B-63844EN, 14.1.2; whether the next block or the next H puts them back is parameter 5001#6 EVO,
+    which the program does not say). "G28 cancels tool length offsets for the following lines of
+    code" (Haas 96-8000, G28)."""
+    codes, frame, row = b.dialect.length_lapses, b.frame, b.rows[letter]
+    gone = np.zeros(b.n, bool)
+    if not codes or not frame.length[row] or frame.space is not None:
+        return gone
+    for number in (280, 300):
+        if number in codes and number in b.single:
+            gone[b.single[number]] = away[b.single[number]]
+    if 530 in codes:
+        gone[by[b.machine[by]]] = True
+    since = gone.cumsum() + (letter in frame.lapsed)
+    b.blame(
+        by[(since[by] > 0) & ~b.machine[by] & ~gone[by]],
+        f"{letter} behind a G28, G30 or G53 that has taken back its tool length",
+        "whether the length holds here, the program does not say: write G43 H with its number"
+        " again, or G49",
+    )
+    if gone.any() and letter not in frame.lapsed:
+        b.frame = replace(frame, lapsed=(*frame.lapsed, letter))
+    return gone
 
 
 def _of_h0(b: Batch, add: bool) -> float:
@@ -235,4 +277,5 @@ def length_words(b: Batch, axis_words, word: str) -> None:
 
 def no_length(b: Batch, axis_words, word: str) -> None:
     if not _units_changed(b):
-        b.frame = with_known(replace(b.frame, length=np.zeros_like(b.frame.length)), "length")
+        none = np.zeros_like(b.frame.length)
+        b.frame = with_known(replace(b.frame, length=none, lapsed=()), "length")

@@ -12,6 +12,7 @@ import numpy as np
 from postproc.nc.batch import LINEAR, NO_WORDS, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, AXES, BARE, RELATIVE
+from postproc.nc.lengths import lapses
 from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
@@ -211,9 +212,13 @@ class _Axis:
             _since(p, self.row, away, block, True)
         if self.letter in b.changed or shared.changed[self.row]:
             drop = drop | self._changed(p, away, block, sent)
+        named = self.by[~self.is_inc]
+        by = np.concatenate([named, self.cycle.blocks]) if self.cycle else named
+        lapsed = lapses(b, self.letter, away, by)
+        drop = drop | lapsed
         self.known: np.ndarray | None = None
         unsure = self.cycle is not None and not self.cycle.known
-        if not self.was_known or shared.forgets or unsure:
+        if not self.was_known or shared.forgets or unsure or lapsed.any():
             event = np.where(drop, 0, np.where(self.named, 1, -1))
             if self.cycle is not None and unsure:
                 event[self.cycle.blocks[self.cycle.initial]] = 0

@@ -49,7 +49,8 @@ class Frame:
     Siemens, added: whether parts of it were (ATRANS); due: what of it and of the length the next
     increment of an axis travels too. extended: the name of the work offset that G54.1 P has chosen.
     length_units: ten times the code of the units in which the length was set. unknown: message and
-    advice, by part, for a shift that is in force and not known. tip: the tool point's frame, plane:
+    advice, by part, for a shift that is in force and not known. lapsed: axes whose length G28 has
+    taken back. tip: the tool point's frame, plane:
     a tilted plane's, face: that of polar interpolation, where they are in force."""
 
     local: np.ndarray
@@ -61,6 +62,7 @@ class Frame:
     extended: str = ""
     length_units: int = 210
     unknown: dict[str, tuple[str, str]] = field(default_factory=dict)
+    lapsed: tuple[str, ...] = ()
     tip: Space | None = None
     plane: Space | None = None
     face: Space | None = None

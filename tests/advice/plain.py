@@ -120,6 +120,12 @@ SHIFTS = [
     mill(
         C, "G43 H1|G20|G43 H2|G1 X3. F9", "G43 H1|G49|G20|G43 H2|G1 X3. F9", how={"offsets": LONG}
     ),
+    mill(
+        M,
+        "G43 H1 Z9.|G91 G28 Z0|G90|G1 X30. Z5. F9",
+        "G43 H1 Z9.|G91 G28 Z0|G90|G43 H1 G1 X30. Z5. F9",
+        how={"offsets": LONG},
+    ),
     mill(S, "T7|D1|G1 X30 F10", "T7|D1|G1 X30 F10", first={"offsets": TEN}),
     mill(C, "G43.1 C5.|G53 G0 X1.", "G43.1 C5.|G49|G53 G0 X1."),
 ]

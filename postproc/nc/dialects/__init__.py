@@ -99,7 +99,9 @@ class Dialect:
     their own code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers
     them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to
     a place of its own. `length_left_open`: where an axis stands whose tool length changes is not
-    said until the program names its place (postproc/nc/lengths.py).
+    said until the program names its place (postproc/nc/lengths.py). `length_lapses`: ten times the
+    codes that take the length back where they send its axis away (G28 G30 G53), until H names one
+    again. `length_modal`: H by itself names another length while G43 or G44 is in force.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
@@ -185,6 +187,8 @@ class Dialect:
     tools_move: bool = False
     change_takes: str = ""
     length_left_open: bool = False
+    length_lapses: tuple[int, ...] = ()
+    length_modal: bool = False
     other_codes_are_macros: bool = False
     hole_from_start: bool = False
     level_from_start: bool = False
@@ -200,7 +204,8 @@ class Dialect:
     def shifts_at_once(self) -> list[int]:
         """Letters, as bytes, whose word alone changes a shift of the coordinates."""
         own = self.length_letter != "H"
-        lengths = {self.length_letter, "T"} if own else {"H"} if self.length_at_once else set()
+        alone = self.length_at_once or self.length_modal
+        lengths = {self.length_letter, "T"} if own else {"H"} if alone else set()
         return [ord(x) for x in {*lengths, *self.offset_letter}]
 
     @cached_property

@@ -65,6 +65,7 @@ DIALECT = Dialect(
     grammar=Grammar(macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),)),
     plane=170,
     length_left_open=True,
+    length_modal=True,
     dwell="P",
     ends=(2, 30, 99),
     signs=(r"^[ \t]*M25[ \t\r]*$", r"^[ \t]*G49[ \t]*H0\b"),

@@ -214,6 +214,8 @@ DIALECT = Dialect(
     plane=170,
     change_takes="Z",
     length_left_open=True,
+    length_lapses=(280, 300, 530),
+    length_modal=True,
     dwell="PX",
     integer_notice=(
         "coordinates without a decimal point are read as whole millimetres or inches (calculator"
