@@ -92,3 +92,13 @@ def test_a_new_word_has_the_decimals_that_the_nominal_place_has():
     lines = written("G21 G90 G17\nG0 X10.00005 Y10. Z5.\nG1 Y20. F100.\nY30.\nM2\n", "linuxcnc")
     new = [re.search(r"X([-0-9.]+)", line)[1] for line in lines[2:4]]
     assert all(len(x.partition(".")[2]) == 5 and x.endswith("5") for x in new), lines
+
+
+@pytest.mark.parametrize(("dialect", "digits"), [("fanuc-mill", 8), ("haas", 8), ("linuxcnc", 10)])
+def test_a_new_word_has_no_more_digits_than_the_control_reads(dialect, digits):
+    """X stands at 13 mm, 0.511811024 inches: a Fanuc 0i reads eight digits, leading zeros too
+    (cnccode.com, "CNC macro: display of variables"); Haas was not seen."""
+    text = "G21 G90 G17\nG0 X13. Y10. Z5.\nG20\nG1 Y2. F10.\nY3.\nM2\n"
+    lines = written(text, dialect, HOME if dialect != "linuxcnc" else None)
+    new = [x[1] for line in lines[3:5] if (x := re.search(r"X([-0-9.]+)", line))]
+    assert new and {len(x.replace(".", "")) for x in new} == {digits}, lines

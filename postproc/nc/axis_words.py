@@ -54,12 +54,14 @@ def last_code(b: Writing) -> int:
 
 def _enough(b: Writing, row: int, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
     """(K,) as many decimals as new words need: more than the least increment's where the
-    nominal place has more."""
+    nominal place has more (200 mm in inches), and the control reads so many digits."""
     ticks, scale = b.ticks(row, piece), b.m.scale[row, b.p.motion[piece]]
+    most = np.full(len(piece), MOST_DECIMALS)
+    if b.dialect.digits:
+        whole = np.searchsorted(POWERS[1:], np.abs(ticks) // scale, side="right") + 1
+        most = np.clip(b.dialect.digits - whole, decimals, MOST_DECIMALS)
     for _ in range(MOST_DECIMALS):
-        decimals = decimals + (
-            (ticks % (scale // POWERS[decimals]) != 0) & (decimals < MOST_DECIMALS)
-        )
+        decimals = decimals + ((ticks % (scale // POWERS[decimals]) != 0) & (decimals < most))
     return decimals
 
 

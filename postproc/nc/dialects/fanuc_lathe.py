@@ -85,6 +85,7 @@ DIALECT = Dialect(
     dwell="PXU",
     tool_offsets=True,
     extended_by_p=True,
+    digits=8,
     level_from_start=True,
     repeats="KL",
     exact_stops=(90, 610),

@@ -224,6 +224,7 @@ DIALECT = Dialect(
     skips_centre=True,
     one_code_per_group=False,
     extended_by_p=True,
+    digits=8,
     hole_from_start=True,
     repeats="KL",
     exact_stops=(90, 610),

@@ -213,6 +213,7 @@ DIALECT = Dialect(
     ),
     one_code_per_group=False,
     extended_by_p=True,
+    digits=8,
     hole_from_start=True,
     repeats="L",
     exact_stops=(90, 610),

@@ -232,6 +232,7 @@ DIALECT = Dialect(
     ),
     one_code_per_group=False,
     extended_by_p=True,
+    digits=8,
     repeats="L",
     exact_stops=(90, 610),
     threads_chained=(330,),
