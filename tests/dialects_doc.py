@@ -82,7 +82,11 @@ def chapter(dialect: dialects.Dialect) -> str:
     rows.append(
         (
             "a number without a point",
-            "whole units" if dialect.integers == "units" else "least increments",
+            "whole units"
+            if dialect.integers == "units"
+            else f"{dialect.counts} mm or degrees, {dialect.counts / 10} inch"
+            if dialect.counts
+            else "least increments",
         )
     )
     rows.append(
@@ -112,9 +116,7 @@ def chapter(dialect: dialects.Dialect) -> str:
         rows.append(("H by itself", "another length, while G43 or G44 is in force"))
     if dialect.length_lapses:
         away = " ".join(f"G{n // 10}" for n in dialect.length_lapses)
-        rows.append(
-            (f"behind {away} along the tool", "no length holds until G43 H names it again")
-        )
+        rows.append((f"behind {away} along the tool", "no length holds until G43 H names it again"))
     rows.append(("arc may miss its end by", _tolerance(dialect)))
     rows.append(
         (

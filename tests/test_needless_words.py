@@ -102,3 +102,12 @@ def test_a_new_word_has_no_more_digits_than_the_control_reads(dialect, digits):
     lines = written(text, dialect, HOME if dialect != "linuxcnc" else None)
     new = [x[1] for line in lines[3:5] if (x := re.search(r"X([-0-9.]+)", line))]
     assert new and {len(x.replace(".", "")) for x in new} == {digits}, lines
+
+
+@pytest.mark.parametrize(("units", "whole", "pointed"), [("G21", 20000, 20.0), ("G20", 20000, 2.0)])
+def test_a_whole_number_of_a_haas_counts_what_its_setting_162_says(units, whole, pointed):
+    """0.001 mm and 0.0001 inch, whatever the machine resolves (0.0001 mm here): Haas, "Help with
+    the decimal points"; helmancnc.com, "Haas CNC alphabetical address codes"."""
+    text = f"{units} G90 G17\nG0 X0. Y0. Z5.\nG1 X{{}} F10.\nG2 X0. I-{{}} J0.\nM2\n"
+    counted = written(text.format(whole, whole // 2), "haas", HOME)
+    assert counted == written(text.format(pointed, pointed / 2), "haas", HOME)

@@ -9,10 +9,12 @@ from postproc.nc.batch import LINEAR, Batch
 
 def count_increments(b: Batch) -> None:
     """A number without a decimal point counts least increments: X1000 is X1.000 where they are
-    0.001."""
+    0.001. On a Haas they are that whatever the machine resolves, and 0.0001 inch (Haas, "Help with
+    the decimal points", setting 162)."""
     w = b.words
-    least = b.setup.least_increment
-    places = {x: -round(np.log10(least.get(b.measured(x), 1e-4))) for x in b.rows}
+    own = b.dialect.counts
+    least = {x: own or b.setup.least_increment.get(b.measured(x), 1e-4) for x in b.rows}
+    places = {x: -round(np.log10(size)) for x, size in least.items()}
     linear = min((places[x] for x in b.rows if x in LINEAR), default=4)
     if b.polar:
         places |= {"Y": places["C"], "C": places["C"]}

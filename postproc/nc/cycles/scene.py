@@ -271,7 +271,8 @@ class Scene:
         value = word.value or 0.0
         if "." in word.raw:
             return value
-        least = self.tracker.setup.least_increment.get(axis, 1e-3)
+        own = self.tracker.dialect.counts
+        least = own or self.tracker.setup.least_increment.get(axis, 1e-3)
         return value * least / (10 if self.inch else 1)  # a control with 0.001 mm has 0.0001 inch
 
     def degrees(self, word: Word) -> float:

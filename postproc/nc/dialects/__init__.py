@@ -102,7 +102,8 @@ class Dialect:
     said until the program names its place (postproc/nc/lengths.py). `length_lapses`: ten times the
     codes that take the length back where they send its axis away (G28 G30 G53), until H names one
     again. `length_modal`: H by itself names another length while G43 or G44 is in force.
-    `digits`: how many a number may have, 0: any.
+    `digits`: how many a number may have, 0: any. `counts`: mm and degrees of one least increment
+    of a number without a point, inches of a tenth of it; 0: the machine's own.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
@@ -191,6 +192,7 @@ class Dialect:
     length_lapses: tuple[int, ...] = ()
     length_modal: bool = False
     digits: int = 0
+    counts: float = 0.0
     other_codes_are_macros: bool = False
     hole_from_start: bool = False
     level_from_start: bool = False

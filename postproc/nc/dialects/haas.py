@@ -208,12 +208,13 @@ DIALECT = Dialect(
     dwell="P",
     integers="least increments",
     integer_notice=(
-        "coordinates without a decimal point are read as least increments (setting 162 off); with"
+        "coordinates without a decimal point count 0.001 mm or 0.0001 inch (setting 162 off); with"
         " setting 162 on the program means whole millimetres or inches"
     ),
     one_code_per_group=False,
     extended_by_p=True,
     digits=8,
+    counts=0.001,
     hole_from_start=True,
     repeats="L",
     exact_stops=(90, 610),

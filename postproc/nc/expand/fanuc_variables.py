@@ -116,9 +116,8 @@ class Variables:
         if letter not in self._places:
             setup, dialect = self.tracker.setup, self.tracker.dialect
             axis = dialect.increments.get(letter, letter) if letter not in setup.axes else letter
-            least = setup.least_increment.get(axis) or min(
-                setup.least_increment.values(), default=1e-4
-            )
+            resolved = setup.least_increment
+            least = dialect.counts or resolved.get(axis) or min(resolved.values(), default=1e-4)
             found = round(-math.log10(least)) + (self.tracker.inch and axis not in "ABC")
             self._places[letter] = (
                 found if axis in setup.axes or letter in "XYZABCUVWIJKRQEF" else 0
