@@ -148,8 +148,8 @@ def test_g75_draws_the_tool_aside_behind_the_first_cut():
 
 
 def test_m_codes_of_a_shape_are_the_finishings():
-    """B-64304EN-1, G71, "F, S, and T functions": what stands between A and B is ineffective, M
-    likewise. A G72 may name V, where it is 0."""
+    """30i B-63944EN-1, 4.2.1, note 3: F, S and T between A and B are ineffective, "M and second
+    auxiliary functions are treated in the same way". A G72 may name V, where it is 0."""
     shape = "G0 X50. Z2.|G71 U5. R1.|G71 P10 Q20|N10 G0 X40.{}|N20 G1 Z-5.{}|G70 P10 Q20|G0 X60."
     bare, full = lathe(shape.format("", "")), lathe(shape.format(" M8", " T0202 M6"))
     assert full[:-4] == bare[:-4]

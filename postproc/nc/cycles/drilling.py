@@ -92,7 +92,7 @@ class Job:
     """What a block asks for: the cycle `code`, the `hole`, how many `times`, the words of its
     `place`; levels to go to `first`, and the `level` at which the place is gone to (None: where it
     stands). `drops`: other letters and `codes` that belong to the cycle; `clamp`: the M word that
-    holds the place before a hole, the next M code frees it behind."""
+    holds the place before a hole, the next M code frees it behind (its source was not seen)."""
 
     code: int
     hole: Hole

@@ -275,8 +275,9 @@ class HaasDrilling(FanucDrilling):
 class LatheDrilling(FanucDrilling):
     """A lathe: G83 G84 G85 along Z, G87 G88 G89 along X. R is a distance from the initial level, a
     radius; Q counts least increments where it has no point; U V W H are distances. M is the code
-    that clamps the C axis at the place of a hole; the control sends the next one, which frees it,
-    behind the way back (B-64304EN-1, "C-axis clamp/unclamp")."""
+    that clamps the C axis at the place of a hole ("M code for C-axis clamp", cncprograming.blogspot
+    "Drilling cycle G83 or G87"); that the control sends the next one, which frees it, behind the
+    way back, was not seen in a manual."""
 
     dwells = tuple(LATHE)
     pecking = ()  # without Q they drill in one go

@@ -3,8 +3,9 @@
 Fanuc B-64304EN-1, "Multiple repetitive cycle"; the order of motions and which of them are rapids
 also in the lathe maker Robur's concise guide to Fanuc, pages 48 and 57.
 
-F, S, T and M in the shape are the finishing's ("F, S, and T functions": those between the points A
-and B are ineffective, and M is treated as they are).
+F, S, T and M in the shape are the finishing's (30i B-63944EN-1, 4.2.1, notes 3 and 4: those between
+the points A and B "are ineffective", "M and second auxiliary functions are treated in the same way
+as F, S, and T functions", and so are G96 and G97).
 
 A roughing takes the first block with the number P behind it; the control keeps where P and Q are,
 so G70 with the same numbers means that shape ("Storing P and Q blocks"), whatever else has them.
