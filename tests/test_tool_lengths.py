@@ -240,3 +240,31 @@ def test_g28_takes_the_length_back(dialect, away):
         assert motions.target_known[2, -1] and not motions.reason.any()
     alone = read(dialect, f"{away}\nX10.\nZ5.\n")  # no length, none taken back
     assert not alone.reason.any() and alone.target_known[2, -1]
+
+
+@pytest.mark.parametrize(
+    ("change", "sure"), [("G54", False), ("SUPA G0 Z0", False), ("G505", True), ("G54\nG500", True)]
+)
+def test_an_increment_behind_another_zero_travels_it_or_not(change, sure):
+    """Sinumerik SD42440, as delivered: the change of the zero is travelled; so no correction may
+    depend on it, unless the zero lies where it was, or Z has been said since."""
+    zeros = {"G54": {"X": 0.0, "Y": 0.0, "Z": -180.0}, "G505": {"X": 0.0, "Y": 0.0, "Z": -200.0}}
+    text = "G90 G500 G0 X10 Y10 Z50\n{}\n{}G91\nG1 Z-3 F100\nX20\n"
+    if not sure:
+        with pytest.raises(ProgramError, match="zero or its tool length was changed"):
+            corrected(text.format(change, ""), "siemens", zeros)
+    else:
+        plain = corrected(text.replace("{}\n{}", ""), "siemens", zeros)[0]
+        assert corrected(text.format(change, ""), "siemens", zeros)[0] == plain.replace(
+            "G91", f"{change}\nG91"
+        )
+    corrected(text.format(change, "G0 Z40\n"), "siemens", zeros)
+
+
+def test_a_word_put_in_does_not_travel_the_change_of_the_zero():
+    """X20 in G91 needs a word of Z, whose zero G54 has moved by 20 mm: written as a distance, it
+    would travel them."""
+    zeros = {"G54": {"X": 0.0, "Y": 0.0, "Z": -180.0}}
+    text = "G90 G500 G0 X10 Y10 Z50\nG54\nX11 Y11\nG91\nG1 X200 F100\n"
+    out = corrected(text, "siemens", zeros)[0]
+    assert "Z=AC(29.9" in out or "Z=AC(30.0" in out

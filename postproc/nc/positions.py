@@ -13,6 +13,7 @@ from postproc.nc.batch import LINEAR, NO_WORDS, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, AXES, BARE, RELATIVE
 from postproc.nc.lengths import lapses
+from postproc.nc.state import UNSAID
 from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
@@ -161,7 +162,7 @@ class _Axis:
         """Set `position` (B,) behind each block and `named` (B,), whether the block says it."""
         n = self.b.n
         self.named = np.zeros(n, bool)
-        self.due = bool(self.b.frame.due[self.row])
+        self.due = _due(self) if self.b.dialect.increments_travel_shifts else None
         if not (len(self.by) or self.cycle):
             self.position = np.empty(n, np.int64)
             self.position.fill(self.stood)
@@ -186,8 +187,8 @@ class _Axis:
         """(H,) blocks with an absolute place, (H,) the places in machine coordinates, and (B,) the
         sum of the distances up to each block, 0 where there are none."""
         value = self.b.ticks(self.place, at(self.scale, self.by))
-        if self.due and len(self.by):
-            value = _due(self.b, self.row, self.letter, self.by, value, self.is_inc)
+        if self.due is not None and self.added:
+            value = value + np.where(self.is_inc, self.due[self.by], 0)
         here = self.by
         run: np.ndarray | int = 0
         if self.added:
@@ -256,8 +257,8 @@ class _Axis:
             p.word[row] = word[block]
         if self.added or self.some_relative:
             inc = np.broadcast_to(self.relative, n).copy()
-            if self.due:  # a word put in must not be one that may travel the shift: X=AC()
-                inc[: self.by[0] if len(self.by) else n] = False
+            if self.due is not None:  # a word put in must not travel the shift: X=AC()
+                inc &= self.due == 0
             inc[self.by] = self.is_inc
             p.incremental[row] = inc[block]
         p.grid[row], p.least[row] = at(self.grid, block), at(self.least, block)
@@ -340,25 +341,35 @@ def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool
     p.end_sent[row] = count[-1] > seen[-1]
 
 
-def _due(
-    b: Batch, row: int, letter: str, by: np.ndarray, value: np.ndarray, is_inc: np.ndarray
-) -> np.ndarray:
-    """Values with the change that the first increment after TRANS or D travels too, as this control
-    does unless it is set otherwise (SD42440, SD42442); that setting is not known here, so no
-    correction may depend on it."""
-    due = int(b.frame.due[row])
-    b.frame = replace(b.frame, due=np.where(np.arange(len(b.frame.due)) == row, 0, b.frame.due))
-    if not is_inc[0]:
-        return value
+def _due(axis: _Axis) -> np.ndarray | None:
+    """(B,) ticks: the change of its zero since an axis was named last, by TRANS, D, another work
+    offset or SUPA, which its next increment travels too, as this control does unless it is set
+    otherwise (SD42440, SD42442); that setting is not known here, so no correction may depend on it.
+    None: no change anywhere."""
+    b, row, by = axis.b, axis.row, axis.by
+    frame, zero = b.frame, np.broadcast_to(axis.offset, b.n) - b.frame.shift[row]
+    said = np.zeros(b.n, bool)
+    said[by] = True
+    last = np.concatenate([[-1], hold_index(said)[:-1]])
+    first = last < 0
+    carried = zero if frame.zeros[row] == UNSAID else frame.zeros[row]
+    due = zero - np.where(first, carried, zero[last]) + np.where(first, frame.due[row], 0)
+    if len(by):
+        mine = np.arange(len(frame.due)) == row
+        b.frame = replace(
+            frame,
+            due=np.where(mine, 0, frame.due),
+            zeros=np.where(mine, zero[by[-1]], frame.zeros),
+        )
+    if not np.count_nonzero(due):
+        return None
     b.blame(
-        by[:1],
-        f"an increment of {letter} right after its zero or its tool length was changed: whether it"
-        " travels the change is a setting of the control",
-        f"write {letter} as an absolute place behind TRANS or D",
+        by[axis.is_inc & (due[by] != 0)],
+        f"an increment of {axis.letter} right after its zero or its tool length was changed:"
+        " whether it travels the change is a setting of the control",
+        f"write {axis.letter} as an absolute place behind TRANS, D, G54 or SUPA",
     )
-    value = value.copy()
-    value[0] += due
-    return value
+    return due
 
 
 def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int):
