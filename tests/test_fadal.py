@@ -104,6 +104,22 @@ def test_behind_a_tool_change_nobody_knows_z(name):
     assert all(row[0] for row in known)
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("centroid", "fagor", "fluidnc", "grbl", "grblhal", "heidenhain-iso", "linuxcnc"),
+        *("linuxcnc-pathpilot", "mach3", "okuma", "siemens", "smoothie"),
+    ],
+)
+def test_behind_a_tool_change_that_the_machine_defines_nobody_knows_z(name):
+    """What M6 does is a macro, cycle or setting of the machine: LinuxCNC's TOOL_CHANGE_POSITION,
+    TOOL_CHANGE_QUILL_UP and remaps; Mach3's M6Start; a sender's or the builder's macro elsewhere.
+    NIST RS274/NGC 3.6.3 takes the axes back, those need not."""
+    _, known, _ = follow("G90 G0 X1. Y1. Z9.|T2 M6|G0 X5. Y5.|Z5.|X6.", name)
+    assert [row[2] for row in known] == [True, False, True, True]
+    assert all(row[0] for row in known)
+
+
 @pytest.mark.parametrize("name", ["haas", "fadal", "fanuc-mill"])
 def test_a_distance_behind_a_tool_change_counts_from_where_z_stood(name):
     """A program that goes on in G91 means that the change takes Z back there; behind G91 G28 Z0 and

@@ -54,6 +54,7 @@ DIALECT = Dialect(
         *rows("scaling", {"51": "scaling"}, refuses=codes.UNTURNED),
         *rows("", {"65": "macro call"}, takes=True, refuses=codes.INLINE),
     ),
+    change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         10: "clamp on",

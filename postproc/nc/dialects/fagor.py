@@ -165,6 +165,7 @@ DIALECT = Dialect(
         ),
         *rows("", {"79": "changes a cycle"}, takes=True, refuses=codes.WRITE_OUT),
     ),
+    change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         10: "air on",

@@ -151,6 +151,7 @@ DIALECT = Dialect(
             refuses=codes.WRITE_OUT,
         ),
     ),
+    change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         13: "spindle clockwise and coolant",

@@ -102,6 +102,7 @@ DIALECT = Dialect(
             refuses=codes.WRITE_OUT,
         ),
     ),
+    change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         10: "clamp",

@@ -286,6 +286,7 @@ DIALECT = Dialect(
         *rows("", {"CYCLE832": "tolerance and dynamics", "SETMS": "master spindle"}),
         *rows("", dict.fromkeys(_QUIET.split(), "a way of moving, no place")),
     ),
+    change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         17: "end of subprogram",
