@@ -47,7 +47,6 @@ DIALECT = Dialect(
             "", {f"38.{n}": "probe, this block alone" for n in (6, 7, 8, 9)}, refuses=codes.PROBE
         ),
     ),
-    change_takes="Z",
     m_codes={
         0: "stop",
         1: "optional stop",

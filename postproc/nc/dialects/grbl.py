@@ -47,7 +47,6 @@ DIALECT = Dialect(
         *NO_MOTION,
         *rows("path", {"61": "exact path"}),
     ),
-    change_takes="Z",
     m_codes={
         0: "stop",
         1: "optional stop",

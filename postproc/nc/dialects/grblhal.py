@@ -72,7 +72,6 @@ DIALECT = Dialect(
         *rows("path", {"61": "exact path", "61.1": "exact stop", "64": "path within a tolerance"}),
         *rows("", {"187": "acceleration"}),
     ),
-    change_takes="Z",
     m_codes={
         **{n: m for n, m in codes.SPINDLE_AND_COOLANT.items() if n != 19},
         50: "feed override",

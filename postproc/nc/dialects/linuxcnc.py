@@ -97,7 +97,6 @@ DIALECT = Dialect(
         ),
         *rows("path", {"61": "exact path", "61.1": "exact stop", "64": "path within a tolerance"}),
     ),
-    change_takes="Z",
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         50: "feed override",

@@ -16,6 +16,7 @@ DIALECT = replace(
     linuxcnc.DIALECT,
     name="linuxcnc-pathpilot",
     title="Tormach PathPilot",
+    change_takes="Z",
     codes=(
         *(code for code in linuxcnc.DIALECT.codes if code.word not in ABSENT),
         *rows("scaling", {"50": "no scaling"}),
