@@ -211,9 +211,7 @@ class _Axis:
             _since(p, self.row, away, block, True)
         if self.letter in b.changed or shared.changed[self.row]:
             drop = drop | self._changed(p, away, block, sent)
-        named = self.by[~self.is_inc]
-        by = np.concatenate([named, self.cycle.blocks]) if self.cycle else named
-        lapsed = lapses(b, self.letter, away, by)
+        lapsed = self._lapsed(away)
         drop = drop | lapsed
         self.known: np.ndarray | None = None
         unsure = self.cycle is not None and not self.cycle.known
@@ -222,6 +220,13 @@ class _Axis:
             if self.cycle is not None and unsure:
                 event[self.cycle.blocks[self.cycle.initial]] = 0
             self.known = hold_last(event, int(self.was_known)).astype(bool)
+
+    def _lapsed(self, away: np.ndarray) -> np.ndarray:
+        """(B,) bool: where its length is taken back."""
+        by = self.by[~self.is_inc]
+        if self.cycle:
+            by = np.concatenate([by, self.cycle.blocks])
+        return lapses(self.b, self.letter, away, by)
 
     def _changed(self, p: Places, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
         """Fill in which motions come between a tool change and the first word of the axis. (B,)
