@@ -76,7 +76,6 @@ DIALECT = Dialect(
         *rows("rotation", {"69": "no rotation"}),
         *rows("rotation", {"68": "rotation of the coordinates"}, refuses=codes.UNTURNED),
     ),
-    change_takes="Z",
     m_codes={
         **{n: m for n, m in codes.SPINDLE_AND_COOLANT.items() if n != 60},
         10: "output on, with the motion",

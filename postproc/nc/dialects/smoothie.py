@@ -80,7 +80,6 @@ DIALECT = Dialect(
         *rows("", {"91.1": "arc centres are distances, passed over"}),
         *rows("", {"28.1": "store the reference point"}, does="store"),
     ),
-    change_takes="Z",
     m_codes={**_M, 2: "end of program", 6: "tool change", 30: "end of program"},
     m_refuses={
         32: codes.INLINE,
