@@ -13,21 +13,19 @@ from proof import strangers_trial
 from proof.strangers import TIERS, later_aliens, make
 from proof.strangers.base import observe, stream
 from proof.strangers.check import check_case
-from proof.strangers.designs import ballbar, features, targets
+from proof.strangers.designs import ballbar, features
 from proof.strangers.hidden import draw_effect
 from proof.strangers.later_designs import ALIENS, PLANS, experiment
 from proof.strangers.later_motion import dahl_power
 from proof.strangers.later_place import two_spans
 from proof.strangers.later_servo import overshooting
 from proof.strangers.later_time import dead_band
-from proof.strangers.machines import draw_machine
-from proof.strangers.motion import trace
 from proof.strangers.noise import LATER, LOSSES, MORE_FAST, MORE_SLOW, Noise
 from proof.strangers.plans import EFFECTS
 from proof.strangers.registry import FORMS, allowed
 from proof.strangers.world import draw_world
+from tests.proof.strangers_runs import MILL, files, jog, run
 
-MILL = draw_machine(stream("mill"), kind="mill")
 NUMBERED = re.compile(r"(alien:)?later-\d+")
 FRAME = {"quant", "outlier", "wide_zero", "zero_by_run"}  # what rounds, slips and sets up
 FAST, SLOW = (sorted(k for k in kinds if "later" in k) for kinds in (MORE_FAST, MORE_SLOW))
@@ -36,26 +34,6 @@ FREEZE = "3" * 40
 
 def world(recs):
     return draw_world(stream("w"), MILL, recs, "later", {"load": True, "spindle": True})
-
-
-def run(**force):
-    return targets(
-        stream("t"), MILL, 0, 0.0, "r1", force={"n": 20, "runs": 2, "pattern": "iso", **force}
-    )
-
-
-def jog(sees="tool", **force):
-    force = {"path": "jog", "rows": 2000, "rate": 20, **force}
-    return trace(stream("c"), MILL, 0.0, "r3", sees, force=force)
-
-
-def files():
-    return [
-        run(),
-        ballbar(stream("b"), MILL, 0.0, "r2"),
-        jog(),
-        features(stream("p"), MILL, 0.0, "r4"),
-    ]
 
 
 def own(effect):

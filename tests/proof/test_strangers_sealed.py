@@ -15,11 +15,10 @@ from proof import strangers_trial
 from proof.strangers import TIERS, make
 from proof.strangers.base import observe, stream
 from proof.strangers.check import check_case
-from proof.strangers.designs import ballbar, features, targets
+from proof.strangers.designs import targets
 from proof.strangers.forms_motion import maxwell
 from proof.strangers.hidden import draw_effect
 from proof.strangers.machines import draw_machine
-from proof.strangers.motion import trace
 from proof.strangers.noise import LATER, LOSSES, MORE_FAST, MORE_SLOW, Noise
 from proof.strangers.plans import EFFECTS
 from proof.strangers.registry import FORMS
@@ -37,8 +36,8 @@ from proof.strangers.sealed_motion import hyperbola
 from proof.strangers.sealed_place import on_two_supports, pair_gives
 from proof.strangers.sealed_time import edlen, two_rates
 from proof.strangers.world import draw_world
+from tests.proof.strangers_runs import MILL, files, jog, run
 
-MILL = draw_machine(stream("mill"), kind="mill")
 NUMBERED = re.compile(r"(alien:)?sealed-\d+")
 FAST, SLOW = (sorted(k for k in kinds if "sealed" in k) for kinds in (MORE_FAST, MORE_SLOW))
 FREEZE = "2" * 40
@@ -57,26 +56,6 @@ QUICK = {  # cases of few rows
 
 def world(recs):
     return draw_world(stream("w"), MILL, recs, "sealed", {"load": True, "spindle": True})
-
-
-def run(**force):
-    return targets(
-        stream("t"), MILL, 0, 0.0, "r1", force={"n": 20, "runs": 2, "pattern": "iso", **force}
-    )
-
-
-def jog(sees="tool", **force):
-    force = {"path": "jog", "rows": 2000, "rate": 20, **force}
-    return trace(stream("c"), MILL, 0.0, "r3", sees, force=force)
-
-
-def files():
-    return [
-        run(),
-        ballbar(stream("b"), MILL, 0.0, "r2"),
-        jog(),
-        features(stream("p"), MILL, 0.0, "r4"),
-    ]
 
 
 def own(effect):
