@@ -172,7 +172,7 @@ class Motions:
     it is not stated; nose (2, N): mm along the plane's axes from that centre to the point that the
     control drives (lathe tools with an orientation). relative (N,): whether G91 is in force. sent
     (A, N): whether something else (G28) has taken the axis elsewhere since the motion before.
-    changed (N,): whether a tool change has taken an axis away that no block has named since.
+    changed (A, N): whether a tool change has taken the axis away and no block has named it since.
     length (A, N): ticks of the tool's length in force. stop (N,): ten times the code that makes it
     end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
     (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
@@ -212,7 +212,7 @@ class Motions:
     length: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))
     relative: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     sent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
-    changed: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
+    changed: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
     whole: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     lead: np.ndarray = field(default_factory=lambda: np.zeros(0))

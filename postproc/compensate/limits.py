@@ -58,8 +58,10 @@ def check_unknown(b: Batch) -> None:
     lost = ~b.known & ~b.m.alone
     feeds = lost & (b.m.code != RAPID)
     fault = None
-    passes = (b.m.code == FEED) & (b.m.changed | b.options.passes_unknown)
-    refused = feeds & ~passes
+    barred = np.zeros(len(b.m), bool)
+    if not b.options.passes_unknown:
+        barred = (b.places.wanting & ~b.m.changed).any(axis=0)
+    refused = feeds & (barred | (b.m.code != FEED))
     for i in (refused if refused.any() else feeds).nonzero()[0][:1]:
         axes = " ".join(x for k, x in enumerate(b.machine.letters) if b.places.wanting[k, i])
         fault = MotionFault(

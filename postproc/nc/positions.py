@@ -20,8 +20,8 @@ from postproc.nc.state import UNSAID
 class Places:
     """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how
     each axis' word is (or would be) written; sent: whether G28 has taken the axis elsewhere since
-    the motion before; changed (N,): whether a tool change has taken an axis away that no block has
-    named since; end_position, end_known, end_sent, end_changed (A,): behind the batch."""
+    the motion before; changed: whether a tool change has taken it away and no block has named it
+    since; end_position, end_known, end_sent, end_changed (A,): behind the batch."""
 
     start: np.ndarray
     target: np.ndarray
@@ -75,7 +75,7 @@ def _nowhere(b: Batch, n: int) -> Places:
         origin=whole[4],
         least=whole[5],
         sent=np.zeros(shape, bool),
-        changed=np.zeros(n, bool),
+        changed=np.zeros(shape, bool),
         end_sent=np.zeros(len(b.rows), bool),
         end_changed=_before(b, b.state.changed),
         end_position=b.state.position.copy(),
@@ -239,7 +239,7 @@ class _Axis:
         lost = self.b.changed.get(self.letter, False) & (is_away | (self.distance != 910))
         event = np.where(self.named | away, 0, np.where(lost, 1, -1))
         since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
-        p.changed |= since[block]
+        p.changed[self.row] = since[block]
         p.end_changed[self.row] = since[-1]
         return lost
 
