@@ -57,7 +57,7 @@ def corrected(folder: Path, text: str, tolerance: float) -> str:
 
 def left(folder: Path, text: str, out: str) -> float:
     """mm: the largest residual that the reference finds."""
-    return residual(text, out, "linuxcnc", Reference.load(folder), samples_per_mm=20).largest_mm
+    return residual(text, out, "linuxcnc", Reference.load(folder), samples_per_mm=4).largest_mm
 
 
 def test_the_command_passes_a_node_where_it_is_cut(tmp_path):

@@ -86,15 +86,20 @@ def modules():
     return sorted(PACKAGE.rglob("*.py"))
 
 
+@pytest.fixture(scope="module")
+def trees() -> dict[Path, ast.Module]:
+    """Every module, parsed once."""
+    return {path: ast.parse(path.read_text("utf-8")) for path in modules()}
+
+
 def part(path: Path) -> str:
     relative = path.relative_to(PACKAGE)
     return relative.parts[0] if len(relative.parts) > 1 else relative.stem
 
 
-def imports(path: Path) -> set[str]:
+def imports(tree: ast.Module) -> set[str]:
     """Parts of the package that a module imports, those under TYPE_CHECKING left out."""
     found: set[str] = set()
-    tree = ast.parse(path.read_text())
     typing_only = [
         n
         for n in ast.walk(tree)
@@ -114,35 +119,36 @@ def imports(path: Path) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_imports_go_down(path):
-    own = part(path)
-    for other in imports(path) - {own}:
-        assert FLOOR[other] <= FLOOR[own], (
-            f"{path.name} (floor {FLOOR[own]}) imports {other} (floor {FLOOR[other]}): imports go"
-            " down"
-        )
-        assert (
-            own,
-            other,
-        ) not in STRANGERS, f"{path.name}: {own} and {other} are strangers; they meet in filter.py"
+def test_imports_go_down(trees):
+    for path, tree in trees.items():
+        own = part(path)
+        for other in imports(tree) - {own}:
+            assert FLOOR[other] <= FLOOR[own], (
+                f"{path.name} (floor {FLOOR[own]}) imports {other} (floor {FLOOR[other]}): imports"
+                " go down"
+            )
+            assert (own, other) not in STRANGERS, (
+                f"{path.name}: {own} and {other} are strangers; they meet in filter.py"
+            )
 
 
-@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(path):
-    where = str(path.relative_to(PACKAGE))[:-3]
-    if part(path) in OPENERS or where in OPENERS:
-        return
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            assert node.func.id not in ("open", "print", "input"), f"{where} calls {node.func.id}"
-        if isinstance(node, ast.Import):
-            assert not {a.name for a in node.names} & {
-                "time",
-                "threading",
-                "socket",
-                "subprocess",
-            }, f"{where} imports a clock or a port"
+def test_only_the_outermost_layer_opens_prints_or_looks_at_clocks(trees):
+    for path, tree in trees.items():
+        where = str(path.relative_to(PACKAGE))[:-3]
+        if part(path) in OPENERS or where in OPENERS:
+            continue
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                assert node.func.id not in ("open", "print", "input"), (
+                    f"{where} calls {node.func.id}"
+                )
+            if isinstance(node, ast.Import):
+                assert not {a.name for a in node.names} & {
+                    "time",
+                    "threading",
+                    "socket",
+                    "subprocess",
+                }, f"{where} imports a clock or a port"
 
 
 LONGEST = 400  # lines of a module
@@ -183,18 +189,17 @@ def branches(node: ast.AST) -> int:
     return own + sum(map(branches, ast.iter_child_nodes(node)))
 
 
-@pytest.mark.parametrize("path", modules(), ids=lambda p: str(p.relative_to(PACKAGE)))
-def test_a_long_list_of_branches_says_why_it_is_whole(path):
+def test_a_long_list_of_branches_says_why_it_is_whole(trees):
     """A function of many branches is split, or the line above it says why it reads better whole:
     "# Whole: ..."."""
-    text = path.read_text("utf-8")
-    lines = text.splitlines()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef):
-            ways = 1 + sum(map(branches, node.body))
-            first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
-            said = lines[first - 2].lstrip().startswith("# Whole: ")
-            assert said == (ways > MOST_COMPLEX), (node.name, ways)
+    for path, tree in trees.items():
+        lines = path.read_text("utf-8").splitlines()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef):
+                ways = 1 + sum(map(branches, node.body))
+                first = min([node.lineno, *(d.lineno for d in node.decorator_list)])
+                said = lines[first - 2].lstrip().startswith("# Whole: ")
+                assert said == (ways > MOST_COMPLEX), (path.name, node.name, ways)
 
 
 def test_the_slow_tests_are_named_as_they_are():
@@ -205,10 +210,10 @@ def test_the_slow_tests_are_named_as_they_are():
         assert re.search(rf"^def {function}\(", (root / file).read_text(), re.MULTILINE), name
 
 
-def needed(path: Path, known: dict[str, Path]) -> set[str]:
+def needed(tree: ast.Module, known: dict[str, Path]) -> set[str]:
     """Modules of the package that a module imports, in its functions and for annotations too."""
     found = set()
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom):
             above = (node.module or "").partition("postproc")[2].lstrip(".")
             names = {f"{above}.{alias.name}".lstrip(".") for alias in node.names}
@@ -216,14 +221,14 @@ def needed(path: Path, known: dict[str, Path]) -> set[str]:
     return found & known.keys()
 
 
-def test_no_module_needs_itself():
+def test_no_module_needs_itself(trees):
     """A data type lies below what works on it, so that every module is read after those it
     needs."""
     known = {
         ".".join(p.relative_to(PACKAGE).with_suffix("").parts).removesuffix(".__init__"): p
         for p in modules()
     }
-    needs = {name: needed(path, known) - {name} for name, path in known.items()}
+    needs = {name: needed(trees[path], known) - {name} for name, path in known.items()}
     reach = {}
 
     def all_of(name):

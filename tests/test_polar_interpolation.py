@@ -173,7 +173,8 @@ def test_the_tip_stays_on_its_path(which, seed, tmp_path):
     assert tip_before > 0.005
     assert tip < TOLERANCE + 0.0002 + machine.bounds.second_order
     assert verifier.passed
-    assert corrected(machine, which[0], text, cut=37)[0] == output
+    if seed < 2:  # one of each chain
+        assert corrected(machine, which[0], text, cut=37)[0] == output
 
 
 def test_zero_of_x_is_the_line_of_c(tmp_path):

@@ -47,7 +47,7 @@ def test_an_arc_through_a_point(plane, how):
     pick, names = random.Random(f"{plane}{how}"), PLANES[plane]
     form = {"IC": "IC({})", "AC under G91": "AC({})"}.get(how, "{}")
     code = "G91" if "G91" in how else "G90"
-    for _ in range(8):
+    for _ in range(3):
         centre = complex(pick.uniform(-20, 20), pick.uniform(-20, 20))
         spoke = cmath.rect(pick.uniform(3, 30), pick.uniform(0, math.tau))
         turn = pick.choice([-1, 1]) * pick.uniform(0.5, 5.5)
@@ -75,7 +75,7 @@ def test_the_manuals_arc_through_a_point():
 def test_an_arc_along_the_tangent(plane, distance, before):
     """It leaves along the way of the segment before it, and ends where it should."""
     pick, names = random.Random(f"{plane}{distance}{before}"), PLANES[plane]
-    for _ in range(8):
+    for _ in range(3):
         first = complex(pick.uniform(-9, 9), pick.uniform(-9, 9))
         way = cmath.rect(1.0, pick.uniform(0, math.tau))
         start = first + way * pick.uniform(2, 9)

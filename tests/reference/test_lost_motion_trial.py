@@ -2,6 +2,7 @@
 `lost_motion_trial`."""
 
 import math
+import tempfile
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from .lost_motion_trial import (
     example,
     figures,
     outcome,
-    trials,
+    trial,
     verified,
 )
 from .machine import UM, Machine
@@ -24,7 +25,9 @@ from .random_machines import CHAINS, PLAYS_UM, draw_machine, draw_program
 
 @pytest.fixture(scope="module")
 def outcomes():
-    return trials(1, "step")
+    with tempfile.TemporaryDirectory() as folder:
+        jobs = [(folder, number, range(1), "step") for number in range(len(CHAINS))]
+        return [each for job in jobs for each in trial(job)]
 
 
 @pytest.fixture(scope="module")
