@@ -29,7 +29,7 @@ from postproc.nc.lengths import (
     set_tool,
     sign_of_h,
 )
-from postproc.nc.state import NONE, Frame
+from postproc.nc.state import NONE
 from postproc.nc.zeros import (
     EXTERNAL,
     ask_for,
@@ -309,17 +309,11 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
         b.rows[x]: int(start[b.rows[x]]) + value
         for x, (value, _) in values_of(b, axis_words).items()
     }
-    frame = _shifted(b, changed(start, values))
+    frame = replace(b.frame, trans=changed(start, values))
     if add:
         b.frame = replace(frame, added=frame.added or bool(values))
     else:
         b.frame = with_known(replace(frame, added=False), "turned")
-
-
-def _shifted(b: Batch, trans: np.ndarray) -> Frame:
-    """The frame with another programmable shift, which increments may travel."""
-    due = b.frame.due + trans - b.frame.trans if b.dialect.increments_travel_shifts else b.frame.due
-    return replace(b.frame, trans=trans, due=due)
 
 
 def _axis_shift(b: Batch, axis_words, word: str, add: bool = False) -> None:
@@ -338,7 +332,7 @@ def _axis_shift(b: Batch, axis_words, word: str, add: bool = False) -> None:
         b.rows[x]: value + (int(b.frame.trans[b.rows[x]]) if add else 0)
         for x, (value, _) in values_of(b, axis_words).items()
     }
-    b.frame = replace(_shifted(b, changed(b.frame.trans, values)), added=add)
+    b.frame = replace(b.frame, trans=changed(b.frame.trans, values), added=add)
 
 
 def _swivelled(b: Batch) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.nc.batch import Batch
-from postproc.nc.state import NONE, ticks_of
+from postproc.nc.state import NONE, UNSAID, ticks_of
 from postproc.nc.zeros import (
     changed,
     note_presets,
@@ -242,9 +242,10 @@ def length_by(b: Batch, axis_words, letter: str, number: int) -> None:
             f"say it in mm: --offset {name}=Z0, or --offsets FILE with the control's tool table",
         )
     before, length = b.frame.length, ticks_of(b.setup, place or {}) + _delta(b)
-    travels = b.dialect.increments_travel_shifts and b.frame.space is None
-    due = b.frame.due + length - before if travels else b.frame.due
-    b.frame = with_known(replace(b.frame, length=length, due=due), "length", reason)
+    zeros = b.frame.zeros
+    if b.frame.space is not None:  # increments of the tool tip do not travel it
+        zeros = np.where(zeros == UNSAID, zeros, zeros + length - before)
+    b.frame = with_known(replace(b.frame, length=length, zeros=zeros), "length", reason)
     left_open(b, axis_words, before)
 
 

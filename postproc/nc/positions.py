@@ -302,14 +302,11 @@ def _due(axis: _Axis) -> np.ndarray | None:
     last = np.concatenate([[-1], hold_index(said)[:-1]])
     first = last < 0
     carried = zero if frame.zeros[row] == UNSAID else frame.zeros[row]
-    due = zero - np.where(first, carried, zero[last]) + np.where(first, frame.due[row], 0)
+    zero = zero + frame.trans[row] + frame.length[row]
+    due = zero - np.where(first, carried, zero[last])
     if len(by):
-        mine = np.arange(len(frame.due)) == row
-        b.frame = replace(
-            frame,
-            due=np.where(mine, 0, frame.due),
-            zeros=np.where(mine, zero[by[-1]], frame.zeros),
-        )
+        mine = np.arange(len(frame.zeros)) == row
+        b.frame = replace(frame, zeros=np.where(mine, zero[by[-1]], frame.zeros))
     if not np.count_nonzero(due):
         return None
     b.blame(

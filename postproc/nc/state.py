@@ -47,19 +47,18 @@ class Frame:
     radius.
 
     local: G52; preset: G92, in force while preset_on; length: the tool's, G43; trans: TRANS of
-    Siemens, added: whether parts of it were (ATRANS); due: what of it and of the length the next
-    increment of an axis travels too; zeros: the work offset, or what SUPA made of it, where each
-    axis was named last, UNSAID: nowhere yet. extended: the name of the work offset that G54.1 P has
-    chosen. length_units: ten times the code of the units in which the length was set. unknown:
-    message and advice, by part, for a shift that is in force and not known. lapsed: axes whose
-    length G28 has taken back. tip: the tool point's frame, plane: a tilted plane's, face: that of
-    polar interpolation, where they are in force."""
+    Siemens, added: whether parts of it were (ATRANS); zeros: where each axis was named last, the
+    sum of its work offset (or what SUPA made of it), trans and length, UNSAID: nowhere yet: the
+    next increment travels what has changed of it. extended: the name of the work offset that G54.1
+    P has chosen. length_units: ten times the code of the units in which the length was set.
+    unknown: message and advice, by part, for a shift that is in force and not known. lapsed: axes
+    whose length G28 has taken back. tip: the tool point's frame, plane: a tilted plane's, face:
+    that of polar interpolation, where they are in force."""
 
     local: np.ndarray
     preset: np.ndarray
     length: np.ndarray
     trans: np.ndarray
-    due: np.ndarray
     zeros: np.ndarray
     preset_on: bool = True
     extended: str = ""
@@ -91,7 +90,7 @@ class Frame:
 def no_frame(axes: int) -> Frame:
     """No shift at all."""
     zero = np.zeros(axes, np.int64)
-    return Frame(zero, zero, zero, zero, zero, np.full(axes, UNSAID))
+    return Frame(zero, zero, zero, zero, np.full(axes, UNSAID))
 
 
 @record
