@@ -20,7 +20,7 @@ plain = st.one_of(
 sections = st.dictionaries(st.text("abcXYZ_059 .\"'", min_size=1, max_size=6), plain, max_size=4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(
     st.fixed_dictionaries({"name": texts, "title": texts}),
     st.dictionaries(st.sampled_from("XYZ"), sections, min_size=1),
