@@ -265,7 +265,9 @@ def _directions(
     return forward, reverse
 
 
-def _too_steep(path, line, letter, steep, low, high, limit) -> MachineError:
+def _too_steep(
+    path: Path, line: int, letter: str, steep: float, low: float, high: float, limit: float
+) -> MachineError:
     unit = "degree" if letter in ROTARY else "mm"
     return MachineError(
         f"the deviation changes by {steep * 1000:.2f} um/{unit} between {letter} = {low:g} and"

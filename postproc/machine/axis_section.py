@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,12 @@ UNCERTAINTY = "_uncertainty.csv"  # behind the axis' letter
 
 
 def read_axis(
-    toml: TomlFile, letter: str, data: Any, digest, limits: Limits, chain: chains.Chain
+    toml: TomlFile,
+    letter: str,
+    data: Any,
+    digest: hashlib._Hash,
+    limits: Limits,
+    chain: chains.Chain,
 ) -> Axis:
     """Its tables' bytes go into the digest of the map. Raises MachineError with the line of what is
     not as the format says."""
@@ -131,7 +137,9 @@ def _table_path(section: Section, value: Any, key: str) -> Path:
     return path
 
 
-def _grids(section: Section, letter: str, digest, limits: Limits) -> tuple[GridTable, ...]:
+def _grids(
+    section: Section, letter: str, digest: hashlib._Hash, limits: Limits
+) -> tuple[GridTable, ...]:
     """`by = { X = "Z_by_X.csv" }`: what of Z depends on X too."""
     by = section.get("by", {})
     if not isinstance(by, dict):

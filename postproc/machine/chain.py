@@ -20,6 +20,7 @@ W on a head Z): links of the chain like any other, whose errors the slides X Y Z
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -162,7 +163,7 @@ def tip_deviation(
     position: axis to (N,) mm.
     """
     n = len(next(iter(position.values())))
-    total: list = [None, None, None]
+    total: list[Any] = [None, None, None]
     for letter, stays in arms.items():
         part: Parts = parts.get(letter) or NO_PARTS
         for i, rate in leans.get(letter, ()):
@@ -178,7 +179,7 @@ def tip_deviation(
     return [np.zeros(n) if column is None else column for column in total]
 
 
-def _turn(total: list, turns: Parts, arm: list) -> None:
+def _turn(total: list[Any], turns: Parts, arm: list[Any]) -> None:
     """Adds eps x arm to three (N,) columns of mm. turns: eps, rad, about X Y Z; arm: mm; None: it
     is zero. Not in place, which takes three times as long where N is 1."""
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -189,7 +190,9 @@ def _turn(total: list, turns: Parts, arm: list) -> None:
             total[i] = total[i] - turns[k] * arm[j]
 
 
-def _length(constant: np.ndarray, slides: tuple[str, ...], position: dict[str, np.ndarray]):
+def _length(
+    constant: np.ndarray, slides: tuple[str, ...], position: dict[str, np.ndarray]
+) -> np.ndarray | None:
     """(N,) or one number of mm: an arm in one direction; None: none, wherever the slides stand."""
     if not slides:
         return constant or None

@@ -7,7 +7,8 @@ Reads strictly, as file.py does.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeVar
+from types import ModuleType
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -58,7 +59,7 @@ def term(
     return EffectTerm(name, axis, parameters, module, tables, found[1], measured=measured)
 
 
-def _effect_axis(entry: Section, module, axes: dict[str, Axis]) -> str:
+def _effect_axis(entry: Section, module: ModuleType, axes: dict[str, Axis]) -> str:
     """The axis of an effect, a pair of them, or "" for one of the whole machine."""
     axis = entry.string("axis", "" if module.PER == "all" else None)
     if module.PER == "all" and not axis:
@@ -125,7 +126,7 @@ def _times(table: Table, share: float) -> Table:
 
 
 def _applied(
-    module, axis: str, axes: dict[str, Axis], parameters: dict[str, float]
+    module: Any, axis: str, axes: dict[str, Axis], parameters: dict[str, float]
 ) -> tuple[tuple[AxisTable, ...], tuple[GridTable, ...]]:
     """What an effect adds where the slides stand, for a compensator."""
     if module.USE != "compensate":

@@ -128,7 +128,9 @@ def _diameter(top: Section, axes: dict[str, Axis]) -> tuple[str, ...]:
     return tuple(diameter)
 
 
-def _axes(toml: TomlFile, chain: chains.Chain, digest) -> tuple[Limits, dict[str, Axis]]:
+def _axes(
+    toml: TomlFile, chain: chains.Chain, digest: hashlib._Hash
+) -> tuple[Limits, dict[str, Axis]]:
     """[limits], which hold for every table, and the [axes.X] sections, all of the chain. Tables are
     added to digest."""
     sections = toml.data.get("axes")
@@ -190,14 +192,14 @@ def _limits(toml: TomlFile) -> Limits:
     )
 
 
-def _control_tables(toml: TomlFile, digest) -> tuple[ControlTable, ...]:
+def _control_tables(toml: TomlFile, digest: hashlib._Hash) -> tuple[ControlTable, ...]:
     """[[control_table]]: tables of the control itself, and whether the map was measured with
     them."""
     entries = toml.sections("control_table", "control tables")
     return tuple(_control_table(entry, digest) for entry in entries)
 
 
-def _control_table(entry: Section, digest) -> ControlTable:
+def _control_table(entry: Section, digest: hashlib._Hash) -> ControlTable:
     """One of them. Its files are added to digest."""
     entry.check_keys(KEYS["control_table"])
     measured, active = entry.get("measured"), entry.get("active", True)
@@ -221,7 +223,7 @@ def _control_table(entry: Section, digest) -> ControlTable:
     )  # fmt: skip
 
 
-def _control_file(entry: Section, key: str, digest) -> Path:
+def _control_file(entry: Section, key: str, digest: hashlib._Hash) -> Path:
     path = entry.own(key, entry.string(key))
     if not path.is_file():
         raise entry.fault(key, f"there is no file {path}")

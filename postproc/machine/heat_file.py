@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from postproc import intake
 from postproc.machine.axis import Expansion
 from postproc.machine.toml_file import Section
@@ -49,7 +51,7 @@ def _are_names(value: object) -> bool:
 
 
 def sensors(
-    section: Section, heat: dict
+    section: Section, heat: dict[str, Any]
 ) -> tuple[tuple[tuple[str, float | None], ...], tuple[str, ...]]:
     """`sensors = { T_front_C = 0.0, T_rear_C = 500.0 }`, thermometers of the scale by the slide
     position at which they sit, or `["T_1_C", "T_2_C"]`, whose mean counts; `work_sensors`, a

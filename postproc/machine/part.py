@@ -13,11 +13,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from postproc.machine.axis import Axis, AxisUncertainty
+from postproc.machine.axis import Axis
 from postproc.machine.chain import LINEAR
 from postproc.machine.model import Machine
 from postproc.machine.stated import EffectTerm
-from postproc.machine.tables import COMPONENTS, AxisTable, GridTable
+from postproc.machine.tables import COMPONENTS, AxisTable, AxisUncertainty, GridTable
 
 Table = TypeVar("Table", AxisTable, GridTable)
 ALONG = (

@@ -74,7 +74,15 @@ def carried(
     return off, lean
 
 
-def _slid(g: Geometry, letter: str, errors: Errors, q: np.ndarray, tip, off, lean) -> State:
+def _slid(
+    g: Geometry,
+    letter: str,
+    errors: Errors,
+    q: np.ndarray,
+    tip: np.ndarray,
+    off: np.ndarray,
+    lean: np.ndarray,
+) -> State:
     """The state beyond a slide at q (N,) mm."""
     moves, turns = errors
     way = np.zeros_like(tip)
@@ -99,7 +107,15 @@ def _of_line(stands: np.ndarray | None, arm: np.ndarray) -> tuple[np.ndarray, np
     return stands[:3, None] + np.cross(stands[3:, None], arm, axis=0), stands[3:, None]
 
 
-def _swivelled(g: Geometry, letter: str, errors: Errors, q: np.ndarray, tip, off, lean) -> State:
+def _swivelled(
+    g: Geometry,
+    letter: str,
+    errors: Errors,
+    q: np.ndarray,
+    tip: np.ndarray,
+    off: np.ndarray,
+    lean: np.ndarray,
+) -> State:
     """The state beyond a rotary axis at q (N,) degrees: its own errors act before it turns where it
     carries the part, behind it where it carries the tool."""
     centre, measured = g.centre[letter][:, None], g.measured[letter][:, None]
@@ -141,7 +157,13 @@ def _split(part: Parts | None, n: int) -> tuple[np.ndarray | None, np.ndarray | 
     return halves[0], halves[1]
 
 
-def _added(off, lean, moves, turns, arm):
+def _added(
+    off: np.ndarray,
+    lean: np.ndarray,
+    moves: np.ndarray | None,
+    turns: np.ndarray | None,
+    arm: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
     if moves is not None:
         off = off + moves
     if turns is not None:

@@ -108,7 +108,7 @@ class Section:
                 )
 
     def number(
-        self, key: str, default: float | None = None, at: str = "", of: dict | None = None
+        self, key: str, default: float | None = None, at: str = "", of: dict[str, Any] | None = None
     ) -> float:
         """A finite number. at: the key of the table in which it stands, whose line is named; of:
         that table, where it is another one."""
