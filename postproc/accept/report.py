@@ -118,13 +118,14 @@ def _lines(one: Outcome) -> list[str]:
 
 def _row(change: Change, unit: float) -> list[str]:
     shown = [
-        _number(v, unit)
+        number(v, unit)
         for v in (change.before.value, change.before.U, change.after.value, change.after.U)
     ]
     return [change.before.name, *shown, reduction(change), change.before.means]
 
 
-def _number(value: float | None, unit: float) -> str:
+def number(value: float | None, unit: float) -> str:
+    """In this unit; -: it was not measured."""
     return "-" if value is None else f"{value / unit:.2f}"
 
 

@@ -13,22 +13,11 @@ from postproc.calibrate.component import Component
 from postproc.calibrate.folder import LEFT_OUT, files
 from postproc.calibrate.outliers import Outlier
 from postproc.calibrate.statistics import t_factor
+from postproc.iso.report import aligned
 from postproc.units import URAD
 
 FORMAT = "gcomp-calibration/1"
 HEADER = ("", "targets", "from", "to", "runs", "range", "B", "s", "largest u", "U95", "unit", "")
-
-
-def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
-    """Columns of one width: numbers to the right, the first and the last ones to the left."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(HEADER))]
-    return [
-        "  ".join(
-            cell.rjust(w) if 0 < i < 10 else cell.ljust(w)
-            for i, (cell, w) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
 
 
 def table(calibration: Calibration) -> str:
@@ -37,7 +26,7 @@ def table(calibration: Calibration) -> str:
     left = {c.name: why for c, why in calibration.left_out}
     for component in sorted(calibration.measured.values(), key=_order):
         rows.append(_row(component, left.get(component.name, "")))
-    lines = _aligned(rows)
+    lines = aligned(rows, (0, 10, 11), "")
     lines += ["", *_treated(calibration)]
     for one in calibration.squareness.values():
         u = "u not known" if one.u is None else f"u = {one.u / URAD:.2g}"

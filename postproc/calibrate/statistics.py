@@ -13,7 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-SAME = 0.01  # mm: targets nearer to each other are one target
+from postproc.iso.positioning import targets_of
+
 LEVEL = 0.95  # of the tests
 
 # 95.45 %, of a normal distribution within k = 2 (JCGM 100, table G.2)
@@ -70,12 +71,8 @@ class Scatter:
 
 def nodes_of(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(K,) targets, ascending, and (N,) the target of each reading."""
-    order = np.argsort(position, kind="stable")
-    new = np.diff(position[order], prepend=-np.inf) > SAME
-    index = np.empty(len(position), np.int64)
-    index[order] = np.cumsum(new) - 1
-    count = np.bincount(index)
-    return np.round(np.bincount(index, position) / count, 6), index
+    target, index = targets_of(position)
+    return np.round(target, 6), index
 
 
 def cells_of(position: np.ndarray, approach: np.ndarray, reading: np.ndarray) -> Cells:

@@ -112,12 +112,6 @@ def loss(left: dict[str, float]) -> list[str]:
     ]
 
 
-def add(total: dict[str, float], more: dict[str, float]) -> None:
-    """Sum of sizes by name, in place."""
-    for name, value in more.items():
-        total[name] = total.get(name, 0.0) + value
-
-
 class Collected:
     """What a volumetric file has said so far."""
 

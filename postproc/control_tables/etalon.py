@@ -25,7 +25,7 @@ from postproc.control_tables._volumetric import COMPONENT, LOCATION, Collected, 
 from postproc.machine.chain import ROTARY
 from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS, AxisTable
-from postproc.machine.volumetric import VolumetricMap, directions, merged, of_machine
+from postproc.machine.volumetric import VolumetricMap, add, directions, merged, of_machine
 from postproc.recordings import Source
 
 TITLE = "Etalon exchange text (TRAC-CAL, LineCal; read by ISG and Beckhoff VolComp)"
@@ -49,7 +49,7 @@ def write_machine(machine: Machine, options: ExportOptions) -> Export:
     Raises TableError where there is nothing to write, MachineError for rotary axes.
     """
     found, left = of_machine(machine)
-    volumetric.add(left, directions(machine, found))
+    add(left, directions(machine, found))
     return _export(_flat(machine, found, left), options, left)
 
 
@@ -61,7 +61,7 @@ def _flat(machine: Machine, found: VolumetricMap, left: dict[str, float]) -> Vol
     for grid in found.one_way().grids:
         middle = (grid.forward.max(axis=2) + grid.forward.min(axis=2)) / 2
         off = grid.forward - middle[:, :, None]
-        volumetric.add(
+        add(
             left,
             directions(
                 machine, replace(found, axes={}, grids=(replace(grid, forward=off, reverse=-off),))

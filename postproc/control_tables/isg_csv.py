@@ -28,7 +28,7 @@ from postproc.control_tables._volumetric import COMPONENT, LOCATION, Collected, 
 from postproc.machine.chain import ROTARY, XYZ
 from postproc.machine.model import Machine
 from postproc.machine.tables import COMPONENTS
-from postproc.machine.volumetric import VolumetricMap, directions, of_machine
+from postproc.machine.volumetric import VolumetricMap, add, directions, of_machine
 from postproc.recordings import Source
 
 TITLE = "ISG CSV (volumetric compensation of ISG and Beckhoff VolComp)"
@@ -66,7 +66,7 @@ def write_machine(machine: Machine, options: ExportOptions) -> Export:
         for x, t in found.axes.items()
         if machine.axes[x].travel[0] < t.nodes[0] or machine.axes[x].travel[1] > t.nodes[-1]
     ]
-    volumetric.add(left, directions(machine, found))
+    add(left, directions(machine, found))
     return _export(found, options, left, notices)
 
 

@@ -11,13 +11,6 @@ from postproc.hooks import Call, Installed, _script
 
 TITLE = "FreeCAD: a post-processor beside its own"
 TRIED = "tests/hooks run Debian's FreeCAD 0.20 with it"
-POSTS = {
-    "grbl": "grbl",
-    "marlin": "marlin",
-    "smoothie": "smoothie",
-    "mach3": "mach3_mach4",
-    "centroid": "centroid",
-}
 
 POST = '''"""Corrects what FreeCAD's {post} post writes, for the machine {name}. Written by gcomp hook install."""
 

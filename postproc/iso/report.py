@@ -63,21 +63,21 @@ def _lines(result: Result) -> list[str]:
         shown = [None if v is None else v / unit for v in (p.value, p.U, p.runs)]
         said = ", ".join(filter(None, (p.means, p.at)))
         rows.append([p.name, *(number(v, digits) for v in shown), said])
-    out += _table(rows, left=(0, 4))
+    out += aligned(rows, left=(0, 4))
     if result.terms:
         out += ["", f"  in U, k = 1, {result.unit}"]
         rows = []
         for t in result.terms:
             acts = _acts(t.of, result)
             rows.append([t.name, number(t.u / unit, digits + 1), f"{t.said}; on {acts}"])
-        out += _table(rows, left=(0, 2))
+        out += aligned(rows, left=(0, 2))
     if result.columns:
-        out += ["", *_table(_cells(result, digits), left=())]
+        out += ["", *aligned(_cells(result, digits), left=())]
     if result.causes:
         out += [
             "",
             "  what makes it out of round, of each alone; % of the sum",
-            *_table(cause_rows(result.causes), left=(0, 3, 4)),
+            *aligned(cause_rows(result.causes), left=(0, 3, 4)),
         ]
     return out + [""] * bool(result.notices) + [f"  note: {n}" for n in result.notices]
 
@@ -132,10 +132,11 @@ def _cells(result: Result, digits: int) -> list[list[str]]:
     return rows
 
 
-def _table(rows: list[list[str]], left: tuple[int, ...]) -> list[str]:
+def aligned(rows: Sequence[Sequence[str]], left: tuple[int, ...], indent: str = "  ") -> list[str]:
+    """Columns of one width, those numbered in `left` to the left, the others to the right."""
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     return [
-        "  "
+        indent
         + "  ".join(
             c.ljust(w) if i in left else c.rjust(w)
             for i, (c, w) in enumerate(zip(row, widths, strict=True))

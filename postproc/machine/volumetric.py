@@ -104,7 +104,7 @@ def of_machine(machine: Machine) -> tuple[VolumetricMap, dict[str, float]]:
             else:
                 axes[x] = replace(table, forward=forward, reverse=reverse)
             if own:
-                _add(left, _bend(table, x))
+                add(left, _bend(table, x))
     square = {
         f"{ROTARY[i]}0{x}": float(v[i])
         for x, v in machine.square.items()
@@ -158,7 +158,7 @@ def directions(machine: Machine, found: VolumetricMap) -> dict[str, float]:
             for i, h in enumerate(half)
             if h
         }
-        _add(left, sizes)
+        add(left, sizes)
     return left
 
 
@@ -201,6 +201,7 @@ def _bend(table: AxisTable | GridTable, letter: str) -> dict[str, float]:
     return found
 
 
-def _add(total: dict[str, float], more: dict[str, float]) -> None:
+def add(total: dict[str, float], more: dict[str, float]) -> None:
+    """Sum of sizes by name, in place."""
     for name, value in more.items():
         total[name] = total.get(name, 0.0) + value

@@ -61,7 +61,7 @@ def _tiles(outcomes: Sequence[Outcome]) -> Iterator[tuple[str, str, str]]:
         )
         if change is not None:
             unit = report.unit_of(one)
-            before, after = (_shown(p.value, unit) for p in (change.before, change.after))
+            before, after = (report.number(p.value, unit) for p in (change.before, change.after))
             yield (
                 (
                     f"{before} to {after} {one.unit}",
@@ -69,10 +69,6 @@ def _tiles(outcomes: Sequence[Outcome]) -> Iterator[tuple[str, str, str]]:
                     "after",
                 )
             )
-
-
-def _shown(value: float | None, unit: float) -> str:
-    return "-" if value is None else f"{value / unit:.2f}"
 
 
 def _outcome(made: Page, k: int, one: Outcome) -> None:
@@ -86,10 +82,10 @@ def _outcome(made: Page, k: int, one: Outcome) -> None:
     rows = [
         (
             c.before.name,
-            _shown(c.before.value, unit),
-            _shown(c.before.U, unit),
-            _shown(c.after.value, unit),
-            _shown(c.after.U, unit),
+            report.number(c.before.value, unit),
+            report.number(c.before.U, unit),
+            report.number(c.after.value, unit),
+            report.number(c.after.U, unit),
             report.reduction(c),
             c.before.means,
         )

@@ -121,7 +121,7 @@ def _head(
 
 def _is_place(value: Any) -> bool:
     """Whether it is a table of axis letters and numbers, like { X = 0.0 }."""
-    return isinstance(value, dict) and all(k in AXES and _finite(v) for k, v in value.items())
+    return isinstance(value, dict) and all(k in AXES and intake.finite(v) for k, v in value.items())
 
 
 def _check_targets(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
@@ -148,7 +148,7 @@ def _check_targets(head: dict[str, Any], fault: Callable[..., GcompError]) -> No
 
 def _check_ballbar(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
     """Radius and centre."""
-    if not _finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
+    if not intake.finite(head.get("radius_mm")) or head["radius_mm"] <= 0:
         raise fault("radius_mm", f"{_said(head, 'radius_mm')}: a length above zero is wanted")
     if not _is_place(head.get("centre")):
         raise fault(
@@ -170,7 +170,7 @@ def check_head(head: dict[str, Any], fault: Callable[..., GcompError]) -> None:
     if head["kind"] == "targets":
         head.setdefault("quantity", "displacement")
         _check_targets(head, fault)
-    if "u_um" in head and not (_finite(head["u_um"]) and head["u_um"] > 0):
+    if "u_um" in head and not (intake.finite(head["u_um"]) and head["u_um"] > 0):
         raise fault("u_um", f"u_um = {head['u_um']!r} is not above zero")
     if head["kind"] == "trace" and head.get("sees", "scale") not in ("scale", "tool"):
         raise fault("sees", f"sees = {head['sees']!r}", "scale or tool")
@@ -262,9 +262,3 @@ def check(recording: Recording) -> None:
                     "+1 or -1",
                     Place(recording.file, int(recording.lines[wrong[0]])),
                 )
-
-
-def _finite(value: Any) -> bool:
-    """A number of a size that positions and uncertainties have: also no integer beyond what a float
-    holds."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < 1e300

@@ -29,7 +29,6 @@ READINGS = {
     "x_positioning": (X, "dxx_{}_mm", "X", "X", "displacement", 1e3),
     "x_straightness": (X, "dzx_{}_mm", "X", "Z", "straightness", 1e3),
 }
-GRINDER = [f"{name}.csv" for name in READINGS]
 
 
 def table(name: str) -> list[dict[str, str]]:

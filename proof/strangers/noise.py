@@ -29,7 +29,6 @@ FAST_TRACE = [*FAST, "ar1", "ar1", "ar2"]
 SLOW = ["ou", "ou", "walk", "iou", "flicker", "settle"]
 HELD_FAST, HELD_FAST_TRACE = ["modulated"], ["modulated", "arma"]
 HELD_SLOW = ["levy", "hum", "tempwander", "telegraph"]
-OPEN_KINDS = sorted(set(FAST_TRACE + SLOW + ["quant", "outlier"]))
 HELD_KINDS = sorted(set(HELD_FAST_TRACE + HELD_SLOW))
 Kernel = Callable[[Array, Array], Array]
 LATER: dict[str, dict[str, list[str]]] = {

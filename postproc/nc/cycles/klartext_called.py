@@ -14,7 +14,6 @@ from postproc.nc.cycles.klartext_stud import STUDS, stud
 from postproc.nc.cycles.scene import Scene
 
 BORE = 208
-FIGURES = (BORE, FACE, *POCKETS, *STUDS)  # they need the tool's radius
 
 
 def called(scene: Scene, tool: Tool, data: Holes) -> list[bytes]:
