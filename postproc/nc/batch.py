@@ -364,8 +364,14 @@ class Batch:
         unit, increment = zip(_scales(True, least), _scales(False, least), strict=True)
         return np.where(inch, *unit), np.where(inch, *increment)
 
-    def halves(self, letter: str):
-        """(B,) or number: 2 where words of this axis are diameters, else 1."""
+    def halves(self, letter: str, distances: np.ndarray | None = None):
+        """(B,) or number: 2 where words of this axis are diameters, else 1.
+
+        distances (B,) bool: where its words are distances, by G91 unless given. Under DIAM90 places
+        are diameters and distances radii (Sinumerik 840D sl "Programming Manual Fundamentals",
+        "Channel-specific diameter/radius programming"), and AC() and IC() say of one word which it
+        is ("Non-modal absolute and incremental dimensions").
+        """
         if self.polar and (letter != "X" or self.polar == "Y"):
             return np.int64(1)
         if letter == "X" and "diameter" in self.dialect.groups:
@@ -374,10 +380,11 @@ class Batch:
             if isinstance(mode, int) and mode != DIAM90:
                 return np.int64({70: 2, 80: 1}.get(mode, default))
             if DIAM90 in self.dialect.by_number:
-                by_distance = np.where(self.held("distance") == 910, 1, 2)
+                if distances is None:
+                    distances = np.broadcast_to(self.held("distance"), self.n) == 910
                 return np.where(
                     mode == DIAM90,
-                    by_distance,
+                    np.where(distances, 1, 2),
                     np.where(mode == 70, 2, np.where(mode == 80, 1, default)),
                 )
             return np.where(mode == 70, 2, np.where(mode == 80, 1, default))

@@ -154,7 +154,20 @@ class _Axis:
         if self.shared.spelled or len(increment):
             own = w.letter[place] == ord(self.letter)
             self.is_inc = np.where(own, self.is_inc, w.letter[place] < ABSOLUTE)
+            self._rescale(self._distances())
         self.added = np.count_nonzero(self.is_inc)
+
+    def _distances(self) -> np.ndarray:
+        """(B,) bool: where its word is a distance, or would be."""
+        found = np.broadcast_to(self.relative, self.b.n).copy()
+        found[self.by] = self.is_inc
+        return found
+
+    def _rescale(self, distances: np.ndarray) -> None:
+        """Scale and grid by what each word is by itself: DIAM90."""
+        if self.letter == "X" and "diameter" in self.b.dialect.groups:
+            half = self.b.halves("X", distances)
+            self.scale, self.grid = (x // half for x in self.b.unit_scale("X"))
 
     def travel(self) -> None:
         """Set `position` (B,) behind each block and `named` (B,), whether the block says it."""
@@ -259,10 +272,11 @@ class _Axis:
             word[self.by] = self.place
             p.word[row] = word[block]
         if self.added or self.some_relative:
-            inc = np.broadcast_to(self.relative, n).copy()
+            inc = self._distances()
             if self.due is not None:  # a word put in must not travel the shift: X=AC()
                 inc &= self.due == 0
-            inc[self.by] = self.is_inc
+                inc[self.by] = self.is_inc
+                self._rescale(inc)
             p.incremental[row] = inc[block]
         p.grid[row], p.least[row] = at(self.grid, block), at(self.least, block)
         p.scale[row], p.origin[row] = at(self.scale, block), at(self.offset, block)

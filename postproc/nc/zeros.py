@@ -80,10 +80,15 @@ def _tool_name(b: Batch, place: int) -> str:
 
 
 def lathe_tool(dialect: Dialect, number: int) -> str:
-    """The offset that a T word of a lathe names, "": none."""
+    """The offset that a T word of a lathe names, "": none.
+
+    Its last two digits are the offset's number, with leading zeros left out as in any word: T2 is
+    T0002, offset 2 of no tool (Fanuc Series 0i-TD B-64304EN-1, "Tool function"; parameter 5028:
+    two digits where there are 10 to 99 offsets).
+    """
     if dialect.nose_in_tool:
         number %= 10_000
-    return f"T{number:04d}" if number >= 100 and number % 100 else ""
+    return f"T{number:04d}" if number % 100 else ""
 
 
 def stated(b: Batch, name: str) -> dict[str, float] | None:
@@ -129,8 +134,9 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     known = ", ".join(names[:MOST_NAMES]) + more
     axes = ",".join(x + "0" for x in b.setup.axes if x in "XYZ") or "X0"
+    short = f" (T{int(name[1:])} names no tool: its digits are the offset's)" * name.startswith("T00")
     return (
-        f"the {kind} offset {name} is not stated",
+        f"the {kind} offset {name} is not stated{short}",
         (
             f"say where its zero lies in machine coordinates, mm and radius: --offset {name}={axes}"
             f" (stated: {known})"
