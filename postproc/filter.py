@@ -228,6 +228,9 @@ class Filter:
     def _lines(self, text: bytes) -> bytes:
         """Whole lines, "%" lines among them."""
         if self.modal.ended:
+            if self.dialect.homes and (axis := faults.AXIS_WORD.search(text)):
+                line = self.summary.lines + text.count(b"\n", 0, axis.end()) + 1
+                self._tell(Notice("behind", faults.BEHIND_END, line))
             self.summary.lines += text.count(b"\n")
             return self._numbered(text)
         words = lex(text, self.dialect.grammar, self.setup.block_delete)
@@ -250,6 +253,12 @@ class Filter:
                 line,
                 "'%' stands inside a block",
                 "'%' begins and ends a program, in a line of its own",
+            )
+        if self.dialect.homes and line.strip()[1:].lstrip()[:1].isalpha():
+            raise self._error(
+                line,
+                "'%' begins a command of the sender",
+                "what it does to the axes is not known here: take it out",
             )
         if self._begun:
             self.modal = replace(self.modal, ended=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc.errors import BlockFault, Notice
 from postproc.motions import no_presets
-from postproc.nc import codes
+from postproc.nc import codes, faults
 from postproc.nc.columns import hold_last
 from postproc.nc.control import Control
 from postproc.nc.dialects import NO_GROUP, UNKNOWN
@@ -132,11 +132,20 @@ class Batch:
             if self._is_end(place) and live[w.block[place]]:
                 live[w.block[place] + 1 :] = False
                 self.ended = True
+                self._tell_behind(w.block[place])
                 break
         if np.count_nonzero(live) < self.n:
             self.places = {letter: p[live[w.block[p]]] for letter, p in self.places.items()}
             self.places = {letter: p for letter, p in self.places.items() if len(p)}
         return live
+
+    def _tell_behind(self, end: int) -> None:
+        """Say that axes are named behind the end, where that is not the end for a sender."""
+        named = [self.places[x] for x in self.rows if x in self.places]
+        block = np.concatenate([NO_WORDS, *(self.words.block[place] for place in named)])
+        if self.dialect.homes and (block > end).any():
+            line = int(self.words.line[block[block > end].min()])
+            self.notices.append(Notice("behind", faults.BEHIND_END, line))
 
     def begins_again(self, place: int) -> bool:
         """Whether an M word takes the control back to the first block (M99 without P)."""

@@ -22,6 +22,11 @@ ADVICE_NO_LANGUAGE = (
     "variables, expressions, O-words and macro statements of this control are not run: let the CAM"
     " program write plain blocks; or is it for another control? --dialect"
 )
+BEHIND_END = (
+    "blocks behind the end of the program (M2, M30, '%') stay as they are, and a sender sends them"
+    " on: put the end last"
+)
+AXIS_WORD = expression(rb"(?m)^[^(;\n]*?[A-CXYZ][ \t]*[-+]?[0-9.]", re.IGNORECASE)
 STATEMENT = expression(
     rb"[#\[\]=$<>\"]|\b(?:IF|THEN|GOTO[FBCS]?|WHILE|DO|END[A-Z]*|SUB|CALL|REPEAT|UNTIL|LOOP|FOR|DEF|PROC|CASE|RETURN|ELSE|MCALL|"
     rb"CYCLE[0-9]+)(?![A-Z])|\bO<",

@@ -15,7 +15,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
-from postproc.nc.batch import Batch
+from postproc.nc.batch import NO_WORDS, Batch
 from postproc.nc.columns import hold_index
 from postproc.nc.state import Cycle, InCycle
 
@@ -23,6 +23,10 @@ ACROSS = {170: "Z", 180: "Y", 190: "X"}
 PLANES = {letter: code for code, letter in ACROSS.items()}
 OTHER_PLANE = "a hole of a canned cycle in another plane than the cycle was called in"
 WRITE_OUT = "--expand writes the cycle out as plain blocks"
+PECKS = (730, 830)
+NO_REPEATS = "on other controls it repeats the hole: write each hole in a block of its own"
+SUNK = "a cycle in G98 whose R lies above the level where the tool stands"
+SUNK_ADVICE = "whether it goes back to R or down is not said: write G99, or stand at R or above"
 WITHOUT_R = (
     "a canned cycle without R is drilled from the level where the tool stands, and goes back there"
 )
@@ -102,6 +106,9 @@ def in_cycle(
     bottom, has_bottom = _held(b, depth, np.where(absolute, offset, level), scale, cycle.bottom)
     holes = drills.nonzero()[0]
     stored = _repeats(b, mask, drills, cycle.stored)
+    if b.dialect.repeats == "L":  # where K repeats nothing, it is the least peck of G73 and G83
+        k = b.words.block[b.places.get("K", NO_WORDS)]
+        b.blame(k[(mask & ~np.isin(motion, PECKS))[k]], "K in a cycle that has none", NO_REPEATS)
     holes = drills.nonzero()[0]
     word = np.full(b.n, -1, np.int64)
     word[b.words.block[depth]] = depth
@@ -109,6 +116,8 @@ def in_cycle(
     # without R it goes back to where it stood, which is R level too
     initial = back & (cycle.initial > level) | (~named & (not of_lathe))
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
+    if cycle.known and not of_lathe and not b.dialect.returns_no_lower:
+        b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))

@@ -36,6 +36,7 @@ DIGITS, SIGNS, POINTS, LETTERS, SLASHES, ENDS, MINUS, UPPER = (
 )
 NEXT, ALL = np.array(1), np.array(8)
 LONGEST_NUMBER = 18  # digits that fit an int64
+WHOLE_DIGITS = 9  # before the point, where decimals beyond these 18 digits are dropped
 LONGEST, EIGHT_BYTES = np.array(LONGEST_NUMBER), np.dtype("<u8")
 THREE_ENDS, THREE = np.full(3, END, np.uint8), np.zeros(3, np.int64)
 POWERS = 10 ** np.arange(LONGEST_NUMBER + 1)
@@ -199,6 +200,10 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     whole = point - begin  # without a point that is where the number stops
     decimals = stop - point - pointed
     digits = whole + decimals
+    over = (digits > LONGEST) & (whole <= WHOLE_DIGITS)
+    if np.count_nonzero(over):  # 0.053299492385786795: a controller drops them too (GRBL read_float)
+        decimals = np.where(over, LONGEST - whole, decimals)
+        digits = whole + decimals
     if spelled and not code.isascii():
         digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
 

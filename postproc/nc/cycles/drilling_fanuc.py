@@ -34,7 +34,7 @@ from postproc.nc.cycles.drilling import (
 )
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
-from postproc.nc.holes import WITHOUT_R
+from postproc.nc.holes import SUNK, SUNK_ADVICE, WITHOUT_R
 
 MILL: dict[int, Action] = {
     730: chips,
@@ -140,6 +140,8 @@ class FanucDrilling(Drilling):
                 )
         r, bottom = self.held["R"], self.held["depth"]
         back = r if scene.code("return") == R_LEVEL else self.start(scene, axis)
+        if scene.rounded(axis, bottom) < scene.rounded(axis, back) < scene.rounded(axis, r):
+            raise scene.fault(SUNK, SUNK_ADVICE)
         half = 2 if scene.is_diameter(axis) else 1
         q = self.held.get("Q", 0.0) * half
         if code in self.pecking and q <= 0 and "I" not in self.held:

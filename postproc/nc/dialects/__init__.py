@@ -108,6 +108,7 @@ class Dialect:
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
     one).
+    `returns_no_lower`: G98 goes back to R where that is above the initial level.
     `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a
     place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
@@ -195,6 +196,7 @@ class Dialect:
     counts: float = 0.0
     other_codes_are_macros: bool = False
     hole_from_start: bool = False
+    returns_no_lower: bool = False
     level_from_start: bool = False
     conditions: bool = False
     feed_along_first: bool = False

@@ -6,7 +6,7 @@ Codes: bdring/FluidNC, FluidNC/src/GCode.cpp (gc_execute_line), Flowcontrol.cpp,
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.grbl import HOMING, ONE_AXIS
+from postproc.nc.dialects.grbl import HOMING, ONE_AXIS, SENDER
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     CENTRE_BY_START,
@@ -73,7 +73,9 @@ DIALECT = Dialect(
     language="linuxcnc",
     expand_decimals=4,
     # reports and unlocking; $J moves
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),
+    grammar=Grammar(
+        ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$", SENDER), homing=HOMING, macros=(ONE_AXIS,)
+    ),
     plane=170,
     motion=0,
     homes=True,

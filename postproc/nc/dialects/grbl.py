@@ -26,6 +26,8 @@ from postproc.nc.rows import (
 )
 
 HOMING = r"^[ \t]*\$H[ \t\r]*$"
+# what CNCjs keeps to itself: %wait, and variables, %X0=posx (CNCjs wiki, "Macro Usage")
+SENDER = r"^[ \t]*%[ \t]*(?:wait\b|[a-z_]\w*[ \t]*=)[^\n]*$"
 ONE_AXIS = (r"^[ \t]*\$H[A-Z][ \t\r]*$", 0)
 
 DIALECT = Dialect(
@@ -63,7 +65,9 @@ DIALECT = Dialect(
     m_refuses={},
     # reports, go on; $J moves
     grammar=Grammar(
-        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)
+        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$", SENDER),
+        homing=HOMING,
+        macros=(ONE_AXIS,),
     ),
     plane=170,
     motion=0,

@@ -7,7 +7,7 @@ and M-codes".
 
 from postproc.nc import codes
 from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.grbl import HOMING, ONE_AXIS
+from postproc.nc.dialects.grbl import HOMING, ONE_AXIS, SENDER
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import (
     BORE,
@@ -91,9 +91,12 @@ DIALECT = Dialect(
     },
     m_refuses={72: codes.RESTORED, 73: codes.RESTORED, 98: codes.CALL, 99: codes.CALL},
     language="linuxcnc",
+    returns_no_lower=True,
     expand_decimals=4,
     # reports and unlocking; $J moves
-    grammar=Grammar(ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$",), homing=HOMING, macros=(ONE_AXIS,)),
+    grammar=Grammar(
+        ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$", SENDER), homing=HOMING, macros=(ONE_AXIS,)
+    ),
     plane=170,
     motion=0,
     homes=True,

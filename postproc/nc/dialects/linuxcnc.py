@@ -117,6 +117,7 @@ DIALECT = Dialect(
     m_refuses={72: codes.BROUGHT_BACK, 73: codes.BROUGHT_BACK, 98: codes.CALL, 99: codes.CALL},
     grammar=Grammar(ignores=(r"\$[ \t]*-?[0-9]+",)),  # $0 names a spindle, $-1 all
     language="linuxcnc",
+    returns_no_lower=True,
     expand_decimals=4,
     plane=170,
     dwell="P",

@@ -88,6 +88,7 @@ DIALECT = Dialect(
     },
     m_refuses={47: codes.INLINE, 98: codes.CALL, 99: codes.CALL},
     language="linuxcnc",
+    returns_no_lower=True,
     expand_decimals=4,
     plane=170,
     dwell="P",
