@@ -201,7 +201,9 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     decimals = stop - point - pointed
     digits = whole + decimals
     over = (digits > LONGEST) & (whole <= WHOLE_DIGITS)
-    if np.count_nonzero(over):  # 0.053299492385786795: a controller drops them too (GRBL read_float)
+    if np.count_nonzero(
+        over
+    ):  # 0.053299492385786795: a controller drops them too (GRBL read_float)
         decimals = np.where(over, LONGEST - whole, decimals)
         digits = whole + decimals
     if spelled and not code.isascii():

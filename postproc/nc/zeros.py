@@ -134,9 +134,12 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     known = ", ".join(names[:MOST_NAMES]) + more
     axes = ",".join(x + "0" for x in b.setup.axes if x in "XYZ") or "X0"
-    short = f" (T{int(name[1:])} names no tool: its digits are the offset's)" * name.startswith("T00")
     return (
-        f"the {kind} offset {name} is not stated{short}",
+        (
+            f"the offset {name} is not stated: T with two digits or fewer is an offset's number"
+            if name.startswith("T00")
+            else f"the {kind} offset {name} is not stated"
+        ),
         (
             f"say where its zero lies in machine coordinates, mm and radius: --offset {name}={axes}"
             f" (stated: {known})"

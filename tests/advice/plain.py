@@ -23,6 +23,7 @@ def mill(dialect: str, before: str, after: str, then: str = "", **options) -> Ca
 TEXT = [
     Case("klipper", "G90|G1 X1 Y1 Z1|G1 X2 //abc", "G90|G1 X1 Y1 Z1|G1 X2 ;abc"),
     lathe("G1 X30. %", "G1 X30.|%"),
+    mill("grbl", "%update|G1 X5 F9", "G1 X5 F9"),
     lathe("G1 Z30. )", "G1 Z30."),
     lathe("G1 Z30./F10", "/G1 Z30. F10"),
     mill(
@@ -115,6 +116,12 @@ SHIFTS = [
         first={"start": NOWHERE},
     ),
     mill(C, "G10 L2 P12 X0.|G1 X30. F9", "G10 L2 P2 X0.|G1 X30. F9"),
+    lathe(
+        "T2|G1 X30. F9",
+        "T2|G1 X30. F9",
+        first={"offsets": TEN},
+        also={"offsets": {**TEN, "T0002": {}}},
+    ),
     mill(M, "G54.1 P1.5|G1 X30. F9", "G54.1 P2|G1 X30. F9"),
     mill("mach3", "G59 P7|G1 X30. F9", "G59|G1 X30. F9"),
     mill(
@@ -131,6 +138,8 @@ SHIFTS = [
 ]
 HOLE = "M3 S500|G0 Z10.|"
 HOLES = [
+    mill(M, "G98 G81 X5. Y5. Z-5. R12. F9|G80", "G99 G81 X5. Y5. Z-5. R12. F9|G80"),
+    mill("haas", "G81 X5. Y5. Z-5. R5. K3 F9|G80", "G81 X5. Y5. Z-5. R5. F9|G80"),
     Case(
         C,
         "G18 G0 X1. Z9.|G81 X2. Z5. R2. F9",

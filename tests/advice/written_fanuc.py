@@ -218,7 +218,7 @@ DRILLING = [
     Case(
         M,
         "M3 S9|F9|G81 X1. Y1. Z-1. R2.",
-        "M3 S9|F9|G81 X1. Y1. Z-1. R2.|G80",
+        "M3 S9|F9|G81 X1. Y1. Z-3. R-2.|G80",
         first={"start": NOWHERE},
         how=WRITE,
     ),
@@ -471,7 +471,7 @@ MORE = [
     macro("X#3011", "X1."),
     macro("X1. [", "X1."),
     macro("M98P99999999999", "M30"),
-    macro("X1.234567890123456789012", "X1.2345"),
+    macro("X1234567890.123456789012", "X1.2345"),
     macro("#1=" + "9" * 400, "#1=9"),
     macro("M98P9L1.5|M30|O9|M99", "M98P9L1|M30|O9|M99"),
     macro("G65A1.", "G65P9A1." + SUB),
