@@ -198,7 +198,7 @@ def test_a_strange_character_is_named_where_it_stands(program, strange, data):
         ("5", 0),
         ("N1 G1/X1", 5),
         ("X1234567890123456789", 0),
-        ("G1 X0.0000000000000000001", 3),
+        ("G1 X1000000000.123456789", 3),
         ("X1 (open", 3),
         ("X1 )", 3),
         ("(a)X1(b)2", 5),

@@ -140,7 +140,8 @@ class FanucDrilling(Drilling):
                 )
         r, bottom = self.held["R"], self.held["depth"]
         back = r if scene.code("return") == R_LEVEL else self.start(scene, axis)
-        if scene.rounded(axis, bottom) < scene.rounded(axis, back) < scene.rounded(axis, r):
+        below = scene.rounded(axis, bottom) < scene.rounded(axis, back) < scene.rounded(axis, r)
+        if below and not scene.dialect.level_from_start:
             raise scene.fault(SUNK, SUNK_ADVICE)
         half = 2 if scene.is_diameter(axis) else 1
         q = self.held.get("Q", 0.0) * half
