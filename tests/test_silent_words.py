@@ -114,3 +114,24 @@ def test_decimals_beyond_the_eighteenth_digit_are_dropped(run):
     assert lines[2] == "G1 Z-40.023299492 X0.053299492385786795 F100"
     with pytest.raises(ProgramError, match="digits"):
         run(HEAD + "G1 X1234567890.123456789|M2", "grbl")
+
+
+@pytest.mark.parametrize(
+    ("dialect", "block", "way_out"),
+    [
+        ("fagor", "(P1=5)", "write the numbers"),
+        ("fagor", "(IF P1 EQ 2 GOTO N10)", "write the blocks as they run"),
+        ("fagor", "(PROBE 1,P5)", "keep measuring in a program of its own"),
+        ("fagor", "(ORGX54=3)", "program in G54 to G57"),
+        ("fagor", "(CALL 1)", "write it out in line"),
+        ("fagor", "G33 Z-5 L1", "cut threads and taps in a program of their own"),
+        ("centroid", "G81 X1 Y1 Z-5 R2 L3", "write the hole out as G0 and G1"),
+        ("centroid", "#100=5", "let the CAM program write plain blocks"),
+    ],
+)
+def test_advice_names_what_this_control_has(run, dialect, block, way_out):
+    """No O-words, no G32 and no --expand, which these two have not."""
+    with pytest.raises(ProgramError) as caught:
+        run(f"G90 G17|G0 X0 Y0 Z5|F100|{block}|G1 X9|M30", dialect)
+    assert way_out in caught.value.advice
+    assert not any(x in caught.value.advice for x in ("O-word", "--expand", "G32"))

@@ -19,8 +19,8 @@ ADVICE_POLAR = (
 ADVICE_CORNER = "--expand writes ,R and ,C between straight lines out; else write the corner out"
 ADVICE_NO_CORNER = "corner rounding and chamfers (,R ,C ,A) are not followed: write the corner out"
 ADVICE_NO_LANGUAGE = (
-    "variables, expressions, O-words and macro statements of this control are not run: let the CAM"
-    " program write plain blocks; or is it for another control? --dialect"
+    "variables, expressions and statements of this control are not run: let the CAM program write"
+    " plain blocks; or is it for another control? --dialect"
 )
 BEHIND_END = (
     "blocks behind the end of the program (M2, M30, '%') stay as they are, and a sender sends them"

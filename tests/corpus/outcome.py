@@ -19,7 +19,7 @@ REASONS = (  # what a refusal is about, by what its message or advice says; the 
     (
         "an error in the program itself",
         (
-            "misses its own end",
+            "the arc misses its own end point",
             "is not text",
             "a comment is opened",
             "words in one block",

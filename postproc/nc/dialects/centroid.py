@@ -65,6 +65,7 @@ DIALECT = Dialect(
     m_refuses={98: codes.INLINE},
     grammar=Grammar(macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),)),
     plane=170,
+    holes_written_out=False,
     length_left_open=True,
     length_modal=True,
     dwell="P",

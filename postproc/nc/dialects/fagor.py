@@ -26,10 +26,15 @@ from postproc.nc.rows import (
 )
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+[ \t]*)?"
-_STATEMENT = (
-    r"\([ \t]*(?:P\d+["
-    r" \t]*=|V\.|IF\b|GOTO\b|RPT\b|CALL\b|PCALL\b|MCALL\b|MEXEC\b|EXEC\b|PROBE\b|ORG|SUB\b|RET\b|MDOFF\b)"  # noqa: E501
-)
+# statements in ( ) of the 8025 to 8055, and the reason of each
+_STATEMENTS = {
+    r"(?:P\d+[ \t]*=|V\.)": 7,
+    r"(?:IF|GOTO)\b": 9,
+    r"PROBE\b": 10,
+    r"ORG": 11,
+    r"(?:RPT|CALL|PCALL|MCALL|MEXEC|EXEC|SUB|RET|MDOFF)\b": 4,
+}
+_STATEMENT = rf"\([ \t]*(?:{'|'.join(_STATEMENTS)})"
 _QUIET = (
     r"#[ \t]*(?:MSG|WARNING|ERROR|DGWZ|DGSPDL|FLUSH|HSC|ESBLK|DSBLK|KIN[ \t]+ID)\b[^;\n]*|#["
     r" \t]*(?:RTCP|CS|ACS|MCS)[ \t]+OFF\b"
@@ -64,6 +69,7 @@ _UNSEEN = (
 _POLE = (
     "it sets a pole on one control and the feed on another: let the CAM program write X Y and G94"
 )
+_SPINDLE = "it goes in step with the spindle: cut threads and taps in a program of their own"
 _AXES = "it gives the words to other axes: name the plane by G17, G18 or G19"
 
 DIALECT = Dialect(
@@ -130,7 +136,7 @@ DIALECT = Dialect(
             },
             refuses=codes.CORNER,
         ),
-        *rows("motion", {"33": "thread", "63": "rigid tapping"}, refuses=codes.THREADING),
+        *rows("motion", {"33": "thread", "63": "rigid tapping"}, refuses=_SPINDLE),
         *rows(
             "datum",
             {"58": "further offset", "59": "further offset", "159": "offset by its number"},
@@ -152,7 +158,7 @@ DIALECT = Dialect(
             refuses=codes.CYCLE,
         ),
         *rows("motion", {"82": "drilling with dwell, or with chip breaking"}, refuses=_DIFFER),
-        *rows("motion", {"84": "tapping"}, refuses=codes.THREADING),
+        *rows("motion", {"84": "tapping"}, refuses=_SPINDLE),
         *rows("motion", {"86": "boring", "89": "boring"}, refuses=_UNSEEN),
         *rows(
             "motion",
@@ -191,7 +197,10 @@ DIALECT = Dialect(
             (_HEAD + r"(?:\$|%L|L[ \t]*\d)[^;\n]*", 4),
             (_HEAD + r"#[ \t]*MCS[ \t]+ON\b[^;\n]*", 5),
             (_HEAD + r"#(?![ \t]*MCS\b)[^;\n]*", 6),
-            (r"^[^;\n]*" + _STATEMENT + r"[^\n]*", 4),
+            *(
+                (rf"^[^;\n]*\([ \t]*{statement}[^\n]*", reason)
+                for statement, reason in _STATEMENTS.items()
+            ),
             (_HEAD + r"(?:P[ \t]*\d+|V\.[\w.]+)[ \t]*=[^;\n]*", 7),
             (_HEAD + _POLAR, 8),
         ),
@@ -205,6 +214,9 @@ DIALECT = Dialect(
         "what it does is not known here: take it out, or write what it does as blocks",
         "its value may stand for a place: write the numbers",
         "its end is an angle and a radius about the pole: let the CAM program write X Y Z",
+        "it decides where the program goes on: write the blocks as they run",
+        codes.PROBE,
+        _DATUM,
     ),
     plane=170,
     length_left_open=True,

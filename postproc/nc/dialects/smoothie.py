@@ -105,6 +105,7 @@ DIALECT = Dialect(
     bare_letters=True,
     length_letter="T",
     homes=True,
+    holes_written_out=False,
     g_takes=(29, 31, 32),
     skips_centre=True,
     ends=(2,),
