@@ -173,6 +173,7 @@ def offsets() -> dict[str, dict[str, float]]:
         + [f"G{n}" for n in range(505, 600)]
     )
     names += [f"G54.1 P{n}" for n in range(1, 49)] + [f"T{n:02d}{n:02d}" for n in range(1, 100)]
+    names += [f"T{n:04d}" for n in range(1, 100)]
     names += [f"{letter}{n}" for letter in "HDT" for n in range(100)] + [
         f"T{n}D1" for n in range(100)
     ]

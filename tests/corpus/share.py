@@ -58,9 +58,11 @@ in its own shape; decimal commas; a sum without = on an Okuma), and seven of mil
 M02; a line of another control; a number with two points, twice; 50 mm above the reference point, in
 G91; Z behind a tool change; a home that the control holds).
 
-Of programs that nobody has looked at before, expect less: of the last 103, 69 of 93 legitimate ones
-were corrected before anything was mended for them (74 %; of Fanuc lathes 3 of 15, many by students;
-of the 61 for other controls than these and Fanuc mills 57)."""
+Of programs that nobody has looked at before, expect less: of 103, 69 of 93 legitimate ones were
+corrected before anything was mended for them (74 %; of Fanuc lathes 3 of 15, many by students; of
+the 61 for other controls than these and Fanuc mills 57). Of the last 43, most of them short, 29 of
+31 were, and of one more the blocks behind a sender's `%` were left as they stood, without a
+word."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked
