@@ -198,14 +198,8 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     after = after + pointed
     stop = mark[after]
     whole = point - begin  # without a point that is where the number stops
-    decimals = stop - point - pointed
+    decimals = _resolved(whole, stop - point - pointed)
     digits = whole + decimals
-    over = (digits > LONGEST) & (whole <= WHOLE_DIGITS)
-    if np.count_nonzero(
-        over
-    ):  # 0.053299492385786795: a controller drops them too (GRBL read_float)
-        decimals = np.where(over, LONGEST - whole, decimals)
-        digits = whole + decimals
     if spelled and not code.isascii():
         digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
 
@@ -286,6 +280,13 @@ def _only_slash(block: re.Match[bytes]) -> bytes:
 
 def _block_at(words: Words, offset: int) -> int:
     return int(np.searchsorted(words.block_stop, offset, side="left"))
+
+
+def _resolved(whole, decimals):
+    """(W,) the decimals that are read: none beyond 18 digits, as a controller drops them too
+    (0.053299492385786795; GRBL 1.1, nuts_bolts.c, read_float)."""
+    over = (whole + decimals > LONGEST) & (whole <= WHOLE_DIGITS)
+    return np.where(over, LONGEST - whole, decimals) if np.count_nonzero(over) else decimals
 
 
 def _mantissa(byte, begin, whole, decimals, pointed, negative):
