@@ -25,8 +25,8 @@ def run(tmp_path_factory):
     machine = read_machine(folder)
     zeros = {"G54": dict.fromkeys("XYZ", 0.0)}
 
-    def run(text: str, dialect: str, cut: int = 0) -> tuple[list[str], list[Notice]]:
-        filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=zeros))
+    def run(text: str, dialect: str, cut: int = 0, offsets=zeros):
+        filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=offsets))
         data = [(line + "\n").encode() for line in text.split("|")]
         out = filter_.feed(b"".join(data[:cut])) + filter_.feed(b"".join(data[cut:]))
         lines = (out + filter_.finish()).decode().splitlines()
@@ -135,3 +135,15 @@ def test_advice_names_what_this_control_has(run, dialect, block, way_out):
         run(f"G90 G17|G0 X0 Y0 Z5|F100|{block}|G1 X9|M30", dialect)
     assert way_out in caught.value.advice
     assert not any(x in caught.value.advice for x in ("O-word", "--expand", "G32"))
+
+
+@pytest.mark.parametrize("code", ["G110", "G154 P1", "G129", "G154 P20"])
+def test_g110_of_a_haas_is_g154_p1(run, code):
+    """Mill operator's manual 96-8210, "G110-G129": its offset could not be stated."""
+    number = 20 if "2" in code else 1
+    with pytest.raises(ProgramError) as caught:
+        run(f"G21 G90 {code}|G0 X1. Y1. Z5.|M30", "haas")
+    assert f"--offset G54.1P{number}=X0,Y0,Z0" in caught.value.advice
+    stated = {f"G54.1 P{number}": {"X": 0.0, "Y": 0.0, "Z": -2.0}}
+    lines, _ = run(f"G21 G90 {code}|G0 X1. Y1. Z5.|M30", "haas", offsets=stated)
+    assert lines[1] == "G0 X1. Y1. Z5.0300"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from postproc.errors import GcompError
@@ -10,6 +12,8 @@ from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
 from postproc.nc.state import Setup, ticks_of
 from postproc.units import TICKS_PER_MM
 
+# Haas, G110 to G129: G154 P1 to P20 (mill operator's manual 96-8210, "G110-G129", "G154")
+ALSO = {f"G{109 + p}": f"G54.1 P{p}" for p in range(1, 21)}
 PARAMETERS = "NOGMFSTDHLPQ"
 
 
@@ -24,6 +28,7 @@ class Control:
     its letters for a place, its letters for an increment."""
 
     def __init__(self, dialect: Dialect, setup: Setup):
+        setup = _with_own_names(dialect, setup)
         self.dialect, self.setup = dialect, setup
         self.rows = {letter: i for i, letter in enumerate(setup.axes)}
         for own in (x for x in dialect.increments if x in self.rows):
@@ -57,3 +62,10 @@ class Control:
         return np.array(start, np.int64), np.array(
             [x in stands or x in self.dialect.carried for x in self.setup.axes]
         )
+
+
+def _with_own_names(dialect: Dialect, setup: Setup) -> Setup:
+    """What is stated of G154 P1 to P20 under their other names too."""
+    names = {code.word for code in dialect.codes if code.group == "work offset"} & set(ALSO)
+    own = {x: setup.offsets[ALSO[x]] for x in names if ALSO[x] in setup.offsets}
+    return replace(setup, offsets={**own, **setup.offsets}) if own else setup

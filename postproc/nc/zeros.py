@@ -14,6 +14,7 @@ import numpy as np
 from postproc.motions import Presets
 from postproc.nc.batch import Batch
 from postproc.nc.columns import changes
+from postproc.nc.control import ALSO
 from postproc.nc.dialects import Dialect
 from postproc.nc.rows import SECOND_REFERENCE
 from postproc.nc.state import NONE, Frame, ticks_of
@@ -130,6 +131,8 @@ def stated_tool(b: Batch, letter: str, number: int) -> dict[str, float] | None:
 
 def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     """The reason that asks for an offset by its name."""
+    name = ALSO.get(name, name)
+    option = name.replace(" ", "")  # as one word of the command line
     names = sorted({*b.setup.offsets, *b.offsets}) or ["none"]
     more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     known = ", ".join(names[:MOST_NAMES]) + more
@@ -141,7 +144,7 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
             else f"the {kind} offset {name} is not stated"
         ),
         (
-            f"say where its zero lies in machine coordinates, mm and radius: --offset {name}={axes}"
+            f"say where its zero lies in machine coordinates, mm and radius: --offset {option}={axes}"
             f" (stated: {known})"
         ),
     )
