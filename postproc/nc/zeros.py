@@ -144,8 +144,8 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
             else f"the {kind} offset {name} is not stated"
         ),
         (
-            f"say where its zero lies in machine coordinates, mm and radius: --offset {option}={axes}"
-            f" (stated: {known})"
+            "say where its zero lies in machine coordinates, mm and radius: --offset"
+            f" {option}={axes} (stated: {known})"
         ),
     )
 
