@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from postproc.errors import Notice, ProgramError
+from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
