@@ -147,3 +147,10 @@ def test_g110_of_a_haas_is_g154_p1(run, code):
     stated = {f"G54.1 P{number}": {"X": 0.0, "Y": 0.0, "Z": -2.0}}
     lines, _ = run(f"G21 G90 {code}|G0 X1. Y1. Z5.|M30", "haas", offsets=stated)
     assert lines[1] == "G0 X1. Y1. Z5.0300"
+
+
+@pytest.mark.parametrize(("block", "comma"), [("X5,5", True), ("$TC_DP1[1,1]=5", False)])
+def test_a_comma_in_a_list_is_no_decimal_comma(run, block, comma):
+    with pytest.raises(ProgramError) as caught:
+        run(f"G17 G90|G0 X0 Y0 Z5|{block}|M30", "siemens")
+    assert ("not a comma" in caught.value.advice) == comma

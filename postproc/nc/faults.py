@@ -62,7 +62,7 @@ LETTER_O = expression(
 )
 POLAR = expression(rb"[@^][ \t]*[-+.0-9]")
 CORNER = expression(rb",[ \t]*([RCrc]|[Aa])")
-COMMA = expression(rb"[0-9],[0-9]")
+COMMA = expression(rb"[A-Z=][ \t]*[-+]?[0-9]+,[0-9]", re.IGNORECASE)  # X5,5, and no list: (5,5)
 TWO_POINTS = expression(rb"[0-9]*\.[0-9]*\.")
 ANGLES = (
     "the tool's direction by angles (A2 B2 C2) or by the surface's normal is not followed",
