@@ -5,16 +5,17 @@ from __future__ import annotations
 
 import argparse
 import os
-import re
 import sys
 from typing import Any, TextIO
+
+from postproc.expressions import expression
 
 RED, YELLOW, GREEN, CYAN, PLAIN = "\x1b[1;31m", "\x1b[33m", "\x1b[32m", "\x1b[36m", "\x1b[0m"
 # The first that fits a line decides; what fits none stays as it is.
 KINDS = (
-    (re.compile(r"gcomp: warning"), YELLOW),
-    (re.compile(r"gcomp: (?:verified|written|opened|\d+ motions)"), GREEN),
-    (re.compile(r"gcomp: (?:notice|not in the map|\d+ of \d+)"), CYAN),
+    (expression(r"gcomp: warning"), YELLOW),
+    (expression(r"gcomp: (?:verified|written|opened|\d+ motions)"), GREEN),
+    (expression(r"gcomp: (?:notice|not in the map|\d+ of \d+)"), CYAN),
 )
 
 

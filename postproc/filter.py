@@ -8,7 +8,7 @@ bytes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,7 @@ from postproc.nc.lexer import Words, lex
 from postproc.nc.state import ModalState, Setup
 from postproc.nc.writing import Written
 from postproc.pieces import Pieces
+from postproc.records import mutable
 from postproc.units import UM
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
     return min(found) if found else None
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Summary:
     """What was done so far. largest: mm, the largest correction of an axis."""
 
@@ -139,7 +140,7 @@ def marker_of(machine: Machine, tolerance: float) -> str:
     return f"(GCOMP {__version__} {name} MAP {machine.digest.upper()} TOL {tolerance / UM:g} UM)"
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Filter:
     """feed(text) -> text, finish() -> text. `name` is what errors call the program; `watchers` see
     every batch; heat: which temperature each block meets, of a machine that grows.

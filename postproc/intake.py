@@ -8,6 +8,7 @@ kind needs that is known to us.
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 import tomllib
@@ -54,8 +55,9 @@ def whole(path: Path, most: int, error: type[GcompError] = UsageError) -> bytes:
 
 def decoded(data: bytes, name: str, error: type[GcompError]) -> str:
     """The text of a UTF-8 file. Raises `error` with the line of the first byte that is none."""
+    data = data.removeprefix(codecs.BOM_UTF8)
     try:
-        return data.decode("utf-8-sig")
+        return data.decode()
     except UnicodeDecodeError as fault:
         raise error(
             f"byte {data[fault.start]} is not UTF-8 text",

@@ -18,7 +18,8 @@ from postproc.spaces import Space
 RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
 LINES = (RAPID, FEED)
 # (10,) bool: whether a code is that of a feed along a line or an arc
-CUTS = np.isin(np.arange(FOREIGN + 1), (FEED, CLOCKWISE, COUNTER))
+CUTS = np.zeros(FOREIGN + 1, bool)
+CUTS[[FEED, CLOCKWISE, COUNTER]] = True
 
 
 @columns

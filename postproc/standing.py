@@ -9,7 +9,6 @@ measured, set up or written: that is written over with --force alone, where a co
 from __future__ import annotations
 
 import argparse
-import filecmp
 import os
 import re
 from pathlib import Path
@@ -74,6 +73,8 @@ def same(path: str | Path, other: str | Path) -> bool:
 
 def copy(path: str | Path, other: str | Path) -> bool:
     """Whether two files hold the same bytes: then one of them is not lost."""
+    import filecmp  # a new file is compared with none
+
     try:
         return filecmp.cmp(path, other, shallow=False)
     except OSError:

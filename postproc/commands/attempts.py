@@ -11,7 +11,7 @@ import argparse
 import copy
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
@@ -22,6 +22,7 @@ from postproc.errors import GcompError, ProgramError
 from postproc.expressions import expression
 from postproc.filter import Filter
 from postproc.machine.model import Machine
+from postproc.records import mutable
 
 if TYPE_CHECKING:
     from postproc.verify import Verifier
@@ -36,7 +37,7 @@ DECIDES = expression(
 )
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Attempt:
     """One reading of the program. why: that it was written out without being asked for, and why;
     "": it was not."""
@@ -92,7 +93,7 @@ def best(
     return _Tries(options, machine, source, name, head, step).best()
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class _Tries:
     options: argparse.Namespace
     machine: Machine

@@ -21,9 +21,8 @@ from postproc.machine.angle_file import location, squareness, squareness_u
 from postproc.machine.axis import Axis
 from postproc.machine.axis_section import UNCERTAINTY, read_axis
 from postproc.machine.chain import LINEAR, ROTARY, XYZ
-from postproc.machine.effect_file import read_effects
 from postproc.machine.model import Machine
-from postproc.machine.stated import ControlTable, Limits
+from postproc.machine.stated import ControlTable, EffectTerm, Limits
 from postproc.machine.toml_file import Section, TomlFile
 from postproc.machine.tool_point import read_tool_point
 from postproc.units import UM
@@ -89,7 +88,7 @@ def read_machine(folder: Path) -> Machine:
         control=top.string("control"), chain=chain, axes=axes, diameter=diameter,
         square=squareness(toml, axes), tool=np.array([tool.number(x, 0.0) for x in XYZ]),
         control_tables=_control_tables(toml, digest), offsets=_offsets(toml, axes), limits=limits,
-        effects=read_effects(toml, axes), source=top.string("source", ""),
+        effects=_effects(toml, axes), source=top.string("source", ""),
         digest=digest.hexdigest()[:8],
         reversal=_one_of(top, "reversal", "step", REVERSALS, f"one of {', '.join(REVERSALS)}"),
         home=_home(top, axes), square_u=squareness_u(toml, axes),
@@ -97,6 +96,15 @@ def read_machine(folder: Path) -> Machine:
         tool_point=read_tool_point(toml),
         square_stated=tuple(name for name in toml.section("squareness").data if name != "u"),
     )  # fmt: skip
+
+
+def _effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...]:
+    """The terms of [[effect]]: most machines have none, and need none of their modules."""
+    if "effect" not in toml.data:
+        return ()
+    from postproc.machine.effect_file import read_effects
+
+    return read_effects(toml, axes)
 
 
 def _one_of(section: Section, key: str, default: str, known: Collection[str], advice: str) -> str:
@@ -109,8 +117,8 @@ def _one_of(section: Section, key: str, default: str, known: Collection[str], ad
 
 def _check_uncertainties(folder: Path, axes: dict[str, Axis]) -> None:
     """Raises MachineError for a table of uncertainty that belongs to no axis."""
-    for path in sorted(folder.glob(f"*{UNCERTAINTY}")):
-        if path.name.removesuffix(UNCERTAINTY) not in axes:
+    for path in sorted(folder.iterdir()):
+        if path.name.endswith(UNCERTAINTY) and path.name.removesuffix(UNCERTAINTY) not in axes:
             raise MachineError(
                 f"{path.name} is of no axis of the machine",
                 f"axes: {' '.join(axes)}",

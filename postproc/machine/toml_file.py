@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from postproc import intake
 from postproc.errors import MachineError, Place
 from postproc.machine.axis_file import text_of
+from postproc.records import record
 
 
 class TomlFile:
@@ -73,7 +73,7 @@ class TomlFile:
         return [Section(self, name, entry, i) for i, entry in enumerate(entries)]
 
 
-@dataclass(frozen=True)
+@record
 class Section:
     """A section of a document. name: "axes.Z", "" for what stands before the first; data: its keys;
     index: which of several [[name]]. All that is not as it must be is a MachineError with its

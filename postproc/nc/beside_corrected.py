@@ -8,7 +8,6 @@ nominal one passes and the corrected does not, the block is refused.
 from __future__ import annotations
 
 import copy
-from dataclasses import dataclass
 from math import ceil, pi
 
 import numpy as np
@@ -18,6 +17,7 @@ from postproc.motions import ENTRY, FREE, RAPID, Motions
 from postproc.nc.beside_refusals import begun, block_of
 from postproc.nc.shifted import Block, Gouge, Shifted
 from postproc.pieces import Pieces
+from postproc.records import mutable
 from postproc.units import TICKS_PER_MM
 
 LIMIT = (
@@ -26,7 +26,7 @@ LIMIT = (
 )
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Contours:
     """Both contours while the program is inside one that can be followed."""
 

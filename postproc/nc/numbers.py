@@ -9,10 +9,11 @@ INSERT_WORD = 100  # rank of words put in behind a block's last one
 POWERS = 10 ** np.arange(19)
 
 # Four characters of text as one integer each: 0000 to 9999, and 000. to 999.
-_PLACES = np.arange(10000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")
-_DIGITS = _PLACES.astype(np.uint8).view(np.uint32)[:, 0]
-_PLACES[:, :3], _PLACES[:, 3] = _PLACES[:, 1:], ord(".")
-_POINTED = _PLACES[:1000].astype(np.uint8).view(np.uint32)[:, 0]
+_PLACES = np.indices((10, 10, 10, 10), np.uint8).reshape(4, 10000).T + np.uint8(ord("0"))
+_DIGITS = np.ascontiguousarray(_PLACES).view(np.uint32)[:, 0]
+_POINTED = np.full((1000, 4), ord("."), np.uint8)
+_POINTED[:, :3] = _PLACES[:1000, 1:]
+_POINTED = _POINTED.view(np.uint32)[:, 0]
 
 
 def decimal_cells(

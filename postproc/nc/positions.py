@@ -3,7 +3,7 @@ whole ticks."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,9 +14,10 @@ from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.lengths import lapses
 from postproc.nc.references import away as sent_away
 from postproc.nc.state import UNSAID
+from postproc.records import mutable
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Places:
     """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how
     each axis' word is (or would be) written; sent: whether G28 has taken the axis elsewhere since

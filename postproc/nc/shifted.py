@@ -12,10 +12,12 @@ convert_arc_comp2), interp_queue.cc (move_endpoint_and_flush); the names of angl
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from math import acos, asin, atan2, cos, hypot, pi, sin, tan
 
 import numpy as np
+
+from postproc.records import mutable
 
 CORNER = 0.05  # rad: TOLERANCE_CONCAVE_CORNER
 LONGER = 0.0254  # rad: by how much an arc may grow, as measured: 0.022 is accepted, 0.036 refused
@@ -29,7 +31,7 @@ class Gouge(Exception):
     """The control refuses the contour; the sentence is LinuxCNC's."""
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Way:
     """A straight way or an arc of the centre. owner: the motion that it belongs to; start, end
     (A,): mm; plane: rows of the two axes; centre: mm in the plane, turns and sweep: rad, signed, of
@@ -50,7 +52,7 @@ class Way:
     measured: bool = False
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Block:
     """A motion of the contour: its number, its end (A,) mm, whether it is a rapid, and an arc's
     centre and turns: + for counter-clockwise, more than 1 for more than a turn."""
@@ -62,7 +64,7 @@ class Block:
     turns: int = 0
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class Shifted:
     """Follows a contour with a tool. plane: rows of its axes; radius: mm; side: LEFT or RIGHT;
     nose: mm in the plane from the centre to the point that the control drives. `done`: ways that

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 
 from postproc.nc.shifted import Shifted
-from postproc.records import columns, record
+from postproc.records import columns, mutable, record
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
@@ -162,7 +162,7 @@ def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
     return np.array([round(place.get(x, 0.0) * TICKS_PER_MM) for x in setup.axes], np.int64)
 
 
-@dataclass(eq=False, repr=False)
+@mutable
 class InCycle:
     """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
     of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
