@@ -8,7 +8,7 @@ bytes.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import field, replace
+from dataclasses import field
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -27,7 +27,7 @@ from postproc.nc.lexer import Words, lex
 from postproc.nc.state import ModalState, Setup
 from postproc.nc.writing import Written
 from postproc.pieces import Pieces
-from postproc.records import mutable
+from postproc.records import mutable, replace
 from postproc.units import UM
 
 if TYPE_CHECKING:

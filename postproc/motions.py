@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from postproc.records import columns
+from postproc.records import columns, names
 from postproc.spaces import Space
 
 RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
@@ -233,7 +233,7 @@ class Motions:
         for name in ("arcs", "holes"):
             table = getattr(self, name)
             low, high = (int(np.searchsorted(table.motion, k)) for k in (first, stop))
-            rows = {f: getattr(table, f)[..., low:high] for f in table.__dataclass_fields__}
+            rows = {f: getattr(table, f)[..., low:high] for f in names(type(table))}
             tables[name] = type(table)(**{**rows, "motion": rows["motion"] - first})
         return Motions(**columns, **tables, reasons=self.reasons, spaces=self.spaces)
 
@@ -278,7 +278,7 @@ NEVER = -(1 << 62)  # a number below all that a column counts
 _COLUMNS: dict[type, tuple[str, ...]] = {
     kind: tuple(
         name
-        for name in kind.__dataclass_fields__
+        for name in names(kind)
         if name not in ("arcs", "holes", "presets", "reasons", "spaces", "spells")
     )
     for kind in (Motions, Arcs, Holes, Presets)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.motions import FEED
-from postproc.records import columns
+from postproc.records import columns, names
 
 
 @columns
@@ -51,7 +51,7 @@ def without_rests(pieces: Pieces) -> Pieces:
     group = np.cumsum(first) - 1
     moves = np.bincount(group, weights=~rest) > 0
     keep = (~rest | (first & ~moves[group])).nonzero()[0]
-    fields = Pieces.__dataclass_fields__
+    fields = names(Pieces)
     return Pieces(**{f: getattr(pieces, f).take(keep, axis=-1) for f in fields})
 
 
@@ -65,7 +65,7 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
             return parts[0][1]
     key = np.concatenate([k for k, _ in parts])
     order = np.lexsort((key[:, 1], key[:, 0]))
-    fields = Pieces.__dataclass_fields__
+    fields = names(Pieces)
     joined = {
         f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1).take(order, axis=-1)
         for f in fields
@@ -75,5 +75,5 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
 
 def joined(parts: list[Pieces]) -> Pieces:
     """Pieces of motions that follow each other, in one table."""
-    fields = Pieces.__dataclass_fields__
+    fields = names(Pieces)
     return Pieces(**{f: np.concatenate([getattr(p, f) for p in parts], axis=-1) for f in fields})

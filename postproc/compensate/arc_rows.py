@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc.machine.model import Machine
 from postproc.motions import Arcs
-from postproc.records import columns
+from postproc.records import columns, names
 from postproc.units import TICKS_PER_MM
 
 SHORTEST = 3  # least increments: a shorter arc is a chord
@@ -33,7 +33,7 @@ class Rows:
     def pick(self, which: np.ndarray) -> Rows:
         if which.dtype == bool:
             which = which.nonzero()[0]
-        fields = Rows.__dataclass_fields__
+        fields = names(Rows)
         return Rows(**{f: getattr(self, f).take(which, axis=-1) for f in fields})
 
     def __len__(self) -> int:
@@ -42,7 +42,7 @@ class Rows:
 
 def joined(parts: Sequence[Rows]) -> Rows:
     """Several sets of rows in one."""
-    fields = Rows.__dataclass_fields__
+    fields = names(Rows)
     return Rows(**{f: np.concatenate([getattr(r, f) for r in parts], axis=-1) for f in fields})
 
 

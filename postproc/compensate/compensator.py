@@ -8,7 +8,6 @@ the ways between, check the limits.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
@@ -23,6 +22,7 @@ from postproc.machine import growth, poses, seen
 from postproc.machine.model import Machine
 from postproc.motions import Motions
 from postproc.pieces import Pieces, in_order, joined, without_rests
+from postproc.records import replace
 from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM
 

@@ -13,6 +13,7 @@ from postproc.compensate.increments import increments, rounded
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
 from postproc.pieces import Pieces
+from postproc.records import names
 from postproc.units import TICKS_PER_MM
 
 
@@ -359,7 +360,7 @@ def arc_pieces(b: Batch):
         radius=np.where(rows.chord, 0, rows.radius),
     )
     if none.any():
-        fields = Pieces.__dataclass_fields__
+        fields = names(Pieces)
         pieces = Pieces(**{f: getattr(pieces, f)[..., ~none] for f in fields})
         key = key[~none]
     return key, pieces

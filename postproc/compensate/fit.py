@@ -15,13 +15,12 @@ that will do, else both halves, else as much at a time as will do. `Proof` says 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.compensate.arc_rows import Fitter, Rows, joined
 from postproc.compensate.prove import Proof
 from postproc.compensate.samples import Samples, taken
+from postproc.records import replace
 
 NEARLY = 100  # a run is the longest that will do if one longer by a sixth of its samples will not
 LEVELS = 14  # times that what one sample interval is too long for is looked at closer

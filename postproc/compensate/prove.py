@@ -15,7 +15,6 @@ hysteresis at most) is off already, so that there each of both keeps to its own 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +22,7 @@ import numpy as np
 from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.samples import Samples, bend
 from postproc.motions import centre_by_radius
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 
 TURN = 2 * np.pi

@@ -7,7 +7,6 @@ other.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from postproc.compensate.arc_rows import Fitter, Rows
 from postproc.compensate.inverse import ROUNDS
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, Stretches, stretches
-from postproc.records import columns
+from postproc.records import columns, replace
 
 MOST_SAMPLES = 100_000  # worked on at once: more leave the processor's cache, and take memory
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.compensate import approach
 from postproc.machine import tip
 from postproc.machine.chain import LINEAR, XYZ
 from postproc.machine.model import Machine
-from postproc.records import columns, record
+from postproc.records import columns, record, replace
 from postproc.spaces import Space
 from postproc.units import TICKS_PER_MM
 

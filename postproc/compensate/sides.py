@@ -11,7 +11,6 @@ stroke depends on earlier ones only, the answer is the same however the input is
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +20,7 @@ from postproc.compensate.columns import Columns
 from postproc.compensate.cutter import commands
 from postproc.machine.tip import TipMachine
 from postproc.motions import RAPID
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM, in_ticks
 
 NOWHERE = np.array(2**61)  # ticks: no place to look at

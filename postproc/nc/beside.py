@@ -12,8 +12,6 @@ The first block behind G40 goes to its programmed end in both axes of the plane,
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.motions import ENTRY, FREE, OFFSET
@@ -22,6 +20,7 @@ from postproc.nc.columns import one_of, spread
 from postproc.nc.face import planes
 from postproc.nc.state import NONE, Beside
 from postproc.nc.zeros import lathe_tool, stated, stated_tool
+from postproc.records import replace
 from postproc.units import MM_PER_INCH
 
 LEFT, DYNAMIC = (410, 411), (411, 421)

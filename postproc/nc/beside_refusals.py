@@ -10,7 +10,6 @@ convert_set_plane, convert_coordinate_system, convert_home, convert_straight), i
 from __future__ import annotations
 
 import copy
-from dataclasses import replace
 from math import ceil, pi
 
 import numpy as np
@@ -21,6 +20,7 @@ from postproc.nc.beside import DYNAMIC, by_tool
 from postproc.nc.columns import spread
 from postproc.nc.shifted import LEFT, RIGHT, Block, Gouge, Shifted
 from postproc.nc.state import NONE
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 
 ADVICE = "LinuxCNC stops there: change the program"

@@ -9,8 +9,6 @@ piece.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.motions import Motions
@@ -27,6 +25,7 @@ from postproc.nc.stops import exact_stops
 from postproc.nc.threads import thread_words
 from postproc.nc.writing import Writing, Written
 from postproc.pieces import Pieces
+from postproc.records import replace
 
 
 class Emitter:

@@ -19,7 +19,6 @@ G112 on a Haas and G137 on an Okuma with the same places, sides and senses.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -29,6 +28,7 @@ from postproc.nc.codes import TRANSFORM
 from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
 from postproc.nc.state import NONE, Frame
 from postproc.nc.zeros import with_known, work_columns
+from postproc.records import replace
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 

@@ -10,8 +10,6 @@ NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.nc import face, planes, spatial, swivel, tips
@@ -43,6 +41,7 @@ from postproc.nc.zeros import (
     with_known,
     work_columns,
 )
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 
 WORK_OF_P = ("", "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3")

@@ -12,7 +12,6 @@ radius, tool length, shifts of the coordinates, subprograms.
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
 
 import numpy as np
 
@@ -55,6 +54,7 @@ from postproc.nc.stops import stop_column
 from postproc.nc.threads import thread_columns
 from postproc.nc.tips import first_frame, refuse_cycles, refuse_tips, retold, tip_codes
 from postproc.nc.zeros import offset_columns
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 
 

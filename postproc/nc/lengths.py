@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.errors import Notice
@@ -19,6 +17,7 @@ from postproc.nc.zeros import (
     with_known,
     work_columns,
 )
+from postproc.records import replace
 from postproc.units import TICKS_PER_MM
 
 UNNAMED = (

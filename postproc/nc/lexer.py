@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache, lru_cache
 
 import numpy as np
@@ -25,7 +24,7 @@ import numpy as np
 from postproc.errors import BlockFault
 from postproc.nc.faults import ADVICE_NUMBER, LONE, LONE_RETURN, advice_at, bare, what
 from postproc.nc.grammar import NUMBERLESS, SPELLED, Grammar
-from postproc.records import columns
+from postproc.records import columns, replace
 
 BLANK, DIGIT, SIGN, POINT, LETTER, SLASH, PERCENT, OTHER, END = range(9)
 BLANKS = b" \t\r"

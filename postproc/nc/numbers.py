@@ -11,9 +11,9 @@ POWERS = 10 ** np.arange(19)
 # Four characters of text as one integer each: 0000 to 9999, and 000. to 999.
 _PLACES = np.indices((10, 10, 10, 10), np.uint8).reshape(4, 10000).T + np.uint8(ord("0"))
 _DIGITS = np.ascontiguousarray(_PLACES).view(np.uint32)[:, 0]
-_POINTED = np.full((1000, 4), ord("."), np.uint8)
-_POINTED[:, :3] = _PLACES[:1000, 1:]
-_POINTED = _POINTED.view(np.uint32)[:, 0]
+_TEXTS = np.full((1000, 4), ord("."), np.uint8)
+_TEXTS[:, :3] = _PLACES[:1000, 1:]
+_POINTED = _TEXTS.view(np.uint32)[:, 0]
 
 
 def decimal_cells(

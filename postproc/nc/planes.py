@@ -11,7 +11,6 @@ followed as one (tips.py).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from postproc.errors import Notice
 from postproc.nc.batch import Batch
 from postproc.nc.tips import PLANE, STATE_FRAME, lost
 from postproc.nc.zeros import number_of, values_of, with_known, work_columns
+from postproc.records import replace
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 

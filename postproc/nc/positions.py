@@ -3,7 +3,6 @@ whole ticks."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,7 +13,7 @@ from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.lengths import lapses
 from postproc.nc.references import away as sent_away
 from postproc.nc.state import UNSAID
-from postproc.records import mutable
+from postproc.records import mutable, replace
 
 
 @mutable

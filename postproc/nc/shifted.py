@@ -12,12 +12,12 @@ convert_arc_comp2), interp_queue.cc (move_endpoint_and_flush); the names of angl
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import field
 from math import acos, asin, atan2, cos, hypot, pi, sin, tan
 
 import numpy as np
 
-from postproc.records import mutable
+from postproc.records import mutable, replace
 
 CORNER = 0.05  # rad: TOLERANCE_CONCAVE_CORNER
 LONGER = 0.0254  # rad: by how much an arc may grow, as measured: 0.022 is accepted, 0.036 refused

@@ -12,8 +12,6 @@ working plane").
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.expressions import expression
@@ -21,6 +19,7 @@ from postproc.nc.batch import Batch
 from postproc.nc.planes import plane_align, plane_off, tilt, turn_to, turned
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
+from postproc.records import replace
 
 WORD = "PLANE"
 KIND = expression(rb"PLANE[ \t]+([A-Z]+)")

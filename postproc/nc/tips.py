@@ -14,8 +14,6 @@ Job Planning, "TRAORI"; Heidenhain TNC 640, ISO programming, M128.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.nc import face
@@ -24,6 +22,7 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.lengths import length_of
 from postproc.nc.state import Frame, Setup, no_frame
 from postproc.nc.zeros import values_of, with_known, work_columns
+from postproc.records import replace
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 

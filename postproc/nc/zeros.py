@@ -7,8 +7,6 @@ correction depends on the place.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from postproc.motions import Presets
@@ -18,6 +16,7 @@ from postproc.nc.control import ALSO
 from postproc.nc.dialects import Dialect
 from postproc.nc.rows import SECOND_REFERENCE
 from postproc.nc.state import NONE, Frame, ticks_of
+from postproc.records import replace
 
 EXTERNAL = "EXT"
 MOST_NAMES = 8  # of offsets that are stated, in a sentence
