@@ -134,6 +134,15 @@ class Spells:
 
 
 @cache
+def no_arcs() -> Arcs:
+    """None."""
+    i, f = np.zeros(0, np.int64), np.zeros(0)
+    two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
+    ticks = two.astype(np.int64)
+    return Arcs(i, i, i, two, f, f, f, f, ticks, three, two.astype(bool), ticks, i, i.astype(bool))
+
+
+@cache
 def no_spells() -> Spells:
     """None."""
     i = np.zeros(0, np.int64)
@@ -236,6 +245,20 @@ class Motions:
             rows = {f: getattr(table, f)[..., low:high] for f in names(type(table))}
             tables[name] = type(table)(**{**rows, "motion": rows["motion"] - first})
         return Motions(**columns, **tables, reasons=self.reasons, spaces=self.spaces)
+
+
+@cache
+def no_motions(axes: int) -> Motions:
+    """None, of a machine with so many axes; not to be written to."""
+    i, no = np.zeros(0, np.int64), np.zeros(0, bool)
+    places, which = np.zeros((axes, 0), np.int64), np.zeros((axes, 0), bool)
+    return Motions(
+        block=i, code=i.astype(np.int8), start=places, target=places,
+        start_known=which, target_known=which, word=places, incremental=which, grid=places,
+        scale=places, origin=places, places=places, alone=no, inverse=no, feed=np.zeros(0),
+        feed_word=i, code_word=i, reason=i, renamed=no, arcs=no_arcs(), length=places, sent=which,
+        changed=which,
+    )  # fmt: skip
 
 
 FREE, OFFSET, ENTRY = 0, 1, 2  # values of Motions.cutter

@@ -61,7 +61,9 @@ def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
         stroke, place = parts[0][0].T
         step = stroke[1:] - stroke[:-1]
         # straight strokes come in order already
-        if not np.count_nonzero((step < 0) | ((step == 0) & (place[1:] <= place[:-1]))):
+        if len(stroke) < 2 or not np.count_nonzero(
+            (step < 0) | ((step == 0) & (place[1:] <= place[:-1]))
+        ):
             return parts[0][1]
     key = np.concatenate([k for k, _ in parts])
     order = np.lexsort((key[:, 1], key[:, 0]))

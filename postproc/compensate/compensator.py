@@ -211,11 +211,12 @@ class Compensator(Settings):
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
+        issued = b.end[:, -1].copy()
         after = Carry(
             sides=b.sides,
-            issued=b.end[:, -1].copy(),
+            issued=issued,
             way=b.way,
-            level=np.array([levels.initial_level(b, row) for row in range(len(b.end))]),
+            level=levels.initial(b) if len(b.m.holes) else issued,
             sure=bool(b.sure_after[-1]),
             heading=cutter.heading(b),
             largest=max(carry.largest, largest),

@@ -35,7 +35,12 @@ def level(
     return value[k] if still[k] == origin else int(end[origin])
 
 
-def initial_level(b: Columns, row: int) -> int:
+def initial(b: Columns) -> np.ndarray:
+    """(A,) ticks of `_initial` for each axis."""
+    return np.array([_initial(b, row) for row in range(len(b.end))])
+
+
+def _initial(b: Columns, row: int) -> int:
     """ticks: where axis `row` stood before the holes with which the batch ends, all of which ended
     at R; where it stands, if there are none."""
     holes = b.m.holes

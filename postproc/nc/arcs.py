@@ -7,11 +7,9 @@ way round, -R the longer.
 
 from __future__ import annotations
 
-from functools import cache
-
 import numpy as np
 
-from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius
+from postproc.motions import CLOCKWISE, COUNTER, Arcs, centre_by_radius, no_arcs
 from postproc.nc.batch import Batch
 from postproc.nc.columns import spread
 from postproc.nc.face import planes
@@ -42,7 +40,7 @@ def arcs_of(
     where it is corrected."""
     arc = ((circle.code == CLOCKWISE) | (circle.code == COUNTER)).nonzero()[0]
     if not len(arc):
-        return _empty()
+        return no_arcs()
     n, words = len(arc), batch.words
     word = {}
     for letter in "IJKR":
@@ -163,28 +161,6 @@ def arcs_of(
         origin=origin,
         by_radius=np.where(by_radius, value[2], 0),
         radius_alone=by_radius & bool(batch.polar and batch.dialect.contour),
-    )
-
-
-@cache
-def _empty() -> Arcs:
-    i, f = np.zeros(0, np.int64), np.zeros(0)
-    two, three = np.zeros((2, 0)), np.zeros((3, 0), np.int64)
-    return Arcs(
-        i,
-        i,
-        i,
-        two,
-        f,
-        f,
-        f,
-        f,
-        two.astype(np.int64),
-        three,
-        two.astype(bool),
-        two.astype(np.int64),
-        i,
-        i.astype(bool),
     )
 
 

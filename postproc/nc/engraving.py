@@ -117,7 +117,7 @@ def known_behind(b: Batch, known: np.ndarray) -> np.ndarray:
 
 
 def _engraves(b: Batch) -> bool:
-    return any(number in b.single for number in b.dialect.engraves)
+    return not b.single.keys().isdisjoint(b.dialect.engraves)
 
 
 def loose_axes(

@@ -16,7 +16,7 @@ import itertools
 import numpy as np
 
 from postproc.errors import BlockFault, Notice
-from postproc.motions import FOREIGN, Motions, join, no_spells
+from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
 from postproc.nc.batch import Batch, written_codes
@@ -253,6 +253,29 @@ def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]])
             )
 
 
+def _feeds(b: Batch) -> tuple[np.ndarray, np.ndarray]:
+    """(B,) the F number that holds in each block, and (B,) its F word, -1 where it has none. Sets
+    `b.feed`."""
+    place = b.once("F")
+    if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
+        place = place[~np.isin(b.words.block[place], b.single[40])]
+    feed, word = np.empty(b.n), np.empty(b.n, np.int64)
+    word.fill(-1)
+    untold = b.places.get(chr(UNTOLD))
+    b.feed = b.state.feed
+    if not len(place) and untold is None:
+        feed.fill(b.feed)
+        return feed, word
+    feed.fill(np.nan)
+    feed[b.words.block[place]] = b.numbers(place)
+    # a value that only the machine knows
+    feed[b.words.block[untold] if untold is not None else []] = 0.0
+    word[b.words.block[place]] = place
+    feed = hold_last_float(feed, b.feed)
+    b.feed = float(feed[-1])
+    return feed, word
+
+
 def columns(
     b: Batch,
     block: np.ndarray,
@@ -261,35 +284,23 @@ def columns(
     centre_words: dict[str, np.ndarray],
 ) -> Motions:
     """Gather the columns of the moving blocks, and the arcs among them."""
-    n = b.n
+    feed, feed_word = _feeds(b)
+    renamed, b.renamed = named_since(b.code_word >= 0, block, b.state.renamed)
+    spaces = [None, b.frame.space]
+    if not len(block):
+        beside_columns(b, block)
+        none = no_motions(len(b.rows))
+        return refuse_beside(b, replace(none, reasons=b.reasons, presets=b.presets, spaces=spaces))
     motion = motion[block]
     code = b.dialect.kind[np.maximum(motion, 0)]
     if np.count_nonzero(b.foreign):
         code[b.foreign[block]] = FOREIGN
-    feed_place = b.once("F")
-    if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
-        feed_place = feed_place[~np.isin(b.words.block[feed_place], b.single[40])]
-    feed, feed_word = np.empty(n), np.empty(n, np.int64)
-    feed_word.fill(-1)
-    untold = b.places.get(chr(UNTOLD))
-    if len(feed_place) or untold is not None:
-        feed.fill(np.nan)
-        feed[b.words.block[feed_place]] = b.numbers(feed_place)
-        # a value that only the machine knows
-        feed[b.words.block[untold] if untold is not None else []] = 0.0
-        feed_word[b.words.block[feed_place]] = feed_place
-        feed = hold_last_float(feed, b.state.feed)
-        b.feed = float(feed[-1])
-    else:
-        feed.fill(b.state.feed)
-        b.feed = b.state.feed
-    renamed, b.renamed = named_since(b.code_word >= 0, block, b.state.renamed)
     mode = b.held("feed mode")
     inverse = spread(at(mode, block), len(block)) == 930
     if np.count_nonzero(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
-        if untold is not None:
-            unknown = inverse & np.isin(block, b.words.block[untold])
+        if chr(UNTOLD) in b.places:
+            unknown = inverse & np.isin(block, b.words.block[b.places[chr(UNTOLD)]])
             b.blame(
                 block[unknown],
                 "G93 and an F whose value only the machine knows",
@@ -344,7 +355,7 @@ def columns(
         whole=whole,
         lead=lead,
         space=spread(int(b.frame.space is not None), len(block)),
-        spaces=[None, b.frame.space],
+        spaces=spaces,
     )
     return refuse_beside(b, motions)
 

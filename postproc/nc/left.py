@@ -39,6 +39,8 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
             mask = motion == number
         else:
             mask[b.single.get(number, [])] = True
+        if not np.count_nonzero(mask):
+            continue
         if code.refuses:
             mask &= b.has_axis & ~_by_radius(b, code, mask)
         if number >= KEYWORD or code.refuses:

@@ -7,10 +7,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from postproc.nc import lengths
 from postproc.nc.batch import LINEAR, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, RELATIVE
-from postproc.nc.lengths import lapses
 from postproc.nc.references import away as sent_away
 from postproc.nc.state import UNSAID
 from postproc.records import mutable, replace
@@ -97,7 +97,7 @@ class _Shared:
         self.distance, self.carried = b.held("distance"), b.held("carried")
         self.inch = b.held("units") == 200
         # whether any word says by itself that it is absolute or a distance
-        self.spelled = any(ord(letter) >= RELATIVE for letter in b.places)
+        self.spelled = max(b.places, default="") >= chr(RELATIVE)
         self.sends = 280 in b.single or 300 in b.single
         self.sent, self.changed = _before(b, b.state.sent), _before(b, b.state.changed)
         held = np.count_nonzero(self.sent | self.changed)
@@ -224,11 +224,13 @@ class _Axis:
             _since(p, self.row, away, block, True)
         if self.letter in b.changed or shared.changed[self.row]:
             drop = drop | self._changed(p, away, block, sent)
-        lapsed = self._lapsed(away)
-        drop = drop | lapsed
+        lapses = False
+        if b.dialect.length_lapses:
+            lapsed = self._lapsed(away)
+            drop, lapses = drop | lapsed, bool(np.count_nonzero(lapsed))
         self.known: np.ndarray | None = None
         unsure = self.cycle is not None and not self.cycle.known
-        if not self.was_known or shared.forgets or unsure or lapsed.any():
+        if not self.was_known or shared.forgets or unsure or lapses:
             event = np.where(drop, 0, np.where(self.named, 1, -1))
             if self.cycle is not None and unsure:
                 event[self.cycle.blocks[self.cycle.initial]] = 0
@@ -239,7 +241,7 @@ class _Axis:
         by = self.by[~self.is_inc]
         if self.cycle:
             by = np.concatenate([by, self.cycle.blocks])
-        return lapses(self.b, self.letter, away, by)
+        return lengths.lapses(self.b, self.letter, away, by)
 
     def _changed(self, p: Places, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
         """Fill in which motions come between a tool change and the first word of the axis. (B,)

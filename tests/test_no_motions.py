@@ -1,0 +1,46 @@
+"""A batch in which nothing moves."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.motions import Motions, no_motions
+from postproc.nc import dialects
+
+MACHINES = Path(__file__).resolve().parents[1] / "machines"
+
+
+def filter_of(name: str, dialect: str) -> Filter:
+    machine = read_machine(MACHINES / name)
+    return Filter(machine, dialects.load(dialect), setup_of(machine))
+
+
+@pytest.mark.parametrize(
+    ("name", "dialect"), [("example-mill", "linuxcnc"), ("studer-s36", "fanuc-lathe")]
+)
+def test_columns_are_of_the_kinds_that_motions_have(name, dialect):
+    """Joined with those of another segment they must not change its numbers."""
+    seen: list[Motions] = []
+    filter_ = filter_of(name, dialect)
+    filter_.watchers.append(lambda words, motions, *_: seen.append(motions))
+    filter_.feed(b"G21 G90 G0 X10. Z5.\nG1 X20. Z6. F100.\n")
+    some, none = seen[0].part(0, 0), no_motions(len(filter_.machine.letters))
+    for field in fields(Motions):
+        one, other = getattr(some, field.name), getattr(none, field.name)
+        if isinstance(one, np.ndarray) and field.name != "heat":
+            assert (one.dtype, one.shape) == (other.dtype, other.shape), field.name
+
+
+def test_what_holds_behind_it_is_kept():
+    """F, a motion code, a work offset and a presetting in lines by themselves."""
+    text = b"G21 G90 G0 X1 Y1 Z1\nF500\nG1\nG4 P1\nX20 Y9\nG92 X0\nM0\nX30\nG3\nX40 Y9 R6\n"
+    one, other = filter_of("example-mill", "linuxcnc"), filter_of("example-mill", "linuxcnc")
+    whole = one.feed(text) + one.finish()
+    assert whole == b"".join(other.feed(line) for line in text.splitlines(keepends=True))
+    assert len(whole.splitlines()) > len(text.splitlines())
