@@ -29,7 +29,8 @@ def test_columns_are_of_the_kinds_that_motions_have(name, dialect):
     seen: list[Motions] = []
     filter_ = filter_of(name, dialect)
     filter_.watchers.append(lambda words, motions, *_: seen.append(motions))
-    filter_.feed(b"G21 G90 G0 X10. Z5.\nG1 X20. Z6. F100.\n")
+    axes = " ".join(f"{x}5." for x in filter_.machine.letters)
+    filter_.feed(f"G21 G90 G0 {axes}\nG1 X20. Z6. F100.\n".encode())
     some, none = seen[0].part(0, 0), no_motions(len(filter_.machine.letters))
     for field in fields(Motions):
         one, other = getattr(some, field.name), getattr(none, field.name)
