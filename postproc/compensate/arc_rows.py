@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -79,6 +80,23 @@ class Fitter:
     inside: np.ndarray  # (n,) bool: inside cutter radius compensation (postproc.compensate.cutter)
     shortest: np.ndarray  # (n,) mm: a piece of such an arc has at least this way
     tool: np.ndarray  # (n,) mm: radius of a tool on the arc's inside, 0: outside, nan: not stated
+
+    @cached_property
+    def moves(self) -> np.ndarray:
+        """(A, n) bool: axes that move along arcs."""
+        return self.start != self.target
+
+    @cached_property
+    def grown(self) -> np.ndarray:
+        """(n,) mm by which the radius grows along arcs."""
+        return self.arcs.radius_end - self.arcs.radius
+
+    @cached_property
+    def kinds(self) -> tuple[bool, bool, bool]:
+        """Whether there are arcs written with R, those that take no centre, and those inside cutter
+        radius compensation."""
+        each = (self.arcs.by_radius, self.arcs.radius_alone, self.inside)
+        return tuple(bool(np.count_nonzero(column)) for column in each)  # type: ignore[return-value]
 
     def short(self, rows: Rows) -> tuple[np.ndarray, np.ndarray]:
         """(R,) parts not to be cut again: shorter than the control resolves well, and flatter

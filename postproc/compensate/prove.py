@@ -32,6 +32,7 @@ SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 FLAT = 16  # least increments of bow: half of one at both ends changes the radius by a sixteenth
 LARGEST_SWEEP = np.radians(300.0)  # of an arc inside cutter radius compensation
 BESIDE = 2  # samples beside a run that tell how much the command bends at its ends
+ANYWHERE, TURNED = np.array([[1.0], [0.0]]), np.array([[-1.0], [1.0]])
 NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
 
@@ -59,19 +60,24 @@ class Proof:
         self.f, self.rows, self.low, self.high = f, rows, low, high
         arcs, arc = f.arcs, rows.arc
         self.arc, self.centre = arc, arcs.centre.take(arc, axis=1)
-        axes = [samples.first, samples.second]
-        self.begin = rows.begin[axes] / TICKS_PER_MM - self.centre
-        self.end = rows.end[axes] / TICKS_PER_MM - self.centre
+        axes = (samples.first, samples.second)
+        self.begin = rows.begin.take(axes, axis=0) / TICKS_PER_MM - self.centre
+        self.end = rows.end.take(axes, axis=0) / TICKS_PER_MM - self.centre
         self.unit0, self.unit1 = samples.unit.take(low, axis=1), samples.unit.take(high, axis=1)
-        self.sweep = arcs.sweep[arc] * (rows.t1 - rows.t0)
+        self.part = rows.t1 - rows.t0
+        self.sweep, self.grown = arcs.sweep.take(arc) * self.part, f.grown.take(arc)
+        self.turns, self.whole = turns(self.sweep), (rows.t0 == 0) & (rows.t1 == 1)
+        self.radius, self.grid = arcs.radius.take(arc), arcs.grid.take(arc, axis=1)
+        self.written = f.kinds[0] and bool(np.count_nonzero(arcs.by_radius.take(arc)))
+        self.inside = f.kinds[2] and bool(np.count_nonzero(f.inside.take(arc)))
         self.count = high - low + 1
         whole = low[0] == 0 and high[-1] == len(samples.t) - 1
         if whole and np.array_equal(low[1:], high[:-1] + 1):  # all samples: nothing lies beside
             self.s, self.edges, self.runs = samples, low, 1
         else:
             self.s, self.runs = self._taken(samples), 2
-        self.share = (self.s.t - self._each(rows.t0)) * self._each(1.0 / (rows.t1 - rows.t0))
-        self.half = arcs.grid.take(arc, axis=1).min(axis=0) / TICKS_PER_MM / 2
+        self.share = (self.s.t - self._each(rows.t0)) * self._each(1.0 / self.part)
+        self.half = np.minimum(*self.grid) / TICKS_PER_MM / 2
         self.limit = f.total + self.half - samples.rest
         self.excess = np.zeros(len(rows))
 
@@ -153,38 +159,38 @@ class Proof:
         rounding outweighs its whole bow the fit knows no radius)."""
         f, exact, none = self.f, self._fitted(), np.zeros(len(self.rows), np.int64)
         never = none.astype(bool)
-        if f.arcs.by_radius[self.arc].any():
+        if self.written:
             programmed, fitted = self._radius_words(exact)
             yield self._drawn(programmed), programmed, f.tolerance / 2 + self.half, never
             yield self._drawn(fitted), fitted, np.inf, never
-        if f.arcs.radius_alone.any():  # where that is so, no arc by a centre is there
+        if f.kinds[1]:  # where that is so, no arc by a centre is there
             yield self._drawn(programmed), programmed, np.inf, self._kept()
             alone = f.arcs.radius_alone[self.arc]
             exact = np.where(alone, np.nan, exact)
         yield self._rounded(exact), none, np.inf, never
-        if f.inside[self.arc].any():
+        if self.inside:
             kept = self._kept()
             yield self._as_wide(exact), none, np.inf, kept
             yield self._rounded(exact), none, np.inf, kept
         flat = ~np.isnan(exact[0]) & (
-            self._sagitta() < FLAT * f.arcs.grid.take(self.arc, axis=1).max(axis=0) / TICKS_PER_MM
+            self._sagitta() < FLAT * np.maximum(*self.grid) / TICKS_PER_MM
         )
         if not flat.any():
             return
-        radius = f.arcs.radius[self.arc] * np.where(np.abs(self.sweep) > np.pi, -1, 1)
+        radius = self.radius * np.where(np.abs(self.sweep) > np.pi, -1, 1)
         same = centre_by_radius(self.begin, self.end, radius, self.sweep > 0)
         yield np.where(flat, self._rounded(same), np.nan), none, np.inf, never
 
     def _sagitta(self) -> np.ndarray:
         """(R,) mm by which each run leaves its chord."""
         sweep = np.minimum(np.abs(self.sweep), TURN)
-        bow: np.ndarray = self.f.arcs.radius[self.arc] * (1 - np.cos(sweep / 2))
+        bow: np.ndarray = self.radius * (1 - np.cos(sweep / 2))
         return bow
 
     def _rounded(self, centre: np.ndarray) -> np.ndarray:
         """(2, R) mm: centres as I J K will say them: whole increments from the programmed words."""
         base = np.where(self.rows.t0 == 0, self.f.base.take(self.arc, axis=1), 0)
-        grid = self.f.arcs.grid.take(self.arc, axis=1)
+        grid = self.grid
         way = base + np.rint(((centre - self.begin) * TICKS_PER_MM - base) / grid) * grid
         result: np.ndarray = self.begin + way / TICKS_PER_MM
         return result
@@ -193,24 +199,25 @@ class Proof:
         """(2, R) mm: the centre whose circle through the written begin passes the samples best, by
         least squares in the radial shifts; where the row ends elsewhere than it begins, it passes
         the written end too."""
-        arcs, s = self.f.arcs, self.s
+        s = self.s
         ends = []
         for unit, place, t in (
             (self.unit0, self.begin, self.rows.t0),
             (self.unit1, self.end, self.rows.t1),
         ):
-            grown = (arcs.radius_end - arcs.radius)[self.arc] * t
-            ends.append(dot(unit, place) - arcs.radius[self.arc] - grown)
-        length = np.hypot(*(self.unit1 - self.unit0))
+            ends.append(dot(unit, place) - self.radius - self.grown * t)
+        chord = self.unit1 - self.unit0
+        length = np.hypot(*chord)
         open_ = length > SAME_ANGLE
-        safe = np.where(open_, length, 1.0)
-        along = np.where(open_, (self.unit1 - self.unit0) / safe, np.array([[1.0], [0.0]]))
-        across = np.stack([-along[1], along[0]])
+        closed = np.count_nonzero(open_) < len(open_)
+        safe = np.where(open_, length, 1.0) if closed else length
+        along = np.where(open_, chord / safe, ANYWHERE) if closed else chord / safe
+        across = along[::-1] * TURNED
         g = dot(self._each(across), s.unit)
         g -= self._each(dot(across, self.unit0))
         gg = self._total(g * g)
         move_along = (ends[1] - ends[0]) / safe
-        if not open_.all():
+        if closed:
             f = dot(self._each(along), s.unit) - self._each(dot(along, self.unit0))
             h, which = s.radial - self._each(ends[0]), ~open_
             ff, fg, fh, gh = (self._total(product) for product in (f * f, f * g, f * h, g * h))
@@ -227,10 +234,9 @@ class Proof:
         """(R,) ticks twice: what R may be, 0 in arcs that have none: the programmed number, and the
         fitted one as rounded."""
         own = self.f.arcs.by_radius[self.arc]
-        whole = (self.rows.t0 == 0) & (self.rows.t1 == 1)
-        sign = np.where(whole, np.sign(own), np.where(np.abs(self.sweep) > np.pi, -1, 1))
+        sign = np.where(self.whole, np.sign(own), np.where(np.abs(self.sweep) > np.pi, -1, 1))
         sign *= own != 0
-        step = self.f.arcs.grid.take(self.arc, axis=1).max(axis=0)
+        step = np.maximum(*self.grid)
         exact = np.hypot(*(self.begin - centre)) * TICKS_PER_MM
         rounded = np.abs(own) + np.rint((exact - np.abs(own)) / step).astype(np.int64) * step
         return sign * np.abs(own), sign * rounded
@@ -240,9 +246,7 @@ class Proof:
         ends; nan where it has none, or where R is shorter than half the way by more than the
         programmed one was."""
         half = np.hypot(*(self.end - self.begin)) / 2
-        arcs = self.f.arcs
-        begin, grown = arcs.radius[self.arc], (arcs.radius_end - arcs.radius)[self.arc]
-        radii = [begin + grown * t for t in (self.rows.t0, self.rows.t1)]
+        radii = [self.radius + self.grown * t for t in (self.rows.t0, self.rows.t1)]
         nominal = np.hypot(*(radii[1] * self.unit1 - radii[0] * self.unit0)) / 2
         short = np.maximum(nominal - np.abs(self.f.arcs.by_radius[self.arc]) / TICKS_PER_MM, EXACT)
         radius = word / TICKS_PER_MM
@@ -253,7 +257,7 @@ class Proof:
     def _kept(self) -> np.ndarray:
         """(R,) bool: inside cutter radius compensation, and too short to be cut, whatever that
         leaves."""
-        way = np.abs(self.sweep) * self.f.arcs.radius[self.arc]
+        way = np.abs(self.sweep) * self.radius
         result: np.ndarray = self.f.inside[self.arc] & (way < 2 * self.f.shortest[self.arc])
         return result
 
@@ -261,7 +265,7 @@ class Proof:
         """(R,) ticks that the radius must have at least: inside cutter radius compensation the
         tool must fit on the inside of an arc; where its radius is not known, as it did."""
         arcs, arc = self.f.arcs, self.arc
-        step, tool = arcs.grid.take(arc, axis=1).max(axis=0), self.f.tool[arc] * TICKS_PER_MM
+        step, tool = np.maximum(*self.grid), self.f.tool[arc] * TICKS_PER_MM
         radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
         least = np.minimum(radius, np.where(tool > 0, tool + step, 0.0))
         least = np.where(np.isfinite(tool), least, radius)
@@ -271,7 +275,7 @@ class Proof:
         """(2, R) mm: centres near the fitted ones that leave arcs inside cutter radius
         compensation wide enough; nan for other arcs and where there is none."""
         arcs, arc = self.f.arcs, self.arc
-        grid, chord = arcs.grid.take(arc, axis=1), (self.end - self.begin) * TICKS_PER_MM
+        grid, chord = self.grid, (self.end - self.begin) * TICKS_PER_MM
         exact, least = (centre - self.begin) * TICKS_PER_MM, self._least()
         radius = np.minimum(arcs.radius, arcs.radius_end)[arc] * TICKS_PER_MM
         narrow = np.minimum(np.hypot(*exact), np.hypot(*(chord - exact))) < least - grid.max(axis=0)
@@ -289,8 +293,7 @@ class Proof:
         """(R,) whether the arcs about `centre` (2, R) mm through the written ends keep the
         tolerance, and `most` mm in the plane, or are `kept` (R,) whatever that leaves, and are
         arcs to a control; and (R,) the farthest place as a share of the limit."""
-        f, arcs = self.f, self.f.arcs
-        there = np.isfinite(centre[0])
+        f, there = self.f, np.isfinite(centre[0])
         centre = np.where(there, centre, 0.0)  # one run must not reach into the next
         radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
         turned, closed = self._turned(centre)
@@ -300,14 +303,13 @@ class Proof:
         good &= np.abs(turned - self.sweep) < np.minimum(0.5 * np.abs(self.sweep), np.pi)
         full = np.abs(self.sweep / TURN - np.rint(self.sweep / TURN)) < SAME_ANGLE
         good &= closed | ~full
-        whole = (self.rows.t0 == 0) & (self.rows.t1 == 1)
-        good &= (turns(self.sweep) == 0) | (f.single[self.arc] & whole)
+        good &= (self.turns == 0) | (f.single[self.arc] & self.whole)
         good &= np.minimum(radius0, radius1) > SMALLEST_RADIUS
-        if f.inside[self.arc].any():
+        if self.inside:
             wide = np.minimum(radius0, radius1) * TICKS_PER_MM >= self._least()
             good &= wide | kept
             good &= ~(f.inside[self.arc] & (np.abs(self.sweep) > LARGEST_SWEEP))
-        was = np.abs(arcs.radius_end - arcs.radius)[self.arc] * (self.rows.t1 - self.rows.t0)
+        was = np.abs(self.grown) * self.part
         # Together they must stay below the control's limit, twice the mismatch; what misses by more
         # already, by no more.
         good &= np.abs(radius1 - radius0) <= np.where(was <= f.mismatch, was + f.mismatch, was)
@@ -324,10 +326,11 @@ class Proof:
         """(R,) whether what is drawn stays within the tolerance of what is wanted, between
         samples too, and (R,) the farthest place as a share of the limit."""
         s, helix = self.s, self._helix()
+        some = np.count_nonzero(helix) > 0
         x, y = s.place - self._each(centre)
         radius = self.share * self._each(radius1 - radius0)
         radius += self._each(radius0)
-        if helix.any():
+        if some:
             # The other axes are tied to the angle: being ahead is as wrong as being beside.
             begin = np.arctan2(*(self.begin - centre)[::-1])
             angle = self._each(begin) + self._each(turned) * self.share
@@ -337,7 +340,7 @@ class Proof:
         x += y
         off = np.sqrt(x, out=x)
         off -= radius
-        if helix.any():
+        if some:
             off = np.where(self._each(helix), ahead, off)
         between = bend(off, s.smooth)
         np.abs(off, out=off)
@@ -371,14 +374,15 @@ class Proof:
     def _turned(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(R,) rad that a control turns about `centre`, and whether it ends where it begins: then
         it makes a full turn."""
-        closed = (self.begin == self.end).all(axis=0)
+        closed = (self.begin[0] == self.end[0]) & (self.begin[1] == self.end[1])
         counter = np.where(self.sweep > 0, 1.0, -1.0)
         way = np.arctan2(*(self.end - centre)[::-1]) - np.arctan2(*(self.begin - centre)[::-1])
         last = np.where(closed, TURN, counter * way % TURN)
-        return counter * (last + turns(self.sweep) * TURN), closed
+        return counter * (last + self.turns * TURN), closed
 
     def _helix(self) -> np.ndarray:
         """(R,) whether a corrected axis beside the plane moves."""
-        moves = (self.f.start != self.f.target).take(self.arc, axis=1)
-        result: np.ndarray = moves[list(self.s.beside)].any(axis=0)
+        result = np.zeros(len(self.arc), bool)
+        for axis in self.s.beside:
+            result |= self.f.moves[axis].take(self.arc)
         return result

@@ -196,11 +196,12 @@ def _on_circle(
         share, t = np.full(len(row), 0.5), t0
         for _ in range(3):  # the shift there is known when the place is
             beside = shift[0] + (shift[1] - shift[0]) * share
-            angle = np.arccos(np.clip((node - beside - centre) / radius, -1.0, 1.0)) * side
+            cosine = (node - beside - centre) / radius
+            angle = np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)) * side
             if role:
                 angle = np.pi / 2 - angle
             t = (np.sign(sweep) * (angle - arcs.angle[arc])) % TURN / np.abs(sweep)
-            share = np.clip((t - t0) / way, 0.0, 1.0)
+            share = np.minimum(np.maximum((t - t0) / way, 0.0), 1.0)
         inside = (t > t0) & (t < rows.t1[row])
         result.append((row[inside], t[inside]))
     return np.concatenate([r for r, _ in result]), np.concatenate([at for _, at in result])
