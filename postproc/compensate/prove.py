@@ -76,7 +76,8 @@ class Proof:
             self.s, self.edges, self.runs = samples, low, 1
         else:
             self.s, self.runs = self._taken(samples), 2
-        self.share = (self.s.t - self._each(rows.t0)) * self._each(1.0 / self.part)
+        self.share = self.s.t - self._each(rows.t0)
+        self.share *= self._each(1.0 / self.part)
         self.half = np.minimum(*self.grid) / TICKS_PER_MM / 2
         self.limit = f.total + self.half - samples.rest
         self.excess = np.zeros(len(rows))
@@ -135,7 +136,8 @@ class Proof:
         """(N,) mm by which the command (N,) of an axis leaves the straight line between its
         ends."""
         begin, end = self.rows.begin[axis] / TICKS_PER_MM, self.rows.end[axis] / TICKS_PER_MM
-        bow = self.share * self._each(begin - end)
+        bow = self._each(begin - end)
+        bow *= self.share
         bow += command
         bow -= self._each(begin)
         return bow
@@ -213,21 +215,30 @@ class Proof:
         safe = np.where(open_, length, 1.0) if closed else length
         along = np.where(open_, chord / safe, ANYWHERE) if closed else chord / safe
         across = along[::-1] * TURNED
-        g = dot(self._each(across), s.unit)
+        g = self._outwards(across)
         g -= self._each(dot(across, self.unit0))
         gg = self._total(g * g)
         move_along = (ends[1] - ends[0]) / safe
         if closed:
-            f = dot(self._each(along), s.unit) - self._each(dot(along, self.unit0))
+            f = self._outwards(along) - self._each(dot(along, self.unit0))
             h, which = s.radial - self._each(ends[0]), ~open_
             ff, fg, fh, gh = (self._total(product) for product in (f * f, f * g, f * h, g * h))
             free = ff * gg - fg**2
             move_along[which] = ((fh * gg - gh * fg) / np.where(free > 0, free, 1.0))[which]
         moved = along * move_along
-        left = s.radial - dot(self._each(moved), s.unit)
+        left = self._outwards(moved)
+        np.subtract(s.radial, left, out=left)
         left += self._each(dot(moved, self.unit0) - ends[0])
         left *= g
         result: np.ndarray = moved + across * (self._total(left) / np.where(gg > 0, gg, 1.0))
+        return result
+
+    def _outwards(self, way: np.ndarray) -> np.ndarray:
+        """(N,) how far a way (2, R) of each run leads outwards at each sample."""
+        result, second = self._each(way[0]), self._each(way[1])
+        result *= self.s.unit[0]
+        second *= self.s.unit[1]
+        result += second
         return result
 
     def _radius_words(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -327,8 +338,10 @@ class Proof:
         samples too, and (R,) the farthest place as a share of the limit."""
         s, helix = self.s, self._helix()
         some = np.count_nonzero(helix) > 0
-        x, y = s.place - self._each(centre)
-        radius = self.share * self._each(radius1 - radius0)
+        away = self._each(centre)
+        x, y = np.subtract(s.place, away, out=away)
+        radius = self._each(radius1 - radius0)
+        radius *= self.share
         radius += self._each(radius0)
         if some:
             # The other axes are tied to the angle: being ahead is as wrong as being beside.
