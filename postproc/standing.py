@@ -73,7 +73,9 @@ def same(path: str | Path, other: str | Path) -> bool:
 
 def copy(path: str | Path, other: str | Path) -> bool:
     """Whether two files hold the same bytes: then one of them is not lost."""
-    import filecmp  # a new file is compared with none
+    if not os.path.exists(path):
+        return False
+    import filecmp  # a new file needs none of it
 
     try:
         return filecmp.cmp(path, other, shallow=False)

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import pytest
 
-from postproc.errors import MachineError, UsageError
+from postproc import intake
+from postproc.errors import GcompError, MachineError, UsageError
 from postproc.machine import places
 from postproc.machine.file import read_machine
 from tests.machine_folders import TOML, check, correct, folder, line_of, refusal, swap
@@ -306,3 +307,9 @@ def test_names_that_there_are_not_are_answered_with_those_that_there_are():
     assert "studer-s36" in str(caught.value)
     with pytest.raises(UsageError, match="no machine folder machines/studer"):
         places.load("machines/studer")
+
+
+def test_the_byte_that_is_no_text_is_named_behind_a_byte_order_mark_too():
+    assert intake.decoded(b"\xef\xbb\xbfname\n", "a.toml", GcompError) == "name\n"
+    with pytest.raises(GcompError, match="a.toml:2: byte 254 is not UTF-8"):
+        intake.decoded(b"\xef\xbb\xbfname\n\xfe\xff", "a.toml", GcompError)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import pickle
-from dataclasses import FrozenInstanceError, asdict, field, fields, replace
+from dataclasses import FrozenInstanceError, asdict, field, fields
+from functools import cached_property
 
 import pytest
 
-from postproc.records import columns, record
+from postproc.records import columns, mutable, names, record, replace
 
 
 @record
@@ -26,6 +28,23 @@ class Weighed(Point):
 @columns
 class Table:
     x: float
+
+
+@mutable
+class Count:
+    low: int
+    high: int = 9
+    seen: list[int] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.width = self.high - self.low
+
+
+@record
+class Slope(Point):
+    @cached_property
+    def double(self) -> float:
+        return 2 * self.x
 
 
 def test_values_by_place_by_name_and_by_default():
@@ -64,6 +83,34 @@ def test_compared_and_printed_by_the_fields_but_tables():
 def test_dataclasses_own_functions_take_them():
     point = Weighed(1.0, names=["a"])
     assert [f.name for f in fields(point)] == ["x", "y", "names", "weight"]
-    assert replace(point, weight=3.0) == Weighed(1.0, 2.0, ["a"], 3.0)
+    assert dataclasses.replace(point, weight=3.0) == Weighed(1.0, 2.0, ["a"], 3.0)
     assert asdict(point) == {"x": 1.0, "y": 2.0, "names": ["a"], "weight": 1.0}
     assert copy.deepcopy(point) == pickle.loads(pickle.dumps(point)) == point
+
+
+def test_replace_and_names_as_dataclasses_have_them():
+    point = Slope(1.0, names=["a"])
+    assert names(Slope) == names(Point) == ("x", "y", "names")
+    assert point.double == 2.0  # kept beside the fields, and worked out anew
+    assert replace(point, x=3.0) == Slope(3.0, 2.0, ["a"]) and replace(point, x=3.0).double == 6.0
+    with pytest.raises(TypeError, match="Slope takes x, y, names"):
+        replace(point, z=1.0)
+
+
+def test_mutable_ones_change_and_finish_their_beginning():
+    one, other = Count(1), Count(low=2, high=5)
+    one.low = 7
+    assert (one.low, one.width, other.width, one.seen) == (7, 8, 3, [])
+    assert one.seen is not other.seen and Count(1) != Count(1)
+    assert dataclasses.replace(other, low=4).width == replace(other, low=4).width == 1
+
+
+def test_fields_are_looked_at_when_they_are_first_asked_for():
+    @record
+    class Late:
+        x: float
+
+    assert Late(1.0).x == 1.0
+    assert not isinstance(vars(Late)["__dataclass_fields__"], dict)
+    assert [f.name for f in fields(Late)] == ["x"]
+    assert isinstance(vars(Late)["__dataclass_fields__"], dict)
