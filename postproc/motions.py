@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 
-from postproc.records import columns, names
+from postproc.records import columns, names, replace
 from postproc.spaces import Space
 
 RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
@@ -247,9 +247,15 @@ class Motions:
         return Motions(**columns, **tables, reasons=self.reasons, spaces=self.spaces)
 
 
+def no_motions(
+    axes: int, reasons: list[tuple[str, str]], presets: Presets, space: Space | None
+) -> Motions:
+    """None, of a machine with so many axes, with what is said of the batch."""
+    return replace(_nothing(axes), reasons=reasons, presets=presets, spaces=[None, space])
+
+
 @cache
-def no_motions(axes: int) -> Motions:
-    """None, of a machine with so many axes; not to be written to."""
+def _nothing(axes: int) -> Motions:
     i, no = np.zeros(0, np.int64), np.zeros(0, bool)
     places, which = np.zeros((axes, 0), np.int64), np.zeros((axes, 0), bool)
     return Motions(

@@ -10,7 +10,7 @@ import pytest
 
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
-from postproc.motions import Motions, no_motions
+from postproc.motions import Motions, no_motions, no_presets
 from postproc.nc import dialects
 
 MACHINES = Path(__file__).resolve().parents[1] / "machines"
@@ -31,7 +31,10 @@ def test_columns_are_of_the_kinds_that_motions_have(name, dialect):
     filter_.watchers.append(lambda words, motions, *_: seen.append(motions))
     axes = " ".join(f"{x}5." for x in filter_.machine.letters)
     filter_.feed(f"G21 G90 G0 {axes}\nG1 X20. Z6. F100.\n".encode())
-    some, none = seen[0].part(0, 0), no_motions(len(filter_.machine.letters))
+    some, none = (
+        seen[0].part(0, 0),
+        no_motions(len(filter_.machine.letters), [], no_presets(), None),
+    )
     for field in fields(Motions):
         one, other = getattr(some, field.name), getattr(none, field.name)
         if isinstance(one, np.ndarray) and field.name != "heat":

@@ -201,13 +201,9 @@ class Proof:
         """(2, R) mm: the centre whose circle through the written begin passes the samples best, by
         least squares in the radial shifts; where the row ends elsewhere than it begins, it passes
         the written end too."""
-        s = self.s
-        ends = []
-        for unit, place, t in (
-            (self.unit0, self.begin, self.rows.t0),
-            (self.unit1, self.end, self.rows.t1),
-        ):
-            ends.append(dot(unit, place) - self.radius - self.grown * t)
+        s, rows = self.s, self.rows
+        places = (self.unit0, self.begin, rows.t0), (self.unit1, self.end, rows.t1)
+        ends = [dot(unit, place) - self.radius - self.grown * t for unit, place, t in places]
         chord = self.unit1 - self.unit0
         length = np.hypot(*chord)
         open_ = length > SAME_ANGLE

@@ -254,8 +254,7 @@ def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]])
 
 
 def _feeds(b: Batch) -> tuple[np.ndarray, np.ndarray]:
-    """(B,) the F number that holds in each block, and (B,) its F word, -1 where it has none. Sets
-    `b.feed`."""
+    """(B,) F that holds in each block, and (B,) its F word, -1: none. Sets `b.feed`."""
     place = b.once("F")
     if "F" in b.dialect.dwell and 40 in b.single:  # there F is the time of a dwell
         place = place[~np.isin(b.words.block[place], b.single[40])]
@@ -268,8 +267,8 @@ def _feeds(b: Batch) -> tuple[np.ndarray, np.ndarray]:
         return feed, word
     feed.fill(np.nan)
     feed[b.words.block[place]] = b.numbers(place)
-    # a value that only the machine knows
-    feed[b.words.block[untold] if untold is not None else []] = 0.0
+    if untold is not None:  # a value that only the machine knows
+        feed[b.words.block[untold]] = 0.0
     word[b.words.block[place]] = place
     feed = hold_last_float(feed, b.feed)
     b.feed = float(feed[-1])
@@ -286,11 +285,10 @@ def columns(
     """Gather the columns of the moving blocks, and the arcs among them."""
     feed, feed_word = _feeds(b)
     renamed, b.renamed = named_since(b.code_word >= 0, block, b.state.renamed)
-    spaces = [None, b.frame.space]
     if not len(block):
         beside_columns(b, block)
-        none = no_motions(len(b.rows))
-        return refuse_beside(b, replace(none, reasons=b.reasons, presets=b.presets, spaces=spaces))
+        none = no_motions(len(b.rows), b.reasons, b.presets, b.frame.space)
+        return refuse_beside(b, none)
     motion = motion[block]
     code = b.dialect.kind[np.maximum(motion, 0)]
     if np.count_nonzero(b.foreign):
@@ -355,7 +353,7 @@ def columns(
         whole=whole,
         lead=lead,
         space=spread(int(b.frame.space is not None), len(block)),
-        spaces=spaces,
+        spaces=[None, b.frame.space],
     )
     return refuse_beside(b, motions)
 

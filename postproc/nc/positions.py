@@ -224,10 +224,7 @@ class _Axis:
             _since(p, self.row, away, block, True)
         if self.letter in b.changed or shared.changed[self.row]:
             drop = drop | self._changed(p, away, block, sent)
-        lapses = False
-        if b.dialect.length_lapses:
-            lapsed = self._lapsed(away)
-            drop, lapses = drop | lapsed, bool(np.count_nonzero(lapsed))
+        drop, lapses = self._lapsed(drop, away)
         self.known: np.ndarray | None = None
         unsure = self.cycle is not None and not self.cycle.known
         if not self.was_known or shared.forgets or unsure or lapses:
@@ -236,12 +233,15 @@ class _Axis:
                 event[self.cycle.blocks[self.cycle.initial]] = 0
             self.known = hold_last(event, int(self.was_known)).astype(bool)
 
-    def _lapsed(self, away: np.ndarray) -> np.ndarray:
-        """(B,) bool: where its length is taken back."""
+    def _lapsed(self, drop: np.ndarray, away: np.ndarray) -> tuple[np.ndarray, bool]:
+        """`drop` (B,) with the blocks that take its length back, and whether there are any."""
+        if not self.b.dialect.length_lapses:
+            return drop, False
         by = self.by[~self.is_inc]
         if self.cycle:
             by = np.concatenate([by, self.cycle.blocks])
-        return lengths.lapses(self.b, self.letter, away, by)
+        lapsed = lengths.lapses(self.b, self.letter, away, by)
+        return drop | lapsed, bool(np.count_nonzero(lapsed))
 
     def _changed(self, p: Places, away: np.ndarray, block: np.ndarray, sent: bool) -> np.ndarray:
         """Fill in which motions come between a tool change and the first word of the axis. (B,)
