@@ -19,13 +19,14 @@ STILL, SMALL_STEPS = 1e-4, 0.1
 # mm, of a scale's signal; distances of samples that are looked at
 FINEST, MOST_PAIRS = 0.02, 2_000_000
 LOWEST_HZ = 0.5  # slower, it is drift: machines on soft mounts swing at 1 to 3 Hz
-# of targets in all from which on steps that are no part of each other show what is finer than their
-# gaps
-PLACES = 24
-SHORTEST = 2.0  # mm: leads of machines' screws are longer
-MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-way
+# mm: linear encoders err by 1 % of their period (Heidenhain, Linear Encoders, "interpolation error
+# within one signal period"), which is below a micrometre for finer ones; leads of screws are longer
+SHORTEST = 0.1
+BY_CHANCE = 1e-4  # that some wave finer than the gaps between targets fits them as well
+WAVE = 3  # values of a wave: cosine, sine, period
+AT_ONCE = 1 << 20  # sines
+NEVER = 1e-4  # of a wave's power beyond the zeros: less can not be told
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
-LEAST_PART = 0.05  # of a wave's power beyond the zeros
 FEWEST_SWINGS = 3.0  # of a passage: fewer are a curve
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
@@ -93,7 +94,6 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
     if span < 1.0:
         return []
     gaps: list[float] = []
-    places = 0
     finest = 0.0
     for signal in np.unique(rows.signal[use]):
         which = use & (rows.signal == signal)
@@ -103,12 +103,9 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
             gap = float(np.median(np.diff(p))) if rest else float(np.ptp(p)) / len(p) * 2
             finest = max(finest, 1 / max(2.2 * gap, 0.3))
             gaps += [gap] if rest else []
-            places += len(p) if rest else 0
-    coarse = finest
-    if places >= PLACES:
-        finest = max(finest, 1 / SHORTEST)
+    found = _between_targets(rows, axis, weighted, power, finest, gaps)
     if finest <= 3.0 / span:
-        return []
+        return found
     bins = int(min(MOST_BINS, 2 ** np.ceil(np.log2(span * finest * FINE * 2))))
     step = span * 2 / bins  # twice the span: frequencies half as far apart as the span resolves
     index = ((place[use] - place[use].min()) / step).astype(int)
@@ -116,15 +113,67 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
     frequencies = np.fft.rfftfreq(bins, step)
     total = np.abs(spectrum) ** 2 / max(float(power[use].sum()) / 2, 1e-30)
     allowed = (frequencies >= 3.0 / span) & (frequencies <= finest)
-    allowed &= (frequencies <= coarse) | ~_smooth(frequencies, gaps, 3.0 / span)
-    if finest > coarse:
-        part = _part(rows, use, index, power, bins)
-        total = np.where(part > LEAST_PART, total / np.maximum(part, LEAST_PART), 0.0)
-        most = _structure(rows, place, use, weighted, power)
-        allowed &= (frequencies <= coarse) | (total >= MOST_OF_IT * most)
     parts = [(place[use], weighted[use], max(float(power[use].sum()) / 2, 1e-30))]
     best = _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)
-    return [1 / _polished(f, 0.7 / span, parts) for f in best]
+    return found + [1 / _polished(f, 0.7 / span, parts) for f in best]
+
+
+def _between_targets(
+    rows: Rows,
+    axis: str,
+    weighted: np.ndarray,
+    power: np.ndarray,
+    coarse: float,
+    gaps: list[float],
+) -> list[float]:
+    """mm, none or one: the period finer than `coarse` (1/mm) that a wave with a zero of each signal
+    fits best at rest, where the best of so many frequencies would hardly fit as well by chance
+    (Baluev, Monthly Notices of the Royal Astronomical Society 385, 2008, 1279). Not one that is a
+    slow curve at the targets of every signal."""
+    use = np.flatnonzero((power > 0) & (rows.state.passage < 0))
+    signal, place = rows.signal[use], np.round(rows.state.position[axis][use], 4)
+    (signal, place), group = np.unique(np.stack([signal, place]), axis=1, return_inverse=True)
+    w = np.bincount(group.ravel(), power[use])
+    zeros = (signal[:, None] == np.unique(signal)) * np.sqrt(w)[:, None]
+    free = len(w) - zeros.shape[1] - WAVE
+    if free < 1:
+        return []
+    y = np.bincount(group.ravel(), weighted[use]) / np.sqrt(w)
+    zeros /= np.linalg.norm(zeros, axis=0)
+    y -= zeros @ (zeros.T @ y)
+    span = float(np.ptp(place))
+    frequencies = np.arange(max(coarse, 3.0 / span), 1 / SHORTEST, 0.2 / span)
+    frequencies = frequencies[~_smooth(frequencies, gaps, 3.0 / span)]
+    if not len(frequencies) or not y.any():
+        return []
+    fall = np.concatenate(
+        [
+            _fall(f, place, np.sqrt(w), zeros, y)
+            for f in np.array_split(frequencies, 1 + len(frequencies) * len(w) // AT_ONCE)
+        ]
+    )
+    best = int(np.argmax(fall))
+    left = max(1.0 - fall[best] / float(y @ y), 0.0)
+    if span * (frequencies[-1] - frequencies[0]) * left ** (free / 2) > BY_CHANCE:
+        return []
+    near = frequencies[best] + np.linspace(-0.2, 0.2, 41) / span
+    return [1 / float(near[np.argmax(_fall(near, place, np.sqrt(w), zeros, y))])]
+
+
+def _fall(
+    frequencies: np.ndarray, place: np.ndarray, root: np.ndarray, zeros: np.ndarray, y: np.ndarray
+) -> np.ndarray:
+    """(F,) by how much chi squared falls with a cosine and a sine of each frequency. place, root (of
+    the weights), y: (G,), zeros (G, S) orthonormal; y without them."""
+    angle = 2 * np.pi * frequencies[:, None] * (place - place.mean())
+    c, s = root * np.cos(angle), root * np.sin(angle)
+    c, s = c - (c @ zeros) @ zeros.T, s - (s @ zeros) @ zeros.T
+    cc, ss, cs = (np.einsum("fg,fg->f", a, b) for a, b in ((c, c), (s, s), (c, s)))
+    cy, sy = c @ y, s @ y
+    whole = cc * ss - cs**2
+    known = whole > NEVER * (cc + ss) ** 2
+    fall = (ss * cy**2 - 2 * cs * cy * sy + cc * sy**2) / np.where(known, whole, 1.0)
+    return np.where(known, fall, 0.0)
 
 
 def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarray:
@@ -134,35 +183,6 @@ def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarra
     for gap in gaps:
         slow &= np.abs(frequencies - np.round(frequencies * gap) / gap) < low
     return slow
-
-
-def _part(
-    rows: Rows, use: np.ndarray, index: np.ndarray, power: np.ndarray, bins: int
-) -> np.ndarray:
-    """(F,) share of the power that is left of a wave when every signal's zero is taken out: none
-    where all its targets stand in one phase."""
-    signal = rows.signal[use]
-    left, whole = np.zeros(bins // 2 + 1), max(float(power[use].sum()), 1e-30)
-    for s in np.unique(signal):
-        own = power[use][signal == s]
-        mean = np.abs(np.fft.rfft(np.bincount(index[signal == s], own, bins)[:bins])) ** 2 / max(
-            float(own.sum()), 1e-30
-        )
-        left += float(own.sum()) - mean
-    return left / whole
-
-
-def _structure(
-    rows: Rows, place: np.ndarray, use: np.ndarray, weighted: np.ndarray, power: np.ndarray
-) -> float:
-    """By how much chi squared would fall with a value of its own at every place of every signal,
-    less what noise gives."""
-    keys = np.stack([rows.signal[use], np.round(place[use], 2)])
-    group = np.unique(keys, axis=1, return_inverse=True)[1].ravel()
-    each = np.bincount(group, weighted[use]) ** 2 / np.maximum(
-        np.bincount(group, power[use]), 1e-30
-    )
-    return float(each.sum() - len(each))
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
