@@ -198,7 +198,7 @@ class Search:
             own = self.sets.of((*rest.members, k), rest.fit.on, rest).score
             for other in others - {k}:
                 child = self.sets.of((*rest.members, other), rest.fit.on, rest)
-                if self.sets.fits(child.fit, other):
+                if self._fits(child, other):
                     result.append(replace(child, score=state.score + child.score - own))
         return result
 
@@ -232,9 +232,14 @@ class Search:
         for number, (now, k) in enumerate(best.values()):
             tried = {shapes.polished(self.sets, now, k), k} if number < POLISHED else {k}
             found = [(self.sets.of((*chosen, one), fit.on, like), one) for one in tried]
-            fitting = [child for child, one in found if self.sets.fits(child.fit, one)]
+            fitting = [child for child, one in found if self._fits(child, one)]
             result += [max(fitting, key=lambda child: child.score)] if fitting else []
         return result
+
+    def _fits(self, child: Found, k: int) -> bool:
+        """Whether a new member can be what its name says."""
+        jump = self.sets.blocks[k].name == abrupt.NAME
+        return self.sets.fits(child.fit, k) and (not jump or abrupt.borne_out(self.sets, child, k))
 
     def _best(self, fit: Fit, names: int) -> dict[str, int]:
         """Names that are worth most beside a fit at its sizes, and the block of each."""

@@ -159,9 +159,9 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
         picks = picks[apart]
         worth, size = _values(a, b, picks)
         value = worth - 2 * np.log(tried) * (picks.shape[1] - 1)
-        value[[not sensible(*jumps) for jumps in size.tolist()]] = -np.inf
-        best = int(np.argmax(value))
-        if not value[best] > now + WORTH:
+        order = (int(k) for k in np.argsort(-value) if value[k] > now + WORTH)
+        best = next((k for k in order if sensible(*size[k].tolist())), None)
+        if best is None:
             break
         chosen, now = picks[best].tolist(), float(value[best])
         rest = np.setdiff1d(np.arange(len(later)), chosen)
