@@ -138,19 +138,20 @@ class Sets:
 
     def _forms(self, fit: Fit) -> list[int]:
         """Terms by which what is explained may be of another form, in all instruments alike: larger
-        on one end of the travel, at one time, or a little later."""
+        on one end of the travel, from one side, at one time, or a little later."""
         made: list[Block] = []
         whose: list[int] = []
         for k in self.members(fit):
             block, value = self.blocks[k], self.value(fit, k)
             part = block.columns @ value
-            if np.abs(part).max() < FORMED:
+            if np.abs(part).max() < FORMED or getattr(block.module, "EXACT", False):
                 continue
-            terms = [
-                part * np.clip(self.rows.state.share(x), -1.2, 1.2)
-                for x in block.axis
-                if x in self.rows.state.position
-            ]
+            terms = []
+            for x in block.axis:
+                if x in self.rows.state.position:
+                    terms.append(part * np.clip(self.rows.state.share(x), -1.2, 1.2))
+                if x in self.rows.state.approach:
+                    terms.append(part * self.rows.state.approach[x])
             t = self.rows.state.time
             terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
             terms.append(_later(self.rows, part))
@@ -179,7 +180,10 @@ class Sets:
         most = np.zeros(len(self.evidence.parts))
         for k in self.members(fit):
             part = self.blocks[k].columns @ self.value(fit, k)
+            exact = getattr(self.blocks[k].module, "EXACT", False)
             for u, (p, free) in enumerate(zip(self.evidence.parts, self._open, strict=True)):
+                if exact:
+                    continue
                 shown = part[p.unit.rows]
                 shown = shown - free @ (free.T @ shown)
                 # Of a spike that few readings show, all have the error of a harmonic of its power.
