@@ -40,6 +40,7 @@ class Search:
         self.sets = sets
         self.least = LEAST
         self._looked: set[tuple] = set()
+        self._with_process: dict[tuple, list[Found]] = {}
         self._barred: set[str] = set()  # names whose jumps no readings bear out
 
     def calibrate(self, rng: np.random.Generator) -> None:
@@ -138,6 +139,11 @@ class Search:
 
     def _processes(self, state: Found) -> list[Found]:
         """Sets with one more process, the most promising ones."""
+        if state.key not in self._with_process:
+            self._with_process[state.key] = self._more_processes(state)
+        return self._with_process[state.key]
+
+    def _more_processes(self, state: Found) -> list[Found]:
         state = self.sets.at_own_form(state)
         tried = [
             state.fit.on | {(u, kind)}
