@@ -144,7 +144,7 @@ class Sets:
         for k in self.members(fit):
             block, value = self.blocks[k], self.value(fit, k)
             part = block.columns @ value
-            if np.abs(part).max() < FORMED or getattr(block.module, "EXACT", False):
+            if np.abs(part).max() < FORMED:
                 continue
             terms = []
             for x in block.axis:
@@ -180,10 +180,7 @@ class Sets:
         most = np.zeros(len(self.evidence.parts))
         for k in self.members(fit):
             part = self.blocks[k].columns @ self.value(fit, k)
-            exact = getattr(self.blocks[k].module, "EXACT", False)
             for u, (p, free) in enumerate(zip(self.evidence.parts, self._open, strict=True)):
-                if exact:
-                    continue
                 shown = part[p.unit.rows]
                 shown = shown - free @ (free.T @ shown)
                 # Of a spike that few readings show, all have the error of a harmonic of its power.

@@ -18,7 +18,6 @@ MOMENTS = ("t_s", "second_s", "third_s")
 # um: instruments jump by less (a fringe miscounted, a probe that settles), and no full step is so
 # short
 SMALLEST = 1.5
-EXACT = True  # a step has no other form
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("time",), ("tool", "scale")
 TEXT = (
