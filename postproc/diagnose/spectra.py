@@ -27,6 +27,7 @@ MOST_OF_IT = 0.7  # of what is left: a few targets follow many fine waves half-w
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
 LEAST_PART = 0.05  # of a wave's power beyond the zeros
 FEWEST_SWINGS = 3.0  # of a passage: fewer are a curve
+LONGEST, FEWEST_ROWS = 2.0, 32  # mm: a slide's way from jump to jump; rows that creep
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
 
@@ -163,6 +164,36 @@ def _structure(
         np.bincount(group, power[use]), 1e-30
     )
     return float(each.sum() - len(each))
+
+
+def since_turn(
+    ways: np.ndarray, weighted: np.ndarray, power: np.ndarray
+) -> list[float]:
+    """mm: the likeliest periods in the way since the last turn. ways (W, N) mm: of the samples of
+    rows; weighted, power (N,): as of in_place. All strokes begin a cycle with their turn."""
+    if weighted.size < FEWEST_ROWS:
+        return []
+    middle = ways[0]
+    steps = np.abs(np.diff(ways, axis=0)) if len(ways) > 1 else np.abs(np.diff(middle))
+    steps = steps[np.isfinite(steps) & (steps > STILL)]
+    span = float(np.ptp(middle))
+    if not len(steps) or span <= 0:
+        return []
+    finest = min(1 / (2.2 * float(np.median(steps))), 1 / FINEST, MOST_BINS / (span * FINE * 2))
+    low = max(1.0 / span, 1 / LONGEST)
+    if finest <= low:
+        return []
+    lag = weighted - power * (float(weighted.sum()) / max(float(power.sum()), 1e-30))
+    at, each, own = _samples(ways)
+    bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 2)))
+    step = span * 2 / bins
+    index = np.clip(((at - middle.min()) / step).astype(int), 0, bins - 1)
+    sums = np.fft.rfft(np.bincount(index, lag[own] * each, bins))
+    frequencies = np.fft.rfftfreq(bins, step)
+    half = max(float(power.sum()) / 2, 1e-30)
+    allowed = (frequencies >= low) & (frequencies <= finest)
+    best = _best(frequencies, np.where(allowed, np.abs(sums) ** 2 / half, 0.0), 0.7 / span)
+    return [1 / _polished(f, 0.7 / span, [(at, lag[own] * each, half)]) for f in best]
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
