@@ -16,7 +16,7 @@ PARAMETERS = {
     "ppm": "us per s, how much slower the recording's clock runs",
     "whole": "1, the clocks were set alike at the start of the experiment; 0, of each recording",
     "every_s": "s, after which the recording's clock is set right; 0, it is not",
-    "gone": "share of that time that is gone at the start of each recording, above 0",
+    "gone": "1, share of that time that is gone at the start of each recording",
 }
 OPTIONAL = {"whole": 0.0, "every_s": 0.0, "gone": 0.0}
 SETS, GONE = (1.25, 4.5, 7), (0.05, 0.2, 0.4, 0.6, 0.8)  # times in the longest recording

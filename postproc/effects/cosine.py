@@ -11,7 +11,7 @@ from postproc.effects import State, by_name
 PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
     "file": "number of the recording, 0 the first; -1: all",
-    "last": "number of the last run before the beam was aligned anew; 0: it was not",
+    "last": "number of the last run before the beam was aligned anew, 0: it was not",
 }
 # A reflector that goes d off sends the beam back 2 d off, and of a beam of 6 mm less than 4 mm off
 # is still seen: d = 2 mm. On the shortest travel that is measured so, 100 mm, that is an angle of
