@@ -320,7 +320,9 @@ def _periodic(
         peaks = spectra.in_time(rows, weighted, power)
         return [{"frequency_hz": f, "passages": 1.0} for f in peaks]
     if name != "stick_slip":
-        return [{"period_mm": p} | module.PLAIN for p in spectra.in_place(rows, axis, weighted, power)]
+        return [
+            {"period_mm": p} | module.PLAIN for p in spectra.in_place(rows, axis, weighted, power)
+        ]
     state, result = rows.state, []
     ways = module.ways(state, axis)
     for limit in module.limits(state, axis):

@@ -166,9 +166,7 @@ def _structure(
     return float(each.sum() - len(each))
 
 
-def since_turn(
-    ways: np.ndarray, weighted: np.ndarray, power: np.ndarray
-) -> list[float]:
+def since_turn(ways: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[float]:
     """mm: the likeliest periods in the way since the last turn. ways (W, N) mm: of the samples of
     rows; weighted, power (N,): as of in_place. All strokes begin a cycle with their turn."""
     if weighted.size < FEWEST_ROWS:

@@ -36,7 +36,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     found = [{"whole": 0.0} | never]
     found += [{"whole": 1.0} | never] if len(np.unique(state.file)) > 1 else []
     moving = state.file[state.passage >= 0] if len(state.passage) else np.zeros(0)
-    longest = max((float(np.ptp(state.time[state.file == f])) for f in np.unique(moving)), default=0)
+    longest = max(
+        (float(np.ptp(state.time[state.file == f])) for f in np.unique(moving)), default=0
+    )
     ways = product(grid(*SETS), GONE) if longest > 0 else ()
     return found + [{"whole": 0.0, "every_s": longest / n, "gone": g} for n, g in ways]
 

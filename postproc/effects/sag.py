@@ -174,7 +174,9 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
         one = (
             _bent(shares[0], shares[0], named["beam"], named["overhang"])
             if other
-            else _held(shares[0], *(named[name] for name in ("free_end", "propped", "begins", "ram")))
+            else _held(
+                shares[0], *(named[name] for name in ("free_end", "propped", "begins", "ram"))
+            )
         )
         other = next((x for x in travel if x != axis and x in XYZ), "")
         value = np.repeat(one[:, None], 2, axis=1)

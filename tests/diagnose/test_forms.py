@@ -277,3 +277,15 @@ def test_a_bed_on_feet_is_of_the_sixth_degree():
     named = dict(size_um=1.0, across=2.0, degree=6.0, fifth_um=3.0, sixth_um=2.0)
     found = effects.deviation(effects.load("bow"), state, "X", **named)[2] * 1e3
     assert found == approx([0.0, 6.0])
+
+
+def test_a_column_bends_out_and_back():
+    """Its front with 1000 s, its back with 4000 s: after 4000 s of 8000 s, 10 um of one less 5 um
+    of the other, each as it stands at the end."""
+    state = State(
+        {"X": np.zeros(3)}, {"X": np.ones(3)}, LIMITS, time=np.array([1.0, 4001.0, 8001.0])
+    )
+    named = dict(size_um=10.0, tau_s=1000.0, back_um=-5.0, back_s=4000.0)
+    front, back = (1 - np.exp(-4)) / (1 - np.exp(-8)), (1 - np.exp(-1)) / (1 - np.exp(-2))
+    found = moved("structure_drift", state, **named)
+    assert found == approx([0.0, 10.0 * front - 5.0 * back, 5.0])
