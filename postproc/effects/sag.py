@@ -3,12 +3,12 @@
 Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at
 one end gives at its end with s^2 (3 - s) / 2 of the mass' reach s, be it from an edge of what
 carries it on; a ram that slides out gives with s^3 of its own overhang (Slocum, Precision Machine
-Design, 1992, beams). A rail that is clamped at both ends gives under the mass with (4 s (1 - s))^3, a beam that is clamped at one end
-and propped at the other with s^3 (1 - s)^2 (4 - s), s from the clamped end (Young, Budynas, Roark's
-Formulas for Stress and Strain, table 8.1). A beam on two supports is
-lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4 (Timoshenko,
-Vibration Problems in Engineering, simply supported beam); where the tool stands over the mass, a is
-s.
+Design, 1992, beams). A rail that is clamped at both ends gives under the mass with (4 s (1 - s))^3,
+a beam that is clamped at one end and propped at the other with s^3 (1 - s)^2 (4 - s), s from the
+clamped end (Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1). A beam on two
+supports is lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4
+(Timoshenko, Vibration Problems in Engineering, simply supported beam); where the tool stands over
+the mass, a is s.
 """
 
 from itertools import product
@@ -84,8 +84,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ways += [(a, 0.0, b, o, *OUT[0]) for a, b, o in product(others, beams, (0.0, 0.05, 0.2))]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
-    names = ("along", "lever", "beam", "overhang", "free_end", "propped", "begins", "ram")
-    names = (*names, "usual_N")
+    names = [n for n in PARAMETERS if n != "size_um"]
     return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
 
 
