@@ -18,6 +18,8 @@ PARAMETERS = {
 # 0.02, and half its square 200 ppm; on 1 m 2 ppm.
 PLAUSIBLE = {"ppm": (-200.0, 0.0)}  # beyond, it is something else
 OPTIONAL = {"file": -1.0, "last": 0.0}
+# Twice the logarithm of how much likelier a beam is aligned once for all runs than anew between two.
+ONCE = 2.0
 MOST_RUNS = 8  # of a recording in which an alignment between two of them is looked for
 KIND, USE, PER = "instrument", "recording", "axis"
 LINE = True  # of a line along which several axes move it belongs to none
@@ -38,6 +40,11 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
         runs = np.unique(state.run[state.file == f])
         found += [{"file": float(f), "last": float(k)} for k in runs[:-1] if len(runs) <= MOST_RUNS]
     return found
+
+
+def further_cost(axis: str, shape: dict[str, float]) -> float:
+    """Twice the logarithm of how much seldomer a shape is than the others of this effect."""
+    return 0.0 if shape["last"] else -ONCE
 
 
 def _along(state: State, own: np.ndarray) -> list[str]:

@@ -28,7 +28,8 @@ STILL = 1e-9  # mm
 FEWEST = 8  # rows that creep
 # The mean lies within the tooth: beyond, it is friction that rises at low speed.
 WITHIN = (-0.1, 1.1)
-EXPECTED = {"size_um": 1}
+# What sticks lags. The drive's stiffness bounds by how much (unverified).
+PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("distance", "velocity", "approach"), ("tool", "scale")
 TEXT = (
@@ -82,7 +83,7 @@ def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, f
 def sensible(period_mm: float, size_um: float, mean_um: float = 0.0, **_: float) -> bool:
     """Whether the mean lag lies within the tooth."""
     low, high = sorted(share * size_um for share in WITHIN)
-    return period_mm <= 0 or not mean_um or low <= mean_um <= high
+    return period_mm <= 0 or low <= mean_um <= high
 
 
 def columns(
@@ -95,7 +96,7 @@ def columns(
     way = ways(state, axis) % (period_mm + driven_on)
     let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
     tooth = np.nanmean(np.minimum(way / period_mm, let_go), axis=0) - 0.5
-    return along(axis, tooth * lag, *([lag] if fastest_mm_s > 0 else []))
+    return along(axis, tooth * lag, lag)
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
@@ -110,6 +111,5 @@ def coefficients(
     slip_ms: float = 0.0,
     mean_um: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    several = period_mm > 0 and fastest_mm_s > 0
     shape = {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s, "slip_ms": slip_ms}
-    return np.array([size_um, mean_um] if several else [size_um]), shape
+    return np.array([size_um, mean_um] if period_mm > 0 else [size_um]), shape
