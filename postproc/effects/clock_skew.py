@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, grid
+from postproc.effects import State, along, by_name, grid, sampled
 
 PARAMETERS = {
     "ppm": "us per s, how much slower the recording's clock runs",
@@ -39,7 +39,9 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     longest = max(
         (float(np.ptp(state.time[state.file == f])) for f in np.unique(moving)), default=0
     )
-    ways = product(grid(*SETS), GONE) if longest > 0 else ()
+    # late in all axes alike: of one that moves alone a saw-tooth of time may be anything
+    alike = sum(bool(np.any(v[sampled(state)])) for v in state.velocity.values()) > 1
+    ways = product(grid(*SETS), GONE) if longest > 0 and alike else ()
     return found + [{"whole": 0.0, "every_s": longest / n, "gone": g} for n, g in ways]
 
 

@@ -289,3 +289,20 @@ def test_a_column_bends_out_and_back():
     front, back = (1 - np.exp(-4)) / (1 - np.exp(-8)), (1 - np.exp(-1)) / (1 - np.exp(-2))
     found = moved("structure_drift", state, **named)
     assert found == approx([0.0, 10.0 * front - 5.0 * back, 5.0])
+
+
+def test_of_one_axis_alone_a_saw_tooth_of_time_is_no_clock():
+    """The same motion of X, with Y at rest and with Y on the move."""
+    moving, still = np.array([3.0, -3.0, 3.0]), np.zeros(3)
+    clock = effects.load("clock_skew")
+    for other, known in ((still, False), (moving, True)):
+        state = State(
+            {"X": np.zeros(3), "Y": np.zeros(3)},
+            {"X": np.ones(3), "Y": np.ones(3)},
+            LIMITS | {"Y": (0.0, 100.0)},
+            velocity={"X": moving, "Y": other},
+            time=np.array([0.0, 30.0, 60.0]),
+            file=np.zeros(3),
+            passage=np.zeros(3),
+        )
+        assert any(s["every_s"] > 0 for s in clock.shapes(state, "")) == known
