@@ -18,7 +18,7 @@ PARAMETERS = {
 # 0.02, and half its square 200 ppm; on 1 m 2 ppm.
 PLAUSIBLE = {"ppm": (-200.0, 0.0)}  # beyond, it is something else
 OPTIONAL = {"file": -1.0, "last": 0.0}
-# Twice the logarithm of how much likelier a beam is aligned once for all runs than anew between two.
+# twice the logarithm of how much likelier a beam is aligned once for all runs than anew
 ONCE = 2.0
 MOST_RUNS = 8  # of a recording in which an alignment between two of them is looked for
 KIND, USE, PER = "instrument", "recording", "axis"
