@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 
 from postproc.effects import State, along, by_name, grid, sampled
+from postproc.effects.delay import PLAUSIBLE as PLAUSIBLE_DELAY
 
 PARAMETERS = {
     "ppm": "us per s, how much slower the recording's clock runs",
@@ -23,6 +24,7 @@ SETS, GONE = (1.25, 4.5, 7), (0.05, 0.2, 0.4, 0.6, 0.8)  # times in the longest 
 CONTINUOUS = {"every_s": (0.1, 1e5), "gone": (0.01, 0.99)}
 # Quartzes differ by 100 ppm, clocks of software by a few hundred (unverified).
 PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else
+LATEST = PLAUSIBLE_DELAY["delay_ms"][1]  # ms, just before it is set right: no more than a delay
 KIND, USE, PER = "data", "recording", "all"
 NEEDS, SEES = ("velocity", "time"), ("scale", "trace")
 TEXT = (
@@ -45,6 +47,11 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return found + [{"whole": 0.0, "every_s": longest / n, "gone": g} for n, g in ways]
 
 
+def sensible(ppm: float, every_s: float = 0.0, **_: float) -> bool:
+    """Whether a clock that is set right comes to be no later than a recording may be."""
+    return abs(ppm) * every_s * 1e-3 <= LATEST
+
+
 def columns(
     state: State, axis: str, whole: float = 0.0, every_s: float = 0.0, gone: float = 0.0
 ) -> np.ndarray:
@@ -53,7 +60,9 @@ def columns(
         own = state.file == file
         late[own] -= state.time[own].min()
     if every_s > 0:
-        late = every_s * ((late / every_s + gone) % 1.0)
+        times = late / every_s + gone
+        # what is never set right in a recording is a rate and a delay
+        late = every_s * (times % 1.0) * bool(times.max(initial=0.0) >= 1.0)
     return sum(
         (along(x, -v * late * 1e-3) for x, v in state.velocity.items()),
         np.zeros((1, 3, len(state))),

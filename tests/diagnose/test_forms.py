@@ -306,3 +306,20 @@ def test_of_one_axis_alone_a_saw_tooth_of_time_is_no_clock():
             passage=np.zeros(3),
         )
         assert any(s["every_s"] > 0 for s in clock.shapes(state, "")) == known
+
+
+def test_a_clock_that_is_set_right_is_no_delay():
+    """It comes to be no later than a recording may be, 5 ms, and is set right while it lasts."""
+    clock = effects.load("clock_skew")
+    assert clock.sensible(ppm=100.0, every_s=40.0)
+    assert not clock.sensible(ppm=100.0, every_s=60.0)
+    assert clock.sensible(ppm=900.0)
+    state = State(
+        {"X": np.zeros(2)},
+        {"X": np.ones(2)},
+        LIMITS,
+        velocity={"X": np.full(2, 10.0)},
+        time=np.array([0.0, 10.0]),
+        file=np.zeros(2),
+    )
+    assert not moved("clock_skew", state, "", ppm=5.0, every_s=100.0, gone=0.5).any()
