@@ -9,20 +9,16 @@ PARAMETERS = {
     "size_um": "um, second Legendre polynomial over the travel",
     "across": "0, 1, 2: X, Y, Z, the direction of the error",
     "third_um": "um, the third",
-    "degree": "number of the highest polynomial, 2 to 6",
+    "degree": "number of the highest polynomial, 2 to 4",
     "fourth_um": "um, the fourth",
-    "fifth_um": "um, the fifth",
-    "sixth_um": "um, the sixth",
 }
-SIZES = ("size_um", "third_um", "fourth_um", "fifth_um", "sixth_um")
-OPTIONAL = dict.fromkeys(SIZES[1:], 0.0) | {"degree": 3.0}
+OPTIONAL = {"third_um": 0.0, "degree": 3.0, "fourth_um": 0.0}
 # A beam under its own weight bends as a polynomial of the fourth degree, on supports or clamped
-# (Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1); one that is forced onto more
-# supports, as a bed that was levelled on its feet, of a higher one.
-HIGHEST = (2.0, 3.0, 4.0, 6.0)
+# (Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1).
+HIGHEST = (2.0, 3.0, 4.0)
 # A router's rail of 2 m, bolted to a frame of welded tube, is 1 mm off at its middle (unverified).
 # beyond, it is something else
-PLAUSIBLE = dict.fromkeys(SIZES, (-1000.0, 1000.0))
+PLAUSIBLE = dict.fromkeys(("size_um", "third_um", "fourth_um"), (-1000.0, 1000.0))
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool",)
 TEXT = (
@@ -42,8 +38,8 @@ def columns(state: State, axis: str, across: float, degree: float = 3.0) -> np.n
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    values = np.pad(coefficients, (0, len(SIZES) - len(coefficients)))
-    named = zip(SIZES, map(float, values), strict=True)
+    values = np.pad(coefficients, (0, 3 - len(coefficients)))
+    named = zip(("size_um", "third_um", "fourth_um"), map(float, values), strict=True)
     return dict(named) | {"degree": 3.0} | shape
 
 
@@ -53,11 +49,9 @@ def coefficients(
     third_um: float = 0.0,
     degree: float = 3.0,
     fourth_um: float = 0.0,
-    fifth_um: float = 0.0,
-    sixth_um: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     degree = float(np.clip(degree, HIGHEST[0], HIGHEST[-1]))
-    value = [size_um, third_um, fourth_um, fifth_um, sixth_um][: int(degree) - 1]
+    value = [size_um, third_um, fourth_um][: int(degree) - 1]
     return np.array(value), {"across": across, "degree": degree}
 
 

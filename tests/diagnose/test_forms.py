@@ -271,14 +271,6 @@ def test_a_dead_path_shows_at_a_mirror_that_stands():
     assert {s["file"] for s in path.shapes(state, "")} == {0.0}
 
 
-def test_a_bed_on_feet_is_of_the_sixth_degree():
-    """At the end of the travel every Legendre polynomial is 1, at its other end 1 or -1."""
-    state = State({"X": np.array([0.0, 100.0])}, {"X": np.ones(2)}, LIMITS | {"Z": (0.0, 1.0)})
-    named = dict(size_um=1.0, across=2.0, degree=6.0, fifth_um=3.0, sixth_um=2.0)
-    found = effects.deviation(effects.load("bow"), state, "X", **named)[2] * 1e3
-    assert found == approx([0.0, 6.0])
-
-
 def test_a_column_bends_out_and_back():
     """Its front with 1000 s, its back with 4000 s: after 4000 s of 8000 s, 10 um of one less 5 um
     of the other, each as it stands at the end."""
