@@ -29,7 +29,8 @@ NOTHING = 1e-12  # mm
 NEVER = 1e5  # s: an axis that has not turned back
 FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
 SMOOTH, WAVE = 4, 0.2  # degree of a curve; share of a wave's squares that it must leave
-FOUND = ("cyclic", "encoder_cyclic", "vibration")  # (also) from the spectrum of what is left
+# (also) from the spectrum of what is left
+FOUND = ("cyclic", "encoder_cyclic", "stick_slip", "vibration")
 
 
 @dataclass(frozen=True)
@@ -299,16 +300,36 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
             if not needed(rows, module, axis):
                 continue
             along = rows.direction[:, XYZ.index(axis)] * seen
-            if name == "vibration":
-                peaks = spectra.in_time(rows, weighted * along, along**2 / sigma**2)
-                shapes = [{"frequency_hz": f, "passages": 1.0} for f in peaks]
-            else:
-                peaks = spectra.in_place(rows, axis, weighted * along, along**2 / sigma**2)
-                shapes = [{"period_mm": p} | module.PLAIN for p in peaks]
-            for shape in shapes:
+            for shape in _periodic(rows, module, axis, weighted * along, along**2 / sigma**2):
                 columns = read(rows, module, axis, shape)
-                columns = columns[:, swings(columns)]
+                if columns.shape[1] > 1:
+                    columns = columns[:, swings(columns)]
                 if columns.shape[1]:
                     named = tuple(sorted(shape.items()))
                     result.append(Block(module, axis, named, columns, spectra.TRIED))
+    return result
+
+
+def _periodic(
+    rows: Rows, module: ModuleType, axis: str, weighted: np.ndarray, power: np.ndarray
+) -> list[dict[str, float]]:
+    """The likeliest shapes of an effect that is periodic. weighted, power (N,): what is left along
+    the axis, and the power of a wave, over the square of the noise."""
+    name = module.__name__.rsplit(".", 1)[1]
+    if name == "vibration":
+        peaks = spectra.in_time(rows, weighted, power)
+        return [{"frequency_hz": f, "passages": 1.0} for f in peaks]
+    if name != "stick_slip":
+        return [
+            {"period_mm": p} | module.PLAIN for p in spectra.in_place(rows, axis, weighted, power)
+        ]
+    state, result = rows.state, []
+    ways = module.ways(state, axis)
+    for limit in module.limits(state, axis):
+        use = (power > 0) & (state.passage >= 0) & module.creeps(state, axis, limit)
+        use &= ways[0] < NEVER
+        lag = -weighted[use] * state.approach[axis][use]
+        peaks = spectra.since_turn(ways[:, use], lag, power[use])
+        shape = {"fastest_mm_s": limit} | module.PLAIN
+        result += [{"period_mm": p} | shape for p in peaks]
     return result

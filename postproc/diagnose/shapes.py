@@ -32,11 +32,12 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     block = sets.blocks[k]
     if "t_s" in dict(block.shape):
         return _best(sets, fit, k, _moment(sets, fit, block), 0.0) if len(block.shape) == 1 else k
-    if block.name not in FOUND:
+    if block.name not in FOUND or dict(block.shape).get("period_mm") == 0:
         return _best(sets, fit, k, _between(sets, fit, block), 0.0)
     k = _best(sets, fit, k, _nearby(sets, fit, block), 0.0)
     plain = sets.blocks[k]
-    for shape in plain.module.fuller(dict(plain.shape)) if hasattr(plain.module, "fuller") else ():
+    more = getattr(plain.module, "fuller", None)
+    for shape in more(dict(plain.shape), sets.rows.state, plain.axis) if more else ():
         fuller = at(sets, plain, shape)
         if fuller is not None:
             k = _best(sets, fit, k, fuller, WORTH)

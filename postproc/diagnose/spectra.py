@@ -28,6 +28,7 @@ AT_ONCE = 1 << 20  # sines
 NEVER = 1e-4  # of a wave's power beyond the zeros: less can not be told
 ENOUGH = 0.02  # of the power of all rows: so much must tell a wave
 FEWEST_SWINGS = 3.0  # of a passage: fewer are a curve
+LONGEST, FEWEST_ROWS = 2.0, 32  # mm: a slide's way from jump to jump; rows that creep
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
 
@@ -183,6 +184,34 @@ def _smooth(frequencies: np.ndarray, gaps: list[float], low: float) -> np.ndarra
     for gap in gaps:
         slow &= np.abs(frequencies - np.round(frequencies * gap) / gap) < low
     return slow
+
+
+def since_turn(ways: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[float]:
+    """mm: the likeliest periods in the way since the last turn. ways (W, N) mm: of the samples of
+    rows; weighted, power (N,): as of in_place. All strokes begin a cycle with their turn."""
+    if weighted.size < FEWEST_ROWS:
+        return []
+    middle = ways[0]
+    steps = np.abs(np.diff(ways, axis=0)) if len(ways) > 1 else np.abs(np.diff(middle))
+    steps = steps[np.isfinite(steps) & (steps > STILL)]
+    span = float(np.ptp(middle))
+    if not len(steps) or span <= 0:
+        return []
+    finest = min(1 / (2.2 * float(np.median(steps))), 1 / FINEST, MOST_BINS / (span * FINE * 2))
+    low = max(1.0 / span, 1 / LONGEST)
+    if finest <= low:
+        return []
+    lag = weighted - power * (float(weighted.sum()) / max(float(power.sum()), 1e-30))
+    at, each, own = _samples(ways)
+    bins = int(2 ** np.ceil(np.log2(span * finest * FINE * 2)))
+    step = span * 2 / bins
+    index = np.clip(((at - middle.min()) / step).astype(int), 0, bins - 1)
+    sums = np.fft.rfft(np.bincount(index, lag[own] * each, bins))
+    frequencies = np.fft.rfftfreq(bins, step)
+    half = max(float(power.sum()) / 2, 1e-30)
+    allowed = (frequencies >= low) & (frequencies <= finest)
+    best = _best(frequencies, np.where(allowed, np.abs(sums) ** 2 / half, 0.0), 0.7 / span)
+    return [1 / _polished(f, 0.7 / span, [(at, lag[own] * each, half)]) for f in best]
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:

@@ -1,4 +1,8 @@
-"""Cosine error: the beam was not parallel to the motion; readings are too short in proportion."""
+"""Cosine error: the beam was not parallel to the motion; readings are too short in proportion.
+
+In one set-up, in all of them along an axis (a fixture that stands askew), or until the beam was
+aligned anew between two runs (ISO 230-1, alignment of the beam).
+"""
 
 import numpy as np
 
@@ -7,12 +11,16 @@ from postproc.effects import State, by_name
 PARAMETERS = {
     "ppm": "um/m, never above zero: minus half the square of the angle",
     "file": "number of the recording, 0 the first; -1: all",
+    "last": "number of the last run before the beam was aligned anew, 0: it was not",
 }
 # A reflector that goes d off sends the beam back 2 d off, and of a beam of 6 mm less than 4 mm off
 # is still seen: d = 2 mm. On the shortest travel that is measured so, 100 mm, that is an angle of
 # 0.02, and half its square 200 ppm; on 1 m 2 ppm.
 PLAUSIBLE = {"ppm": (-200.0, 0.0)}  # beyond, it is something else
-OPTIONAL = {"file": -1.0}
+OPTIONAL = {"file": -1.0, "last": 0.0}
+# twice the logarithm of how much likelier a beam is aligned once for all runs than anew
+ONCE = 2.0
+MOST_RUNS = 8  # of a recording in which an alignment between two of them is looked for
 KIND, USE, PER = "instrument", "recording", "axis"
 LINE = True  # of a line along which several axes move it belongs to none
 NEEDS, SEES = ("position",), ("laser",)
@@ -25,11 +33,18 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     read = np.unique(state.file[state.beam > 0])
     moving = {f: _along(state, state.file == f) for f in read}
-    return [
-        {"file": float(f)}
-        for f in read
-        if moving[f] == [axis] or (not axis and len(moving[f]) != 1)
-    ]
+    own = [f for f in read if moving[f] == [axis] or (not axis and len(moving[f]) != 1)]
+    found = [{"file": float(f), "last": 0.0} for f in own]
+    found += [{"file": -1.0, "last": 0.0}] if 1 < len(own) == len(read) else []
+    for f in own:
+        runs = np.unique(state.run[state.file == f])
+        found += [{"file": float(f), "last": float(k)} for k in runs[:-1] if len(runs) <= MOST_RUNS]
+    return found
+
+
+def further_cost(axis: str, shape: dict[str, float]) -> float:
+    """Twice the logarithm of how much seldomer a shape is than the others of this effect."""
+    return 0.0 if shape["last"] else -ONCE
 
 
 def _along(state: State, own: np.ndarray) -> list[str]:
@@ -45,8 +60,8 @@ def _along(state: State, own: np.ndarray) -> list[str]:
     return found
 
 
-def columns(state: State, axis: str, file: float = -1.0) -> np.ndarray:
-    own = (state.file == file) | (file < 0)
+def columns(state: State, axis: str, file: float = -1.0, last: float = 0.0) -> np.ndarray:
+    own = ((state.file == file) | (file < 0)) & ((state.run <= last) | (last <= 0))
     return (state.beam * own * 1e-6)[None]
 
 

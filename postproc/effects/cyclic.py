@@ -67,7 +67,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [{"period_mm": lead} | PLAIN for lead in LEADS if TURNS * lead < span]
 
 
-def fuller(shape: dict[str, float]) -> list[dict[str, float]]:
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
     """The same wave with what may come with it."""
     plain = {"period_mm": shape["period_mm"]} | PLAIN
     sets = (("second",), ("grows",), ("sided",), ("second", "grows"), ("second", "sided"))

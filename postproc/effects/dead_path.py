@@ -1,8 +1,14 @@
-"""Dead path: the air between interferometer and zero changed; the same error at every place."""
+"""Dead path: the air between interferometer and zero changed; the same error at every place.
+
+By the temperature of the air where it was recorded (Edlen), and by a pressure that nobody recorded,
+which changes in proportion to time while a recording lasts (Steinmetz, Sub-micron position
+measurement and control on precision machine tools with laser interferometry, Precision Engineering
+12, 1990, 12). A mirror that stands shows it too.
+"""
 
 import numpy as np
 
-from postproc.effects import State, by_name, first_timed, low_pass
+from postproc.effects import State, first_timed, low_pass
 
 PARAMETERS = {
     "um_K": "um per K, reading over the temperature of the air",
@@ -11,11 +17,13 @@ PARAMETERS = {
         "s, by which the sensor that compensates for the air is late; 0, the air is not"
         " compensated for"
     ),
+    "um_h": "um per hour, what the pressure made of it",
+    "pressure": "1, the pressure changed; 0, it did not",
 }
-OPTIONAL = {"file": -1.0, "late_s": 0.0}
+OPTIONAL = {"file": -1.0, "late_s": 0.0, "um_h": 0.0, "pressure": 0.0}
 LATE = 1800.0  # s: a sensor in a heavy housing
-# 0.93 ppm/K of air (Edlen), and 10 m of it.
-PLAUSIBLE = {"um_K": (-10.0, 10.0)}  # beyond, it is something else
+# 0.93 ppm/K of air (Edlen), and 10 m of it; 0.27 ppm/hPa, and 10 hPa in an hour.
+PLAUSIBLE = {"um_K": (-10.0, 10.0), "um_h": (-27.0, 27.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "all"
 NEEDS, SEES = ("time", "T_air_C"), ("laser",)
 TEXT = (
@@ -25,18 +33,43 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    lit = np.unique(state.file[state.beam > 0])
+    touched = state.channels.get("gauged", np.zeros(len(state))) > 0
+    lit = np.unique(state.file[~touched & (state.passage < 0)])
     files = [float(f) for f in lit] + ([-1.0] if len(lit) > 1 else [])
-    return [{"file": f, "late_s": v} for f in files for v in (0.0, LATE)]
+    ways = ((0.0, 0.0), (LATE, 0.0), (0.0, 1.0))
+    return [{"file": f, "late_s": v, "pressure": p} for f in files for v, p in ways]
 
 
-def columns(state: State, axis: str, file: float = -1.0, late_s: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, file: float = -1.0, late_s: float = 0.0, pressure: float = 0.0
+) -> np.ndarray:
     air = state.channels["T_air_C"]
     own = (state.file == file) | (file < 0)
     changed = air - air[first_timed(state)]
     if late_s > 0:
         changed = changed - low_pass(state, changed, late_s)
-    return (changed * own * 1e-3)[None]
+    found = [changed * own]
+    if pressure:
+        gone = np.zeros(len(state))
+        for f in np.unique(state.file[own]):
+            here = state.file == f
+            gone[here] = (state.time[here] - state.time[here].min()) / 3600.0
+        found.append(gone)
+    return np.stack(found) * 1e-3
 
 
-parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "um_K")
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    rate = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return dict(OPTIONAL) | shape | {"um_K": float(coefficients[0]), "um_h": rate}
+
+
+def coefficients(
+    um_K: float,
+    file: float = -1.0,
+    late_s: float = 0.0,
+    um_h: float = 0.0,
+    pressure: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
+    pressure = pressure or float(um_h != 0.0)
+    shape = {"file": file, "late_s": late_s, "pressure": pressure}
+    return np.array([um_K, um_h] if pressure else [um_K]), shape

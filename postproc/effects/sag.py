@@ -3,11 +3,12 @@
 Where a load of the axis was recorded that changed, it may sag in proportion to it. What is held at
 one end gives at its end with s^2 (3 - s) / 2 of the mass' reach s, be it from an edge of what
 carries it on; a ram that slides out gives with s^3 of its own overhang (Slocum, Precision Machine
-Design, 1992, beams). A rail that is clamped at both ends gives under the mass with (4 s (1 - s))^3
-(Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1). A beam on two supports is
-lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4 (Timoshenko,
-Vibration Problems in Engineering, simply supported beam); where the tool stands over the mass, a is
-s.
+Design, 1992, beams). A rail that is clamped at both ends gives under the mass with (4 s (1 - s))^3,
+a beam that is clamped at one end and propped at the other with s^3 (1 - s)^2 (4 - s), s from the
+clamped end (Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1). A beam on two
+supports is lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4
+(Timoshenko, Vibration Problems in Engineering, simply supported beam); where the tool stands over
+the mass, a is s.
 """
 
 from itertools import product
@@ -30,6 +31,7 @@ PARAMETERS = {
         "1, what is held at one end is free at the high end of the travel; -1, at the low one; 0, a"
         " rail that is clamped at both ends"
     ),
+    "propped": "1, its free end is propped; 0, it is not",
     "begins": (
         "1, share of the travel from where it stands out; below 0, it stands out all over it"
     ),
@@ -48,18 +50,21 @@ OPTIONAL = {
     "beam": -1.0,
     "overhang": 0.0,
     "free_end": 1.0,
+    "propped": 0.0,
     "begins": 0.0,
     "ram": 0.0,
     "usual_N": 0.0,
 }
-# free end, from where it stands out, whether it is a ram
+# free end, whether it is propped, from where it stands out, whether it is a ram
 OUT = (
-    (1.0, 0.0, 0.0),
-    (-1.0, 0.0, 0.0),
-    *product((1.0, -1.0), (0.2, 0.4), (0.0,)),
-    *product((1.0, -1.0), (-0.15,), (1.0,)),
-    (0.0, 0.0, 0.0),
+    (1.0, 0.0, 0.0, 0.0),
+    (-1.0, 0.0, 0.0, 0.0),
+    *product((1.0, -1.0), (0.0,), (0.2, 0.4), (0.0,)),
+    *product((1.0, -1.0), (0.0,), (-0.15,), (1.0,)),
+    *product((1.0, -1.0), (1.0,), (0.0,), (0.0,)),
+    (0.0, 0.0, 0.0, 0.0),
 )
+PROPPED = 0.117749  # s^3 (1 - s)^2 (4 - s) where it is largest, at 2 less the root of 2
 # A beam of steel that was built to run true gives 1 in 2000 of its length at the most (unverified):
 # 1 mm on 2 m.
 PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
@@ -79,7 +84,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ways += [(a, 0.0, b, o, *OUT[0]) for a, b, o in product(others, beams, (0.0, 0.05, 0.2))]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
-    names = ("along", "lever", "beam", "overhang", "free_end", "begins", "ram", "usual_N")
+    names = [n for n in PARAMETERS if n != "size_um"]
     return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
 
 
@@ -98,6 +103,7 @@ def columns(
     beam: float = -1.0,
     overhang: float = 0.0,
     free_end: float = 1.0,
+    propped: float = 0.0,
     begins: float = 0.0,
     ram: float = 0.0,
     usual_N: float = 0.0,
@@ -107,7 +113,7 @@ def columns(
     heavy = load / usual_N if load is not None and usual_N > 0 else np.ones(len(reach))
     other = _other(axis, tuple(state.position), along, lever, beam)
     if not other:
-        bent = _held(reach, free_end, begins, ram) if beam < 0 else np.zeros(len(reach))
+        bent = _held(reach, free_end, propped, begins, ram) if beam < 0 else np.zeros(len(reach))
         return towards(XYZ[int(along)], heavy * bent)
     return towards(
         XYZ[int(along)], heavy * _bent(reach, (state.share(other) + 1) / 2, beam, overhang)
@@ -123,12 +129,19 @@ def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam
 
 
 def _held(
-    reach: np.ndarray, free_end: float = 1.0, begins: float = 0.0, ram: float = 0.0
+    reach: np.ndarray,
+    free_end: float = 1.0,
+    propped: float = 0.0,
+    begins: float = 0.0,
+    ram: float = 0.0,
 ) -> np.ndarray:
     """(N,) what gives that is held at one end, or clamped at both, by where the mass is on the
     travel, 0 to 1; 1 where it gives most."""
     if not free_end:
         return (4.0 * reach * (1.0 - reach)) ** 3
+    if propped:
+        s = reach if free_end > 0 else 1.0 - reach
+        return s**3 * (1.0 - s) ** 2 * (4.0 - s) / PROPPED
     out = np.maximum((reach if free_end > 0 else 1.0 - reach) - begins, 0.0) / (1.0 - begins)
     return out**3 if ram else out**2 * (3 - out) / 2
 
@@ -160,7 +173,9 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
         one = (
             _bent(shares[0], shares[0], named["beam"], named["overhang"])
             if other
-            else _held(shares[0], named["free_end"], named["begins"], named["ram"])
+            else _held(
+                shares[0], *(named[name] for name in ("free_end", "propped", "begins", "ram"))
+            )
         )
         other = next((x for x in travel if x != axis and x in XYZ), "")
         value = np.repeat(one[:, None], 2, axis=1)

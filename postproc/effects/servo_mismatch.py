@@ -1,12 +1,20 @@
 """Servo mismatch: two axes follow with different lags; a circle becomes an ellipse at 45 degrees
 that turns over with the sense (ISO 230-4).
+
+A circle shows the difference alone. Where each axis shows by itself one leads and the other lags,
+by no equal amounts: their mean is the lag of both. Two axes that both lag are two lags.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, by_name
+from postproc.effects import State, along
 
-PARAMETERS = {"delta_tau_ms": "ms, lag of the first axis minus that of the second"}
+PARAMETERS = {
+    "delta_tau_ms": "ms, lag of the first axis minus that of the second",
+    "mean_tau_ms": "ms, mean lag of both",
+    "unequal": "1, they lag in the mean; 0, one leads by as much as the other lags",
+}
+OPTIONAL = {"mean_tau_ms": 0.0, "unequal": 0.0}
 # No more than the lag of one of the axes, of which the other has at least half on any machine that
 # can go round (unverified).
 PLAUSIBLE = {"delta_tau_ms": (-125.0, 125.0)}  # beyond, it is something else
@@ -16,12 +24,29 @@ TEXT = "Two axes follow with different lags. Match the position gains of the two
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    return [{"unequal": 0.0}, {"unequal": 1.0}]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    first, second = axis[0], axis[1]
-    return along(first, -state.velocity[first] / 2) - along(second, -state.velocity[second] / 2)
+def sensible(delta_tau_ms: float, mean_tau_ms: float = 0.0, **_: float) -> bool:
+    """Whether one leads and the other lags."""
+    return 2 * abs(mean_tau_ms) <= abs(delta_tau_ms)
 
 
-parameters, coefficients = by_name(PARAMETERS, {}, "delta_tau_ms")
+def columns(state: State, axis: str, unequal: float = 0.0) -> np.ndarray:
+    first, second = (along(x, -state.velocity[x]) for x in axis)
+    half = (first - second) / 2
+    return np.concatenate([half, first + second]) if unequal else half
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    mean = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    unequal = shape.get("unequal", 0.0)
+    return {"delta_tau_ms": float(coefficients[0]), "mean_tau_ms": mean, "unequal": unequal}
+
+
+def coefficients(
+    delta_tau_ms: float, mean_tau_ms: float = 0.0, unequal: float = 0.0
+) -> tuple[np.ndarray, dict[str, float]]:
+    unequal = unequal or float(mean_tau_ms != 0.0)
+    sizes = [delta_tau_ms, mean_tau_ms] if unequal else [delta_tau_ms]
+    return np.array(sizes), {"unequal": unequal}

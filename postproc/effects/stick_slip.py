@@ -1,20 +1,35 @@
 """Stick-slip: saw-tooth motion at low feed; the slide waits, then jumps.
 
-Where the jumps are too short for the samples only their mean is seen: while the axis creeps it lags
-by half a tooth and more.
+While it sticks the drive is wound up by the way that it goes on, and a slip lets that go in a part
+of the cycle (Bowden and Tabor, The Friction and Lubrication of Solids, 1950; Rabinowicz, Friction
+and Wear of Materials, 1965). Above a critical speed it slides evenly (Armstrong-Helouvry, Dupont,
+Canudas de Wit, Automatica 30, 1994, 1083), so that below it the slide lags in the mean, too, where
+no integrator of the drive takes that back. The way of a cycle is found from the spectrum of what is
+left over the way since the last turn. Where the jumps are too short for the samples only their mean
+is seen: while the axis creeps it lags by half a tooth and more.
 """
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, grid
+from postproc.effects import ENDLESS, State, along, grid
 
 PARAMETERS = {
-    "period_mm": "mm, way between two jumps; 0, too short to be told apart",
+    "period_mm": "mm, way that it is driven on while it sticks; 0, too short to be told apart",
     "size_um": "um, how far it lags before it jumps",
     "fastest_mm_s": "mm/s, speed above which it slides evenly; 0, none",
+    "slip_ms": "ms, time of a slip; 0, it jumps at once",
+    "mean_um": "um, mean lag while it creeps with jumps that are told apart",
 }
-OPTIONAL = {"fastest_mm_s": 0.0}
-EXPECTED = {"size_um": 1}
+OPTIONAL = {"fastest_mm_s": 0.0, "slip_ms": 0.0, "mean_um": 0.0}
+PLAIN = {"slip_ms": 0.0}
+SLIPS = (0.1, 0.25, 0.4)  # of a cycle at the usual speed
+SLOWEST, CRITICAL, SPEEDS = 0.5, 12.0, 8  # mm/s: critical speeds of slideways
+STILL = 1e-9  # mm
+FEWEST = 8  # rows that creep
+# The mean lies within the tooth: beyond, it is friction that rises at low speed.
+WITHIN = (-0.1, 1.1)
+# What sticks lags. The drive's stiffness bounds by how much (unverified).
+PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("distance", "velocity", "approach"), ("tool", "scale")
 TEXT = (
@@ -24,23 +39,77 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    long = [{"period_mm": v, "fastest_mm_s": 0.0} for v in grid(0.02, 2.0, 12)]
+    slow = [v for v in limits(state, axis) if v > 0]
+    return [{"period_mm": 0.0, "fastest_mm_s": v} | PLAIN for v in slow]
+
+
+def limits(state: State, axis: str) -> list[float]:
+    """mm/s: critical speeds that these rows tell from each other; 0, it jumps at every speed."""
     speed = np.abs(state.velocity[axis])
-    slow = [
-        v
-        for v in grid(0.5, 6.0, 8)
-        if np.any(speed > 1.5 * v) and np.count_nonzero((speed > 0) & (speed < v)) > 8
+    found, last = [0.0], 0
+    for v in grid(SLOWEST, CRITICAL, SPEEDS):
+        number = int(np.count_nonzero((speed > 0) & (speed < v)))
+        if number > max(FEWEST, last) and np.any(speed > 1.5 * v):
+            found.append(v)
+            last = number
+    return found
+
+
+def creeps(state: State, axis: str, fastest_mm_s: float) -> np.ndarray:
+    """(N,) bool: rows that move, and slower than the critical speed, if there is one."""
+    speed = np.abs(state.velocity[axis])
+    return (speed > 0) & ((speed < fastest_mm_s) | (fastest_mm_s <= 0))
+
+
+def ways(state: State, axis: str) -> np.ndarray:
+    """(W, N) mm since the last turn, of the samples of each row."""
+    samples = state.inside.get(axis)
+    if samples is None:
+        return state.distance[axis][None]
+    gone = (samples - state.position[axis]) * state.approach[axis]
+    return np.clip(state.distance[axis] + gone, 0.0, ENDLESS)
+
+
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same cycle, at the usual speed of what creeps, with a slip that takes a part of it."""
+    speed = np.abs(state.velocity[axis])[creeps(state, axis, shape["fastest_mm_s"])]
+    usual, cycle = float(np.median(speed)), shape["period_mm"]
+    return [
+        shape | {"period_mm": (1 - slip) * cycle, "slip_ms": 1e3 * slip * cycle / usual}
+        for slip in SLIPS
     ]
-    return long + [{"period_mm": 0.0, "fastest_mm_s": v} for v in slow]
 
 
-def columns(state: State, axis: str, period_mm: float, fastest_mm_s: float = 0.0) -> np.ndarray:
-    speed = np.abs(state.velocity[axis])
-    moves = speed > 0
-    if fastest_mm_s > 0:
-        moves &= speed < fastest_mm_s
-    phase = (state.distance[axis] / period_mm) % 1.0 - 0.5 if period_mm > 0 else 0.5
-    return along(axis, -state.approach[axis] * moves * phase)
+def sensible(period_mm: float, size_um: float, mean_um: float = 0.0, **_: float) -> bool:
+    """Whether the mean lag lies within the tooth."""
+    low, high = sorted(share * size_um for share in WITHIN)
+    return period_mm <= 0 or low <= mean_um <= high
 
 
-parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um")
+def columns(
+    state: State, axis: str, period_mm: float, fastest_mm_s: float = 0.0, slip_ms: float = 0.0
+) -> np.ndarray:
+    lag = -state.approach[axis] * creeps(state, axis, fastest_mm_s)
+    if period_mm <= 0:
+        return along(axis, 0.5 * lag)
+    driven_on = np.abs(state.velocity[axis]) * slip_ms * 1e-3
+    way = ways(state, axis) % (period_mm + driven_on)
+    let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
+    tooth = np.nanmean(np.minimum(way / period_mm, let_go), axis=0) - 0.5
+    return along(axis, tooth * lag, lag)
+
+
+def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
+    mean = float(coefficients[1]) if len(coefficients) > 1 else 0.0
+    return dict(OPTIONAL) | shape | {"size_um": float(coefficients[0]), "mean_um": mean}
+
+
+def coefficients(
+    period_mm: float,
+    size_um: float,
+    fastest_mm_s: float = 0.0,
+    slip_ms: float = 0.0,
+    mean_um: float = 0.0,
+) -> tuple[np.ndarray, dict[str, float]]:
+    shape = {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s, "slip_ms": slip_ms}
+    return np.array([size_um, mean_um] if period_mm > 0 else [size_um]), shape
