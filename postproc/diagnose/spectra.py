@@ -164,8 +164,8 @@ def _between_targets(
 def _fall(
     frequencies: np.ndarray, place: np.ndarray, root: np.ndarray, zeros: np.ndarray, y: np.ndarray
 ) -> np.ndarray:
-    """(F,) by how much chi squared falls with a cosine and a sine of each frequency. place, root (of
-    the weights), y: (G,), zeros (G, S) orthonormal; y without them."""
+    """(F,) by how much chi squared falls with a cosine and a sine of each frequency. place, root
+    (of the weights), y: (G,), zeros (G, S) orthonormal; y without them."""
     angle = 2 * np.pi * frequencies[:, None] * (place - place.mean())
     c, s = root * np.cos(angle), root * np.sin(angle)
     c, s = c - (c @ zeros) @ zeros.T, s - (s @ zeros) @ zeros.T
