@@ -42,6 +42,7 @@ TOO_LONG = (
     f"a line of more than {intake.LINE:,} characters",
     "this is no NC program, or its line ends were lost",
 )
+DAMAGED = "the line came damaged, or was edited by hand: take N and * out of all lines"
 IF_LEFT_OUT = "where the operator's switch leaves this block out, say so: --block-delete on"
 OWN_OUTPUT = (
     "this program is gcomp's own output: it is corrected already",
@@ -85,13 +86,7 @@ def _unwanted(text: bytes, checked: bool) -> tuple[int, str, str] | None:
         start = 0
         for _ in range(wrong[0]):
             start = text.find(b"\n", start) + 1
-        found.append(
-            (
-                start,
-                wrong[1],
-                "the line came damaged, or was edited by hand: take N and * out of all lines",
-            )
-        )
+        found.append((start, wrong[1], DAMAGED))
     return min(found) if found else None
 
 

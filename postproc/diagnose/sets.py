@@ -138,7 +138,7 @@ class Sets:
 
     def _forms(self, fit: Fit) -> list[int]:
         """Terms by which what is explained may be of another form, in all instruments alike: larger
-        on one end of the travel, from one side, at one time, or a little later."""
+        on one end of the travel, at one time, or a little later."""
         made: list[Block] = []
         whose: list[int] = []
         for k in self.members(fit):
@@ -146,12 +146,11 @@ class Sets:
             part = block.columns @ value
             if np.abs(part).max() < FORMED:
                 continue
-            terms = []
-            for x in block.axis:
-                if x in self.rows.state.position:
-                    terms.append(part * np.clip(self.rows.state.share(x), -1.2, 1.2))
-                if x in self.rows.state.approach:
-                    terms.append(part * self.rows.state.approach[x])
+            terms = [
+                part * np.clip(self.rows.state.share(x), -1.2, 1.2)
+                for x in block.axis
+                if x in self.rows.state.position
+            ]
             t = self.rows.state.time
             terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
             terms.append(_later(self.rows, part))
