@@ -182,7 +182,8 @@ def _spread(
             np.abs(_along(own, moving, stand, nodes, way) - b).max(axis=1)
             for way, b in zip((1.0, -1.0), base, strict=True)
         ]
-        return np.maximum(*both)
+        largest: np.ndarray = np.maximum(*both)
+        return largest
 
     alone = {x: np.max([off({x: float(p)}) for p in where], axis=0) for x, where in places.items()}
     matter = {x: where for x, where in places.items() if alone[x].max() > 1e-12}

@@ -51,7 +51,10 @@ def of_axis(machine: Machine, letter: str) -> np.ndarray:
     if not tables:
         return np.zeros(0)
     nodes = np.unique(np.concatenate([table.nodes for table in tables]))
-    return np.sum([-2 * np.interp(nodes, t.nodes, t.half[row]) for t in tables], axis=0)
+    total: np.ndarray = np.sum(
+        [-2 * np.interp(nodes, t.nodes, t.half[row]) for t in tables], axis=0
+    )
+    return total
 
 
 def found(machine: Machine, letters: str = "") -> list[str]:

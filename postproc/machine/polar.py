@@ -100,4 +100,5 @@ class PolarBounds(TipBounds):
         """(M,) degrees that C turns along straight motions (A, M)."""
         x, c = (self.machine.letters.index(letter) for letter in "XC")
         one, two = start[x] + 1j * start[c], target[x] + 1j * target[c]
-        return np.abs(np.degrees(np.angle(two * np.conj(one))))
+        swept: np.ndarray = np.abs(np.degrees(np.angle(two * np.conj(one))))
+        return swept

@@ -62,7 +62,8 @@ def tips(machine: Machine, q: np.ndarray) -> np.ndarray:
     """(3, N) mm: the tip in the part, at slide positions and angles q (A, N)."""
     ways, place = frames(machine, q)
     slides = np.stack([q[machine.letters.index(x)] for x in XYZ])
-    return np.einsum("ijn,jn->in", ways, slides) + place
+    tip: np.ndarray = np.einsum("ijn,jn->in", ways, slides) + place
+    return tip
 
 
 def slides_at(machine: Machine, tip: np.ndarray, q: np.ndarray) -> np.ndarray:

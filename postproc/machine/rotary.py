@@ -172,7 +172,8 @@ def _added(
 
 
 def _turned(turn: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    return np.einsum("ijn,jn->in", turn, vectors)
+    turned: np.ndarray = np.einsum("ijn,jn->in", turn, vectors)
+    return turned
 
 
 def _along_slides(

@@ -42,12 +42,14 @@ class AxisTable:
     @cached_property
     def mean(self) -> np.ndarray:
         """(6, K) mean of both directions."""
-        return (self.forward + self.reverse) / 2
+        mean: np.ndarray = (self.forward + self.reverse) / 2
+        return mean
 
     @cached_property
     def half(self) -> np.ndarray:
         """(6, K) half of forward minus reverse."""
-        return (self.forward - self.reverse) / 2
+        half: np.ndarray = (self.forward - self.reverse) / 2
+        return half
 
     @cached_property
     def two_way(self) -> bool:
@@ -232,7 +234,8 @@ class GridTable:
     @cached_property
     def sizes(self) -> np.ndarray:
         """(6,) largest size of each component."""
-        return np.abs(np.stack([self.forward, self.reverse])).max(axis=(0, 2, 3))
+        sizes: np.ndarray = np.abs(np.stack([self.forward, self.reverse])).max(axis=(0, 2, 3))
+        return sizes
 
     @cached_property
     def slopes(self) -> tuple[np.ndarray, np.ndarray]:
@@ -247,7 +250,8 @@ class GridTable:
         """(6,) largest mixed second derivative of each component."""
         both = np.diff(np.diff(np.stack([self.forward, self.reverse]), axis=2), axis=3)
         area = np.diff(self.nodes)[:, None] * np.diff(self.others)
-        return (np.abs(both) / area).max(axis=(0, 2, 3))
+        steepest: np.ndarray = (np.abs(both) / area).max(axis=(0, 2, 3))
+        return steepest
 
     def evaluate(
         self, position: np.ndarray, other: np.ndarray, approach: np.ndarray
@@ -287,4 +291,5 @@ def _bilinear(
 ) -> np.ndarray:
     low = value[i, j] + (value[i + 1, j] - value[i, j]) * u
     high = value[i, j + 1] + (value[i + 1, j + 1] - value[i, j + 1]) * u
-    return low + (high - low) * v
+    between: np.ndarray = low + (high - low) * v
+    return between

@@ -110,7 +110,8 @@ class TipMachine(Machine):
         left, size, right = np.linalg.svd(each.transpose(2, 0, 1), full_matrices=False)
         gain = size / np.maximum(size, SOFT) ** 2
         turn: np.ndarray = np.einsum("nij,in->nj", left, _across(tool, lean)) * gain
-        return np.einsum("nji,nj->in", right, turn)
+        bent: np.ndarray = np.einsum("nji,nj->in", right, turn)
+        return bent
 
 
 def _across(tool: np.ndarray, vectors: np.ndarray) -> np.ndarray:
@@ -204,4 +205,5 @@ class TipBounds(Bounds):
         ).max(axis=(0, 2))
         smooth = self._base.bend(every[1] - every[0]) + bend * (count - 1) ** 2 / 8
         wanted = np.maximum(way * kink / (4 * slack), np.sqrt(smooth / slack))
-        return np.clip(np.ceil(wanted), 1, MOST_PARTS).astype(np.int64)
+        parts: np.ndarray = np.clip(np.ceil(wanted), 1, MOST_PARTS).astype(np.int64)
+        return parts

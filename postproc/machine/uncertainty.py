@@ -51,7 +51,8 @@ class MapUncertainty:
         """(N,) mm: that of the vector of U over the corrected axes. In no direction is the
         deviation known worse."""
         rows = list(self.machine.corrected)
-        return np.sqrt((self.expanded(position, approach)[rows] ** 2).sum(axis=0))
+        joint: np.ndarray = np.sqrt((self.expanded(position, approach)[rows] ** 2).sum(axis=0))
+        return joint
 
     def with_tool(self, length: tuple[float, float, float]) -> MapUncertainty:
         """The same with a tool of this length, as Machine.with_tool."""

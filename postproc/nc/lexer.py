@@ -282,8 +282,8 @@ def _block_at(words: Words, offset: int) -> int:
 
 
 def _resolved(whole, decimals):
-    """(W,) the decimals that are read: none beyond 18 digits, as a controller drops them too
-    (0.053299492385786795; GRBL 1.1, nuts_bolts.c, read_float)."""
+    """(W,) the decimals that are read: none beyond 18 digits (0.053299492385786795).
+    Controllers drop sooner: GRBL 1.1 keeps the first 8, read_float in nuts_bolts.c."""
     over = (whole + decimals > LONGEST) & (whole <= WHOLE_DIGITS)
     return np.where(over, LONGEST - whole, decimals) if np.count_nonzero(over) else decimals
 

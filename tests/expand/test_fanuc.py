@@ -271,6 +271,7 @@ def test_alarm_and_message():
     assert plain("#3006=1(TURN THE PART)\nX1\n#3001=0\n") == ["(TURN THE PART)", "X1"]
     draws = "[BILLET X100 Y80 Z30\n[edgemove X-5 Y-2\n[TOOLDEF T1 D6.000"
     assert plain(draws + "\n#1=2\nX#1\n") == [*draws.split("\n"), "X2."]
+    assert plain("[BILLET X60 Z9\n(A)\nO1\n#1=2\nX#1\nM2\n")[3] == "X2."  # before its O number
     assert plain("POPEN\nN5 DPRNT[X#1[53]]\nBPRNT[O#1]\nPCLOS\nSETVN500[A]\nX1\n") == ["X1"]
 
 

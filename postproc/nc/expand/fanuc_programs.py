@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from postproc.errors import ProgramError
 from postproc.nc.expand import Program, fault
-from postproc.nc.expand.fanuc_blocks import LOOP, SPECIAL, Block, BlockReader, bare
+from postproc.nc.expand.fanuc_blocks import DRAWS, LOOP, SPECIAL, Block, BlockReader, bare
 from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.expand.fanuc_statements import parts
 from postproc.nc.lexer import COMMENTS
@@ -35,9 +35,8 @@ SECOND_LABEL = re.compile(rb";(?:[ \t]|/[1-9]?)*[Nn][ \t]*[0-9]")
 @dataclass
 class Section:
     """One program of a text: entries start to stop - 1. number: its O number, -1: none. labels: N
-    number to entries;
-    partner: entry of a DO to that of its END and back; broken: entries of DO and END that are not
-    paired, and why."""
+    number to entries; partner: entry of a DO to that of its END and back; broken: entries of DO and
+    END that are not paired, and why."""
 
     start: int
     stop: int
@@ -154,7 +153,8 @@ class Source:
             if found:
                 digits = re.sub(rb"[ \t]", b"", found[1])
                 heads.append((i, int(digits) if len(digits) < 10 else -1))
-        if not heads or any(self.code(i) not in ("", "%") for i in range(heads[0][0])):
+        before = (self.code(i) for i in range(heads[0][0] if heads else 0))
+        if not heads or any(code not in ("", "%") and not DRAWS.match(code) for code in before):
             heads.insert(0, (0, -1))
         starts = [0, *(i for i, _ in heads[1:]), stop]
         return [Section(starts[k], starts[k + 1], number) for k, (_, number) in enumerate(heads)]
