@@ -48,6 +48,8 @@ def _step(
     for own in _signals(sets, column != 0):
         at = int(np.argmax(column[own] != 0))
         window = own[max(0, at - WINDOW) : at + WINDOW]
+        if not sigma[window].all():  # readings that take no part
+            continue
         x = column[window] - column[window].mean()
         weight = 1.0 / float(np.mean(sigma[window])) ** 2
         along += weight * float(x @ left[window])

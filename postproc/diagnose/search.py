@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.diagnose import abrupt, shapes
-from postproc.diagnose.evidence import NOTHING, Fit
+from postproc.diagnose.evidence import Fit
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
 from postproc.diagnose.prior import plausible
@@ -290,7 +290,8 @@ class Search:
         """Let in what is periodic in what a set leaves."""
         said = shares(self.sets.evidence, state.fit)
         left = self.sets.evidence.y - sum(v for name, v in said.items() if name not in ("noise",))
-        sigma = np.maximum(white(self.sets.evidence, state.fit), NOTHING)
+        sigma = white(self.sets.evidence, state.fit)
+        sigma[sigma == 0.0] = np.inf  # readings of units that take no part
         known = {(b.key, b.shape) for b in self.sets.blocks}
         new = [
             b

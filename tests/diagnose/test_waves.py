@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -67,6 +68,38 @@ def test_periods_shorter_than_a_row_are_found_in_its_samples(period):
     )
     best, *_ = spectra._fine(place, row, np.ones(len(row)))
     assert 1 / best == pytest.approx(1 / period, abs=0.5 / np.ptp(place))
+
+
+def at_targets(places: np.ndarray, value: np.ndarray) -> list[float]:
+    """mm: the periods that are found in readings (um) at places of one signal along X."""
+    rows = SimpleNamespace(
+        state=SimpleNamespace(position={"X": places}, passage=np.full(len(places), -1)),
+        signal=np.zeros(len(places), int),
+    )
+    gaps = [float(np.median(np.diff(places)))]
+    return spectra._between_targets(rows, "X", value, np.ones(len(places)), 0.02, gaps)
+
+
+def test_a_wave_much_finer_than_the_gaps_is_found_at_targets_at_odd_places():
+    """1.6 mm at 22 targets 20 to 30 mm apart (ISO 230-2: no multiple of a period)."""
+    rng = np.random.default_rng(5)
+    places = np.cumsum(rng.uniform(20.0, 30.0, 22))
+    wave = 40.0 + 8.0 * np.cos(2 * np.pi * places / 1.6 + 0.4)
+    assert at_targets(places, wave + rng.normal(0.0, 0.4, 22)) == [pytest.approx(1.6, abs=5e-4)]
+
+
+def test_no_fine_wave_is_found_where_some_wave_fits_as_well_by_chance():
+    """White noise of 8 to 22 targets: some wave of 5,000 takes half of it and more."""
+    rng = np.random.default_rng(6)
+    for number in (8, 12, 22) * 10:
+        places = np.cumsum(rng.uniform(20.0, 30.0, number))
+        assert at_targets(places, rng.normal(0.0, 5.0, number)) == []
+
+
+def test_of_even_targets_no_wave_is_told_from_a_slow_curve():
+    places = 25.0 * np.arange(22)
+    assert at_targets(places, 8.0 * np.cos(2 * np.pi * places / 1.5625)) == []  # one phase
+    assert at_targets(places, 8.0 * np.cos(2 * np.pi * places * (0.64 + 0.5 / 525))) == []
 
 
 def test_what_comes_with_a_wave_is_small_beside_it():
