@@ -352,7 +352,7 @@ FIVE = "G21 G90 G54 G17\nG0 X0. Y0. Z50. C0. A0.\n"
             "G43.4 H1\nG41 D1 G1 X10. F100\n",
             "cutter radius compensation while the tool point is on",
         ),
-        ("G43.4 H1\nG81 X10. Z-5. R2. F100\n", "a drilling cycle while the tool point is on"),
+        ("G43.4 H1\nG99 G81 X10. Z-5. R2. F100\n", "a drilling cycle while the tool point is on"),
         ("G43.4 H1\nG92 X0.\nG1 X1. F100\n", "a new zero while X Y Z are places of the tool tip"),
         ("G43.4 H2\nG1 X1. F100\n", "the tool length H2 is not stated"),
         ("G43.5 H1\nG1 X1. F100\n", "G43.5"),
