@@ -54,7 +54,8 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
                 continue
             around = [
                 float(np.median(y[near])) if near else 0.0,
-                *_went_on(y, np.flatnonzero(place == place[k]), k),
+                *_went_on(y, same := np.flatnonzero(place == place[k]), k),
+                *y[same[run[same] != run[k]]],
             ]
             off = min((y[k] - level for level in around), key=abs)
             result[which[k]] = abs(off) / sigma[which[k]]

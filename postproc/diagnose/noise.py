@@ -30,6 +30,8 @@ FEW, KNOWN = 12, 6.0
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
 CHANCE = 0.46  # of the logarithm: two standard deviations of a median of 31 absolute differences
+# steps in the smallest gap between readings; of a step, how near a whole number of steps is
+MOST_PARTS, WHOLE = 4, 0.05
 ORDERS = (0, 1, 2, 4, 8)  # of the autoregression
 LINE = 25.0  # times the power around: an oscillation, no noise
 # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom
@@ -43,7 +45,7 @@ class Unit:
     kind; edges: where passages (unbroken motions, runs of targets) begin, and n; time (n,) s; r
     (n,) mm: standard deviation of the white part; ar: coefficients of the autoregression;
     innovation: its share of the variance; usual mm: of few readings, what others scatter by, else
-    0."""
+    0; floor mm: no reading is surer than its instrument's resolution."""
 
     rows: np.ndarray
     sees: str
@@ -54,6 +56,7 @@ class Unit:
     ar: np.ndarray = field(default_factory=lambda: np.zeros(0))
     innovation: float = 1.0
     usual: float = 0.0
+    floor: float = 0.0
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -80,6 +83,7 @@ class Unit:
             self.ar,
             self.innovation,
             self.usual,
+            self.floor,
         )
 
     def whitened(self, columns: np.ndarray) -> np.ndarray:
@@ -117,7 +121,9 @@ def units(rows: Rows) -> list[Unit]:
         t = rows.state.time[order]
         if np.ptp(t) == 0 or (np.any(np.diff(t) < 0) and part[own[0]]):
             t = np.arange(len(order), dtype=float)
-        unit = Unit(order, str(rows.sees[order[0]]), dense, edges, t, np.ones(len(order)))
+        sees = str(rows.sees[order[0]])
+        unit = Unit(order, sees, dense, edges, t, np.ones(len(order)))
+        unit.floor = max(FLOOR[sees], step(rows.y[order]))
         unit.r = _white(rows, rows.residual, unit)
         found.append(unit)
     for unit in found:
@@ -131,7 +137,7 @@ def units(rows: Rows) -> list[Unit]:
 def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
     """(n,) mm: a first guess of the white part, from differences of neighbours."""
     which = unit.rows
-    floor = FLOOR[unit.sees]
+    floor = unit.floor
     if unit.dense:
         y = residual[which]
         second = np.concatenate(
@@ -151,16 +157,21 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
             ),
             floor,
         )
-    size = np.maximum(size, np.maximum(rows.grain[which], step(rows.y[which])))
+    size = np.maximum(size, rows.grain[which])
     return np.hypot(size, rows.rounding[which]) if unit.dense else size
 
 
 def step(y: np.ndarray) -> float:
-    """mm: what an instrument's rounding gives, where its readings are whole numbers of a step."""
+    """mm: what an instrument's resolution gives, where its readings are whole numbers of a step."""
     values = np.unique(np.round(y, 9))
     if len(values) < 3 or len(values) > 0.5 * len(y):
         return 0.0
-    return float(np.min(np.diff(values))) / np.sqrt(12.0)
+    gaps = np.diff(values)
+    for parts in range(1, MOST_PARTS + 1):
+        counts = gaps * parts / gaps.min()
+        if np.all(np.abs(counts - np.round(counts)) < WHOLE):
+            return float(gaps.min()) / parts / np.sqrt(12.0)
+    return 0.0
 
 
 def spread(values: np.ndarray) -> float:
@@ -273,7 +284,7 @@ def learned(
         local = _locally(scaled[train], (rounding / relative)[train], unit.dense)
         relative[train] *= local
         scaled[train] /= local
-    base = max(spread(scaled[train]), FLOOR[unit.sees])
+    base = max(spread(scaled[train]), unit.floor)
     far = np.abs(scaled) / base
     if unit.dense:  # of neighbours that lie off together each is real
         near = (
@@ -291,7 +302,7 @@ def learned(
             unit.ar, unit.innovation, total = autoregression(
                 [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
             )
-            base = max(total, FLOOR[unit.sees])
+            base = max(total, unit.floor)
     base = min(unit.shrunk(base), most)
     unit.r = np.maximum(base * relative * np.where(far > TAIL, far / 2, 1.0), rounding)
 
