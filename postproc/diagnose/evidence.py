@@ -62,6 +62,14 @@ class Fit:
     parts: list[Reduced]
 
 
+def _factor(within: np.ndarray, along: np.ndarray, scale: float) -> float:
+    """Twice the logarithm of the Bayes factor of columns with products within (w, w) and along (w,)
+    of unit standard deviation, at `scale` times the usual size."""
+    a = within + np.eye(len(along))
+    gain = float(along @ np.linalg.solve(a, along))
+    return gain - float(np.linalg.slogdet(a)[1]) - float(surprise(scale, 1.0))
+
+
 class Evidence:
     """The readings y (N,) mm and everything that may explain them."""
 
@@ -173,7 +181,7 @@ class Evidence:
         shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
-        scale = {k: 1.0 if like is None else like.scale.get(k, 1.0) for k in chosen}
+        scale = {k: 1.0 if like is None else self._first_scale(like, k) for k in chosen}
         parts: list[Reduced] = []
         touched = []
         for k, part in enumerate(self.parts):
@@ -196,6 +204,19 @@ class Evidence:
                 parts[k] = self.parts[k].reduced(shown[k], sigma2, sd, kinds[k])
             fit = self._joined(chosen, on, shared, scale, parts)
         return fit
+
+    def _first_scale(self, like: Fit, k: int) -> float:
+        """Where learning the size of a block begins: as it was learned, else the likeliest of
+        those that are tried, not below what is usual. Noise that was learned without a large
+        effect holds it, and would take many steps to let it go."""
+        if k in like.scale or k in self.fixed:
+            return like.scale.get(k, 1.0)
+        within, along = self.among(like, (k,))
+        slab = self.slab[self.columns_of((k,))]
+        within, along = within * np.outer(slab, slab), along * slab
+        return max(
+            (s for s in TRIED if s >= 1.0), key=lambda s: _factor(within * s**2, along * s, s)
+        )
 
     def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns of a unit stand among all shared ones."""
