@@ -28,6 +28,8 @@ USUAL = {"laser": 3e-4, "angle": 5e-7, "tool": 5e-4, "scale": 3e-4}
 # (unverified)
 FEW, KNOWN = 12, 6.0
 MAD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
+# what may be set to levels, between which readings do not repeat; readings at a level at least
+FORCES, SEVERAL = ("force_", "load_", "spindle_rpm"), 3
 AROUND, LOCAL = 31, (0.5, 10.0)  # readings around one; times the usual noise
 CHANCE = 0.46  # of the logarithm: two standard deviations of a median of 31 absolute differences
 # steps in the smallest gap between readings; of a step, how near a whole number of steps is
@@ -180,12 +182,22 @@ def spread(values: np.ndarray) -> float:
 
 
 def place_of(rows: Rows, which: np.ndarray) -> np.ndarray:
-    """Rows at the same place from the same side have the same number."""
+    """Rows at the same place from the same side, and under the same stated force, have the same
+    number."""
     columns = [np.round(p[which], 3) for p in rows.state.position.values()]
     columns += [np.sign(s[which]) for s in rows.state.approach.values()]
+    for name, value in rows.state.channels.items():
+        if name.startswith(FORCES) and _set(value[which]):
+            columns.append(np.nan_to_num(value[which]))
     if rows.other:
         columns += [np.round(np.nan_to_num(v[which]), 3) for v in rows.other.values()]
     return np.unique(np.stack(columns), axis=1, return_inverse=True)[1].ravel()
+
+
+def _set(values: np.ndarray) -> bool:
+    """Whether a quantity was set to a few levels, several readings at each, and not just recorded."""
+    levels = len(np.unique(values[np.isfinite(values)]))
+    return 1 < levels <= len(values) / SEVERAL
 
 
 def _sparse(rows: Rows, residual: np.ndarray, which: np.ndarray) -> float:
