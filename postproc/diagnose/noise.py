@@ -166,7 +166,7 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
 def step(y: np.ndarray) -> float:
     """mm: what an instrument's resolution gives, where its readings are whole numbers of a step."""
     values = np.unique(np.round(y, 9))
-    if len(values) < 3 or len(values) > 0.5 * len(y):
+    if len(values) < 2 or len(values) > 0.5 * len(y):
         return 0.0
     gaps = np.diff(values)
     for parts in range(1, MOST_PARTS + 1):

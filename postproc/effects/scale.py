@@ -10,8 +10,10 @@ from postproc.effects import State, along, by_name, one_way
 
 PARAMETERS = {"ppm": "um/m, how much too long the travel is per length"}
 # Rolled trapezoidal screws, the worst, are sold with 0.3 mm on 300 mm (unverified: makers'
-# catalogues); 30 K of a screw of steel are 345 ppm. More is a wrong number of teeth or of the unit.
-PLAUSIBLE = {"ppm": (-1000.0, 1000.0)}  # beyond, it is something else
+# catalogues); 30 K of a screw of steel are 345 ppm. A belt is off by what its pulley is and by its
+# tension, 0.1 to 2 % of the steps per mm that a control begins with (unverified: makers' guides to
+# the calibration of steps per mm). More is a wrong number of teeth or of the unit.
+PLAUSIBLE = {"ppm": (-20000.0, 20000.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "part")
 TEXT = (

@@ -43,7 +43,8 @@ def sensible(
     """Whether each of them is more than an instrument's own, and all go one way: what jumps to and
     fro is as well an instrument that switches."""
     jumps = [jump for jump in (jump_um, second_um, third_um) if jump]
-    return abs(sum(np.sign(jumps))) == len(jumps) and min(map(abs, jumps)) >= SMALLEST
+    one_way = abs(sum(np.sign(jumps))) == len(jumps)
+    return one_way and min(map(abs, jumps), default=0.0) >= SMALLEST
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
