@@ -182,7 +182,7 @@ def blocks(rows: Rows) -> list[Block]:
                 keep = np.abs(columns).max(axis=0) > 1e-9
                 if not keep.all() or not np.isfinite(columns).all():
                     continue
-                if "period_mm" not in shape or not _looks_smooth(rows, axis, columns):
+                if "period_mm" not in shape or not looks_smooth(rows, axis, columns):
                     found.append((shape, columns))
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
             alone = module.PER == "pair" and "velocity" in module.NEEDS and apart(rows, axis)
@@ -193,7 +193,7 @@ def blocks(rows: Rows) -> list[Block]:
     return result
 
 
-def _looks_smooth(rows: Rows, axis: str, columns: np.ndarray) -> bool:
+def looks_smooth(rows: Rows, axis: str, columns: np.ndarray) -> bool:
     """Whether a wave in place is, at the targets of every signal, nearly a polynomial: the targets
     stand farther apart than half its period, in step with it (aliasing; ISO 230-2 asks for targets
     at uneven distances for that reason)."""

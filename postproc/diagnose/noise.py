@@ -178,7 +178,20 @@ def step(y: np.ndarray) -> float:
 
 def spread(values: np.ndarray) -> float:
     """Standard deviation by the median of absolute deviations."""
+    values = _ungrouped(values)
     return float(MAD * np.median(np.abs(values - np.median(values)))) if len(values) else 0.0
+
+
+def _ungrouped(values: np.ndarray) -> np.ndarray:
+    """Values, where most are equal to others spread evenly over the gap between two: the median of
+    grouped data (a median of whole steps is itself one)."""
+    known, of, count = np.unique(np.round(values, 9), return_inverse=True, return_counts=True)
+    if len(known) < 2 or len(known) > 0.5 * len(values):
+        return values
+    order = np.argsort(of, kind="stable")
+    rank = np.empty(len(values))
+    rank[order] = np.arange(len(values)) - np.repeat(np.cumsum(count) - count, count)
+    return known[of] + float(np.diff(known).min()) * ((rank + 0.5) / count[of] - 0.5)
 
 
 def place_of(rows: Rows, which: np.ndarray) -> np.ndarray:

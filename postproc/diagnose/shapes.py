@@ -69,9 +69,12 @@ def worth(sets: Sets, fit: Fit, block: Block) -> float:
 
 
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
-    """The block in another shape; None where these readings do not show all of it."""
+    """The block in another shape; None where these readings do not show all of it, or a wave only
+    as a curve."""
     columns = library.read(sets.rows, block.module, block.axis, shape)
     if not (np.abs(columns).max(axis=0) > 1e-9).all():
+        return None
+    if "period_mm" in shape and library.looks_smooth(sets.rows, block.axis, columns[:, :2]):
         return None
     return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
 
