@@ -23,6 +23,9 @@ UNFORETOLD = 2.5
 # mm: what an instrument of which nothing is stated is taken to scatter by at most (unverified; 345
 # signals of 100 nulls scattered by 1.44 um at most)
 SCATTERS = 1e-3
+# of what the resolution gives: one division, as which a scale is read (ISO 463: dial gauges repeat
+# to a third of one)
+DIVISIONS = 12.0**0.5
 # lags and fewest readings of a test of white noise; one recording in a million fails it by chance
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
 Said = dict[str, np.ndarray]
@@ -192,7 +195,9 @@ def _scattered(
     for unit, part in enumerate(sets.evidence.parts):
         own, least = part.unit.rows, _least(part.unit)
         stated = d.recordings[int(d.rows.file[own[0]])].u
-        sure = max(stated or SCATTERS * least / MATERIAL, step(d.rows.y[own]))
+        resolution = step(d.rows.y[own])
+        sure = stated or max(SCATTERS * least / MATERIAL, DIVISIONS * resolution)
+        sure = max(sure, resolution)
         rms = spread(rest[own])
         worth = max(least, UNFORETOLD * sure, OF_EXPLAINED * _size(said["effects"][own]))
         if not part.unit.dense and len(own) >= FEW and rms > worth:
