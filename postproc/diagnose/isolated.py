@@ -9,6 +9,8 @@ from postproc.diagnose import outliers
 from postproc.diagnose.noise import place_of
 from postproc.diagnose.rows import Rows
 
+ASIDE = 3  # neighbours on one side that bear a reading out: a level begins or ends with it
+
 
 # Whole: a rule to each kind of recording, over the same columns.
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -52,8 +54,10 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
             ]
             if not near and not shared[k]:  # nothing to compare with: its zero is no departure
                 continue
+            sides = [[j for j in near if j < k], [j for j in near if j > k]]
             around = [
                 float(np.median(y[near])) if near else 0.0,
+                *(float(np.median(y[side])) for side in sides if len(side) == ASIDE),
                 *_went_on(y, same := np.flatnonzero(place == place[k]), k),
                 *y[same[run[same] != run[k]]],
             ]
