@@ -46,7 +46,7 @@ def _spread(sets: Sets, state: Found, k: int) -> tuple[dict[str, float], dict[st
     first = sets.evidence.first[k]
     prior = np.concatenate(
         [
-            sets.evidence.slab[first : first + len(value)],
+            state.fit.scale[k] * sets.evidence.slab[first : first + len(value)],
             [UNKNOWN * dict(block.shape)[name] for name in free],
         ]
     )
@@ -140,9 +140,8 @@ def _others(
             continue
         power, along = sets.evidence.beside(state.fit, other.columns, but=k)
         first = sets.evidence.first[number]
-        covariance = np.linalg.inv(
-            power + np.diag(1 / sets.evidence.slab[first : first + len(along)] ** 2)
-        )
+        slab = state.fit.scale[k] * sets.evidence.slab[first : first + len(along)]
+        covariance = np.linalg.inv(power + np.diag(1 / slab**2))
         value = covariance @ along
         named = other.module.parameters(value, dict(other.shape))
         if any(
