@@ -20,8 +20,9 @@ from postproc.diagnose.rows import Rows
 MATERIAL = 1e-3  # mm: of less nobody can say that it comes back, slides repeat to 1 or 2 um
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
-FORM = 0.1  # of what an effect explains at most, a textbook form is wrong by in single readings
-OF_OTHERS = 0.1  # of the largest effect that an instrument shows: less is its error of form
+# of what an effect explains at most, a textbook form is wrong by in single readings, where its
+# module does not state it; less is its error of form
+FORM = 0.1
 FORM_SD = 0.1  # of what it explains, by the place, by the time
 BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up after a turn; s
 FORMED = 1e-3  # mm: the error of form of less is nothing
@@ -184,8 +185,9 @@ class Sets:
                 shown = shown - free @ (free.T @ shown)
                 # Of a spike that few readings show, all have the error of a harmonic of its power.
                 size = min(_swing(shown), float(np.sqrt(2 * np.mean(shown**2))))
+                size *= form_of(self.blocks[k])
                 most[u] = max(most[u], size / float(np.median(p.unit.r)))
-        return np.maximum(QUIETEST, (FORM * most) ** 2)
+        return np.maximum(QUIETEST, most**2)
 
     def value(self, fit: Fit, k: int) -> np.ndarray:
         """(K,) coefficients of a member."""
@@ -215,16 +217,22 @@ class Sets:
         value = self.value(fit, k)
         if not plausible(self.blocks[k], value):
             return False
-        others = [self.blocks[c].columns @ self.value(fit, c) for c in self.members(fit) if c != k]
+        others = [
+            form_of(self.blocks[c]) * self.blocks[c].columns @ self.value(fit, c)
+            for c in self.members(fit)
+            if c != k
+        ]
         own = self.blocks[k].columns @ value
-        for part, free in zip(self.evidence.parts, self._open, strict=True):
-            rows = part.unit.rows
+        for unit, free in zip(self.evidence.parts, self._open, strict=True):
+            rows = unit.unit.rows
             if not own[rows].any():
                 continue
-            scale = 1e-3 if part.unit.sees == "angle" else 1.0
-            least = max(MATERIAL * scale, TOLD * float(np.median(part.unit.r)))
-            least = max([least, *(OF_OTHERS * _swing(other[rows]) for other in others)])
-            if _swing(own[rows] - free @ (free.T @ own[rows])) > least:
+            scale = 1e-3 if unit.unit.sees == "angle" else 1.0
+            least = max(MATERIAL * scale, TOLD * float(np.median(unit.unit.r)))
+            shown = [
+                _swing(part[rows] - free @ (free.T @ part[rows])) for part in (own, *others)
+            ]
+            if shown[0] > max([least, *shown[1:]]):
                 return True
         return False
 
@@ -241,6 +249,11 @@ class Sets:
             if scores[k] > 0 and not plausible(b, value):
                 scores[k] = -np.inf
         return scores
+
+
+def form_of(block: Block) -> float:
+    """Of what a block explains at most: by how much its form is wrong in single readings."""
+    return float(getattr(block.module, "FORM", FORM))
 
 
 def _later(rows: Rows, part: np.ndarray) -> np.ndarray:

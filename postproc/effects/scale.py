@@ -14,6 +14,7 @@ PARAMETERS = {"ppm": "um/m, how much too long the travel is per length"}
 # tension, 0.1 to 2 % of the steps per mm that a control begins with (unverified: makers' guides to
 # the calibration of steps per mm). More is a wrong number of teeth or of the unit.
 PLAUSIBLE = {"ppm": (-20000.0, 20000.0)}  # beyond, it is something else
+FORM = 0.02  # of a factor the line is exact; what a screw adds is a curve, which has a name
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position",), ("tool", "part")
 TEXT = (
