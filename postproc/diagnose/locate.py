@@ -50,6 +50,38 @@ class Place:
     timed: bool = False
 
 
+@dataclass(frozen=True)
+class _Looked:
+    """What stands out most in one signal. which (M,): its rows; side, cell (M,); own, later: of
+    these the window along the way and in time, value, worth: their scores; nulls (DRAWS,): the
+    higher of both of each draw; test: of signals that are tested together."""
+
+    signal: int
+    which: np.ndarray
+    axis: str
+    side: np.ndarray
+    cell: np.ndarray
+    own: np.ndarray
+    value: float
+    later: np.ndarray
+    worth: float
+    nulls: np.ndarray
+    test: int
+
+
+def _looked(rows: Rows, projector: Projector, evidence: np.ndarray, signal: int) -> _Looked:
+    which = np.flatnonzero(rows.signal == signal)
+    axis = axis_of(rows, which)
+    place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
+    cell, along = _cells(place, side)
+    windows = _windows(along, int(cell.max()) + 1)
+    own, value, nulls = _scan(projector, evidence, which, cell, windows)
+    later, worth, chances = _in_time(projector, evidence, which, rows.state.time[which])
+    test = -1 - int(rows.file[which[0]]) if rows.sees[which[0]] == "part" else signal
+    both = np.maximum(nulls, chances)
+    return _Looked(signal, which, axis, side, cell, own, value, later, worth, both, test)
+
+
 def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> list[Place]:
     """The region of every signal that noise does not explain, the clearest first."""
     # Zeros are nobody's fault; what the map may be wrong by is among the draws: more than that is a
@@ -62,18 +94,17 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     draws = (u * np.where(free, 0.0, prior)) @ rng.normal(size=(len(prior), DRAWS))
     draws += sigma[:, None] * rng.normal(size=(len(y), DRAWS))
     evidence = projector(np.concatenate([y[:, None], draws], axis=1))
+    looked = [_looked(rows, projector, evidence, int(k)) for k in np.unique(rows.signal)]
+    # features of a part are one test: the largest of all of them
+    nulls: dict[int, np.ndarray] = {}
+    for seen in looked:
+        nulls[seen.test] = np.maximum(seen.nulls, nulls.get(seen.test, 0.0))
     found = []
-    for signal in np.unique(rows.signal):
-        which = np.flatnonzero(rows.signal == signal)
-        axis = axis_of(rows, which)
-        place, side = rows.state.position[axis][which], np.sign(rows.state.approach[axis][which])
-        cell, along = _cells(place, side)
-        own, value, nulls = _scan(
-            projector, evidence, which, cell, _windows(along, int(cell.max()) + 1)
-        )
-        time = rows.state.time[which]
-        later, worth, chances = _in_time(projector, evidence, which, time)
-        p = (1 + int((np.maximum(nulls, chances) >= max(value, worth)).sum())) / (DRAWS + 1)
+    for seen in looked:
+        signal, which, axis, own = seen.signal, seen.which, seen.axis, seen.own
+        side, cell, time = seen.side, seen.cell, rows.state.time[which]
+        value, later, worth = seen.value, seen.later, seen.worth
+        p = (1 + int((nulls[seen.test] >= max(value, worth)).sum())) / (DRAWS + 1)
         if p > SIGNIFICANT:
             continue
         timed = worth > value and _elsewhen(cell, later) and np.ptp(time) > 0
@@ -90,7 +121,7 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
         found.append(
             Place(
                 int(rows.file[inside[0]]),
-                int(signal),
+                signal,
                 axis,
                 float(pick.min()),
                 float(pick.max()),
