@@ -32,16 +32,18 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     block = sets.blocks[k]
     if "t_s" in dict(block.shape):
         return _best(sets, fit, k, _moment(sets, fit, block), 0.0) if len(block.shape) == 1 else k
-    if block.name not in FOUND or dict(block.shape).get("period_mm") == 0:
-        return _best(sets, fit, k, _between(sets, fit, block), 0.0)
-    k = _best(sets, fit, k, _nearby(sets, fit, block), 0.0)
+    periodic = block.name in FOUND and dict(block.shape).get("period_mm") != 0
+    k = _best(sets, fit, k, (_nearby if periodic else _between)(sets, fit, block), 0.0)
     plain = sets.blocks[k]
-    more = getattr(plain.module, "fuller", None)
+    more = getattr(plain.module, "fuller", None) if periodic or block.name not in FOUND else None
+    likeliest, most = None, worth(sets, fit, plain) + WORTH if more else np.inf
     for shape in more(dict(plain.shape), sets.rows.state, plain.axis) if more else ():
         fuller = at(sets, plain, shape)
-        if fuller is not None:
-            k = _best(sets, fit, k, fuller, WORTH)
-    return k
+        if fuller is not None and (now := worth(sets, fit, fuller)) > most:
+            likeliest, most = fuller, now
+    if likeliest is None:
+        return k
+    return sets.let_in(likeliest if periodic else _between(sets, fit, likeliest) or likeliest)
 
 
 def _best(sets: Sets, fit: Fit, k: int, other: Block | None, by: float) -> int:

@@ -35,6 +35,8 @@ And it may hold
   feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
   well;
+- fuller(shape, state, axis) -> shapes of the same with more that may come with it, each of which
+  must be worth its price;
 - CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with
   their range. At 0 or below they mean something else and are not moved;
 - unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver;
@@ -70,6 +72,7 @@ XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
+SETTLES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # ms: position gains of 500 to 16 per s
 # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
 CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
 
@@ -176,6 +179,32 @@ def low_pass(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     back = np.empty(len(level))
     back[order] = result
     return back
+
+
+def followed(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
+    """(N,) a driver (N,) of sampled motions as a first-order element of the time constant tau_s, s,
+    follows it, in steady state at the first row of each passage; the driver goes in lines from row
+    to row (first-order hold: Franklin, Powell, Workman, Digital Control of Dynamic Systems, 6.3)."""
+    result = driver.astype(float)
+    for passage in np.unique(state.passage[state.passage >= 0]):
+        own = np.flatnonzero(state.passage == passage)
+        own = own[np.argsort(state.time[own], kind="stable")]
+        step, u = np.diff(state.time[own]), result[own]
+        keep = np.exp(-step / tau_s)
+        # what a line from u[k] to u[k + 1] adds over one step
+        late = np.divide(tau_s * (1 - keep), step, out=np.ones(len(step)), where=step > 0)
+        added = (late - keep) * u[:-1] + (1 - late) * u[1:]
+        now, out = float(u[0]), [float(u[0])]
+        for k, more in zip(keep.tolist(), added.tolist(), strict=True):
+            now = k * now + more
+            out.append(now)
+        result[own] = out
+    return result
+
+
+def settling_times(state: State) -> tuple[float, ...]:
+    """ms: time constants of loops that sampled motions can show."""
+    return SETTLES if len(state.passage) == len(state) and np.any(state.passage >= 0) else ()
 
 
 def reversal_memory(

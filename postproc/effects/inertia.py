@@ -1,10 +1,19 @@
-"""Inertia: an error proportional to the acceleration, of a drive or a structure that gives."""
+"""Inertia: an error proportional to the acceleration, of a drive or a structure that gives.
+
+Of a drive whose velocity is fed forward it is the time constant of the velocity loop over the gain
+of the position loop, and goes with the time constant of the latter.
+"""
 
 import numpy as np
 
-from postproc.effects import State, along, by_name
+from postproc.effects import State, along, by_name, followed, settling_times
 
-PARAMETERS = {"um_per_mm_s2": "um per mm/s2, deflection for an acceleration"}
+PARAMETERS = {
+    "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",
+    "settle_ms": "ms, time constant with which it comes and goes; 0: at once",
+}
+OPTIONAL = {"settle_ms": 0.0}
+CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 # 1 over the square of the lowest mode: 0.25 um at 10 Hz, 1 at 5 Hz; of a drive without feed-forward
 # 1 over its position and
 # velocity gains: 2 um at 10 and 50 per s, which is a slow one.
@@ -23,8 +32,17 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [{}]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    return along(axis, state.acceleration[axis])
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same of a loop that takes its time."""
+    return [{"settle_ms": t} for t in settling_times(state)]
 
 
-parameters, coefficients = by_name(PARAMETERS, {}, "um_per_mm_s2")
+def columns(state: State, axis: str, settle_ms: float = 0.0) -> np.ndarray:
+    if settle_ms <= 0:
+        return along(axis, state.acceleration[axis])
+    tau, speed = settle_ms * 1e-3, state.velocity[axis]
+    # an acceleration through the element is what the speed is ahead of itself through it
+    return along(axis, (speed - followed(state, speed, tau)) / tau)
+
+
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "um_per_mm_s2")

@@ -1,15 +1,26 @@
 """Servo lag: a following error proportional to the speed, v times the time by which the axis is
-late."""
+late.
+
+A position loop without feed-forward is a first-order element: the error comes and goes with the
+loop's time constant, 1 over its gain, which in steady motion is the lag itself; feed-forward of the
+velocity takes of the lag, not of the time constant (Altintas, Manufacturing Automation, 2012,
+section 5.5).
+"""
 
 import numpy as np
 
-from postproc.effects import State, along, by_name
+from postproc.effects import State, along, by_name, followed, settling_times
 
-PARAMETERS = {"tau_ms": "ms, how late the axis is"}
+PARAMETERS = {
+    "tau_ms": "ms, how late the axis is in steady motion",
+    "settle_ms": "ms, time constant with which the lag comes and goes; 0: at once",
+}
+OPTIONAL = {"settle_ms": 0.0}
 # 1 over the position gain: 60 ms at 1 m/min per mm, 200 ms at 0.3, as slow as drives ever were; and
 # filters of the command.
 PLAUSIBLE = {"tau_ms": (0.0, 250.0)}  # beyond, it is something else (unverified: usual gains)
 EXPECTED = {"tau_ms": 1}
+CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
@@ -22,8 +33,14 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [{}]
 
 
-def columns(state: State, axis: str) -> np.ndarray:
-    return along(axis, -state.velocity[axis])
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same of a loop that takes its time."""
+    return [{"settle_ms": t} for t in settling_times(state)]
 
 
-parameters, coefficients = by_name(PARAMETERS, {}, "tau_ms")
+def columns(state: State, axis: str, settle_ms: float = 0.0) -> np.ndarray:
+    speed = state.velocity[axis]
+    return along(axis, -(followed(state, speed, settle_ms * 1e-3) if settle_ms > 0 else speed))
+
+
+parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "tau_ms")
