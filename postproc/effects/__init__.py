@@ -275,15 +275,6 @@ def lost_motion_share(state: State, axis: str, play_mm: float) -> np.ndarray:
     return np.clip(2 * near / play_mm - 1, -1.0, 1.0)
 
 
-def settling_share(state: State, axis: str, settle_ms: float) -> np.ndarray:
-    """(N,) share of what a drive holds against that it lags by: from -1, on the old side, to 1, as
-    its position loop settles after a turn."""
-    since = state.since.get(axis)
-    if settle_ms <= 0 or since is None:
-        return np.ones(len(state))
-    return 1 - 2 * np.exp(-np.minimum(since / (settle_ms * 1e-3), 50.0))
-
-
 def sampled(state: State) -> np.ndarray:
     """(N,) bool: rows of motions that were sampled; all where nobody knows."""
     return state.passage >= 0 if len(state.passage) == len(state) else np.ones(len(state), bool)

@@ -11,12 +11,19 @@ from itertools import product
 
 import numpy as np
 
-from postproc.effects import State, along, lost_motion_share, sampled, settling_share
+from postproc.effects import (
+    State,
+    along,
+    followed,
+    lost_motion_share,
+    sampled,
+    settling_times,
+)
 
 PARAMETERS = {
     "size_um": "um, difference between the two directions",
     "play_mm": "mm, way after a turn over which the friction turns round",
-    "settle_ms": "ms, time constant with which the loop settles after a turn",
+    "settle_ms": "ms, time constant with which the loop settles after a turn, a start or a stop",
     "released": "1, at rest the axis does not lag; 0, it does",
     "stribeck_um": "um, by how much the difference is larger at the slowest speeds",
     "stribeck_mm_s": "mm/s, speed at which that has fallen to a third; 0, none",
@@ -37,6 +44,7 @@ SOON = 0.05  # s
 # Friction over the stiffness of a loop: what a belt gives, see windup.
 PLAUSIBLE = {"size_um": (-1000.0, 1000.0)}  # beyond, it is something else
 EXPECTED = {"size_um": 1}
+CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
@@ -55,6 +63,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [WITHOUT | shape for shape in found]
 
 
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same of a loop that takes its time."""
+    times = settling_times(state) if shape["play_mm"] == 0 else ()
+    return [shape | {"settle_ms": t} for t in times]
+
+
 def columns(
     state: State,
     axis: str,
@@ -63,13 +77,11 @@ def columns(
     released: float = 0.0,
     stribeck_mm_s: float = 0.0,
 ) -> np.ndarray:
-    share = (
-        lost_motion_share(state, axis, play_mm)
-        if play_mm > 0
-        else settling_share(state, axis, settle_ms)
-    )
     side = np.sign(state.velocity[axis]) if released else state.approach[axis]
-    lag = -side / 2 * share * sampled(state)
+    side = side * lost_motion_share(state, axis, play_mm)
+    if settle_ms > 0:
+        side = followed(state, side, settle_ms * 1e-3)
+    lag = -side / 2 * sampled(state)
     if stribeck_mm_s <= 0:
         return along(axis, lag)
     return along(axis, lag, lag * np.exp(-((state.velocity[axis] / stribeck_mm_s) ** 2)))
