@@ -181,7 +181,9 @@ class Evidence:
         shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
-        scale = {k: 1.0 if like is None else self._first_scale(like, k) for k in chosen}
+        # without a like fit, sizes begin as they are beside nothing else
+        bare = like or (self.learn((), None, on, 0, least) if chosen else None)
+        scale = {k: self._first_scale(bare, k) for k in chosen if bare}
         parts: list[Reduced] = []
         touched = []
         for k, part in enumerate(self.parts):

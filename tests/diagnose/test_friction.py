@@ -16,18 +16,42 @@ from postproc.effects import State, friction_asymmetry
 def test_friction_turns_round_as_the_loop_settles():
     """10 um of friction between the two senses, a loop of 20 ms: on the old side in the turn, half
     way between after 20 ms x ln 2 = 13.9 ms, 5 um behind in the end."""
-    since = np.array([0.0, 0.02 * np.log(2.0), 10.0])
+    time = np.array([0.0, 1.0, 1.0, 1.0 + 0.02 * np.log(2.0), 10.0])
     state = State(
-        {"X": np.zeros(3)},
-        {"X": np.ones(3)},
+        {"X": np.zeros(5)},
+        {"X": np.array([-1.0, -1.0, 1.0, 1.0, 1.0])},
         {"X": (0.0, 1.0)},
-        since={"X": since},
-        passage=np.zeros(3),
+        time=time,
+        passage=np.zeros(5),
     )
     found = effects.deviation(
         effects.load("coulomb_friction"), state, "X", size_um=10.0, settle_ms=20.0
     )
-    assert found[0] == pytest.approx([5e-3, 0.0, -5e-3])
+    assert found[0] == pytest.approx([5e-3, 5e-3, 5e-3, 0.0, -5e-3])
+
+
+def test_a_position_loop_lags_as_a_first_order_element():
+    """From rest to 100 mm/s at 1000 mm/s2 with a gain of 50 per s: by the solution of
+    e' = v - 50 e, e = (a / 50) (t - 20 ms (1 - exp(-t / 20 ms))) while it accelerates, then it
+    closes to v / 50 = 2 mm with 20 ms; at rest it is 20 ms late to let go."""
+    time = np.arange(0.0, 0.5, 0.002)
+    speed = np.interp(time, [0.0, 0.1, 0.3, 0.3], [0.0, 100.0, 100.0, 0.0])
+    state = State(
+        {"X": np.zeros(len(time))},
+        {"X": np.ones(len(time))},
+        {"X": (0.0, 1.0)},
+        velocity={"X": speed},
+        time=time,
+        passage=np.zeros(len(time)),
+    )
+    lag = -effects.deviation(effects.load("servo_lag"), state, "X", tau_ms=20.0, settle_ms=20.0)[0]
+    started = time <= 0.1
+    ramp = 1000.0 / 50 * (time - 0.02 * (1 - np.exp(-time / 0.02)))
+    assert lag[started] == pytest.approx(ramp[started], abs=1e-9)
+    left = 2.0 - ramp[time == 0.1][0]
+    runs = (time > 0.1) & (time < 0.299)
+    assert lag[runs] == pytest.approx(2.0 - left * np.exp(-(time[runs] - 0.1) / 0.02), abs=1e-6)
+    assert lag[-1] < 2.0 * np.exp(-(time[-1] - 0.302) / 0.02)
 
 
 @pytest.mark.parametrize(
