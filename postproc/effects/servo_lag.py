@@ -21,6 +21,7 @@ OPTIONAL = {"settle_ms": 0.0}
 PLAUSIBLE = {"tau_ms": (0.0, 250.0)}  # beyond, it is something else (unverified: usual gains)
 EXPECTED = {"tau_ms": 1}
 CONTINUOUS = {"settle_ms": (0.5, 250.0)}
+FORM = 0.05  # a loop of the first order lags so; of the second it differs while it settles
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
