@@ -22,7 +22,8 @@ def at_an_end(values: np.ndarray, place: np.ndarray) -> np.ndarray:
     any value should.
 
     place (N,): rows with the same number were taken at the same place. Where readings elsewhere
-    repeat to the last digit, as without any noise, equal readings say nothing.
+    repeat to the last digit, as without any noise, or are whole steps of a coarse instrument, equal
+    readings say nothing.
     """
     result = np.zeros(len(values), bool)
     number, count = np.unique(values, return_counts=True)
@@ -33,7 +34,8 @@ def at_an_end(values: np.ndarray, place: np.ndarray) -> np.ndarray:
         near = abs(number[k] - number[next_]) < NEAR * np.ptp(number)
         if near and count[k] >= max(FEWEST, SHARE * len(values), MORE * usual):
             result |= values == number[k]
-    if result.any() and _repeats(values[~result], place[~result]):
+    rest = values[~result]
+    if len(np.unique(rest)) < DISTINCT * len(rest) or _repeats(rest, place[~result]):
         result[:] = False
     return result
 

@@ -1,0 +1,175 @@
+"""Recordings as a workshop makes them: a dial gauge of 0.01 mm, a calliper, the log of a drive. The
+physics is written out here by hand and shares nothing with the library of effects."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from postproc.cli import main
+
+MACHINE = """format = "gcomp-machine/1"
+name = "router"
+control = "grbl"
+chain = "w-X-b-Y-Z-t"
+[axes.X]
+travel = [0.0, 600.0]
+least_increment = 0.001
+[axes.Y]
+travel = [0.0, 400.0]
+least_increment = 0.001
+[axes.Z]
+travel = [-100.0, 0.0]
+least_increment = 0.001
+"""
+HEAD = '# format = "gcomp-recording/1"\n# kind = "{}"\n# machine = "router"\n# instrument = "{}"\n'
+
+
+def diagnosed(folder: Path, text: str) -> dict:
+    """The answer to one recording."""
+    (folder / "machine").mkdir()
+    (folder / "machine" / "machine.toml").write_text(MACHINE)
+    (folder / "r.csv").write_text(text)
+    words = ["diagnose", str(folder / "r.csv"), "--machine", str(folder / "machine")]
+    assert main([*words, "--json", str(folder / "a.json"), "--quiet"]) == 0
+    answer: dict = json.loads((folder / "a.json").read_text())
+    return answer
+
+
+def names(answer: dict) -> dict[str, dict]:
+    """Effect and axis to its parameters, of those that are accepted."""
+    accepted = (e for e in answer["effects"] if e["status"] == "accepted")
+    return {f"{e['effect']}:{e['axis'] or ''}": e["parameters"] for e in accepted}
+
+
+def gauge(deviation, scatter_um=4.0, step_um=10.0, runs=3, seed=1, targets=9, gap=50.0) -> str:
+    """X from 20 mm, there and back, read to a division, zero at the first reading. deviation(place,
+    side, seconds) um."""
+    rng = np.random.default_rng(seed)
+    there = 20.0 + gap * np.arange(targets)
+    rows, t, zero = [], 0, None
+    for run in range(1, runs + 1):
+        for side, places in ((1, there), (-1, there[::-1])):
+            for p in places:
+                t += 6
+                y = deviation(p, side, t) + scatter_um * rng.standard_normal()
+                zero = y if zero is None else zero
+                read = step_um * round((y - zero) / step_um)
+                rows.append(f"{run},{t},{p:g},{side},{read:g}")
+    head = HEAD.format("targets", "dial gauge, 0.01 mm")
+    head += '# quantity = "displacement"\n# sensitive = { X = 1.0 }\n'
+    return head + "run,t_s,X_mm,approach_X,reading_um\n" + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize("scatter_um", [0.0, 3.0, 8.0])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_gauge_that_scatters_by_less_than_a_division_finds_nothing(tmp_path, scatter_um, seed):
+    answer = diagnosed(tmp_path, gauge(lambda p, side, t: 0.0, scatter_um, seed=seed))
+    assert not answer["effects"] and answer["verdict"] == "nothing-left-out"
+
+
+@pytest.mark.parametrize("lost_um", [25.0, 150.0, 1200.0])
+def test_lost_motion_of_any_size(tmp_path, lost_um):
+    found = names(diagnosed(tmp_path, gauge(lambda p, side, t: -side * lost_um / 2)))
+    assert list(found) == ["backlash:X"]
+    assert found["backlash:X"]["size_um"]["value"] == pytest.approx(lost_um, abs=4, rel=0.02)
+
+
+@pytest.mark.parametrize("ppm", [200.0, 3000.0, -10000.0])
+def test_steps_per_mm_that_are_wrong(tmp_path, ppm):
+    """A belt's pulley, a screw of another lead: 0.02 to 1 %."""
+    found = names(diagnosed(tmp_path, gauge(lambda p, side, t: ppm * p * 1e-3)))
+    assert list(found) == ["scale:X"]
+    assert found["scale:X"]["ppm"]["value"] == pytest.approx(ppm, abs=10, rel=0.02)
+
+
+def test_lost_motion_beside_wrong_steps_per_mm(tmp_path):
+    """100 um beside 0.15 %, which is 630 um over these targets."""
+    found = names(diagnosed(tmp_path, gauge(lambda p, side, t: 1.5 * p - 50 * side)))
+    assert set(found) == {"scale:X", "backlash:X"}
+    assert found["backlash:X"]["size_um"]["value"] == pytest.approx(100, abs=5)
+
+
+def test_half_a_wave_over_the_travel_is_no_wave_of_the_screw(tmp_path):
+    """At targets 50 mm apart a wave of 900 mm and one of 47.4 mm read the same."""
+    answer = diagnosed(tmp_path, gauge(lambda p, side, t: 60 * np.sin(np.pi * p / 450)))
+    assert list(names(answer)) == ["pitch_shape:X"]
+    assert not any("cyclic" in str(e["equivalent"]) for e in answer["effects"])
+
+
+def test_a_jump_takes_no_reading_for_an_outlier(tmp_path):
+    """400 um lost behind 170 s: the interval holds them, and not a quarter of them."""
+    answer = diagnosed(tmp_path, gauge(lambda p, side, t: -400.0 * (t > 170)))
+    jump = names(answer)["step_loss:X"]["jump_um"]
+    assert jump["value"] == pytest.approx(-400, abs=8)
+    assert jump["ci95"][0] < -400 < jump["ci95"][1] < -200
+    assert not answer["data_faults"]
+
+
+def parts(deviation, scatter_mm: float, seed: int) -> str:
+    """Two parts, 24 features, each read twice by a calliper of 0.01 mm. deviation(kind, axis, mm)
+    mm."""
+    rng = np.random.default_rng(seed)
+    sizes = {
+        "centre_distance": (20, 40, 80, 120, 160),
+        "pocket_size": (15, 30, 60),
+        "boss_diameter": (12, 25, 50, 100),
+    }
+    rows = []
+    for part in (1, 2):
+        for axis in "XY":
+            for kind, many in sizes.items():
+                for mm in many:
+                    for reading in (1, 2):
+                        y = mm + deviation(kind, axis, mm) + scatter_mm * rng.standard_normal()
+                        name = f"{kind[0]}{axis}{mm}"
+                        rows.append(f"{name},{kind},{axis},{mm},{y:.2f},{part},{reading}")
+    columns = "feature,kind,axis,nominal_mm,measured_mm,part,reading\n"
+    return HEAD.format("features", "calliper, 0.01 mm") + columns + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize("seed", [8, 9, 10])
+def test_no_feature_of_good_parts_stands_out(tmp_path, seed):
+    """With a test for each of 24 features one of them stood out in every other lot."""
+    answer = diagnosed(tmp_path, parts(lambda kind, axis, mm: 0.0, 0.004 * (seed - 7), seed))
+    assert answer["verdict"] == "nothing-left-out" and not answer["mismatch"]
+
+
+def drive(gain: float, velocity_s: float) -> str:
+    """The log of X under a position loop of a gain (1/s), a velocity loop of the first order, an
+    encoder of 2.5 um: integrated by Euler in steps of 0.2 ms."""
+    dt, sub = 0.002, 10
+    command = [50.0]
+    moves = ((150, 40, 400), (50, 80, 400), (120, 15, 400), (80, 60, 800), (150, 30, 400))
+    for target, feed, a in moves:
+        way = target - command[-1]
+        ends = abs(way) / feed + feed / a
+        t = np.arange(dt, ends + 0.3, dt)
+        speed = np.interp(t, [0, feed / a, ends - feed / a, ends], [0, feed, feed, 0])
+        gone = np.minimum(np.cumsum(speed) * dt, abs(way))
+        command += list(command[-1] + np.sign(way) * gone)
+    c = np.array(command)
+    x, v, actual = c[0], 0.0, []
+    for place, then in zip(c, [*c[1:], c[-1]], strict=True):
+        actual.append(x)
+        for part in np.arange(sub) / sub:
+            wanted = gain * (place + part * (then - place) - x)
+            v += dt / sub / velocity_s * (wanted - v)
+            x += v * dt / sub
+    read = np.round(np.array(actual) / 0.0025) * 0.0025
+    rows = [f"1,{k * dt:.3f},{c[k]:.4f},{read[k]:.4f}" for k in range(0, len(c), 2)]
+    columns = "run,t_s,X_cmd_mm,X_act_mm\n"
+    return HEAD.format("trace", "encoder") + '# sees = "scale"\n' + columns + "\n".join(rows) + "\n"
+
+
+def test_a_loop_without_feed_forward_is_one_lag(tmp_path):
+    """A gain of 30 per s: 33.3 ms, and no friction or delay beside it, though at 400 mm/s2 the lag
+    comes and goes by 0.4 mm."""
+    found = names(diagnosed(tmp_path, drive(30.0, 0.004)))
+    assert list(found) == ["servo_lag:X"]
+    assert found["servo_lag:X"]["tau_ms"]["value"] == pytest.approx(33.3, rel=0.03)
+    assert found["servo_lag:X"]["settle_ms"]["value"] == pytest.approx(30.0, rel=0.15)
+
