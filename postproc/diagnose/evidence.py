@@ -26,6 +26,7 @@ from postproc.diagnose.parts import (
     Products,
     Reduced,
     cholesky,
+    factor,
     inverted,
     solved,
     surprise,
@@ -60,14 +61,6 @@ class Fit:
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
-
-
-def _factor(within: np.ndarray, along: np.ndarray, scale: float) -> float:
-    """Twice the logarithm of the Bayes factor of columns with products within (w, w) and along (w,)
-    of unit standard deviation, at `scale` times the usual size."""
-    a = within + np.eye(len(along))
-    gain = float(along @ np.linalg.solve(a, along))
-    return gain - float(np.linalg.slogdet(a)[1]) - float(surprise(scale, 1.0))
 
 
 class Evidence:
@@ -208,17 +201,13 @@ class Evidence:
         return fit
 
     def _first_scale(self, like: Fit, k: int) -> float:
-        """Where learning the size of a block begins: as it was learned, else the likeliest of
-        those that are tried, not below what is usual. Noise that was learned without a large
-        effect holds it, and would take many steps to let it go."""
+        """Where learning a block's size begins: as it was learned, else the likeliest of those
+        tried, not below the usual. Noise learned without a large effect holds on to it."""
         if k in like.scale or k in self.fixed:
             return like.scale.get(k, 1.0)
         within, along = self.among(like, (k,))
         slab = self.slab[self.columns_of((k,))]
-        within, along = within * np.outer(slab, slab), along * slab
-        return max(
-            (s for s in TRIED if s >= 1.0), key=lambda s: _factor(within * s**2, along * s, s)
-        )
+        return max((s for s in TRIED if s >= 1.0), key=lambda s: factor(within, along, slab, s))
 
     def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns of a unit stand among all shared ones."""

@@ -208,7 +208,7 @@ def place_of(rows: Rows, which: np.ndarray) -> np.ndarray:
 
 
 def _set(values: np.ndarray) -> bool:
-    """Whether a quantity was set to a few levels, several readings at each, and not just recorded."""
+    """Whether a quantity was set to a few levels, several readings at each, not just recorded."""
     levels = len(np.unique(values[np.isfinite(values)]))
     return 1 < levels <= len(values) / SEVERAL
 

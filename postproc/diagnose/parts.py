@@ -249,6 +249,15 @@ def _size(power: float, dof: float, usual: float, most: float) -> float:
     return float(np.sqrt((np.sqrt(b * b + 4 * a * c) - b) / (2 * a)))
 
 
+def factor(within: np.ndarray, along: np.ndarray, slab: np.ndarray, scale: float) -> float:
+    """Twice the logarithm of the Bayes factor of columns with products within (w, w) and along (w,)
+    whose coefficients have the standard deviations slab (w,) times scale."""
+    sd = scale * slab
+    a = within * np.outer(sd, sd) + np.eye(len(sd))
+    gain = float(along * sd @ np.linalg.solve(a, along * sd))
+    return gain - float(np.linalg.slogdet(a)[1]) - float(surprise(scale, 1.0))
+
+
 def surprise(sd: np.ndarray | float, usual: np.ndarray | float):
     """Minus twice the logarithm of the prior density of a learned standard deviation, but for a
     constant (inverse gamma)."""

@@ -184,7 +184,8 @@ def low_pass(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
 def followed(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     """(N,) a driver (N,) of sampled motions as a first-order element of the time constant tau_s, s,
     follows it, in steady state at the first row of each passage; the driver goes in lines from row
-    to row (first-order hold: Franklin, Powell, Workman, Digital Control of Dynamic Systems, 6.3)."""
+    to row (first-order hold: Franklin, Powell, Workman, Digital Control of Dynamic Systems, section
+    6.3)."""
     result = driver.astype(float)
     for passage in np.unique(state.passage[state.passage >= 0]):
         own = np.flatnonzero(state.passage == passage)
