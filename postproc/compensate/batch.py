@@ -34,7 +34,8 @@ def written_centre(motions: Motions) -> np.ndarray:
     start = np.stack(
         [motions.start[np.maximum(axis, 0), arcs.motion[k]] for axis in (arcs.first, arcs.second)]
     )
-    return np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
+    written_centre: np.ndarray = np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
+    return written_centre
 
 
 class Batch(Columns):
@@ -293,7 +294,8 @@ class Batch(Columns):
         """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
         off = self.wanted[row] - before
         back = self.bound[row] & (off * self.weight_begin[row] < 0)
-        return self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
+        taken_up: np.ndarray = self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
+        return taken_up
 
     # Whole: one loop in which each end rests where the one before left it.
     def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -383,7 +385,8 @@ class Batch(Columns):
 
     def _nominal_begin(self, row: int) -> np.ndarray:
         inside = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)
-        return np.where(self.t0 == 0, self.m.start[row, self.motion], inside)
+        nominal_begin: np.ndarray = np.where(self.t0 == 0, self.m.start[row, self.motion], inside)
+        return nominal_begin
 
     def spread_reversals(self) -> None:
         """Mode off: `differs` (A, S) mm, by how much each stroke's begin misses the command that it

@@ -237,4 +237,7 @@ def density(f: Fitter, rows: Rows) -> np.ndarray:
     )
     by_kink = np.hypot(sweep * radius, travel) * kink / (4 * slack)
     by_ellipse = sweep * np.sqrt(radius * steep / (4 * slack))
-    return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)
+    density: np.ndarray = np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(
+        np.int64
+    )
+    return density
