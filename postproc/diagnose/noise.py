@@ -85,7 +85,7 @@ class Unit:
     def whitened(self, columns: np.ndarray) -> np.ndarray:
         """(n,) or (n, K): divided by the standard deviation and, within passages, less what the
         samples before foretell."""
-        scaled = columns / (self.r if columns.ndim == 1 else self.r[:, None])
+        scaled: np.ndarray = columns / (self.r if columns.ndim == 1 else self.r[:, None])
         if not len(self.ar):
             return scaled
         result = scaled.copy()
@@ -152,7 +152,8 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
             floor,
         )
     size = np.maximum(size, np.maximum(rows.grain[which], step(rows.y[which])))
-    return np.hypot(size, rows.rounding[which]) if unit.dense else size
+    white: np.ndarray = np.hypot(size, rows.rounding[which]) if unit.dense else size
+    return white
 
 
 def step(y: np.ndarray) -> float:
@@ -160,7 +161,7 @@ def step(y: np.ndarray) -> float:
     values = np.unique(np.round(y, 9))
     if len(values) < 3 or len(values) > 0.5 * len(y):
         return 0.0
-    return float(np.min(np.diff(values))) / np.sqrt(12.0)
+    return float(np.min(np.diff(values)) / np.sqrt(12.0))
 
 
 def spread(values: np.ndarray) -> float:
