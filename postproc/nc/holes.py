@@ -15,7 +15,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
-from postproc.nc.batch import NO_WORDS, Batch
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.columns import hold_index
 from postproc.nc.state import Cycle, InCycle
 
@@ -54,9 +54,7 @@ def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tu
 
 
 # Whole: one line to a column; a branch is a kind of cycle.
-def in_cycle(
-    b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
-) -> InCycle | None:
+def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | None:
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in
     force."""
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
@@ -150,7 +148,7 @@ def _there_and_back(
     letter: str,
     cycle: Cycle,
     absolute: np.ndarray,
-    axis_words,
+    axis_words: AxisWords,
 ) -> InCycle:
     """G33.1: in step with the spindle from where the axes stand to the words, and back there
     (LinuxCNC as measured)."""
@@ -191,7 +189,9 @@ def _there_and_back(
     )
 
 
-def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None):
+def _held(
+    b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None
+) -> tuple[np.ndarray, np.ndarray]:
     """(B,) ticks of a word that holds until the next one, counted from `zero`, and whether it was
     ever given."""
     block = b.words.block[place]
@@ -239,7 +239,15 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str) -> str
     return "" if len(holes) and holes[-1] > last else before.get(last, "")
 
 
-def _blame(b: Batch, holes, has_level, has_bottom, level, bottom, letter: str) -> None:
+def _blame(
+    b: Batch,
+    holes: np.ndarray,
+    has_level: np.ndarray,
+    has_bottom: np.ndarray,
+    level: np.ndarray,
+    bottom: np.ndarray,
+    letter: str,
+) -> None:
     b.blame(
         holes[~has_level[holes]],
         "a canned cycle without R",

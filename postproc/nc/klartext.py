@@ -229,7 +229,7 @@ def _side(match: re.Match[bytes]) -> bytes:
 def _parameter(text: bytes) -> bytes:
     """Q1=+5: it moves nothing, and who uses it is asked there; Q339 of cycle 247 is the preset."""
     if PRESET.match(text):
-        number = VALUE.findall(text.partition(b"=")[2])
+        number: list[bytes] = VALUE.findall(text.partition(b"=")[2])
         return (b"G247P" + number[0].lstrip(b"+")).ljust(len(text))
     return _blank(text)
 

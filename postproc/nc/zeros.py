@@ -7,10 +7,12 @@ correction depends on the place.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from postproc.motions import Presets
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import changes
 from postproc.nc.control import ALSO
 from postproc.nc.dialects import Dialect
@@ -64,7 +66,8 @@ def work_columns(b: Batch) -> np.ndarray:
         total = total + offset_of(b, _work_offset(b, int(number)), work == number)
     tool_place = b.places.get("T") if b.dialect.tool_offsets else None
     if tool_place is None:
-        return total + offset_of(b, b.tool, True)
+        work_columns: np.ndarray = total + offset_of(b, b.tool, True)
+        return work_columns
     edges = [0, *b.words.block[tool_place].tolist(), b.n]
     names = [b.tool] + [_tool_name(b, int(p)) for p in tool_place]
     for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
@@ -149,7 +152,7 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     )
 
 
-def offset_of(b: Batch, name: str, where) -> np.ndarray:
+def offset_of(b: Batch, name: str, where: bool | np.ndarray) -> np.ndarray:
     """(A, B) or (A, 1) ticks of one offset where it holds."""
     everywhere = isinstance(where, bool)
     if not name or not (where if everywhere else np.count_nonzero(where)):
@@ -169,7 +172,7 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
 # -- what the first block says ---------------------------------------------------------------------
 
 
-def values_of(b: Batch, axis_words) -> dict[str, tuple[int, bool]]:
+def values_of(b: Batch, axis_words: AxisWords) -> dict[str, tuple[int, bool]]:
     """Axis to its word's ticks in the first block, and whether it is an incremental letter."""
     result = {}
     for letter, words in axis_words.items():
@@ -191,7 +194,7 @@ def number_of(b: Batch, letter: str) -> float | None:
     return float(b.numbers(place[:1])[0])
 
 
-def chosen(b: Batch, axis_words=None, word: str = "") -> None:
+def chosen(b: Batch, axis_words: AxisWords | None = None, word: str = "") -> None:
     """E of Fadal: the number names the work offset; its G54 is E1, G59 E6."""
     letter = b.dialect.offset_letter
     number = int(word[1:]) - 53 if word else number_of(b, letter) if letter else None
@@ -199,7 +202,7 @@ def chosen(b: Batch, axis_words=None, word: str = "") -> None:
         b.frame = replace(b.frame, extended=f"{letter}{number:g}")
 
 
-def note_presets(b: Batch, axis_words, letters) -> None:
+def note_presets(b: Batch, axis_words: AxisWords, letters: Iterable[str]) -> None:
     """Note the words that name the place where the machine stands: it stands beside it by the
     correction."""
     rows, words, scales, places = [], [], [], []

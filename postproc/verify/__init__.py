@@ -20,8 +20,9 @@ from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, tool_directions
 from postproc.motions import FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
-from postproc.nc.interpreter import Interpreter, ModalState
+from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import Words, lex
+from postproc.nc.state import ModalState
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.trace import Trace

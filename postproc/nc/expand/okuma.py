@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from postproc.errors import ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
@@ -23,6 +24,7 @@ from postproc.nc.expand.klartext_formulas import FormulaError, Unset
 from postproc.nc.expand.okuma_expressions import VARIABLE, Expression, is_own
 from postproc.nc.expand.tracker import Tracker, number
 
+Worked = TypeVar("Worked")  # what an expression gives
 COMMENT = re.compile(rb"\([^()\n]*\)?")
 HEAD = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:(N(?!OEX\b)[A-Z0-9]+)(?=[ \t/]|\Z)[ \t]*)?(?:/[ \t]*)?")
 DELETED = re.compile(rb"[ \t]*(?:N[A-Z0-9]+[ \t]+)?/", re.IGNORECASE)
@@ -317,7 +319,7 @@ class _Run:
             )
         return text.encode()
 
-    def _worked_out(self, part, here, of):
+    def _worked_out(self, part: _Part, here: int, of: Callable[[], Worked]) -> Worked:
         try:
             return of()
         except Unset as error:
