@@ -62,13 +62,9 @@ def _outliers(axis, calibration: Calibration, component: Component, one: float) 
         height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
         if np.isfinite(height):
             axis.plot(
-                outlier.position,
-                height,
-                "x",
-                color=INK,
-                markersize=7,
+                outlier.position, height, "x", color=INK, markersize=7,
                 label=None if n else "outlier",
-            )
+            )  # fmt: skip
 
 
 def _component(axis, calibration: Calibration, component: Component, left_out: bool) -> None:

@@ -67,13 +67,9 @@ def run(options: argparse.Namespace) -> int:
     signal = _signal(module, settings, run_, before, terms)
     notices += _held(machine, signal.state.position)
     noise = instruments.Noise(
-        options.noise,
-        options.tails,
-        options.resolution,
-        options.zero,
-        options.seed,
+        options.noise, options.tails, options.resolution, options.zero, options.seed,
         options.sensor_noise,
-    )
+    )  # fmt: skip
     head = _head(options, machine, name, corrected)
     recording = instruments.recorded(
         signal, noise, head, simulate_named.without(options.without, signal.state.channels)

@@ -97,26 +97,15 @@ def straight_pieces(b: Batch) -> Packed | None:
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):
         return pack(
-            b,
-            straight,
-            np.zeros(len(straight), np.int64),
-            code,
-            b.begin,
-            b.end,
-            b.t1 - b.t0,
+            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0,
             b.nominal_end,
-        )
+        )  # fmt: skip
     if not len(owner):
         return pack(
-            b,
-            straight,
-            np.zeros(len(straight), np.int64),
-            code[straight],
-            b.begin.take(straight, axis=1),
-            b.end.take(straight, axis=1),
-            (b.t1 - b.t0)[straight],
+            b, straight, np.zeros(len(straight), np.int64), code[straight],
+            b.begin.take(straight, axis=1), b.end.take(straight, axis=1), (b.t1 - b.t0)[straight],
             b.nominal_end.take(straight, axis=1),
-        )
+        )  # fmt: skip
     # Cuts come before the end of their own stroke; both are in order already.
     cut = chosen[owner]
     of = np.searchsorted(straight, cut)
@@ -318,16 +307,11 @@ def arc_pieces(b: Batch) -> Packed | None:
             "move every axis to an absolute position first, or say --start",
         )
     rows = Rows(
-        arc=b.arc_of[motion[which]],
-        stroke=which,
-        t0=b.t0[which],
-        t1=b.t1[which],
-        begin=b.begin.take(which, axis=1),
-        end=b.end.take(which, axis=1),
-        centre=np.zeros((2, len(which)), np.int64),
-        radius=np.zeros(len(which), np.int64),
+        arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which],
+        begin=b.begin.take(which, axis=1), end=b.end.take(which, axis=1),
+        centre=np.zeros((2, len(which)), np.int64), radius=np.zeros(len(which), np.int64),
         chord=np.zeros(len(which), bool),
-    )
+    )  # fmt: skip
     written = written_centre(m)
     every = increments(b, np.arange(len(motion)))
     single = np.zeros(len(arcs), bool)
@@ -352,18 +336,10 @@ def arc_pieces(b: Batch) -> Packed | None:
     ).astype(np.int64)
     none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
     key, pieces = pack(
-        b,
-        rows.stroke,
-        order,
-        code,
-        rows.begin,
-        rows.end,
-        rows.t1 - rows.t0,
-        nominal,
-        arc=np.where(rows.chord, -1, rows.arc),
-        centre=rows.centre,
+        b, rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,
+        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre,
         radius=np.where(rows.chord, 0, rows.radius),
-    )
+    )  # fmt: skip
     if none.any():
         fields = names(Pieces)
         pieces = Pieces(**{f: getattr(pieces, f)[..., ~none] for f in fields})

@@ -87,14 +87,9 @@ def stretches(f: Fitter, rows: Rows) -> Stretches:
     left = np.where(plain[owner], left, (f.tolerance**2 + f.tolerance_across**2) ** 0.5 / 8)
     at = np.flatnonzero(first)
     return Stretches(
-        owner,
-        t,
-        (until - t) / parts,
-        parts,
-        np.maximum.reduceat(steep, at),
-        np.maximum.reduceat(left, at),
-        shift,
-    )
+        owner, t, (until - t) / parts, parts, np.maximum.reduceat(steep, at),
+        np.maximum.reduceat(left, at), shift,
+    )  # fmt: skip
 
 
 def _steepness(

@@ -40,12 +40,9 @@ STANDARD = {
 def result_of(motion: Motion, options: Options) -> Result:
     """The result of one motion."""
     test = positioning.evaluate(
-        motion.position,
-        motion.approach,
-        motion.reading,
-        motion.run,
+        motion.position, motion.approach, motion.reading, motion.run,
         motion.test in ("rotary", "angle"),
-    )
+    )  # fmt: skip
     angle = motion.recording.quantity == "angle"
     lengths = motion.test in ("positioning", "diagonal")
     names = frozenset(n for n, v in test.values.items() if v is not None) | frozenset(NAMES)

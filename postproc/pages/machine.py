@@ -57,12 +57,9 @@ def page(machine: Machine) -> Page:
         machine.title or machine.name, _headline(machine, missing), "open" if missing else ""
     )
     result.subject = [
-        ("name", machine.name),
-        ("control", machine.control),
-        ("map", machine.digest),
-        ("axes", " ".join(machine.letters)),
-        ("reversal", machine.reversal),
-    ]
+        ("name", machine.name), ("control", machine.control), ("map", machine.digest),
+        ("axes", " ".join(machine.letters)), ("reversal", machine.reversal),
+    ]  # fmt: skip
     if machine.source:
         result.subject.append(("source", machine.source))
     _tiles(result, machine)
@@ -171,13 +168,9 @@ def _row(axis: Axis, row: int) -> tuple[str, ...]:
         stated = "not stated"
     turned = float(np.abs(both[1] - both[0]).max())
     return (
-        f"{COMPONENTS[row]}{axis.letter}",
-        f"{both.min():+.2f}",
-        f"{both.max():+.2f}",
-        f"{turned:.2f}" if turned else "-",
-        stated,
-        unit,
-    )
+        f"{COMPONENTS[row]}{axis.letter}", f"{both.min():+.2f}", f"{both.max():+.2f}",
+        f"{turned:.2f}" if turned else "-", stated, unit,
+    )  # fmt: skip
 
 
 def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str) -> charts.Figure:

@@ -263,13 +263,9 @@ def _line(
             Place(recording.file, int(recording.lines[which[0]])),
         )
     return _picked(
-        base,
-        which,
-        kind="straightness" if across else "line",
-        value=recording.reading[which],
-        start=np.zeros(2 if across else 1),
-        along=along,
-    )
+        base, which, kind="straightness" if across else "line", value=recording.reading[which],
+        start=np.zeros(2 if across else 1), along=along,
+    )  # fmt: skip
 
 
 def _stair(
