@@ -99,12 +99,9 @@ def _centres(b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k
     )
     replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
     b.splice.numbers(
-        w.number[word[replace]],
-        w.stop[word[replace]],
-        np.zeros(len(replace)),
-        number[replace],
+        w.number[word[replace]], w.stop[word[replace]], np.zeros(len(replace)), number[replace],
         decimals[replace],
-    )
+    )  # fmt: skip
     new = np.where(by_radius, p.radius[piece] == 0, number != stands)
     add = (is_arc & (word < 0) & new).nonzero()[0]
     at, rank = b.at[mine[add]], np.full(len(add), INSERT_WORD + 20 + k)

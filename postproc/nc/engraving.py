@@ -95,20 +95,10 @@ def _place_of_text(
         return np.array([x], kind)
 
     return InCycle(
-        letter=letter,
-        row=row,
-        mask=mask,
-        blocks=block,
-        target=one(level),
-        bottom=one(value["Z"]),
-        level=one(level),
-        zero=one(zero),
-        word=own["Z"][:1],
-        initial=one(False, bool),
-        code=motion[block],
-        known=known or "R" in value,
-        after=b.state.cycle,
-    )
+        letter=letter, row=row, mask=mask, blocks=block, target=one(level), bottom=one(value["Z"]),
+        level=one(level), zero=one(zero), word=own["Z"][:1], initial=one(False, bool),
+        code=motion[block], known=known or "R" in value, after=b.state.cycle,
+    )  # fmt: skip
 
 
 def known_behind(b: Batch, known: np.ndarray) -> np.ndarray:

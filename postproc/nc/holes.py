@@ -125,20 +125,11 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         deep = int(bottom[-1]) if has_bottom[-1] else None
         after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored)
     return InCycle(
-        letter=letter,
-        row=row,
-        mask=mask,
-        blocks=holes,
-        target=np.where(initial, cycle.initial, level)[holes],
-        bottom=bottom[holes],
-        level=level[holes],
-        zero=np.where(absolute, offset, level)[holes],
-        word=word[holes],
-        initial=initial[holes],
-        code=motion[holes],
-        known=cycle.known,
-        after=after,
-    )
+        letter=letter, row=row, mask=mask, blocks=holes,
+        target=np.where(initial, cycle.initial, level)[holes], bottom=bottom[holes],
+        level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
+        initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
+    )  # fmt: skip
 
 
 def _there_and_back(
@@ -173,20 +164,10 @@ def _there_and_back(
         b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
     )
     return InCycle(
-        letter=letter,
-        row=row,
-        mask=mask,
-        blocks=holes,
-        target=level[holes],
-        bottom=bottom[holes],
-        level=level[holes],
-        zero=zero[holes],
-        word=word[holes],
-        initial=np.ones(len(holes), bool),
-        code=motion[holes],
-        known=cycle.known,
-        after=None,
-    )
+        letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes],
+        level=level[holes], zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool),
+        code=motion[holes], known=cycle.known, after=None,
+    )  # fmt: skip
 
 
 def _held(
@@ -271,13 +252,7 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
         return no_holes()
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
     return Holes(
-        motion=motion,
-        axis=np.full(len(motion), cycle.row),
-        bottom=cycle.bottom,
-        level=cycle.level,
-        zero=cycle.zero,
-        word=cycle.word,
-        initial=cycle.initial,
-        tap=b.dialect.is_tap[code],
+        motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level,
+        zero=cycle.zero, word=cycle.word, initial=cycle.initial, tap=b.dialect.is_tap[code],
         place=~b.dialect.there_and_back[code],
-    )
+    )  # fmt: skip

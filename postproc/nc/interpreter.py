@@ -360,25 +360,12 @@ def columns(
 
 def next_state(b: Batch, places: Places) -> ModalState:
     return ModalState(
-        codes=b.after(),
-        position=places.end_position,
-        known=known_behind(b, places.end_known),
-        tool=b.tool_after,
-        feed=b.feed,
-        ended=b.ended,
-        renamed=b.renamed,
-        origin=b.offset[:, -1],
-        zero_known=b.zero_known,
-        frame=b.frame,
-        sent=places.end_sent,
-        changed=places.end_changed,
-        offsets=b.offsets,
-        cycle=b.cycle.after if b.cycle else None,
-        beside=b.beside,
-        tool_number=tool_in_use(b),
-        next_tool=b.next_tool,
-        loose=b.loose,
-    )
+        codes=b.after(), position=places.end_position, known=known_behind(b, places.end_known),
+        tool=b.tool_after, feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1],
+        zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, changed=places.end_changed,
+        offsets=b.offsets, cycle=b.cycle.after if b.cycle else None, beside=b.beside,
+        tool_number=tool_in_use(b), next_tool=b.next_tool, loose=b.loose,
+    )  # fmt: skip
 
 
 def tool_in_use(b: Batch) -> int:

@@ -38,26 +38,10 @@ GOES_ON = "no statement begins so; where it goes on a comment (~), --expand join
 SETS = "it sets data of the control: set them before the program, and take the block out"
 # why a statement can not be followed; a MACRO says the number, from 1
 REASONS = (
-    codes.CALL,
-    EXPAND_PATH,
-    codes.WRITE_OUT,
-    codes.UNTURNED,
-    codes.TILTED,
-    codes.TOOL_POINT,
-    codes.PROBE,
-    DATUM,
-    LONGER,
-    ALONG,
-    SETS,
-    codes.TRANSFORM,
-    codes.CURVE,
-    SUM,
-    VALUES,
-    PARAXIAL,
-    GOES_ON,
-    SIDELESS,
-    codes.FRAME,
-)
+    codes.CALL, EXPAND_PATH, codes.WRITE_OUT, codes.UNTURNED, codes.TILTED, codes.TOOL_POINT,
+    codes.PROBE, DATUM, LONGER, ALONG, SETS, codes.TRANSFORM, codes.CURVE, SUM, VALUES, PARAXIAL,
+    GOES_ON, SIDELESS, codes.FRAME,
+)  # fmt: skip
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")

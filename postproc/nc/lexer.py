@@ -220,19 +220,9 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         used[(after - 1)[pointed]] = True
         used[np.searchsorted(mark, block_first[skip])] = True
         fault, tape = _first_fault(
-            text,
-            code,
-            offset,
-            kind,
-            mark,
-            mark_kind,
-            used,
-            block_of_mark,
-            first,
-            block,
-            digits,
+            text, code, offset, kind, mark, mark_kind, used, block_of_mark, first, block, digits,
             block_first,
-        )
+        )  # fmt: skip
     else:
         tape = -1
 

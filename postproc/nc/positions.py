@@ -62,23 +62,13 @@ def _nowhere(b: Batch, n: int) -> Places:
     word = np.empty(shape, np.int64)
     word.fill(-1)
     return Places(
-        start=whole[0],
-        target=whole[1],
-        start_known=np.zeros(shape, bool),
-        target_known=np.zeros(shape, bool),
-        word=word,
-        incremental=np.zeros(shape, bool),
-        grid=whole[2],
-        scale=whole[3],
-        origin=whole[4],
-        least=whole[5],
-        sent=np.zeros(shape, bool),
-        changed=np.zeros(shape, bool),
-        end_sent=np.zeros(len(b.rows), bool),
-        end_changed=_before(b, b.state.changed),
-        end_position=b.state.position.copy(),
+        start=whole[0], target=whole[1], start_known=np.zeros(shape, bool),
+        target_known=np.zeros(shape, bool), word=word, incremental=np.zeros(shape, bool),
+        grid=whole[2], scale=whole[3], origin=whole[4], least=whole[5], sent=np.zeros(shape, bool),
+        changed=np.zeros(shape, bool), end_sent=np.zeros(len(b.rows), bool),
+        end_changed=_before(b, b.state.changed), end_position=b.state.position.copy(),
         end_known=b.state.known.copy(),
-    )
+    )  # fmt: skip
 
 
 class _Shared:

@@ -182,13 +182,9 @@ class Writing:
         if self.klartext:
             plus = np.where(value >= 0, ord("+"), 0).astype(np.uint8)[:, None]
         self.splice.numbers(
-            self.w.number[word],
-            self.w.stop[word],
-            np.zeros(len(word), np.int64),
-            value,
-            decimals,
+            self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals,
             plus,
-        )
+        )  # fmt: skip
 
     def rank(self, piece: np.ndarray) -> np.ndarray:
         """(K,) order of pieces behind one block."""
