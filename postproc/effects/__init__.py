@@ -71,6 +71,9 @@ FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
 # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
+# component, axis, nodes mm, mm towards plus and minus; component, axis, other, nodes, values (K, L)
+Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
+Grid = tuple[str, str, str, np.ndarray, np.ndarray, np.ndarray]
 CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
 
 
@@ -330,7 +333,7 @@ def one_way(
     travel: tuple[float, float],
     number: int,
     of: Callable[[np.ndarray], np.ndarray],
-):
+) -> Table:
     """A table (component, axis, nodes, forward, reverse) in mm of a function of the position, in
     um."""
     nodes = np.linspace(*travel, number)

@@ -7,7 +7,7 @@ Positive when it stops short in either direction; negative when the control over
 
 import numpy as np
 
-from postproc.effects import UM, State, along, by_name, lost_motion_share
+from postproc.effects import UM, State, Table, along, by_name, lost_motion_share
 
 PARAMETERS = {
     "size_um": "um, lost motion between the two directions of approach",
@@ -46,6 +46,8 @@ def ramp_mm(size_um: float, play_mm: float = 0.0) -> float:
     return max(play_mm - abs(size_um) * UM, 0.0)
 
 
-def tables(axis: str, travel: tuple[float, float], size_um: float, play_mm: float = 0.0):
+def tables(
+    axis: str, travel: tuple[float, float], size_um: float, play_mm: float = 0.0
+) -> list[Table]:
     nodes = np.array(travel)
     return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

@@ -4,6 +4,7 @@ lines, angles, spheres; and at what their nuisances begin."""
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -103,7 +104,7 @@ def _parts(recording: Recording, name: str) -> list[np.ndarray]:
     return [np.flatnonzero(column == v) for v in np.unique(column)]
 
 
-def _picked(base: Rows, which: np.ndarray, **more) -> Rows:
+def _picked(base: Rows, which: np.ndarray, **more: Any) -> Rows:
     return replace(base, q=base.q[:, which], approach=base.approach[:, which], **more)
 
 
