@@ -70,10 +70,11 @@ XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
-# "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
-# component, axis, nodes mm, mm towards plus and minus; component, axis, other, nodes, values (K, L)
+# component, axis, nodes mm, mm towards plus and minus
 Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
+# component, axis, other, nodes and others mm, values (K, L) mm
 Grid = tuple[str, str, str, np.ndarray, np.ndarray, np.ndarray]
+# "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
 CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
 
 
@@ -358,6 +359,14 @@ def sizes(module: ModuleType) -> list[str]:
     """The parameters that have a size, and so may have an uncertainty: not those that say which
     one, or whether."""
     return [name for name, meaning in module.PARAMETERS.items() if not CHOICE.match(meaning)]
+
+
+def of_axes(module: ModuleType, name: str) -> tuple[float, ...]:
+    """What a parameter that is the number of an axis may be; () of any other."""
+    meaning = module.PARAMETERS[name]
+    if not meaning.startswith("0, 1, 2: "):
+        return ()
+    return (0.0, 1.0, 2.0, -1.0) if "; -1, " in meaning else (0.0, 1.0, 2.0)
 
 
 def deviation(module: ModuleType, state: State, axis: str, **parameters: float) -> np.ndarray:
