@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.calibrate import CalibrationError, Finding, Options, circles, opening, square
+from postproc.calibrate.assign import Diagonal
 from postproc.calibrate.component import Component
 from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
@@ -342,7 +343,7 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
     )
 
 
-def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:
+def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, float]:
     """rad: slope over its length of what a diagonal's reading has beyond the components, and its
     u."""
     machine = calibration.machine
