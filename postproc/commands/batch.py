@@ -164,15 +164,9 @@ def _absolute(job):
 
 def _refused(job, text: str) -> dict[str, Any]:
     return {
-        "program": job.program,
-        "machine": job.machine,
-        "output": job.output,
-        "status": "refused",
-        "message": text,
-        "text": text,
-        "seconds": 0.0,
-        "number": job.number,
-    }
+        "program": job.program, "machine": job.machine, "output": job.output, "status": "refused",
+        "message": text, "text": text, "seconds": 0.0, "number": job.number,
+    }  # fmt: skip
 
 
 def _drained(results: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:

@@ -78,14 +78,10 @@ def run(options: argparse.Namespace) -> int:
     rows = f"gcomp: {len(recording)} rows of {module.TITLE}"
     _say(options, notices, f"{rows}, {run_.duration:.1f} s of machine time")
     found = {
-        "instrument": instrument,
-        "title": module.TITLE,
-        "corrected": corrected,
-        "rows": len(recording),
-        "seconds": round(run_.duration, 3),
-        "columns": _ranges(recording),
+        "instrument": instrument, "title": module.TITLE, "corrected": corrected,
+        "rows": len(recording), "seconds": round(run_.duration, 3), "columns": _ranges(recording),
         "notices": _facts(notices),
-    }
+    }  # fmt: skip
     as_json.put(options.json, _told(options, machine, name) | found)
     return 0
 
@@ -190,14 +186,9 @@ def _say(options: argparse.Namespace, notices: list[Notice], last: str) -> None:
 def _told(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
     """What was run, and where what came of it stands."""
     return {
-        "format": FORMAT,
-        "machine": machine.name,
-        "program": name,
-        "with": list(options.terms),
-        "seed": options.seed,
-        "recording": options.output,
-        "program_written": options.program_out,
-    }
+        "format": FORMAT, "machine": machine.name, "program": name, "with": list(options.terms),
+        "seed": options.seed, "recording": options.output, "program_written": options.program_out,
+    }  # fmt: skip
 
 
 def _timeline(

@@ -323,14 +323,9 @@ def _lean(
 
 def _note(x: float, y: float, text: str, across: str, up: str) -> dict:
     return {
-        "x": round(x, 3),
-        "y": y,
-        "text": text,
-        "showarrow": False,
-        "xanchor": across,
-        "yanchor": up,
-        "font": {"color": "@ink"},
-    }
+        "x": round(x, 3), "y": y, "text": text, "showarrow": False, "xanchor": across,
+        "yanchor": up, "font": {"color": "@ink"},
+    }  # fmt: skip
 
 
 def _stated(term: EffectTerm) -> dict[str, float]:

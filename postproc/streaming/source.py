@@ -256,13 +256,10 @@ class _Values:
         points = self.points(i) if self.source.sampled and arc else ()
         straight = bool(self.source.sampled) if arc else int(self.pieces.code[i]) in LINES
         return {
-            "end": tuple(self.ends[i]),
-            "correction": tuple(self.corrections[i]),
-            "length": float(self.length[i]),
-            "seconds": float(self.seconds[i]),
-            "points": points,
+            "end": tuple(self.ends[i]), "correction": tuple(self.corrections[i]),
+            "length": float(self.length[i]), "seconds": float(self.seconds[i]), "points": points,
             "straight": straight,
-        }
+        }  # fmt: skip
 
     def points(self, i: int) -> tuple[tuple[float, ...], ...]:
         """Places on an arc between its ends."""
