@@ -8,9 +8,9 @@ In its blocks F is the finishing's, E the roughing's along the shape. In it and 
 G76 with L make a chamfer or an arc of L at the end of their block, and A is the angle of a line one
 of whose ends is not said, from +Z towards +X: so A135 and A315 make the chamfers that shops write
 with them. Its numbers may be worked out (X=V1) where the program comes to it before the call
-(expand/okuma.py). Corners and angles of plain blocks are handed on as those of Fanuc (corners_fanuc.py).
-Refused in a shape: what is none of G0 to G3, G40 to G42, G90, G91, G75, G76; a blank's shape (G83),
-which is the control's extra (LAP4).
+(expand/okuma.py). Corners and angles of plain blocks are handed on as those of Fanuc
+(corners_fanuc.py). Refused in a shape: what is none of G0 to G3, G40 to G42, G90, G91, G75,
+G76; a blank's shape (G83), which is the control's extra (LAP4).
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ Okuma OSP-P200L / P20L programming manual 5238-E, user task, as NC-PB/gEdit sums
 EQ 3] N2 (GOTO N2) go to a block of the same program by its name, which is text (N2 is not N02); IF
 PX N2 where the local variable PX has a value. CALL O1 Q3 PX=5 runs a subprogram three times up to
 RTS, which takes its variables' values away; MODIN O1 runs it behind every block that moves an axis,
-until MODOUT. X=V1+2 is a word whose number is worked out, in a shape (NLAP1 G81) where the program comes
-to it: at its call the number must still be that one; common variables (V1, VC1) hold what
+until MODOUT. X=V1+2 is a word whose number is worked out, in a shape (NLAP1 G81) where the program
+comes to it: at its call the number must still be that one. Common variables (V1, VC1) hold what
 nobody knows until the program sets them, and so does what NOEX sets. What sets or asks the
 control's own variables stays, and is refused where it is run.
 """
