@@ -35,6 +35,22 @@ def run(tmp_path_factory):
     return run
 
 
+@pytest.mark.parametrize("dialect", ["fanuc-lathe", "fanuc-lathe-a", "haas-lathe"])
+def test_a_whole_number_alone_with_t_may_be_an_offset(dialect):
+    """T2W202: tool 2, offset 202 on lathes whose posts write it; an increment of 202 mm in the
+    manuals of these controls."""
+
+    def why(block: str) -> str:
+        found = motions(f"G0 X50. Z10.|{block}|G1 Z-20. F.1", dialect)
+        return " ".join(found.reasons[r][0] for r in found.reason)
+
+    said = "W without a decimal point alone with T"
+    assert said in why("T202W202")
+    assert said in why("N5 T202 W202 (TOOL)")
+    for plain in ("T0202 W2.", "T0202 U2 W2", "G0 T0202 W2", "T0202 Z2", "T0202", "T202W0", "W2"):
+        assert said not in why(plain), plain
+
+
 @pytest.mark.parametrize("dialect", ["fanuc-lathe", "fanuc-lathe-a", "haas-lathe", "okuma-lathe"])
 @pytest.mark.parametrize(
     ("tool", "name"),
