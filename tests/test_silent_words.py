@@ -63,6 +63,14 @@ def test_the_last_two_digits_of_a_lathe_t_are_an_offset(dialect, tool, name):
     assert (f"offset {name} is not stated" in reasons[-1]) == bool(name) == bool(reasons[-1])
 
 
+@pytest.mark.parametrize(("tool", "name"), [("T01010", "T1010"), ("T01100", "T01100")])
+def test_a_lathe_t_of_five_digits_may_have_an_offset_of_three(tool, name):
+    """Fanuc B-63943EN-1, 12: parameter 5028 may be 3; T01100 was read as no offset."""
+    found = motions(f"{tool}|G0 X5. Z5.", "fanuc-lathe")
+    assert f"offset {name} is not stated" in found.reasons[found.reason[-1]][0]
+    assert not any(motions("T01000|G0 X5. Z5.", "fanuc-lathe").reason)
+
+
 def test_ac_and_ic_say_under_diam90_whether_a_word_is_a_diameter():
     """Sinumerik 840D sl, DIAM90: places are diameters, distances radii; they went by G90 G91."""
     text = "DIAM90|G90 G18 G0 X40 Z5|X=IC(2)|X=AC(50)|G91 X3|X=AC(60)|X=IC(-1)|DIAMON|X=IC(4)"
