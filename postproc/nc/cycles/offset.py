@@ -24,7 +24,7 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
     it."""
     if not distance:
         return elements
-    if distance > min(_size(e) for e in elements) / 2:
+    if distance > min((_size(e) for e in elements if e.is_arc), default=math.inf) / 2:
         return None
     moved: list[Element] = []
     for e in elements:
@@ -50,13 +50,22 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
             if corner is None:
                 return None
             result[-1], new = replace(last, end=corner), replace(new, start=corner)
+            if not (_goes_on(result[-1], before) and _goes_on(new, after)):
+                return None
         result.append(new)
     return result
 
 
-def _size(e: Element) -> float:
-    length = math.dist(e.start, e.end)
-    return min(length, math.dist(e.start, e.centre)) if e.is_arc else length
+def _size(arc: Element) -> float:
+    return min(math.dist(arc.start, arc.end), math.dist(arc.start, arc.centre))
+
+
+def _goes_on(cut: Element, whole: Element) -> bool:
+    """Whether a line still has a length, in its own direction, between its corners."""
+    if whole.is_arc:
+        return True
+    t = tangent(whole, False)
+    return (cut.end[0] - cut.start[0]) * t[0] + (cut.end[1] - cut.start[1]) * t[1] > TOUCHING
 
 
 def _cross(a: tuple[float, float], b: tuple[float, float]) -> float:
