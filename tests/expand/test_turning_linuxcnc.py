@@ -129,12 +129,15 @@ def test_a_distance_to_one_line_goes_where_linuxcnc_takes_it(code, shape, start,
     ]
 
 
-# lines shorter than twice D, between outer and inner corners; the last vanish in an inner one
+# lines and arcs shorter than twice D, between outer and inner corners; the last vanish in an inner one
 SHORT = {
     "G0 X0 Z0|G1 X9|X10 Z-1|Z-30|X16|X50 Z-60": True,
     "G0 X4 Z0|G1 Z-1.2|X5.5|Z-8|X12": True,
     "G0 X2 Z0|G1 Z-5|X3.6|X4 Z-5.4|Z-9|X9": True,
+    "G0 X4 Z0|G1 Z-5|X6|G3 X6.5 Z-5.5 K-.5|G1 Z-9|X9": True,  # small arcs that grow
+    "G0 X4 Z0|G1 Z-5|G2 X10 Z-11 I6|G1 X14": True,
     "G0 X4 Z0|G1 Z-.5|X5|Z-8|X12": False,
+    "G0 X4 Z0|G1 Z-5|X5.2|G3 X5.7 Z-5.5 K-.5|G1 Z-5.6|X9": False,
     "G0 X2 Z0|G1 Z-5|X2.3 Z-5.3|X3|X9 Z-7": False,
 }
 

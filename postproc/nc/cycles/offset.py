@@ -24,8 +24,6 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
     it."""
     if not distance:
         return elements
-    if distance > min((_size(e) for e in elements if e.is_arc), default=math.inf) / 2:
-        return None
     moved: list[Element] = []
     for e in elements:
         new = moved_aside(e, distance * side)
@@ -56,16 +54,18 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
     return result
 
 
-def _size(arc: Element) -> float:
-    return min(math.dist(arc.start, arc.end), math.dist(arc.start, arc.centre))
-
-
 def _goes_on(cut: Element, whole: Element) -> bool:
-    """Whether a line still has a length, in its own direction, between its corners."""
+    """Whether an element still has a length, in its own direction, between its corners."""
     if whole.is_arc:
-        return True
+        return TOUCHING < _sweep(cut) <= _sweep(whole) + NEAR
     t = tangent(whole, False)
     return (cut.end[0] - cut.start[0]) * t[0] + (cut.end[1] - cut.start[1]) * t[1] > TOUCHING
+
+
+def _sweep(e: Element) -> float:
+    """The angle of an arc, rad."""
+    a, b = (math.atan2(p[1] - e.centre[1], p[0] - e.centre[0]) for p in (e.start, e.end))
+    return (b - a if e.code == COUNTER else a - b) % math.tau
 
 
 def _cross(a: tuple[float, float], b: tuple[float, float]) -> float:
