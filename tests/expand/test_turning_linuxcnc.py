@@ -129,7 +129,7 @@ def test_a_distance_to_one_line_goes_where_linuxcnc_takes_it(code, shape, start,
     ]
 
 
-# lines and arcs shorter than twice D, between outer and inner corners; the last vanish in an inner one
+# lines and arcs shorter than twice D; False: one vanishes in an inner corner
 SHORT = {
     "G0 X0 Z0|G1 X9|X10 Z-1|Z-30|X16|X50 Z-60": True,
     "G0 X4 Z0|G1 Z-1.2|X5.5|Z-8|X12": True,
