@@ -61,9 +61,10 @@ behind a tool change; a home that the control holds).
 
 Of programs that nobody has looked at before, expect less: of 103, 69 of 93 legitimate ones were
 corrected before anything was mended for them (74 %; of Fanuc lathes 3 of 15, many by students; of
-the 61 for other controls than these and Fanuc mills 57). Of the last 43, most of them short, 29 of
+the 61 for other controls than these and Fanuc mills 57). Of 43 more, most of them short, 29 of
 31 were, and of one more the blocks behind a sender's `%` were left as they stood, without a
-word."""
+word. Of the last 22 turning programs (Fanuc, Haas) all 16 legitimate ones were, and of
+LatheEasyStep's 17 for LinuxCNC 11 of 15 (14 now)."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked

@@ -37,7 +37,10 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
         if (before.is_arc or after.is_arc) and math.dist(last.end, new.start) < TOUCHING:
             middle = ((last.end[0] + new.start[0]) / 2, (last.end[1] + new.start[1]) / 2)
             result[-1], new = replace(last, end=middle), replace(new, start=middle)
-        elif (before.is_arc or after.is_arc) and abs(turn) < NEARLY_TANGENT:
+        elif any(
+            e.is_arc and (abs(turn) < NEARLY_TANGENT or distance > _size(e) / 2)
+            for e in (before, after)
+        ):
             return None
         elif turn * side < 0 and abs(last.end[along] - new.start[along]) > SMALLEST_GAP:
             result.append(
@@ -52,6 +55,10 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
                 return None
         result.append(new)
     return result
+
+
+def _size(arc: Element) -> float:
+    return min(math.dist(arc.start, arc.end), math.dist(arc.start, arc.centre))
 
 
 def _goes_on(cut: Element, whole: Element) -> bool:
