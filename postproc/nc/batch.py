@@ -379,7 +379,7 @@ class Batch:
         distances (B,) bool: where its words are distances, by G91 unless given. Under DIAM90 places
         are diameters and distances radii (Sinumerik 840D sl "Programming Manual Fundamentals",
         "Channel-specific diameter/radius programming"), and AC() and IC() say of one word which it
-        is ("Non-modal absolute and incremental dimensions").
+        is ("Non-modal absolute and incremental dimensions"): read from both, seen in no example.
         """
         if self.polar and (letter != "X" or self.polar == "Y"):
             return np.int64(1)

@@ -69,7 +69,7 @@ def work_columns(b: Batch) -> np.ndarray:
         work_columns: np.ndarray = total + offset_of(b, b.tool, True)
         return work_columns
     edges = [0, *b.words.block[tool_place].tolist(), b.n]
-    names = [b.tool] + [_tool_name(b, int(p)) for p in tool_place]
+    names = [b.tool] + [tool_named(b, int(p)) for p in tool_place]
     for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
         within = np.zeros(b.n, dtype=bool)
         within[first:stop] = True
@@ -78,16 +78,21 @@ def work_columns(b: Batch) -> np.ndarray:
     return total
 
 
-def _tool_name(b: Batch, place: int) -> str:
-    return lathe_tool(b.dialect, int(b.words.mantissa[place]))
+def tool_named(b: Batch, place: int) -> str:
+    """The offset that a lathe's T word names, "": none. Written with five digits it is that of
+    three where parameter 5028 says so (T01100: offset 100 of tool 1, or none of tool 11): its name
+    is asked for."""
+    number = int(b.words.mantissa[place])
+    five = b.words.stop[place] - b.words.number[place] == 5 and number % 1000
+    return lathe_tool(b.dialect, number) or (f"T{number:05d}" if five else "")
 
 
 def lathe_tool(dialect: Dialect, number: int) -> str:
-    """The offset that a T word of a lathe names, "": none.
+    """The offset that the number of a lathe's T word names, "": none.
 
     Its last two digits are the offset's number, with leading zeros left out as in any word: T2 is
-    T0002, offset 2 of no tool (Fanuc Series 0i-TD B-64304EN-1, "Tool function"; parameter 5028:
-    two digits where there are 10 to 99 offsets).
+    T0002, offset 2 of no tool (Fanuc Series 30i B-63943EN-1, 12 "Tool functions": the lowest one to
+    three digits, as many as parameter 5028 says; in B-64304EN-1, "Tool function", two).
     """
     if dialect.nose_in_tool:
         number %= 10_000
