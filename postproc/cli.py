@@ -251,7 +251,7 @@ def _overview(argv: list[str]) -> int:
     return 0 if argv else REFUSED
 
 
-def _interrupt(number, frame) -> None:
+def _interrupt(number: int, frame: object) -> None:
     raise KeyboardInterrupt
 
 

@@ -104,8 +104,8 @@ class Summary:
 
 def setup_of(
     machine: Machine,
-    offsets: dict | None = None,
-    start: dict | None = None,
+    offsets: dict[str, dict[str, float]] | None = None,
+    start: dict[str, float] | None = None,
     block_delete: bool = False,
     arc_centre: str = "incremental",
     integers: str = "",

@@ -65,7 +65,7 @@ class Led:
         command: np.ndarray,
         sense: np.ndarray,
         rapid: np.ndarray,
-    ):
+    ) -> tuple[np.ndarray, np.ndarray]:
         """(A, K) side and (A, K) share at commands (A, K) mm, t of motions (K,). sense (A, K): the
         direction of the nominal motion there, which says the side of an axis that it moves where no
         take-up leads the command far enough to tell;

@@ -206,7 +206,9 @@ class Trace:
         )  # fmt: skip
         series.add(part)
 
-    def _count(self, name: str, batch: _Batch, motion, distance, feed) -> None:
+    def _count(
+        self, name: str, batch: _Batch, motion: np.ndarray, distance: np.ndarray, feed: np.ndarray
+    ) -> None:
         """All places: how much path there is of each size, and the largest of each line."""
         each = np.bincount(motion[feed], minlength=len(batch.length))
         share = batch.length / np.maximum(each, 1)

@@ -220,6 +220,13 @@ def test_machines_beside_the_work_come_first_and_a_broken_one_is_listed_as_such(
     refused(gcomp(place, "--machine", "broken", "part.nc"), "broken/machine.toml:1: ")
 
 
+def test_explain_says_what_the_second_opinion_can_not_read(place):
+    (place / "named.gcode").write_bytes(b"OPLATE\nG1 X20 Y20 Z5 F600\n")
+    ran = gcomp(place, "explain", "--machine", "example-printer", "named.gcode")
+    assert ran.status == 0
+    assert b"pygcode can not read this block (ValueError)" in ran.out
+
+
 def test_help_and_version(place):
     version = gcomp(place, "--version")
     assert version.status == 0

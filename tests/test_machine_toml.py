@@ -191,6 +191,12 @@ REFUSED = {
         "size_um",
         ("'9 um' is not a number",),
     ),
+    "effect's number of an axis": (
+        'name = "backlash"\naxis = "X"\nsize_um = 9.0',
+        'name = "bow"\naxis = "X"\nsize_um = 9.0\nacross = 1.5',
+        "across",
+        ("across = 1.5 is no number of an axis", "0, 1, 2: X, Y, Z"),
+    ),
     "effect as a plain table": ("[[effect]]", "[effect]", "[effect]", ("[[effect]]",)),
     "chain without workpiece": (
         '"w-b-Z-X-t"',

@@ -35,6 +35,22 @@ def run(tmp_path_factory):
     return run
 
 
+@pytest.mark.parametrize("dialect", ["fanuc-lathe", "fanuc-lathe-a", "haas-lathe"])
+def test_a_whole_number_alone_with_t_may_be_an_offset(dialect):
+    """T2W202: tool 2, offset 202 on lathes whose posts write it; an increment of 202 mm in the
+    manuals of these controls."""
+
+    def why(block: str) -> str:
+        found = motions(f"G0 X50. Z10.|{block}|G1 Z-20. F.1", dialect)
+        return " ".join(found.reasons[r][0] for r in found.reason)
+
+    said = "W without a decimal point alone with T"
+    assert said in why("T202W202")
+    assert said in why("N5 T202 W202 (TOOL)")
+    for plain in ("T0202 W2.", "T0202 U2 W2", "G0 T0202 W2", "T0202 Z2", "T0202", "T202W0", "W2"):
+        assert said not in why(plain), plain
+
+
 @pytest.mark.parametrize("dialect", ["fanuc-lathe", "fanuc-lathe-a", "haas-lathe", "okuma-lathe"])
 @pytest.mark.parametrize(
     ("tool", "name"),
@@ -45,6 +61,14 @@ def test_the_last_two_digits_of_a_lathe_t_are_an_offset(dialect, tool, name):
     found = motions(f"{tool}|G0 X5. Z5.", dialect)
     reasons = [found.reasons[r][0] for r in found.reason]
     assert (f"offset {name} is not stated" in reasons[-1]) == bool(name) == bool(reasons[-1])
+
+
+@pytest.mark.parametrize(("tool", "name"), [("T01010", "T1010"), ("T01100", "T01100")])
+def test_a_lathe_t_of_five_digits_may_have_an_offset_of_three(tool, name):
+    """Fanuc B-63943EN-1, 12: parameter 5028 may be 3; T01100 was read as no offset."""
+    found = motions(f"{tool}|G0 X5. Z5.", "fanuc-lathe")
+    assert f"offset {name} is not stated" in found.reasons[found.reason[-1]][0]
+    assert not any(motions("T01000|G0 X5. Z5.", "fanuc-lathe").reason)
 
 
 def test_ac_and_ic_say_under_diam90_whether_a_word_is_a_diameter():

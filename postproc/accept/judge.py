@@ -59,12 +59,9 @@ def _on(test: Positioning, other: Positioning) -> Positioning:
     near = np.abs(test.target[:, None] - other.target[None, :]).argmin(axis=0)
     near = np.unique(near[np.abs(test.target[near] - other.target) < 0.02])
     return replace(
-        test,
-        target=test.target[near],
-        n=test.n[:, near],
-        mean=test.mean[:, near],
+        test, target=test.target[near], n=test.n[:, near], mean=test.mean[:, near],
         s=test.s[:, near],
-    )
+    )  # fmt: skip
 
 
 def _about(test: Positioning, line: bool) -> np.ndarray:

@@ -78,7 +78,7 @@ def _partner(motion: Motion, new: list[Motion]) -> Motion:
     return same[0]
 
 
-def _key(motion: Motion) -> tuple:
+def _key(motion: Motion) -> tuple[object, ...]:
     return (
         motion.test,
         motion.subject,

@@ -103,14 +103,9 @@ def _given_up(job: Job, attempts: int) -> dict[str, Any]:
         " killed)"
     )
     return {
-        "program": job.program,
-        "machine": job.machine,
-        "output": job.output,
-        "status": FAILED,
-        "message": message,
-        "text": message,
-        "seconds": 0.0,
-    }
+        "program": job.program, "machine": job.machine, "output": job.output, "status": FAILED,
+        "message": message, "text": message, "seconds": 0.0,
+    }  # fmt: skip
 
 
 def _pool(workers: int) -> ProcessPoolExecutor:

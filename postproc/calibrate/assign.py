@@ -7,6 +7,7 @@ straight line: a diagonal. Anything else fits nothing and is refused with the re
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,6 +20,7 @@ from postproc.machine.tables import COMPONENTS
 from postproc.recordings import Recording
 from postproc.units import UM
 
+Refuse = Callable[..., CalibrationError]
 REST = 0.02  # mm or deg: an axis that moves less than this is at rest
 ALONG = 0.9999  # cosine: 0.8 degrees, by which 100 um are read 0.01 um short
 STRAIGHT = 0.05  # mm: how far targets of a diagonal may lie beside its line
@@ -120,7 +122,7 @@ def assign(recording: Recording) -> Series | Diagonal:
     )  # fmt: skip
 
 
-def _moving(recording: Recording, refuse) -> list[str]:
+def _moving(recording: Recording, refuse: Refuse) -> list[str]:
     """The axes that move, one at least. Raises CalibrationError."""
     span = {x: float(np.ptp(recording.position(x))) for x in recording.axes}
     moving = [x for x, s in span.items() if s > REST]
@@ -132,7 +134,7 @@ def _moving(recording: Recording, refuse) -> list[str]:
     return moving
 
 
-def _along(letter: str, vector: dict[str, float], refuse) -> str:
+def _along(letter: str, vector: dict[str, float], refuse: Refuse) -> str:
     """The axis along which a reading is taken. Raises CalibrationError for an oblique one."""
     direction = max(vector, key=lambda x: abs(vector[x]))
     if abs(vector[direction]) < ALONG:
@@ -144,7 +146,9 @@ def _along(letter: str, vector: dict[str, float], refuse) -> str:
     return direction
 
 
-def _component(kind: str, direction: str, letter: str, refuse) -> tuple[str, tuple[str, ...]]:
+def _component(
+    kind: str, direction: str, letter: str, refuse: Refuse
+) -> tuple[str, tuple[str, ...]]:
     """The component of an axis that a quantity along (about) `direction` is, and notices."""
     if kind == "angle":
         turn = XYZ.index(direction) if direction in XYZ else ROTARY.index(direction)
@@ -165,7 +169,7 @@ def _component(kind: str, direction: str, letter: str, refuse) -> tuple[str, tup
 
 
 def _diagonal(
-    recording: Recording, moving: list[str], vector: dict[str, float], refuse
+    recording: Recording, moving: list[str], vector: dict[str, float], refuse: Refuse
 ) -> Diagonal:
     """Several axes moving in proportion, read along their common direction."""
     both = " and ".join(moving)

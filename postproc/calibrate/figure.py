@@ -4,6 +4,7 @@ Needs matplotlib."""
 from __future__ import annotations
 
 import io
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ def _drawn(calibration: Calibration, kind: str) -> bytes:
     return out.getvalue()
 
 
-def _outliers(axis, calibration: Calibration, component: Component, one: float) -> None:
+def _outliers(axis: Any, calibration: Calibration, component: Component, one: float) -> None:
     """Readings that were taken as outliers. one: mm or rad of a unit of the ordinate."""
     for n, outlier in enumerate(o for o in calibration.outliers if o.component == component.name):
         k = int(np.argmin(np.abs(component.nodes - outlier.position)))
@@ -62,16 +63,12 @@ def _outliers(axis, calibration: Calibration, component: Component, one: float) 
         height = (component.value[way, k] + outlier.value - component.cells.mean[way, k]) / one
         if np.isfinite(height):
             axis.plot(
-                outlier.position,
-                height,
-                "x",
-                color=INK,
-                markersize=7,
+                outlier.position, height, "x", color=INK, markersize=7,
                 label=None if n else "outlier",
-            )
+            )  # fmt: skip
 
 
-def _component(axis, calibration: Calibration, component: Component, left_out: bool) -> None:
+def _component(axis: Any, calibration: Calibration, component: Component, left_out: bool) -> None:
     unit, one = unit_of(component.name)
     shown_unit = {"um": "µm", "urad": "µrad"}[unit]
     if component.two_way:

@@ -161,14 +161,10 @@ def folder(first: First) -> dict[str, str]:
             if x in first.scale_u:
                 files[f"{x}_uncertainty.csv"] = _table(x, first, known=True)
     data: dict[str, Any] = {
-        "format": "gcomp-machine/1",
-        "name": first.name,
-        "title": first.title,
-        "control": first.control,
-        "chain": first.chain,
-        "source": "stated by hand: gcomp machines new",
-        "signs": "unverified",
-    }
+        "format": "gcomp-machine/1", "name": first.name, "title": first.title,
+        "control": first.control, "chain": first.chain,
+        "source": "stated by hand: gcomp machines new", "signs": "unverified",
+    }  # fmt: skip
     comments["signs"] = '"verified" once gcomp accept, or a part that was measured, has shown them'
     if first.diameter:
         data["diameter"] = list(first.diameter)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from postproc.calibrate import CalibrationError, Finding, Options, circles, opening, square
+from postproc.calibrate.assign import Diagonal
 from postproc.calibrate.component import Component
 from postproc.calibrate.square import Squareness
 from postproc.calibrate.statistics import cells_of
@@ -103,12 +104,9 @@ def _compare(chosen: Squareness, sources: dict[str, Squareness]) -> Iterator[Fin
             f" would give {other.value / URAD:+.1f}, {apart:+.1f} apart with u = {u:.1f} urad"
         )
         yield Finding(
-            "squareness",
-            "doubt" if doubt else "note",
-            chosen.name,
-            text,
+            "squareness", "doubt" if doubt else "note", chosen.name, text,
             {"apart_urad": apart, "u_urad": u},
-        )
+        )  # fmt: skip
 
 
 def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> Iterator[Finding]:
@@ -125,12 +123,9 @@ def _counted_twice(calibration: Calibration, result: dict[str, Squareness]) -> I
                     f" {abs(component.slope) * length * 1e3:.1f} um"
                 )
                 yield Finding(
-                    "squareness",
-                    "doubt",
-                    component.name,
-                    text,
+                    "squareness", "doubt", component.name, text,
                     {"slope_urad": component.slope / URAD},
-                )
+                )  # fmt: skip
 
 
 def _slope(calibration: Calibration, series: Series) -> float:
@@ -220,12 +215,9 @@ def _with_the_square(
             " dropped out"
         )
         return Squareness(
-            name,
-            sum(means.values()) / 2,
-            scatter / np.sqrt(2),
-            f"two straightnesses, {files}",
+            name, sum(means.values()) / 2, scatter / np.sqrt(2), f"two straightnesses, {files}",
             remark,
-        )
+        )  # fmt: skip
     value = next(iter(means.values()))
     if options.square_error is not None:
         over, u = options.square_error
@@ -351,7 +343,7 @@ def _round(calibration: Calibration, recording: Recording, plane: str) -> np.nda
     )
 
 
-def _leftover(calibration: Calibration, diagonal) -> tuple[float, float]:
+def _leftover(calibration: Calibration, diagonal: Diagonal) -> tuple[float, float]:
     """rad: slope over its length of what a diagonal's reading has beyond the components, and its
     u."""
     machine = calibration.machine

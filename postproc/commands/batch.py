@@ -46,12 +46,9 @@ programs+ PROGRAM  programs, or folders of them
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     option_text.add(
-        parser,
-        OPTIONS,
-        output={"required": True},
-        jobs=(_count, os.cpu_count() or 1),
+        parser, OPTIONS, output={"required": True}, jobs=(_count, os.cpu_count() or 1),
         retries=(int, 2),
-    )
+    )  # fmt: skip
     reading_options.arguments(parser, several=True)
 
 
@@ -167,15 +164,9 @@ def _absolute(job):
 
 def _refused(job, text: str) -> dict[str, Any]:
     return {
-        "program": job.program,
-        "machine": job.machine,
-        "output": job.output,
-        "status": "refused",
-        "message": text,
-        "text": text,
-        "seconds": 0.0,
-        "number": job.number,
-    }
+        "program": job.program, "machine": job.machine, "output": job.output, "status": "refused",
+        "message": text, "text": text, "seconds": 0.0, "number": job.number,
+    }  # fmt: skip
 
 
 def _drained(results: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -201,17 +192,12 @@ def row(outcome: dict[str, Any]) -> tuple[str, ...]:
         return "" if value is None else f"{value:.{digits}f}"
 
     return (
-        outcome["program"],
-        Path(outcome["machine"]).name,
-        outcome["status"],
-        str(result.get("changed", "")),
-        str(result.get("added", "")),
-        number(result.get("largest_correction_um"), 1),
-        number(verified.get("uncorrected_um"), 2),
-        number(verified.get("deviation_um"), 2),
-        number(outcome.get("seconds"), 2),
+        outcome["program"], Path(outcome["machine"]).name, outcome["status"],
+        str(result.get("changed", "")), str(result.get("added", "")),
+        number(result.get("largest_correction_um"), 1), number(verified.get("uncorrected_um"), 2),
+        number(verified.get("deviation_um"), 2), number(outcome.get("seconds"), 2),
         outcome.get("message", ""),
-    )
+    )  # fmt: skip
 
 
 def _table(path: Path, results: list[dict[str, Any]]) -> None:
@@ -292,12 +278,9 @@ def _progress(count: int, options: argparse.Namespace):
         )
 
         columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-        )
+            TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(),
+            TimeElapsedColumn(), TimeRemainingColumn(),
+        )  # fmt: skip
         with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("correcting", total=count)
 

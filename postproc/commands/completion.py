@@ -74,13 +74,9 @@ def bash() -> str:
                 )
     every = list(parsers())
     return BASH.format(
-        default=DEFAULT,
-        names="|".join(every),
-        cases="\n".join(cases),
-        choices="\n".join(choices),
-        commands=" ".join(every),
-        machines=MACHINES,
-    )
+        default=DEFAULT, names="|".join(every), cases="\n".join(cases), choices="\n".join(choices),
+        commands=" ".join(every), machines=MACHINES,
+    )  # fmt: skip
 
 
 def zsh() -> str:

@@ -141,8 +141,11 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
     from pygcode import Line
     from pygcode.exceptions import GCodeParameterError, GCodeWordStrError
 
+    theirs: dict[str, list[float]] = {}
     try:
         line = Line(text.strip().lstrip("/"))
+        for word in line.block.words:
+            theirs.setdefault(word.letter, []).append(float(word.value))
     except (
         GCodeParameterError,
         GCodeWordStrError,
@@ -154,9 +157,6 @@ def _second_opinion(text: str, mine: dict[str, list[float]]) -> str:
         return f"pygcode can not read this block ({type(error).__name__}); gcomp reads " + " ".join(
             f"{k}{v:g}" for k, vs in mine.items() for v in vs
         )
-    theirs: dict[str, list[float]] = {}
-    for word in line.block.words:
-        theirs.setdefault(word.letter, []).append(float(word.value))
     names = [str(g.description) for g in line.block.gcodes] or ["modal: goes on as before"]
     says = "; ".join(dict.fromkeys(names))
     if {k: sorted(v) for k, v in theirs.items()} != {k: sorted(v) for k, v in mine.items()}:

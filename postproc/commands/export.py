@@ -113,15 +113,10 @@ def _write(options: argparse.Namespace, module: Any, machine: Machine) -> int:
     text = report(options.control, module, machine, rows, said, loud, list(paths))
     print(text, *said_of_rest, sep="\n", file=out)
     found = {
-        **of_control(options.control, module),
-        "machine": machine.name,
-        "map": machine.digest,
-        "components": rows,
-        "notices": said,
-        "unverified": loud,
-        "written": list(map(str, (*paths, *beside))),
-        "residual": options.residual,
-    }
+        **of_control(options.control, module), "machine": machine.name, "map": machine.digest,
+        "components": rows, "notices": said, "unverified": loud,
+        "written": list(map(str, (*paths, *beside))), "residual": options.residual,
+    }  # fmt: skip
     as_json.put(options.json, {"format": FORMAT, **found})
     return 0
 

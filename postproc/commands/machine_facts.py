@@ -102,12 +102,8 @@ def known(machine: Machine) -> str:
 def chain(machine: Machine) -> list[str]:
     axes = list(machine.chain.axes)
     return [
-        "w",
-        *axes[: machine.chain.workpiece_side],
-        "b",
-        *axes[machine.chain.workpiece_side :],
-        "t",
-    ]
+        "w", *axes[: machine.chain.workpiece_side], "b", *axes[machine.chain.workpiece_side :], "t",
+    ]  # fmt: skip
 
 
 def largest(machine: Machine) -> float:

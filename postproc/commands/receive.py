@@ -94,15 +94,10 @@ def _told(
     options: argparse.Namespace, url: str, reception: Reception, why: str
 ) -> dict[str, object]:
     return {
-        "format": FORMAT,
-        "port": url,
-        "protocol": options.protocol,
-        "baud": options.baud,
-        "bytes": reception.size,
-        "lines": reception.lines,
-        "fault": why or None,
+        "format": FORMAT, "port": url, "protocol": options.protocol, "baud": options.baud,
+        "bytes": reception.size, "lines": reception.lines, "fault": why or None,
         "written": None if why else options.output,
-    }
+    }  # fmt: skip
 
 
 def _take(port, reception: Reception, options: argparse.Namespace) -> None:

@@ -67,13 +67,9 @@ def run(options: argparse.Namespace) -> int:
     signal = _signal(module, settings, run_, before, terms)
     notices += _held(machine, signal.state.position)
     noise = instruments.Noise(
-        options.noise,
-        options.tails,
-        options.resolution,
-        options.zero,
-        options.seed,
+        options.noise, options.tails, options.resolution, options.zero, options.seed,
         options.sensor_noise,
-    )
+    )  # fmt: skip
     head = _head(options, machine, name, corrected)
     recording = instruments.recorded(
         signal, noise, head, simulate_named.without(options.without, signal.state.channels)
@@ -82,14 +78,10 @@ def run(options: argparse.Namespace) -> int:
     rows = f"gcomp: {len(recording)} rows of {module.TITLE}"
     _say(options, notices, f"{rows}, {run_.duration:.1f} s of machine time")
     found = {
-        "instrument": instrument,
-        "title": module.TITLE,
-        "corrected": corrected,
-        "rows": len(recording),
-        "seconds": round(run_.duration, 3),
-        "columns": _ranges(recording),
+        "instrument": instrument, "title": module.TITLE, "corrected": corrected,
+        "rows": len(recording), "seconds": round(run_.duration, 3), "columns": _ranges(recording),
         "notices": _facts(notices),
-    }
+    }  # fmt: skip
     as_json.put(options.json, _told(options, machine, name) | found)
     return 0
 
@@ -194,14 +186,9 @@ def _say(options: argparse.Namespace, notices: list[Notice], last: str) -> None:
 def _told(options: argparse.Namespace, machine: Machine, name: str) -> dict[str, Any]:
     """What was run, and where what came of it stands."""
     return {
-        "format": FORMAT,
-        "machine": machine.name,
-        "program": name,
-        "with": list(options.terms),
-        "seed": options.seed,
-        "recording": options.output,
-        "program_written": options.program_out,
-    }
+        "format": FORMAT, "machine": machine.name, "program": name, "with": list(options.terms),
+        "seed": options.seed, "recording": options.output, "program_written": options.program_out,
+    }  # fmt: skip
 
 
 def _timeline(

@@ -47,6 +47,10 @@ def _parameters(word: str, module: ModuleType, text: str) -> dict[str, float]:
             parameters[key] = values.number(value)
         except argparse.ArgumentTypeError as error:
             raise UsageError(f"--with {word}: {key}: {error}", module.PARAMETERS[key]) from None
+        if (known := effects.of_axes(module, key)) and parameters[key] not in known:
+            raise UsageError(
+                f"--with {word}: {key} = {value} is no number of an axis", module.PARAMETERS[key]
+            )
     if missing := [key for key in module.PARAMETERS if key not in parameters]:
         raise UsageError(f"--with {word}: {missing[0]} is missing", module.PARAMETERS[missing[0]])
     return parameters

@@ -71,7 +71,8 @@ def scan(low: np.ndarray, high: np.ndarray, carry: np.ndarray) -> np.ndarray:
             ]
             least[at], most[at] = pair
             width *= 2
-    return np.minimum(np.maximum(carry[:, None], low), high)
+    scan: np.ndarray = np.minimum(np.maximum(carry[:, None], low), high)
+    return scan
 
 
 def bear(
@@ -142,4 +143,5 @@ def ramp(
     total = np.cumsum(travel, axis=1)
     low = np.where(given, value, -reach[:, None]) - total
     high = np.where(given, value, reach[:, None]) - total
-    return scan(low, high, carry) + total
+    ramp: np.ndarray = scan(low, high, carry) + total
+    return ramp

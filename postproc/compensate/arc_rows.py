@@ -84,12 +84,14 @@ class Fitter:
     @cached_property
     def moves(self) -> np.ndarray:
         """(A, n) bool: axes that move along arcs."""
-        return self.start != self.target
+        moves: np.ndarray = self.start != self.target
+        return moves
 
     @cached_property
     def grown(self) -> np.ndarray:
         """(n,) mm by which the radius grows along arcs."""
-        return self.arcs.radius_end - self.arcs.radius
+        grown: np.ndarray = self.arcs.radius_end - self.arcs.radius
+        return grown
 
     @cached_property
     def kinds(self) -> tuple[bool, bool, bool]:

@@ -31,10 +31,10 @@ def written_centre(motions: Motions) -> np.ndarray:
     written as I J K."""
     arcs = motions.arcs
     k = np.arange(len(arcs))
-    start = np.stack(
-        [motions.start[np.maximum(axis, 0), arcs.motion[k]] for axis in (arcs.first, arcs.second)]
-    )
-    return np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
+    rows = (np.maximum(axis, 0) for axis in (arcs.first, arcs.second))
+    start = np.stack([motions.start[row, arcs.motion[k]] for row in rows])
+    centre: np.ndarray = np.rint(arcs.centre * TICKS_PER_MM).astype(np.int64) - start
+    return centre
 
 
 class Batch(Columns):
@@ -293,7 +293,8 @@ class Batch(Columns):
         """(S,) bool: strokes that an axis must begin elsewhere than `before` (S,)."""
         off = self.wanted[row] - before
         back = self.bound[row] & (off * self.weight_begin[row] < 0)
-        return self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
+        far: np.ndarray = self.turning & (np.abs(off) > self.c.chord * TICKS_PER_MM) & ~back
+        return far
 
     # Whole: one loop in which each end rests where the one before left it.
     def _held(self, row: int, still: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -367,8 +368,7 @@ class Batch(Columns):
         if not (np.count_nonzero(sides) or np.count_nonzero(twice)):
             self.way[rows] = last_way(*ways, self.way[rows])
             return
-        course = np.stack((np.sign(ways[0]), sides, np.sign(ways[1])), axis=2)
-        course = course.reshape(len(rows), -1)
+        course = np.stack((np.sign(ways[0]), sides, np.sign(ways[1])), 2).reshape(len(rows), -1)
         course = hold_last(course, course != 0, self.way[rows])
         out = ((sides != 0) & (course[:, ::3] != sides)) | twice
         self.way[rows] = course[:, -1]
@@ -382,7 +382,7 @@ class Batch(Columns):
             self.beyond[rows] = np.where(out, led, self.beyond[rows])
 
     def _nominal_begin(self, row: int) -> np.ndarray:
-        inside = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)
+        inside: np.ndarray = np.rint(self.begin_nominal[row] * TICKS_PER_MM).astype(np.int64)
         return np.where(self.t0 == 0, self.m.start[row, self.motion], inside)
 
     def spread_reversals(self) -> None:

@@ -213,16 +213,11 @@ class Compensator(Settings):
         largest = limits.check_limits(b)
         issued = b.end[:, -1].copy()
         after = Carry(
-            sides=b.sides,
-            issued=issued,
-            way=b.way,
-            level=levels.initial(b) if len(b.m.holes) else issued,
-            sure=bool(b.sure_after[-1]),
-            heading=cutter.heading(b),
-            largest=max(carry.largest, largest),
-            frame=carry.frame,
+            sides=b.sides, issued=issued, way=b.way,
+            level=levels.initial(b) if len(b.m.holes) else issued, sure=bool(b.sure_after[-1]),
+            heading=cutter.heading(b), largest=max(carry.largest, largest), frame=carry.frame,
             heat=carry.heat,
-        )
+        )  # fmt: skip
         return pieces, after, b.notices
 
     def _worked_out(self, motions: Motions, carry: Carry, span: tuple[float, float]) -> Batch:

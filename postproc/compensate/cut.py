@@ -16,8 +16,11 @@ from postproc.pieces import Pieces
 from postproc.records import names
 from postproc.units import TICKS_PER_MM
 
+Packed = tuple[np.ndarray, Pieces]  # (n, 2) stroke and order within it, the pieces
+Cuts = tuple[np.ndarray, np.ndarray, np.ndarray]  # stroke (K,), share (K,), command (A, K) mm
 
-def take_ups(b: Batch):
+
+def take_ups(b: Batch) -> Packed | None:
     """A piece for every stroke that must be begun elsewhere than the last one ended, or two
     (Batch.lead_beyond)."""
     led, moved = b.beyond != b.begin, b.begin != b.before
@@ -39,23 +42,24 @@ def take_ups(b: Batch):
 
 
 def _begin_ticks(b: Batch, which: np.ndarray) -> np.ndarray:
-    return np.rint(b.begin_nominal.take(which, axis=1) * TICKS_PER_MM).astype(np.int64)
+    ticks: np.ndarray = np.rint(b.begin_nominal.take(which, axis=1) * TICKS_PER_MM)
+    return ticks.astype(np.int64)
 
 
 def pack(
     b: Batch,
-    stroke,
-    order,
-    code,
-    start,
-    end,
-    share,
-    nominal,
-    take_up=False,
-    arc=None,
-    centre=None,
-    radius=None,
-):
+    stroke: np.ndarray,
+    order: np.ndarray,
+    code: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+    share: np.ndarray,
+    nominal: np.ndarray,
+    take_up: bool | np.ndarray = False,
+    arc: np.ndarray | None = None,
+    centre: np.ndarray | None = None,
+    radius: np.ndarray | None = None,
+) -> Packed:
     n = len(stroke)
     pieces = Pieces(
         motion=b.motion[stroke],
@@ -74,7 +78,7 @@ def pack(
     return np.array((stroke, order)).T, pieces
 
 
-def straight_pieces(b: Batch):
+def straight_pieces(b: Batch) -> Packed | None:
     """Straight strokes: whole, or cut where the map asks for it."""
     m, motion = b.m, b.motion
     code = m.code[motion]
@@ -93,26 +97,15 @@ def straight_pieces(b: Batch):
     owner, t, exact = _cuts(b, chosen)
     if not len(owner) and len(straight) == len(motion):
         return pack(
-            b,
-            straight,
-            np.zeros(len(straight), np.int64),
-            code,
-            b.begin,
-            b.end,
-            b.t1 - b.t0,
+            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0,
             b.nominal_end,
-        )
+        )  # fmt: skip
     if not len(owner):
         return pack(
-            b,
-            straight,
-            np.zeros(len(straight), np.int64),
-            code[straight],
-            b.begin.take(straight, axis=1),
-            b.end.take(straight, axis=1),
-            (b.t1 - b.t0)[straight],
+            b, straight, np.zeros(len(straight), np.int64), code[straight],
+            b.begin.take(straight, axis=1), b.end.take(straight, axis=1), (b.t1 - b.t0)[straight],
             b.nominal_end.take(straight, axis=1),
-        )
+        )  # fmt: skip
     # Cuts come before the end of their own stroke; both are in order already.
     cut = chosen[owner]
     of = np.searchsorted(straight, cut)
@@ -149,7 +142,8 @@ def straight_pieces(b: Batch):
 def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(K,) t of whole motions, of t of strokes."""
     t0, t1 = b.t0[stroke], b.t1[stroke]
-    return np.where(t == 1.0, t1, t0 + (t1 - t0) * t)
+    motion: np.ndarray = np.where(t == 1.0, t1, t0 + (t1 - t0) * t)
+    return motion
 
 
 def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -161,7 +155,7 @@ def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) ->
     return start
 
 
-def _cuts(b: Batch, chosen: np.ndarray):
+def _cuts(b: Batch, chosen: np.ndarray) -> Cuts:
     """(K,) index into chosen, (K,) t, (A, K) exact command mm of every cut inside the chosen
     strokes."""
     if not len(chosen):
@@ -240,7 +234,7 @@ def _onward(b: Batch, stroke: np.ndarray, t: np.ndarray, exact: np.ndarray) -> n
     return more
 
 
-def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray):
+def _on_increments(b: Batch, chosen: np.ndarray, owner: np.ndarray, t: np.ndarray) -> Cuts:
     """Cuts moved to where the rotary axis that turns most stands on a whole increment: half of one
     is 2 um at 200 mm."""
     rows = list(b.machine.turning)
@@ -298,7 +292,7 @@ def _plain(b: Batch) -> np.ndarray:
     return result
 
 
-def arc_pieces(b: Batch):
+def arc_pieces(b: Batch) -> Packed | None:
     """Strokes of arcs: kept, halved, or chords."""
     m, motion, arcs = b.m, b.motion, b.m.arcs
     if not len(arcs):
@@ -313,16 +307,11 @@ def arc_pieces(b: Batch):
             "move every axis to an absolute position first, or say --start",
         )
     rows = Rows(
-        arc=b.arc_of[motion[which]],
-        stroke=which,
-        t0=b.t0[which],
-        t1=b.t1[which],
-        begin=b.begin.take(which, axis=1),
-        end=b.end.take(which, axis=1),
-        centre=np.zeros((2, len(which)), np.int64),
-        radius=np.zeros(len(which), np.int64),
+        arc=b.arc_of[motion[which]], stroke=which, t0=b.t0[which], t1=b.t1[which],
+        begin=b.begin.take(which, axis=1), end=b.end.take(which, axis=1),
+        centre=np.zeros((2, len(which)), np.int64), radius=np.zeros(len(which), np.int64),
         chord=np.zeros(len(which), bool),
-    )
+    )  # fmt: skip
     written = written_centre(m)
     every = increments(b, np.arange(len(motion)))
     single = np.zeros(len(arcs), bool)
@@ -347,18 +336,10 @@ def arc_pieces(b: Batch):
     ).astype(np.int64)
     none = (rows.begin == rows.end).all(axis=0) & rows.chord & (rows.t1 < 1)
     key, pieces = pack(
-        b,
-        rows.stroke,
-        order,
-        code,
-        rows.begin,
-        rows.end,
-        rows.t1 - rows.t0,
-        nominal,
-        arc=np.where(rows.chord, -1, rows.arc),
-        centre=rows.centre,
+        b, rows.stroke, order, code, rows.begin, rows.end, rows.t1 - rows.t0, nominal,
+        arc=np.where(rows.chord, -1, rows.arc), centre=rows.centre,
         radius=np.where(rows.chord, 0, rows.radius),
-    )
+    )  # fmt: skip
     if none.any():
         fields = names(Pieces)
         pieces = Pieces(**{f: getattr(pieces, f)[..., ~none] for f in fields})

@@ -70,7 +70,8 @@ def commands(
     if not b.reads_beside:
         return command(b.machine, nominal, weight, b.motion[stroke])
     beside = centre(b, stroke, t)
-    return command(b.machine, nominal + beside, weight, b.motion[stroke]) - beside
+    commands: np.ndarray = command(b.machine, nominal + beside, weight, b.motion[stroke]) - beside
+    return commands
 
 
 def normal(b: Columns, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -191,7 +192,8 @@ def behind(b: Columns, chosen: np.ndarray) -> np.ndarray:
     turn = np.where(inner, np.arctan2(np.abs(across), along), 0.0)
     # A line and an arc meet at most twice as far away as two lines; no block is shorter than the
     # map is steep.
-    return np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
+    behind: np.ndarray = np.abs(radius) * np.maximum(2 * np.tan(turn / 2), 1.0)
+    return behind
 
 
 def arcs_inside(b: Columns) -> dict[str, np.ndarray]:

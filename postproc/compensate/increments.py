@@ -19,4 +19,7 @@ def increments(b: Columns, stroke: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def rounded(exact: np.ndarray, zero: np.ndarray, step: np.ndarray) -> np.ndarray:
     """(A, K) ticks: exact mm to the nearest of such increments, half to even."""
-    return zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
+    rounded: np.ndarray = (
+        zero + np.rint((exact * TICKS_PER_MM - zero) / step).astype(np.int64) * step
+    )
+    return rounded

@@ -24,7 +24,7 @@ def command(
     """
     if not target.shape[1]:
         return target
-    result = target - machine.deviation(target, approach)
+    result: np.ndarray = target - machine.deviation(target, approach)
     after = target - machine.deviation(result, approach)
     steps = np.abs(after - result)
     result = after

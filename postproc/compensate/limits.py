@@ -172,7 +172,7 @@ def _nearest(b: Batch, machine: PolarMachine, motion: np.ndarray) -> np.ndarray:
     way = np.where((b.m.code[motion] != RAPID) & b.start_known[motion], end - start, 0.0)
     along = np.where(way != 0, np.real(-start * np.conj(way)), 1.0)
     t = np.clip(along / np.where(way != 0, np.abs(way) ** 2, 1.0), 0.0, 1.0)
-    near = np.abs(np.where(way != 0, start + way * t, end))
+    near: np.ndarray = np.abs(np.where(way != 0, start + way * t, end))
     arcs = b.m.arcs
     order = np.argsort(arcs.motion)
     on = np.isin(motion, arcs.motion).nonzero()[0]

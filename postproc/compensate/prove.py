@@ -39,12 +39,14 @@ NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2
 def turns(sweep: np.ndarray) -> np.ndarray:
     """(R,) full turns before the last one, which may be full itself: what P counts beyond the
     first."""
-    return np.maximum(np.ceil(np.abs(sweep) / TURN - SAME_ANGLE) - 1, 0)
+    turns: np.ndarray = np.maximum(np.ceil(np.abs(sweep) / TURN - SAME_ANGLE) - 1, 0)
+    return turns
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Scalar products of (2, ...) vectors."""
-    return a[0] * b[0] + a[1] * b[1]
+    dot: np.ndarray = a[0] * b[0] + a[1] * b[1]
+    return dot
 
 
 Most = float | np.ndarray

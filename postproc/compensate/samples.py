@@ -156,21 +156,9 @@ def _samples(
     beside = tuple(k for k in f.machine.corrected if k not in (first, second))
     across = exact[list(beside)]
     return Samples(
-        first,
-        second,
-        beside,
-        exact,
-        t,
-        unit,
-        place,
-        radial,
-        across,
-        bend(across, smooth),
-        smooth,
-        begin,
-        last,
-        rest,
-    )
+        first, second, beside, exact, t, unit, place, radial, across, bend(across, smooth), smooth,
+        begin, last, rest,
+    )  # fmt: skip
 
 
 def _commands(

@@ -266,7 +266,13 @@ def nominal_sides(b: Columns) -> tuple[np.ndarray, Sides]:
     return course.spread(side), carried(b, course, side, middle)
 
 
-def carried(b: Columns, course: Course, side: np.ndarray, middle: np.ndarray, taken=None) -> Sides:
+def carried(
+    b: Columns,
+    course: Course,
+    side: np.ndarray,
+    middle: np.ndarray,
+    taken: np.ndarray | None = None,
+) -> Sides:
     """What the next batch must know."""
     s = b.carry.sides
     after = [s.side.copy(), s.middle.copy(), s.taken.copy()]
@@ -305,7 +311,9 @@ def follow(b: Columns) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sides]:
     return begin, end, exact, carried(b, course, course.side, course.middle, taken)
 
 
-def _ramps(b: Columns, course: Course, side: np.ndarray):
+def _ramps(
+    b: Columns, course: Course, side: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Shares of the axes that take lost motion up over some travel of their own. Where the option
     alone asks for a ramp, an axis that rests is taken up at once: there its motor moves alone, and
     nothing is cut."""

@@ -87,14 +87,9 @@ def stretches(f: Fitter, rows: Rows) -> Stretches:
     left = np.where(plain[owner], left, (f.tolerance**2 + f.tolerance_across**2) ** 0.5 / 8)
     at = np.flatnonzero(first)
     return Stretches(
-        owner,
-        t,
-        (until - t) / parts,
-        parts,
-        np.maximum.reduceat(steep, at),
-        np.maximum.reduceat(left, at),
-        shift,
-    )
+        owner, t, (until - t) / parts, parts, np.maximum.reduceat(steep, at),
+        np.maximum.reduceat(left, at), shift,
+    )  # fmt: skip
 
 
 def _steepness(
@@ -237,4 +232,7 @@ def density(f: Fitter, rows: Rows) -> np.ndarray:
     )
     by_kink = np.hypot(sweep * radius, travel) * kink / (4 * slack)
     by_ellipse = sweep * np.sqrt(radius * steep / (4 * slack))
-    return np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(np.int64)
+    density: np.ndarray = np.clip(np.ceil(np.maximum(by_kink, by_ellipse)), 4, 20000).astype(
+        np.int64
+    )
+    return density

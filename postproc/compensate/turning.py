@@ -110,7 +110,10 @@ def _bends(b: Columns, chosen: np.ndarray, least: float) -> np.ndarray:
     m = b.m
     start, target = (in_mm(p.take(chosen, axis=1)) for p in (m.start, m.target))
     clamped = b.c.outside == "clamp"
-    return (b.arc_of[chosen] >= 0) | nodes.may_bend(b.machine, start, target, least, clamped)
+    bends: np.ndarray = (b.arc_of[chosen] >= 0) | nodes.may_bend(
+        b.machine, start, target, least, clamped
+    )
+    return bends
 
 
 def _induced(b: Columns) -> list[tuple[np.ndarray, np.ndarray]]:

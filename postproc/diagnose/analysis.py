@@ -7,7 +7,7 @@ explains.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,10 +30,11 @@ from postproc.diagnose import (
     telegraph,
     unobservable,
 )
-from postproc.diagnose.answer import Diagnosis
+from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.assembly import of
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.explained import scatter, shares
+from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows
@@ -41,6 +42,8 @@ from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found, Sets
 from postproc.machine.model import Machine
 from postproc.recordings import Recording, RecordingError
+
+Jumps = list[tuple[shared_jump.SharedJump, np.ndarray]]  # with its columns (N, K)
 
 MOST = 2.0  # times what repetitions and neighbours scatter by: more is no white noise
 ALONE, DROPPED = 2.5, 6.0  # how many times the noise: counts less, is left out
@@ -179,7 +182,7 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
 
-def _shown(blocks, train: np.ndarray) -> list:
+def _shown(blocks: Iterable[Block], train: np.ndarray) -> list[Block]:
     """Blocks all of whose columns show in the rows that take part."""
     return [b for b in blocks if (np.abs(b.columns[train]).max(axis=0, initial=0.0) > 1e-9).all()]
 
@@ -215,7 +218,7 @@ def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, fl
     return rows, units, faults
 
 
-def _jumps(rows: Rows, units: list[Unit], train: np.ndarray):
+def _jumps(rows: Rows, units: list[Unit], train: np.ndarray) -> Jumps:
     """Where several readings leave their lines together each target has a value of its own: no
     smooth shape is asked to bend so. The jump and its columns (N, K)."""
     sigma = np.empty(len(rows))
@@ -229,7 +232,9 @@ def _jumps(rows: Rows, units: list[Unit], train: np.ndarray):
     ]
 
 
-def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray, jumps) -> Evidence:
+def _learned(
+    rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray, jumps: Jumps
+) -> Evidence:
     """The model of the readings; what scatters in each unit told from what wanders and from what
     comes back."""
     y = rows.residual.copy()
@@ -295,7 +300,7 @@ def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:
     ]
 
 
-def _formed(rows: Rows, found) -> np.ndarray:
+def _formed(rows: Rows, found: Iterable[Finding]) -> np.ndarray:
     """(N,) mm: what was named, without curves of many terms over the place."""
     named = [
         f.contribution for f in found if abs(dict(f.block.shape).get("degree", 0.0)) <= FEW_TERMS
@@ -303,7 +308,7 @@ def _formed(rows: Rows, found) -> np.ndarray:
     return sum(named, np.zeros(len(rows)))
 
 
-def _leaning(rows: Rows, evidence: Evidence, found) -> list[str]:
+def _leaning(rows: Rows, evidence: Evidence, found: Iterable[Finding]) -> list[str]:
     """One line for each file of straightness readings in which what was named leans: its line
     counts as the machine's."""
     named = sum((f.contribution for f in found), np.zeros(len(rows)))

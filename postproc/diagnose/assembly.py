@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from postproc.diagnose.averages import Columns
 from postproc.diagnose.predicted import angles_of, predicted
 from postproc.diagnose.rows import ENTERS, Rows
 from postproc.diagnose.signals import FAR, signals_of
@@ -47,7 +48,7 @@ def of(recordings: list[Recording], machine: Machine) -> Rows:
 
 # Whole: one line to a column; a branch is a column that is missing.
 def _joined(
-    parts: list[dict], machine: Machine, signals: list[str], recordings: list[Recording]
+    parts: list[Columns], machine: Machine, signals: list[str], recordings: list[Recording]
 ) -> Rows:
     letters = [x for x in machine.letters if x in XYZ]
     n = sum(len(p["y"]) for p in parts)
@@ -115,7 +116,7 @@ def _joined(
     return replace(rows, known=predicted(rows, machine))
 
 
-def _inside(parts: list[dict], letters: list[str]) -> dict[str, np.ndarray]:
+def _inside(parts: list[Columns], letters: list[str]) -> dict[str, np.ndarray]:
     """Axis, or "time", to (W, N): where, and when, the samples of each row were taken."""
     most = max((len(p["inside"]["time"]) for p in parts if "inside" in p), default=0)
     if most == 0:
@@ -134,7 +135,7 @@ def _inside(parts: list[dict], letters: list[str]) -> dict[str, np.ndarray]:
     return result
 
 
-def _paths(parts: list[dict], state: State) -> dict[str, np.ndarray]:
+def _paths(parts: list[Columns], state: State) -> dict[str, np.ndarray]:
     """Axis to (M, N) mm: the ways that its drive remembers; of rows without a path one turn, after
     a long way."""
     result = {}
@@ -156,7 +157,7 @@ def _paths(parts: list[dict], state: State) -> dict[str, np.ndarray]:
     return result
 
 
-def _passages(parts: list[dict]) -> np.ndarray:
+def _passages(parts: list[Columns]) -> np.ndarray:
     """(N,) number of each unbroken sampled motion, alike in all signals of a file; -1 at rest."""
     result: list[int] = []
     seen: dict[tuple[int, int], int] = {}
@@ -203,7 +204,7 @@ def _timed(state: State) -> np.ndarray:
     return np.isin(state.file, files)
 
 
-def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None:
+def _recorded(parts: list[Columns], letter: str, state: State) -> np.ndarray | None:
     """(3, N) rad: the rotations of an axis as this very experiment measured them, where the
     machine's file has none; by the direction of approach where both were measured."""
     result = np.zeros((3, len(state)))
@@ -224,7 +225,7 @@ def _recorded(parts: list[dict], letter: str, state: State) -> np.ndarray | None
     return result if result.any() else None
 
 
-def _lines(parts: list[dict], state: State, direction: np.ndarray) -> dict[str, str]:
+def _lines(parts: list[Columns], state: State, direction: np.ndarray) -> dict[str, str]:
     """Axis to the axes that stood at two places, APART or more, while readings along it were taken
     at rest at the same places."""
     sees = np.concatenate([np.full(len(p["y"]), p["sees"]) for p in parts])

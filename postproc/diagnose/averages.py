@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+
+Columns = dict[str, Any]  # (N,) arrays of a signal by name, (K, N) paths; "sees" is a word
 
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
 MOST_INSIDE = 64  # samples of a row whose places are kept
 LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
 
 
-def together(columns: dict, same: np.ndarray) -> dict:
+def together(columns: Columns, same: np.ndarray) -> Columns:
     """Rows of samples that a log can not tell apart averaged to one."""
     return _means(columns, np.flatnonzero(~same | _cuts(columns, columns["run"])))
 
 
-def averaged(columns: dict) -> dict:
+def averaged(columns: Columns) -> Columns:
     """Neighbouring samples of a run averaged until few enough are left. After a turn the first rows
     are short and grow with the time since: what a turn sets off fades, and an average over it would
     hide it."""
@@ -43,10 +46,10 @@ def averaged(columns: dict) -> dict:
     return _means(columns, np.concatenate(edges))
 
 
-def _cuts(columns: dict, run: np.ndarray) -> np.ndarray:
+def _cuts(columns: Columns, run: np.ndarray) -> np.ndarray:
     """(N,) bool: the first sample, and those before which a run ends or an axis turns, starts or
     stops."""
-    cut = np.diff(run, prepend=run[:1]) != 0
+    cut: np.ndarray = np.diff(run, prepend=run[:1]) != 0
     for name, value in columns.items():
         if name.endswith("approach"):
             cut = cut | (np.diff(value, prepend=value[:1]) != 0)
@@ -57,12 +60,12 @@ def _cuts(columns: dict, run: np.ndarray) -> np.ndarray:
     return cut
 
 
-def _means(columns: dict, edges: np.ndarray) -> dict:
+def _means(columns: Columns, edges: np.ndarray) -> Columns:
     """Columns averaged from edge to edge; what is a number of something, of its middle row."""
     n = len(columns["y"])
     size = np.diff(np.append(edges, n))
     step = np.median(np.diff(columns["time"])) if n > 1 else 0.0
-    result: dict = {"width": size * float(step), "grain": _grain(columns["y"]) / np.sqrt(size)}
+    result: Columns = {"width": size * float(step), "grain": _grain(columns["y"]) / np.sqrt(size)}
     for name, value in columns.items():
         if not isinstance(value, np.ndarray):
             result[name] = value
@@ -83,7 +86,7 @@ def _means(columns: dict, edges: np.ndarray) -> dict:
     return result
 
 
-def _inside(columns: dict, edges: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:
+def _inside(columns: Columns, edges: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:
     """Where and when the samples of each row were taken, (W, N); of very many, so many at equal
     distances."""
     stride = np.maximum(1, -(-size // MOST_INSIDE))

@@ -199,7 +199,8 @@ def _halves(motion: Motion) -> np.ndarray:
 
 
 def _solve(design: np.ndarray, y: np.ndarray) -> np.ndarray:
-    return np.linalg.lstsq(design, y, rcond=None)[0]
+    terms: np.ndarray = np.linalg.lstsq(design, y, rcond=None)[0]
+    return terms
 
 
 def _stacked(columns: list[np.ndarray], n: int) -> np.ndarray:
@@ -218,7 +219,7 @@ def _alike(left: np.ndarray) -> float:
     return 1.0 + 2.0 * sum(rho[:stop])
 
 
-def _rms(values) -> float:
+def _rms(values: np.ndarray | list[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
@@ -252,7 +253,7 @@ class _Fit:
         wider = np.concatenate([design, columns], axis=1)
         left, value = self.y - design @ _solve(design, self.y), _solve(wider, self.y)
         own = self.y - wider @ value
-        fall = self.free * np.log(float(left @ left) / max(float(own @ own), 1e-300))
+        fall = self.free * float(np.log(float(left @ left) / max(float(own @ own), 1e-300)))
         if fall < LEAST + columns.shape[1] * np.log(self.free) + 2 * np.log(term.siblings):
             return 0.0
         if term.positive and value[design.shape[1]] < 0:

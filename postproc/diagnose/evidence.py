@@ -45,6 +45,7 @@ QUIETEST = 0.05  # of the variance of white noise as it was found first
 
 
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
+Factors = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass
@@ -288,10 +289,10 @@ class Evidence:
 
     # -- the whole dictionary beside a set ---------------------------------------------------------
 
-    def scan(self, fit: Fit, draws: np.ndarray | None = None):
+    def scan(self, fit: Fit, draws: np.ndarray | None = None) -> Factors:
         """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the
         Bayes factor, (K,) coefficients and their standard deviations. With draws (N, R) of readings
-        instead: (B, R), None, None."""
+        instead: (B, R) of these, and zeros."""
         many = 1 if draws is None else draws.shape[1]
         sd = self._sd(fit.chosen, fit.shared, fit.scale)
         f = len(sd)
@@ -333,7 +334,7 @@ class Evidence:
             a[np.ix_(at, at)] += part.inside
         return a
 
-    def _factors(self, dy: np.ndarray, dd: np.ndarray, values: bool):
+    def _factors(self, dy: np.ndarray, dd: np.ndarray, values: bool) -> Factors:
         result = np.zeros((len(self.blocks), dy.shape[1]))
         coefficients = np.zeros(self.width)
         spread = np.zeros(self.width)
@@ -359,7 +360,7 @@ class Evidence:
             if values:
                 coefficients[at] = solved[:, :, 0] * slab
                 spread[at] = np.sqrt(np.abs(np.einsum("bww->bw", np.linalg.inv(scaled)))) * slab
-        return (result[:, 0], coefficients, spread) if values else (result, None, None)
+        return result[:, 0] if values else result, coefficients, spread
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of

@@ -25,7 +25,13 @@ NEEDLESS = 0.5  # of its score: what remains of it beside another name for the s
 
 
 def of_jump(
-    jump, rows: Rows, columns: np.ndarray, value: np.ndarray, sigma, held, machine: Machine
+    jump: shared_jump.SharedJump,
+    rows: Rows,
+    columns: np.ndarray,
+    value: np.ndarray,
+    sigma: np.ndarray,
+    held: np.ndarray,
+    machine: Machine,
 ) -> Finding:
     """A jump that several readings share, as a finding: certain itself, its cause one of a set."""
     named = jump.parameters()

@@ -30,8 +30,12 @@ class Projector:
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """P D for (N,) or (N, K)."""
         weighted = columns * (self.w if columns.ndim == 1 else self.w[:, None])
-        return weighted - (self.u * self.w[:, None]) @ (self.inner @ (self.u.T @ weighted))
+        result: np.ndarray = weighted - (self.u * self.w[:, None]) @ (
+            self.inner @ (self.u.T @ weighted)
+        )
+        return result
 
     def nuisance(self, y: np.ndarray) -> np.ndarray:
         """(N,) the nuisances' own part of y."""
-        return self.u @ (self.inner @ (self.u.T @ (self.w * y)))
+        nuisance: np.ndarray = self.u @ (self.inner @ (self.u.T @ (self.w * y)))
+        return nuisance

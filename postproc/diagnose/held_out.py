@@ -55,7 +55,7 @@ def _between_others(rows: Rows, which: np.ndarray, runs: np.ndarray) -> float:
 
     middle = len(runs) // 2
     order = sorted(runs, key=lambda run: abs(int(np.searchsorted(runs, run)) - middle))
-    return next((run for run in order if not alone(run)), runs[middle])
+    return float(next((run for run in order if not alone(run)), runs[middle]))
 
 
 def _last_readings(rows: Rows, file: int, recording: Recording) -> np.ndarray:

@@ -102,7 +102,8 @@ def _slope(sets: Sets, block: Block, value: np.ndarray, name: str) -> np.ndarray
     )
     if high.shape[1] != len(value):
         return np.zeros(len(sets.evidence.y))
-    return (high - low) @ value / (2 * step)
+    slope: np.ndarray = (high - low) @ value / (2 * step)
+    return slope
 
 
 def _derivatives(

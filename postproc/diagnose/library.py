@@ -50,7 +50,8 @@ class Block:
     def largest(self) -> np.ndarray:
         """(K,) mm, at its largest reading."""
         shown = np.abs(self.columns).max(axis=0, initial=0.0)
-        return np.maximum(shown, NOTHING)
+        largest: np.ndarray = np.maximum(shown, NOTHING)
+        return largest
 
     @property
     def name(self) -> str:

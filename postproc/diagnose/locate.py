@@ -18,6 +18,8 @@ from postproc.diagnose.fit import Projector
 from postproc.diagnose.rows import Rows
 from postproc.machine.chain import XYZ
 
+Scanned = tuple[np.ndarray, float, np.ndarray]  # rows, score, the highest of each draw
+
 CELLS = 12
 TARGETS = 30  # places of their own: no more of them than that are each a cell
 DRAWS = 199
@@ -160,7 +162,10 @@ def inside(place: Place, rows: Rows) -> np.ndarray:
     )
     own = (rows.signal == place.signal) & (at >= place.low) & (at <= place.high)
     own &= (time >= place.times[0]) & (time <= place.times[1])
-    return own if place.approach == "both" else own & ((side >= 0) == (place.approach == "+"))
+    inside: np.ndarray = (
+        own if place.approach == "both" else own & ((side >= 0) == (place.approach == "+"))
+    )
+    return inside
 
 
 def measured(places: list[Place], rows: Rows, before: np.ndarray) -> list[Place]:
@@ -175,7 +180,9 @@ def measured(places: list[Place], rows: Rows, before: np.ndarray) -> list[Place]
     return sorted(found, key=lambda f: -f.rms)
 
 
-def _in_time(projector: Projector, evidence: np.ndarray, which: np.ndarray, time: np.ndarray):
+def _in_time(
+    projector: Projector, evidence: np.ndarray, which: np.ndarray, time: np.ndarray
+) -> Scanned:
     """As `_scan`, of stretches of the time."""
     edges = np.unique(np.quantile(time, np.linspace(0, 1, CELLS + 1)))
     cell = np.clip(np.searchsorted(edges, time, side="right") - 1, 0, max(len(edges) - 2, 0))
@@ -238,7 +245,7 @@ def _scan(
     which: np.ndarray,
     cell: np.ndarray,
     windows: np.ndarray,
-):
+) -> Scanned:
     """Which of the rows are in the window with the highest score, that score, and the highest of
     each draw: by how much chi squared falls if the window had a mean of its own, beside all
     nuisances."""

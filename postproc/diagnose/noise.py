@@ -91,7 +91,7 @@ class Unit:
     def whitened(self, columns: np.ndarray) -> np.ndarray:
         """(n,) or (n, K): divided by the standard deviation and, within passages, less what the
         samples before foretell."""
-        scaled = columns / (self.r if columns.ndim == 1 else self.r[:, None])
+        scaled: np.ndarray = columns / (self.r if columns.ndim == 1 else self.r[:, None])
         if not len(self.ar):
             return scaled
         result = scaled.copy()
@@ -160,7 +160,8 @@ def _white(rows: Rows, residual: np.ndarray, unit: Unit) -> np.ndarray:
             floor,
         )
     size = np.maximum(size, rows.grain[which])
-    return np.hypot(size, rows.rounding[which]) if unit.dense else size
+    white: np.ndarray = np.hypot(size, rows.rounding[which]) if unit.dense else size
+    return white
 
 
 def step(y: np.ndarray) -> float:

@@ -320,4 +320,5 @@ def _share(t: np.ndarray) -> np.ndarray:
     """(N,) -1 to 1 from the first of these times to the last; times that were not recorded: in the
     order of rows."""
     t = t if np.ptp(t) > 0 else np.arange(len(t), dtype=float)
-    return 2 * (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
+    share: np.ndarray = 2 * (t - t.mean()) / max(float(np.ptp(t)), 1e-9)
+    return share

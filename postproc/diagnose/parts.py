@@ -4,7 +4,7 @@ its own columns taken out."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
@@ -155,7 +155,8 @@ class Part:
 
     def own_products(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(P,) products of pairs of own columns of the dictionary."""
-        return np.einsum("np,np->p", self.d[:, first], self.d[:, second])
+        own_products: np.ndarray = np.einsum("np,np->p", self.d[:, first], self.d[:, second])
+        return own_products
 
     def reduced(
         self, shown: tuple[int, ...], sigma2: float, sd: np.ndarray, kinds: frozenset[str]
@@ -258,7 +259,7 @@ def factor(within: np.ndarray, along: np.ndarray, slab: np.ndarray, scale: float
     return gain - float(np.linalg.slogdet(a)[1]) - float(surprise(scale, 1.0))
 
 
-def surprise(sd: np.ndarray | float, usual: np.ndarray | float):
+def surprise(sd: np.ndarray | float, usual: np.ndarray | float) -> Any:
     """Minus twice the logarithm of the prior density of a learned standard deviation, but for a
     constant (inverse gamma)."""
     ratio = (np.asarray(usual) / np.asarray(sd)) ** 2
@@ -269,6 +270,7 @@ def cholesky(m: np.ndarray) -> np.ndarray:
     """The lower Cholesky factor."""
     if not len(m):
         return m
+    root: np.ndarray
     root, info = dpotrf(m, lower=1, clean=1)
     if info:
         root, info = dpotrf(m + 1e-10 * np.diag(np.diag(m)), lower=1, clean=1)

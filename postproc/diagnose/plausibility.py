@@ -313,7 +313,8 @@ class _Check:
         if self.r.kind == "ballbar":
             (x, a), (y, b) = self.r.head["centre"].items()
             turn = np.degrees(np.arctan2(self.r.position(y) - b, self.r.position(x) - a))
-            return np.round(turn) + 1000 * self.r.columns["sense"]
+            place: np.ndarray = np.round(turn) + 1000 * self.r.columns["sense"]
+            return place
         keys = [np.round(self.r.position(x), 2) for x in self.r.axes] + [
             self.r.approach(x) for x in self.r.axes
         ]

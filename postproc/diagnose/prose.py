@@ -9,6 +9,7 @@ import numpy as np
 from postproc.diagnose import words
 from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive
+from postproc.diagnose.locate import Place
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, scaled
 
 SHOWN, WHERE = 5, 3  # rows of a kind, and regions
@@ -97,7 +98,7 @@ def worth(d: Diagnosis, f: Finding) -> str:
     )
 
 
-def where(d: Diagnosis, place) -> str:
+def where(d: Diagnosis, place: Place) -> str:
     """One region in which the mismatch stands out, before any effect was taken into account; sizes
     are those of --residuals."""
     way = {"both": "in both directions", "+": "approached in +", "-": "approached in -"}[

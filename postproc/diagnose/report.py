@@ -10,6 +10,7 @@ from typing import Any
 from postproc.diagnose.answer import Diagnosis, Finding, felt
 from postproc.diagnose.drive import Drive, Fitted
 from postproc.diagnose.experiments import showing
+from postproc.diagnose.locate import Place
 from postproc.diagnose.prose import as_text as as_text
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
 from postproc.recordings import Source
@@ -68,7 +69,7 @@ def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
     }
 
 
-def _mismatch(d: Diagnosis, place) -> dict[str, Any]:
+def _mismatch(d: Diagnosis, place: Place) -> dict[str, Any]:
     """A place; of angles rms_um and peak_um hold urad, as unit says."""
     scale, unit = scaled(d, place.signal)
     return {
@@ -92,13 +93,14 @@ def _mismatch(d: Diagnosis, place) -> dict[str, Any]:
     }
 
 
-def _lines(d: Diagnosis, place) -> tuple[int, int]:
+def _lines(d: Diagnosis, place: Place) -> tuple[int, int]:
     """Lines of the program where the recording knows them, else of the recording."""
-    return (
+    lines: tuple[int, int] = (
         place.program
         if "line" in d.recordings[place.file].columns and place.program
         else place.lines
     )
+    return lines
 
 
 def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
@@ -218,7 +220,7 @@ def map_name(d: Diagnosis) -> str:
     return f"unknown_{d.unknown.signal + 1}" if d.unknown else ""
 
 
-def _map_rows(d: Diagnosis) -> Iterator[tuple]:
+def _map_rows(d: Diagnosis) -> Iterator[tuple[Any, ...]]:
     scale = scaled(d, d.unknown.signal)[0] if d.unknown else UM
     for c in d.unknown.cells if d.unknown else ():
         yield (

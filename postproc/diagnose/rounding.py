@@ -25,7 +25,8 @@ def step(values: np.ndarray) -> np.ndarray:
         if np.all(np.abs(known / scale - np.round(known / scale)) < 1e-6):
             size = np.maximum(np.abs(values), known.min())
             by_digits = 10.0 ** (np.floor(np.log10(size) + 1e-12) - digits + 1)
-            return np.maximum(by_digits, _decimals(known))
+            step: np.ndarray = np.maximum(by_digits, _decimals(known))
+            return step
     return (
         np.full(len(values), _decimals(known)) if _decimals(known) > 1e-6 else np.zeros(len(values))
     )
@@ -42,7 +43,8 @@ def _decimals(known: np.ndarray) -> float:
 
 def noise(commanded: np.ndarray, actual: np.ndarray) -> np.ndarray:
     """(N,) standard deviation that rounding gives to actual minus commanded."""
-    return np.hypot(step(commanded), step(actual)) / np.sqrt(12.0)
+    noise: np.ndarray = np.hypot(step(commanded), step(actual)) / np.sqrt(12.0)
+    return noise
 
 
 def alike(commanded: np.ndarray, noise: np.ndarray) -> np.ndarray:
@@ -50,4 +52,5 @@ def alike(commanded: np.ndarray, noise: np.ndarray) -> np.ndarray:
     together are one reading."""
     same = np.diff(commanded, prepend=commanded[:1]) == 0
     same[:1] = False
-    return same & (noise > COARSE)
+    alike: np.ndarray = same & (noise > COARSE)
+    return alike

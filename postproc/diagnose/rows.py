@@ -50,7 +50,8 @@ class Rows:
     @property
     def residual(self) -> np.ndarray:
         """(N,) mm: measured minus predicted."""
-        return self.y - self.known
+        residual: np.ndarray = self.y - self.known
+        return residual
 
     @cached_property
     def _of_kind(self) -> dict[str, np.ndarray]:
@@ -125,4 +126,7 @@ def diameters(rows: Rows) -> np.ndarray:
     """(N,) bool: diameters of a lathe, whose place on the slide is known."""
     if not rows.other:
         return np.zeros(len(rows), bool)
-    return (rows.sees == "part") & np.any([np.isnan(v) for v in rows.other.values()], axis=0)
+    diameters: np.ndarray = (rows.sees == "part") & np.any(
+        [np.isnan(v) for v in rows.other.values()], axis=0
+    )
+    return diameters

@@ -18,7 +18,7 @@ from postproc.diagnose.evidence import Fit
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
 from postproc.diagnose.prior import plausible
-from postproc.diagnose.sets import RENEWED, Found, Sets
+from postproc.diagnose.sets import RENEWED, Found, Key, Sets
 
 MOST = 6  # members of a set
 # sets that are kept, members that are tried beside each, and of these with shapes of their own
@@ -39,8 +39,8 @@ class Search:
     def __init__(self, sets: Sets):
         self.sets = sets
         self.least = LEAST
-        self._looked: set[tuple] = set()
-        self._with_process: dict[tuple, list[Found]] = {}
+        self._looked: set[tuple[int, ...]] = set()
+        self._with_process: dict[Key, list[Found]] = {}
         self._barred: set[str] = set()  # names whose jumps no readings bear out
 
     def calibrate(self, rng: np.random.Generator) -> None:

@@ -14,8 +14,11 @@ import numpy as np
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
 from postproc.diagnose.explained import wandered
 from postproc.diagnose.library import Block
+from postproc.diagnose.parts import Part
 from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
+
+Key = tuple[object, ...]  # members of a set, where it was fitted, by which way
 
 MATERIAL = 1e-3  # mm: of less nobody can say that it comes back, slides repeat to 1 or 2 um
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
@@ -42,7 +45,7 @@ class Found:
     members: tuple[int, ...] = ()
 
     @property
-    def key(self) -> tuple:
+    def key(self) -> Key:
         return tuple(sorted(self.members)), self.fit.on
 
     def added_to(self, parent: Found) -> int:
@@ -59,7 +62,7 @@ class Sets:
         evidence.add(blocks)
         self.cost = np.array([cost_of(b) for b in blocks])
         self._open = [_open(part) for part in evidence.parts]
-        self.seen: dict[tuple, Found] = {}
+        self.seen: dict[Key, Found] = {}
         self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
 
     @property
@@ -239,7 +242,7 @@ class Sets:
     def scores(self, state: Found) -> np.ndarray:
         """(B,) worth of every block beside a set, implausible ones -inf."""
         scores, coefficients, _ = self.evidence.scan(state.fit)
-        scores = scores - self.cost
+        scores -= self.cost
         for k, b in enumerate(self.blocks):
             if k in self.evidence.fixed:
                 continue
@@ -271,7 +274,7 @@ def _swing(values: np.ndarray) -> float:
     return float(np.partition(np.abs(values), len(values) - few)[len(values) - few])
 
 
-def _open(part) -> np.ndarray:
+def _open(part: Part) -> np.ndarray:
     """(n, M) orthonormal columns of a unit's zeros and set-ups."""
     which = np.isin(
         part.of,

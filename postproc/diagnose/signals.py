@@ -8,14 +8,18 @@ trace, `measured_mm` of one feature. Columns are named by what they are ("X posi
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from postproc import effects
 from postproc.diagnose import rounding
-from postproc.diagnose.averages import averaged, together
+from postproc.diagnose.averages import Columns, averaged, together
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
 from postproc.recordings import Recording
+
+Signal = tuple[str, Columns]  # its name, its columns
 
 # mm: by how much a target is usually overrun before it is approached from the other side
 OVERRUN = 3.0
@@ -36,7 +40,7 @@ INSIDE = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 MATERIAL = {"pocket_size": 1.0, "bore_diameter": 1.0, "boss_diameter": -1.0}
 
 
-def signals_of(recording: Recording, machine: Machine):
+def signals_of(recording: Recording, machine: Machine) -> Iterator[Signal]:
     """(name, columns) of every signal of a recording."""
     makers = {"targets": _targets, "ballbar": _ballbar, "trace": _trace, "features": _features}
     yield from makers[recording.kind](recording, machine)
@@ -64,7 +68,7 @@ def _common(recording: Recording) -> dict[str, np.ndarray]:
     return columns
 
 
-def _targets(recording: Recording, machine: Machine):
+def _targets(recording: Recording, machine: Machine) -> Iterator[Signal]:
     columns = _common(recording)
     n = len(recording)
     vector = np.array([recording.sensitive.get(x, 0.0) for x in XYZ])
@@ -166,11 +170,12 @@ def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.nda
     ways = effects.reversal_memory(
         position, float(np.sign(approach[known[0]])), np.array(begin, int), np.array(at)
     )
-    return (ways * (approach != 0)).T
+    through_targets: np.ndarray = (ways * (approach != 0)).T
+    return through_targets
 
 
 def _motion(
-    columns: dict,
+    columns: Columns,
     letter: str,
     position: np.ndarray,
     time: np.ndarray,
@@ -227,16 +232,19 @@ def _even(t: np.ndarray) -> np.ndarray:
 def _slope(v: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(N,) slope of a line through the neighbours within SMOOTH: second differences of rounded
     places are mostly noise."""
+    slope: np.ndarray
     steps = np.diff(t)
     half = int(SMOOTH / max(float(np.median(steps)), 1e-9))
     if half < 2 or np.ptp(steps) > 1e-3 * steps.max() or len(v) < 2 * half + 1:
-        return np.gradient(v, t, edge_order=2)
+        slope = np.gradient(v, t, edge_order=2)
+        return slope
     k = np.arange(-half, half + 1)
     head, tail = 2 * v[0] - v[half:0:-1], 2 * v[-1] - v[-2 : -half - 2 : -1]
-    return np.convolve(np.concatenate([head, v, tail]), k[::-1] / (k @ k), "valid") / steps[0]
+    slope = np.convolve(np.concatenate([head, v, tail]), k[::-1] / (k @ k), "valid") / steps[0]
+    return slope
 
 
-def _ballbar(recording: Recording, machine: Machine):
+def _ballbar(recording: Recording, machine: Machine) -> Iterator[Signal]:
     columns = _common(recording)
     run = _unbroken(columns["run"], recording.columns["sense"])
     centre = recording.head["centre"]
@@ -263,7 +271,7 @@ def _unbroken(run: np.ndarray, sense: np.ndarray) -> np.ndarray:
     return change.astype(float)
 
 
-def _trace(recording: Recording, machine: Machine):
+def _trace(recording: Recording, machine: Machine) -> Iterator[Signal]:
     columns = _common(recording)
     scale = recording.head.get("sees", "scale") == "scale"
     letters = [x for x in recording.axes if x in XYZ]
@@ -290,7 +298,7 @@ def _trace(recording: Recording, machine: Machine):
         yield f"{x}_act_mm", averaged(together(one, same) if same.any() else one)
 
 
-def _changing(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
+def _changing(columns: Columns, letters: list[str], run: np.ndarray) -> np.ndarray:
     """(N,) bool: samples in which an axis starts, stops or turns."""
     result = np.zeros(len(run), bool)
     for x in letters:
@@ -302,7 +310,7 @@ def _changing(columns: dict, letters: list[str], run: np.ndarray) -> np.ndarray:
 
 
 # Whole: a column to each driver of a feature; a branch is a kind of feature.
-def _features(recording: Recording, machine: Machine):
+def _features(recording: Recording, machine: Machine) -> Iterator[Signal]:
     columns = _common(recording)
     kind, axis = recording.columns["kind"], recording.columns["axis"]
     nominal = recording.columns["nominal_mm"]

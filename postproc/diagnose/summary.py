@@ -46,7 +46,8 @@ def scaled(d: Diagnosis, signal: int) -> tuple[float, str]:
 
 def shown(d: Diagnosis, values: np.ndarray) -> np.ndarray:
     """(N,) um of readings in mm; of angles in rad urad, which are um at a metre's distance."""
-    return np.where(d.rows.sees == "angle", 1e6, UM) * values
+    shown: np.ndarray = np.where(d.rows.sees == "angle", 1e6, UM) * values
+    return shown
 
 
 def next_test(d: Diagnosis, f: Finding) -> str | None:

@@ -10,6 +10,7 @@ place.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -44,7 +45,7 @@ def levels(rows: Rows, units: list[Unit]) -> list[np.ndarray | None]:
     ]
 
 
-def switching(rows: Rows, units: list[Unit], found: list) -> set[int]:
+def switching(rows: Rows, units: list[Unit], found: Sequence[object]) -> set[int]:
     """Numbers of the recordings in which an instrument switches, by what levels() or steps()
     says."""
     return {

@@ -73,6 +73,10 @@ FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
 SETTLES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # ms: position gains of 500 to 16 per s
+# component, axis, nodes mm, mm towards plus and minus
+Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
+# component, axis, other, nodes and others mm, values (K, L) mm
+Grid = tuple[str, str, str, np.ndarray, np.ndarray, np.ndarray]
 # "0, 1, 2: X, Y, Z", "1, it is so; 0, it is not"
 CHOICE = re.compile(r"number|\d or \d|\d, .*(; |: )")
 
@@ -351,7 +355,7 @@ def one_way(
     travel: tuple[float, float],
     number: int,
     of: Callable[[np.ndarray], np.ndarray],
-):
+) -> Table:
     """A table (component, axis, nodes, forward, reverse) in mm of a function of the position, in
     um."""
     nodes = np.linspace(*travel, number)
@@ -376,6 +380,14 @@ def sizes(module: ModuleType) -> list[str]:
     """The parameters that have a size, and so may have an uncertainty: not those that say which
     one, or whether."""
     return [name for name, meaning in module.PARAMETERS.items() if not CHOICE.match(meaning)]
+
+
+def of_axes(module: ModuleType, name: str) -> tuple[float, ...]:
+    """What a parameter that is the number of an axis may be; () of any other."""
+    meaning = module.PARAMETERS[name]
+    if not meaning.startswith("0, 1, 2: "):
+        return ()
+    return (0.0, 1.0, 2.0, -1.0) if "; -1, " in meaning else (0.0, 1.0, 2.0)
 
 
 def deviation(module: ModuleType, state: State, axis: str, **parameters: float) -> np.ndarray:

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from postproc.effects import UM, XYZ, State, along, legendre
+from postproc.effects import UM, XYZ, Grid, State, Table, along, legendre
 
 DEGREES = (1, 2, 3, 4, 5)
 PARAMETERS = {
@@ -124,7 +124,7 @@ def coefficients(
 
 def by_angle(
     axis: str, nodes: np.ndarray, forward: np.ndarray, reverse: np.ndarray, **named: float
-):
+) -> list[Table]:
     """Tables of the arm that a measured rotation lacks. forward, reverse (3, K) rad at nodes (K,)
     mm: A, B, C of the axis."""
     if not named["known"] or not named["arm_mm"]:
@@ -141,7 +141,7 @@ def by_angle(
     ]
 
 
-def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
+def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> list[Grid]:
     """(component, axis, other, nodes, others, values (K, L) mm) of a rotation that nobody
     measured."""
     if named["known"]:

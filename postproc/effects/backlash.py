@@ -8,7 +8,7 @@ other side of the play, whichever way it came.
 
 import numpy as np
 
-from postproc.effects import UM, State, along, by_name, loads, lost_motion_share
+from postproc.effects import UM, State, Table, along, by_name, loads, lost_motion_share
 
 PARAMETERS = {
     "size_um": "um, lost motion between the two directions of approach",
@@ -68,6 +68,6 @@ def tables(
     size_um: float,
     play_mm: float = 0.0,
     pushed: float = 0.0,
-):
+) -> list[Table]:
     nodes = np.array(travel)
     return [(f"E{axis}", axis, nodes, np.full(2, -size_um * UM / 2), np.full(2, size_um * UM / 2))]

@@ -3,7 +3,7 @@ even."""
 
 import numpy as np
 
-from postproc.effects import UM, State, along, legendre, lost_motion_share
+from postproc.effects import UM, State, Table, along, legendre, lost_motion_share
 
 PARAMETERS = {
     "b0_um": "um, mean lost motion",
@@ -85,7 +85,7 @@ def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:
     return max(play_mm - abs(b0_um) * UM, 0.0)
 
 
-def tables(axis: str, travel: tuple[float, float], **named: float):
+def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     nodes = np.linspace(*travel, 121)
     shares, _ = coefficients(**named)
     u = np.linspace(-1, 1, len(nodes))

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from postproc.effects import XYZ, State, along, legendre, one_way
+from postproc.effects import XYZ, State, Table, along, legendre, one_way
 
 PARAMETERS = {
     "size_um": "um, second Legendre polynomial over the travel",
@@ -55,7 +55,7 @@ def coefficients(
     return np.array(value), {"across": across, "degree": degree}
 
 
-def tables(axis: str, travel: tuple[float, float], across: float, **named: float):
+def tables(axis: str, travel: tuple[float, float], across: float, **named: float) -> list[Table]:
     values, _ = coefficients(across=across, **named)
 
     def shape(p: np.ndarray) -> np.ndarray:

@@ -7,7 +7,14 @@ another from the other side, where flanks do not run alike.
 
 import numpy as np
 
-from postproc.effects import State, along, amplitude_and_phase, harmonic_coefficients, waves_of
+from postproc.effects import (
+    State,
+    Table,
+    along,
+    amplitude_and_phase,
+    harmonic_coefficients,
+    waves_of,
+)
 
 PARAMETERS = {
     "period_mm": "mm, its period",
@@ -133,7 +140,7 @@ def coefficients(
     return np.concatenate(value), shape
 
 
-def tables(axis: str, travel: tuple[float, float], **named: float):
+def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     """24 nodes a period, of the second wave where there is one: what is left between them is below
     1 % of the amplitude."""
     value, shape = coefficients(**named)

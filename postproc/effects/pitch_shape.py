@@ -3,7 +3,7 @@ travel."""
 
 import numpy as np
 
-from postproc.effects import State, along, legendre, one_way
+from postproc.effects import State, Table, along, legendre, one_way
 
 MOST = 9
 PARAMETERS = {
@@ -68,7 +68,7 @@ def coefficients(
     return np.array([shares[k - 1] for k in degrees(degree)]), {"degree": degree}
 
 
-def tables(axis: str, travel: tuple[float, float], **named: float):
+def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
     shares, shape = coefficients(**named)
 
     def of(p: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from itertools import product
 
 import numpy as np
 
-from postproc.effects import UM, XYZ, State, by_name
+from postproc.effects import UM, XYZ, Grid, State, by_name
 from postproc.effects import along as towards
 
 PARAMETERS = {
@@ -161,7 +161,7 @@ def _bent(mass: np.ndarray, place: np.ndarray, beam: float, overhang: float) -> 
 parameters, coefficients = by_name(PARAMETERS, OPTIONAL, "size_um")
 
 
-def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
+def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> list[Grid]:
     """(component, axis, other, nodes, others, values (K, L) mm), at the usual load; where no second
     axis matters, alike at both its ends."""
     other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
@@ -181,8 +181,9 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float):
         value = np.repeat(one[:, None], 2, axis=1)
     if not other:
         return []
-    places = (
+    nodes, others = (
         low + share * (high - low)
         for share, (low, high) in zip(shares, (travel[axis], travel[other]), strict=True)
     )
-    return [(f"E{XYZ[int(named['along'])]}", axis, other, *places, named["size_um"] * value * UM)]
+    component = f"E{XYZ[int(named['along'])]}"
+    return [(component, axis, other, nodes, others, named["size_um"] * value * UM)]

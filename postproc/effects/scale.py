@@ -6,7 +6,7 @@ ISO 230-2: the slope of the positioning deviation.
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, one_way
+from postproc.effects import State, Table, along, by_name, one_way
 
 PARAMETERS = {"ppm": "um/m, how much too long the travel is per length"}
 # Rolled trapezoidal screws, the worst, are sold with 0.3 mm on 300 mm (unverified: makers'
@@ -34,5 +34,5 @@ def columns(state: State, axis: str) -> np.ndarray:
 parameters, coefficients = by_name(PARAMETERS, {}, "ppm")
 
 
-def tables(axis: str, travel: tuple[float, float], ppm: float):
+def tables(axis: str, travel: tuple[float, float], ppm: float) -> list[Table]:
     return [one_way(axis, f"E{axis}", travel, 2, lambda p: ppm * p * 1e-3)]

@@ -8,6 +8,7 @@ go with it.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -157,7 +158,9 @@ def later(
     return found
 
 
-def _lag(level, slow, heat, gone, tau_s: float, housing: float, exp):
+def _lag(
+    level: Any, slow: Any, heat: Any, gone: Any, tau_s: float, housing: float, exp: Any
+) -> tuple[Any, Any]:
     """Both lags one step later."""
     above, first = level - heat, exp(-gone / tau_s)
     if housing > 0:

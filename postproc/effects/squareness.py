@@ -6,7 +6,7 @@ That is tried where the axis that moves came from both sides.
 
 import numpy as np
 
-from postproc.effects import UM, State, along
+from postproc.effects import UM, State, Table, along
 
 PARAMETERS = {
     "urad": "urad, change of the angle: positive where it is more than a right one",
@@ -81,7 +81,7 @@ def tables(
     leans: float = 0.0,
     turn_urad: float = 0.0,
     turn_um: float = 0.0,
-):
+) -> list[Table]:
     """travel: of the axis that moves the tool along the other."""
     driver = moving(axis, leans)
     nodes = np.array(travel)

@@ -12,7 +12,7 @@ tool feed drives, CIRP Annals 60 (2011) 779): then it winds up more at one end o
 
 import numpy as np
 
-from postproc.effects import UM, State, along, grid
+from postproc.effects import UM, State, Table, along, grid
 
 PARAMETERS = {
     "size_um": "um, lost motion when it is fully built up",
@@ -93,7 +93,7 @@ def tables(
     length_mm: float,
     grows_um: float = 0.0,
     **_: float,
-):
+) -> list[Table]:
     """Fully built up; ramp_mm says over which way after a turn."""
     half = np.array([size_um - grows_um, size_um + grows_um]) * UM / 2
     return [(f"E{axis}", axis, np.array(travel), -half, half)]

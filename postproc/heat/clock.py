@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from postproc.motions import FOREIGN, HOLE, RAPID, THREAD, Motions
+from postproc.motions import FOREIGN, HOLE, RAPID, THREAD, Arcs, Motions
 from postproc.nc import pace
 from postproc.nc.dialects import Dialect
 from postproc.nc.lexer import Words
@@ -169,7 +169,7 @@ def _durations(
     return np.where(np.isfinite(took) & (motions.code != FOREIGN), took, 0.0), int(bad.sum())
 
 
-def _plane(way: np.ndarray, arcs) -> np.ndarray:
+def _plane(way: np.ndarray, arcs: Arcs) -> np.ndarray:
     """(n,) mm of an arc's chord in its plane."""
     k = arcs.motion
     found: np.ndarray = np.hypot(way[arcs.first, k], way[arcs.second, k])

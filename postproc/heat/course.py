@@ -66,13 +66,9 @@ def spindle_lags(p: dict[str, float], times: clock.Times, pace: float, before: S
     level, slow = lagged(took * pace / clock.MICRO, hot, before, p["tau_s"], p["housing_s"])
     begins = np.flatnonzero(moves)
     return Lags(
-        p,
-        level[begins],
-        slow[begins],
-        hot[begins],
-        p["shift_um"] * share[begins] ** 2,
+        p, level[begins], slow[begins], hot[begins], p["shift_um"] * share[begins] ** 2,
         (float(level[-1]), float(slow[-1])),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

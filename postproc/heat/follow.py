@@ -106,13 +106,9 @@ class Heat:
             )
         second = self.pace / clock.MICRO
         course = Course(
-            self.drivers,
-            self.log,
-            self.begin,
-            times.begin * second,
-            times.end * second,
+            self.drivers, self.log, self.begin, times.begin * second, times.end * second,
             tuple(lags),
-        )
+        )  # fmt: skip
         return course, replace(
             before, clock_state=clock_state, spindles=tuple(x.after for x in lags)
         )

@@ -71,13 +71,9 @@ def install(call: Call) -> Installed:
     """A post-processor, and where it goes."""
     post = call.post or "linuxcnc"
     text = POST.format(
-        post=post,
-        name=call.name,
-        command=_script.command(call),
-        root=call.root,
-        unset=_script.UNSET,
-        keep=KEEP if call.keep else "",
-    )
+        post=post, name=call.name, command=_script.command(call), root=call.root,
+        unset=_script.UNSET, keep=KEEP if call.keep else "",
+    )  # fmt: skip
     path = call.folder / f"gcomp_{post}_post.py"
     return Installed(
         {path: (text, False)},

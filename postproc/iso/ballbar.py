@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -225,10 +226,10 @@ def _noise(recording: Recording) -> float:
     return max(float(np.median(np.abs(np.diff(recording.reading)))), UM / 10)
 
 
-def _columns(axes: str, found: list[Trace]) -> dict[str, list]:
+def _columns(axes: str, found: list[Trace]) -> dict[str, list[Any]]:
     a, b = tuple(axes.lower())
 
-    def of_full(length: Callable[[Trace], float]) -> list:
+    def of_full(length: Callable[[Trace], float]) -> list[float | None]:
         return [length(t) / UM if t.full else None for t in found]
 
     return {

@@ -206,13 +206,9 @@ def _lines(axes: Any, result: Result, lines: Straightness, unit: float, digits: 
     error = number(None if size is None else size / unit, digits)
     for i, edge in enumerate((left.max(), left.min())):
         axes.plot(
-            x,
-            (level + edge) / unit,
-            color=INK,
-            lw=0.7,
-            ls="-.",
+            x, (level + edge) / unit, color=INK, lw=0.7, ls="-.",
             label=None if i else f"zone: {name} {error} {_micro(result)}",
-        )
+        )  # fmt: skip
 
 
 def _reversal(axes: Any, result: Result, test: Positioning, unit: float, digits: int) -> None:
@@ -260,13 +256,9 @@ def _circle(axes: Any, result: Result) -> None:
         colour = UP if t.way > 0 else DOWN
         sense = plane.lower() if t.way > 0 else plane.lower()[::-1]
         axes.plot(
-            angle,
-            nominal + magnification * radial,
-            color=colour,
-            lw=0.9,
-            alpha=0.8,
+            angle, nominal + magnification * radial, color=colour, lw=0.9, alpha=0.8,
             label=None if t.way in seen else sense,
-        )
+        )  # fmt: skip
         seen.add(t.way)
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(turn, np.full(361, nominal), color=INK, lw=0.8, label=f"nominal, {nominal:g} mm")

@@ -39,12 +39,9 @@ def minimax(basis: np.ndarray, value: np.ndarray) -> tuple[np.ndarray, float]:
         [np.hstack([one, -np.ones((count, 1))]), np.hstack([-one, -np.ones((count, 1))])]
     )
     found = linprog(
-        [0.0] * p + [1.0],
-        A_ub=ends,
-        b_ub=np.concatenate([y, -y]),
-        bounds=[(None, None)] * p + [(0, None)],
-        method="highs",
-    )
+        [0.0] * p + [1.0], A_ub=ends, b_ub=np.concatenate([y, -y]),
+        bounds=[(None, None)] * p + [(0, None)], method="highs",
+    )  # fmt: skip
     if found.x is None:
         raise ValueError(f"the points do not determine the fit: {found.message}")
     steps = [found.x[:p]]

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -40,12 +41,9 @@ STANDARD = {
 def result_of(motion: Motion, options: Options) -> Result:
     """The result of one motion."""
     test = positioning.evaluate(
-        motion.position,
-        motion.approach,
-        motion.reading,
-        motion.run,
+        motion.position, motion.approach, motion.reading, motion.run,
         motion.test in ("rotary", "angle"),
-    )
+    )  # fmt: skip
     angle = motion.recording.quantity == "angle"
     lengths = motion.test in ("positioning", "diagonal")
     names = frozenset(n for n, v in test.values.items() if v is not None) | frozenset(NAMES)
@@ -191,14 +189,14 @@ def _noise(motion: Motion, s: float) -> float:
     return float(different.min()) if len(different) else UM
 
 
-def _columns(test: Positioning, angle: bool, detail) -> dict[str, list]:
+def _columns(test: Positioning, angle: bool, detail: Any) -> dict[str, list[Any]]:
     """The table per target."""
     unit, name = (URAD, "urad") if angle else (UM, "um")
 
-    def cells(values: np.ndarray) -> list:
+    def cells(values: np.ndarray) -> list[float | None]:
         return [float(v) if math.isfinite(v) else None for v in values / unit]
 
-    out: dict[str, list] = {"target": [float(x) for x in test.target]}
+    out: dict[str, list[Any]] = {"target": [float(x) for x in test.target]}
     for row, sign in enumerate("+-"):
         out[f"n {sign}"] = [int(n) for n in test.n[row]]
         out[f"mean {sign} {name}"] = cells(test.mean[row])
@@ -260,9 +258,9 @@ def _of_diagonals(tests: dict[str, Positioning], results: dict[str, Result]) -> 
         yield Parameter(name, values[name], words, which.get(name, ""), u, runs)
 
 
-def _by_diagonal(tests: dict[str, Positioning]) -> dict[str, list]:
+def _by_diagonal(tests: dict[str, Positioning]) -> dict[str, list[Any]]:
     """The values of each diagonal, by column, um."""
-    columns: dict[str, list] = {"diagonal": list(tests)}
+    columns: dict[str, list[Any]] = {"diagonal": list(tests)}
     for letter in ("E", "E+", "E-", "M", "B", "Bm", "A", "R"):
         values = [t.values[letter] for t in tests.values()]
         columns[f"{letter} um"] = [None if v is None else v / UM for v in values]

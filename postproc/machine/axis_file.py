@@ -140,13 +140,9 @@ def read_grid(path: Path, letter: str, other: str, max_slope: float) -> GridTabl
     flat_forward, flat_reverse = _directions(columns, data)
     shape = (6, len(nodes), len(others))
     grid = GridTable(
-        letter,
-        other,
-        nodes,
-        others,
-        flat_forward[:, first].reshape(shape),
+        letter, other, nodes, others, flat_forward[:, first].reshape(shape),
         flat_reverse[:, first].reshape(shape),
-    )
+    )  # fmt: skip
     for slope, name in zip(grid.slopes, (letter, other), strict=True):
         if slope[:3].max() > max_slope:
             raise MachineError(

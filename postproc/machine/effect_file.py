@@ -38,6 +38,11 @@ def read_effects(toml: TomlFile, axes: dict[str, Axis]) -> tuple[EffectTerm, ...
         entry.check_keys(KEYS | set(module.PARAMETERS) | {f"u_{p}" for p in sizes})
         optional = getattr(module, "OPTIONAL", {})
         parameters = {p: entry.number(p, optional.get(p)) for p in module.PARAMETERS}
+        for key, value in parameters.items():
+            if (ways := effects.of_axes(module, key)) and value not in ways:
+                raise entry.fault(
+                    key, f"{key} = {value:g} is no number of an axis", module.PARAMETERS[key]
+                )
         made = term(name, axis, parameters, axes, _measured(entry))
         spread = [_spread(entry, made, axes, p) for p in sizes if f"u_{p}" in entry]
         terms.append(replace(made, spread=tuple(spread)))

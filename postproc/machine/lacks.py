@@ -21,12 +21,9 @@ def lacks(machine: Machine) -> list[str]:
     if machine.is_zero and not machine.square and machine.signs != "unverified":
         return []
     return [
-        *_square(machine),
-        *_lines(machine),
-        *_components(machine),
-        *_beyond(machine),
+        *_square(machine), *_lines(machine), *_components(machine), *_beyond(machine),
         *_signs(machine),
-    ]
+    ]  # fmt: skip
 
 
 def sentence(machine: Machine) -> str:

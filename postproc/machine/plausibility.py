@@ -24,12 +24,9 @@ LARGEST_PLAY_UM = 1000.0  # an old router's plastic nut
 def implausible(machine: Machine) -> list[str]:
     """Sentences, each with its number and the way out; empty where nothing is odd."""
     return [
-        *overshoot.found(machine),
-        *_sizes(machine),
-        *_square(machine),
-        *_play(machine),
+        *overshoot.found(machine), *_sizes(machine), *_square(machine), *_play(machine),
         *_refused(machine),
-    ]
+    ]  # fmt: skip
 
 
 def _sizes(machine: Machine) -> Iterator[str]:

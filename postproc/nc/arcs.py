@@ -173,7 +173,15 @@ def _whole(batch: Batch) -> str:
     )
 
 
-def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, counter):
+def _centre_by_radius(
+    batch: Batch,
+    blocks: np.ndarray,
+    by_radius: np.ndarray,
+    start: np.ndarray,
+    end: np.ndarray,
+    radius: np.ndarray,
+    counter: np.ndarray,
+) -> np.ndarray:
     """(2, n) mm: the centre; what can not be one is blamed."""
     length = np.hypot(*(end - start))
     tolerance = batch.dialect.radius_tolerance_mm
@@ -193,7 +201,7 @@ def _centre_by_radius(batch: Batch, blocks, by_radius, start, end, radius, count
     return centre_by_radius(start, end, radius, counter)
 
 
-def _turns(batch: Batch, circle: Circle, arc, sweep):
+def _turns(batch: Batch, circle: Circle, arc: np.ndarray, sweep: np.ndarray) -> np.ndarray:
     """P counts full turns where the dialect says so; elsewhere it has no business in an arc."""
     place = batch.places.get("P")
     if place is None:
@@ -220,10 +228,13 @@ def _turns(batch: Batch, circle: Circle, arc, sweep):
             f"an arc of {turns[many[0]]:g} turns (limit {MOST_TURNS})",
             "write the turns in several blocks",
         )
-    return sweep + np.sign(sweep) * np.maximum(turns - least, 0.0) * 2 * np.pi
+    result: np.ndarray = sweep + np.sign(sweep) * np.maximum(turns - least, 0.0) * 2 * np.pi
+    return result
 
 
-def _check(batch: Batch, blocks, good, radius, radius_end) -> None:
+def _check(
+    batch: Batch, blocks: np.ndarray, good: np.ndarray, radius: np.ndarray, radius_end: np.ndarray
+) -> None:
     """The control's radius check."""
     d = batch.dialect
     miss = np.abs(radius - radius_end)

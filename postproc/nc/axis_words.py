@@ -163,7 +163,7 @@ def _letters(b: Writing, row: int, letter: str, motion: np.ndarray) -> np.ndarra
 def _not_leading(b: Writing, row: int, piece: np.ndarray) -> np.ndarray:
     """(K,) whether another word stands before this axis' in an added block."""
     p = b.p
-    leads = b.names_code[piece].copy()
+    leads: np.ndarray = b.names_code[piece].copy()
     for other in range(row):
         leads |= (p.end[other, piece] != p.start[other, piece]) | _in_plane(b, other, piece)
     return leads

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ LETTERS = [np.array(c, np.uint8) for c in ANY]  # without axes: postproc.units
 UNDER = "under cycles"
 # ticks, and decimals that are exact in ticks; without axes: postproc.units
 LARGEST_WORD, EXACT = np.array(LARGEST_WORD_MM * TICKS_PER_MM), np.array(9)
+AxisWords = dict[str, tuple[np.ndarray, np.ndarray]]  # axis to its words, its incremental words
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
 DIAM90 = codes.code_number("DIAM90")  # X is a diameter under G90, a radius under G91
@@ -33,7 +35,7 @@ def written_codes(w: Words, place: np.ndarray) -> np.ndarray:
     """(n,) ten times the number behind each G, KEYWORD and more for keywords; -1 for what no code
     can be."""
     mantissa, decimals = w.mantissa[place], w.decimals[place]
-    number = mantissa * 10
+    number: np.ndarray = mantissa * 10
     if np.count_nonzero(decimals):
         power = 10 ** np.minimum(decimals, 17)
         number = np.where(decimals > 0, number // power, number)
@@ -75,8 +77,7 @@ class Batch:
         self.live = self._live()
         self.given: dict[str, np.ndarray] = {}  # modal group to (B,) codes, NONE where not named
         self.single: dict[int, np.ndarray] = {}  # code without a group to its blocks
-        self.code_word = np.empty(self.n, np.int64)  # (B,) word of the motion code
-        self.code_word.fill(-1)
+        self.code_word = np.full(self.n, -1, np.int64)  # (B,) word of the motion code
         self.reason = np.zeros(self.n, np.int64)  # (B,) index into reasons
         self.has_axis = np.zeros(self.n, bool)  # (B,) names an axis
         self.taken = np.zeros(self.n, bool)  # (B,) its axis words are no motion
@@ -155,9 +156,7 @@ class Batch:
 
     def once(self, letter: str) -> np.ndarray:
         """Word indices of a letter that may stand once in a block, or of which the last holds."""
-        place = self.places.get(letter)
-        if place is None:
-            return NO_WORDS
+        place: np.ndarray = self.places.get(letter, NO_WORDS)
         if len(place) < 2:
             return place
         block = self.words.block[place]
@@ -188,9 +187,10 @@ class Batch:
 
     def numbers(self, place: np.ndarray) -> np.ndarray:
         """(n,) float64 values of words."""
-        return self.words.mantissa[place] / 10.0 ** self.words.decimals[place]
+        value: np.ndarray = self.words.mantissa[place] / 10.0 ** self.words.decimals[place]
+        return value
 
-    def ticks(self, place: np.ndarray, scale) -> np.ndarray:
+    def ticks(self, place: np.ndarray, scale: Any) -> np.ndarray:
         """(n,) int64 words in ticks; `scale` ticks a unit. Exact to nine decimals, rounded to the
         tick beyond."""
         mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
@@ -212,7 +212,7 @@ class Batch:
                 f"{text} is beyond {LARGEST_WORD_MM:g} mm",
                 "is a decimal point missing?",
             )
-        value = mantissa * per
+        value: np.ndarray = mantissa * per
         for i in (decimals > EXACT).nonzero()[0]:
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
@@ -326,7 +326,7 @@ class Batch:
             column[self.words.block[place[self.words.mantissa[place] == number]]] = mode
         self.given["carried"] = column
 
-    def held(self, group: str):
+    def held(self, group: str) -> Any:
         """The code of a group in force at each block: (B,) where the batch names it, else one
         number."""
         if group not in self.given:
@@ -363,7 +363,7 @@ class Batch:
         """The axis by which words of one are measured: C by X as a coordinate of the face."""
         return "X" if self.polar and letter == "C" else letter
 
-    def unit_scale(self, letter: str):
+    def unit_scale(self, letter: str) -> tuple[Any, Any]:
         """Ticks of one unit of an axis word, and of one least increment: (B,) or a number each."""
         letter = self.measured(letter)
         least = self.setup.least_increment.get(letter, 1e-4)
@@ -373,13 +373,13 @@ class Batch:
         unit, increment = zip(_scales(True, least), _scales(False, least), strict=True)
         return np.where(inch, *unit), np.where(inch, *increment)
 
-    def halves(self, letter: str, distances: np.ndarray | None = None):
+    def halves(self, letter: str, distances: np.ndarray | None = None) -> Any:
         """(B,) or number: 2 where words of this axis are diameters, else 1.
 
         distances (B,) bool: where its words are distances, by G91 unless given. Under DIAM90 places
         are diameters and distances radii (Sinumerik 840D sl "Programming Manual Fundamentals",
         "Channel-specific diameter/radius programming"), and AC() and IC() say of one word which it
-        is ("Non-modal absolute and incremental dimensions").
+        is ("Non-modal absolute and incremental dimensions"): read from both, seen in no example.
         """
         if self.polar and (letter != "X" or self.polar == "Y"):
             return np.int64(1)

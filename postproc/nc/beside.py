@@ -19,7 +19,7 @@ from postproc.nc.batch import Batch
 from postproc.nc.columns import one_of, spread
 from postproc.nc.face import planes
 from postproc.nc.state import NONE, Beside
-from postproc.nc.zeros import lathe_tool, stated, stated_tool
+from postproc.nc.zeros import stated, stated_tool, tool_named
 from postproc.records import replace
 from postproc.units import MM_PER_INCH
 
@@ -204,4 +204,4 @@ def _last_name(b: Batch, block: int) -> str:
     tool = tool[b.words.block[tool] <= block]
     if not len(tool):
         return b.tool
-    return lathe_tool(b.dialect, int(b.words.mantissa[tool[-1]]))
+    return tool_named(b, int(tool[-1]))

@@ -99,12 +99,9 @@ def _centres(b: Writing, mine: np.ndarray, piece: np.ndarray, arc: np.ndarray, k
     )
     replace = (is_arc & (word >= 0) & (number != stands) & ~by_radius).nonzero()[0]
     b.splice.numbers(
-        w.number[word[replace]],
-        w.stop[word[replace]],
-        np.zeros(len(replace)),
-        number[replace],
+        w.number[word[replace]], w.stop[word[replace]], np.zeros(len(replace)), number[replace],
         decimals[replace],
-    )
+    )  # fmt: skip
     new = np.where(by_radius, p.radius[piece] == 0, number != stands)
     add = (is_arc & (word < 0) & new).nonzero()[0]
     at, rank = b.at[mine[add]], np.full(len(add), INSERT_WORD + 20 + k)
@@ -125,13 +122,14 @@ def _further_centres(b: Writing, later: np.ndarray, k: int) -> None:
     _insert_centre(b, motion, arc, k, number, decimals, b.behind(motion), b.rank(later) + 30 + k)
 
 
-def _centre(b: Writing, piece, arc, k):
+def _centre(b: Writing, piece: np.ndarray, arc: np.ndarray, k: int) -> np.ndarray:
     """(K,) ticks of an absolute centre word."""
     axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
-    return b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
+    centre: np.ndarray = b.p.start[axis, piece] + b.p.centre[k, piece] - b.m.arcs.origin[k, arc]
+    return centre
 
 
-def _by_letter(b: Writing, word) -> np.ndarray:
+def _by_letter(b: Writing, word: np.ndarray) -> np.ndarray:
     """(K,) bool: words whose own spelling says whether they are absolute."""
     return (
         (word >= 0) & (b.w.letter[np.maximum(word, 0)] >= RELATIVE)
@@ -140,24 +138,35 @@ def _by_letter(b: Writing, word) -> np.ndarray:
     )
 
 
-def _unit(b: Writing, arc, k):
+def _unit(b: Writing, arc: np.ndarray, k: int) -> np.ndarray:
     """(K,) ticks of one unit of a centre word (a radius, so never halved)."""
     axis = (b.m.arcs.first, b.m.arcs.second)[k][arc]
     scale = b.m.scale[axis, b.m.arcs.motion[arc]]
-    return np.where(
+    unit: np.ndarray = np.where(
         scale < TICKS_PER_MM,
         scale * 2,
         np.where((scale > TICKS_PER_MM) & (scale < 20 * TICKS_PER_MM), scale * 2, scale),
     )
+    return unit
 
 
-def _centre_decimals(b: Writing, arc, k, word):
+def _centre_decimals(b: Writing, arc: np.ndarray, k: int, word: np.ndarray) -> np.ndarray:
     least = np.rint(np.log10(_unit(b, arc, k) / b.m.arcs.grid[k, arc])).astype(np.int64)
     own = np.where(word >= 0, b.w.decimals[np.maximum(word, 0)], 0)
-    return np.minimum(np.maximum(least, own), MOST_DECIMALS)
+    centre_decimals: np.ndarray = np.minimum(np.maximum(least, own), MOST_DECIMALS)
+    return centre_decimals
 
 
-def _insert_centre(b: Writing, motion, arc, k, number, decimals, at, rank) -> None:
+def _insert_centre(
+    b: Writing,
+    motion: np.ndarray,
+    arc: np.ndarray,
+    k: int,
+    number: np.ndarray,
+    decimals: np.ndarray,
+    at: np.ndarray,
+    rank: np.ndarray,
+) -> None:
     """Put the words for k = 0 or 1, the plane's first or second centre word, in at the places
     `at`."""
     letters = {

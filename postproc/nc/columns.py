@@ -4,20 +4,22 @@ stay a number."""
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from postproc.nc.state import NONE
 
 
-def at(column, index: np.ndarray):
+def at(column: Any, index: np.ndarray) -> Any:
     """A column at some blocks; a single number stays one."""
     if not isinstance(column, np.ndarray):
         return column
     return column.ravel()[0] if column.size == 1 else column[index]
 
 
-def spread(column, n: int) -> np.ndarray:
+def spread(column: np.ndarray | int, n: int) -> np.ndarray:
     """(n,) a column, or a single number n times."""
     if isinstance(column, np.ndarray) and column.size == n:
         return column
@@ -35,12 +37,12 @@ def one_of(column: np.ndarray, few: Iterable[int]) -> np.ndarray:
     return found
 
 
-def changes(column) -> np.ndarray:
+def changes(column: ArrayLike) -> np.ndarray:
     """Indices at which a column takes another value, the first one among them."""
-    column = np.asarray(column).ravel()
+    flat = np.asarray(column).ravel()
     return (
-        np.concatenate([[0], (column[1:] != column[:-1]).nonzero()[0] + 1])
-        if len(column)
+        np.concatenate([[0], (flat[1:] != flat[:-1]).nonzero()[0] + 1])
+        if len(flat)
         else np.zeros(0, np.int64)
     )
 
@@ -91,4 +93,5 @@ def named_since(named: np.ndarray, at: np.ndarray, carry: bool) -> tuple[np.ndar
 
 def cells(table: np.ndarray, row: int | np.ndarray, column: np.ndarray) -> np.ndarray:
     """(K,) table[row, column] of an (A, N) table, three times as fast."""
-    return table.take(row * table.shape[1] + column)
+    cells: np.ndarray = table.take(row * table.shape[1] + column)
+    return cells

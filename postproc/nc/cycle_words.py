@@ -62,9 +62,6 @@ def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> Non
         number = int(w.mantissa[word]) // 10 ** (own - kept) * int(POWERS[decimals - kept])
         more = counts(np.array([ticks]), t.scale[k : k + 1], np.array([decimals]))
         splice.numbers(
-            w.number[[word]],
-            w.stop[[word]],
-            np.zeros(1, np.int64),
-            number + more,
+            w.number[[word]], w.stop[[word]], np.zeros(1, np.int64), number + more,
             np.array([decimals], np.int64),
-        )
+        )  # fmt: skip

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.errors import Notice
-from postproc.nc.batch import Batch, written_codes
+from postproc.nc.batch import AxisWords, Batch, written_codes
 from postproc.nc.columns import one_of
 from postproc.nc.holes import ACROSS, in_cycle
 from postproc.nc.state import InCycle
@@ -44,7 +44,7 @@ def as_motion(b: Batch, motion: np.ndarray) -> np.ndarray:
     return motion
 
 
-def cycle_of(b: Batch, motion: np.ndarray, axis_words: dict) -> InCycle | None:
+def cycle_of(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | None:
     """The engraving of a segment, or the canned cycle that holds its blocks. motion (B,): the
     motion code in force."""
     mask = one_of(motion, b.dialect.engraves)
@@ -56,7 +56,7 @@ def cycle_of(b: Batch, motion: np.ndarray, axis_words: dict) -> InCycle | None:
 
 
 def _place_of_text(
-    b: Batch, mask: np.ndarray, motion: np.ndarray, axis_words: dict
+    b: Batch, mask: np.ndarray, motion: np.ndarray, axis_words: AxisWords
 ) -> InCycle | None:
     """The block of an engraving, alone in its segment, as a hole at the place where the text
     begins."""
@@ -90,22 +90,15 @@ def _place_of_text(
         " what the machine is off across the text is not"
     )
     b.notices.append(Notice(f"left {code.word}", said, int(b.words.line[block[0]])))
-    one = lambda x, kind=np.int64: np.array([x], kind)  # noqa: E731
+
+    def one(x: float, kind: type = np.int64) -> np.ndarray:
+        return np.array([x], kind)
+
     return InCycle(
-        letter=letter,
-        row=row,
-        mask=mask,
-        blocks=block,
-        target=one(level),
-        bottom=one(value["Z"]),
-        level=one(level),
-        zero=one(zero),
-        word=own["Z"][:1],
-        initial=one(False, bool),
-        code=motion[block],
-        known=known or "R" in value,
-        after=b.state.cycle,
-    )
+        letter=letter, row=row, mask=mask, blocks=block, target=one(level), bottom=one(value["Z"]),
+        level=one(level), zero=one(zero), word=own["Z"][:1], initial=one(False, bool),
+        code=motion[block], known=known or "R" in value, after=b.state.cycle,
+    )  # fmt: skip
 
 
 def known_behind(b: Batch, known: np.ndarray) -> np.ndarray:
@@ -121,7 +114,7 @@ def _engraves(b: Batch) -> bool:
 
 
 def loose_axes(
-    b: Batch, motion: np.ndarray, moving: np.ndarray, axis_words: dict
+    b: Batch, motion: np.ndarray, moving: np.ndarray, axis_words: AxisWords
 ) -> tuple[str, ...]:
     """Refuse what begins where an engraving has ended, leave rapids from there as they are, and
     give the axes whose place is not certain behind the batch."""

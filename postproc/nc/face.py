@@ -23,7 +23,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from postproc.motions import COUNTER
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.codes import TRANSFORM
 from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
 from postproc.nc.state import NONE, Frame
@@ -80,7 +80,7 @@ def planes(b: Batch) -> dict[int, tuple[str, str, str, str]]:
     return {170: ON_FACE}
 
 
-def polar_on(b: Batch, axis_words, word: str) -> None:
+def polar_on(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G12.1, G112: from here on X and the second coordinate are places of the face."""
     if b.frame.face is not None:
         return
@@ -109,7 +109,7 @@ def polar_on(b: Batch, axis_words, word: str) -> None:
 
 
 # Whole: a list of refusals, a condition to each.
-def _lacking(b: Batch, axis_words, word: str) -> tuple[str, str] | None:
+def _lacking(b: Batch, axis_words: AxisWords, word: str) -> tuple[str, str] | None:
     """Why the interpolation can not be followed from here on."""
     kinematics = b.setup.kinematics
     if kinematics is None or kinematics.face is None:
@@ -168,7 +168,7 @@ def _zero(b: Batch, row: int) -> int:
     return int(work_columns(b)[row, 0] + b.frame.shift[row])
 
 
-def polar_off(b: Batch, axis_words, word: str) -> None:
+def polar_off(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G13.1, G113: words are places of the slides again."""
     if FACE in b.frame.unknown:
         known = b.state.known.copy()

@@ -79,7 +79,8 @@ def _special(b: Writing, rows: list[list[int]]) -> np.ndarray:
     if turned.any():
         _same_time(b, rows[0], beside, turned)
     moves = ((m.target != m.start) & known)[beside].any(axis=0)
-    return moves & feeds & known[rows[0]].all(axis=0)
+    special: np.ndarray = moves & feeds & known[rows[0]].all(axis=0)
+    return special
 
 
 def _same_time(b: Writing, linear: list[int], beside: list[int], turned: np.ndarray) -> None:
@@ -127,7 +128,9 @@ def _ratios(b: Writing, rows: list[list[int]], special: np.ndarray) -> np.ndarra
     return result
 
 
-def _along(b: Writing, rows: list[list[int]], way: np.ndarray, motion: np.ndarray):
+def _along(
+    b: Writing, rows: list[list[int]], way: np.ndarray, motion: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """(K,) the length of `way` (A, K), ticks, that F is along, in mm, inches or degrees, and (K,)
     which of GROUPS that is."""
     linear = rows[0] + rows[1]

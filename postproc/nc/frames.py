@@ -10,10 +10,13 @@ NIST RS274/NGC 3.2, 3.5.5-3.5.17; LinuxCNC as measured (tests/linuxcnc/README.md
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from postproc.nc import face, planes, spatial, swivel, tips
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.codes import code_number
 from postproc.nc.grammar import KEYWORD_LETTER
 from postproc.nc.lengths import (
@@ -49,7 +52,7 @@ EXPAND = "--expand writes the program out in plain coordinates"
 
 
 # Whole: what shifts coordinates, in the order in which the control lets it hold.
-def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
+def event(b: Batch, axis_words: AxisWords) -> None:
     """Let the first block of a segment change the shifts, if it does; sets b.frame and
     b.offsets."""
     begun = {int(column[0]) for column in b.given.values()}
@@ -77,7 +80,7 @@ def event(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> Non
             spatial.turned_in(b)
 
 
-def _edge(b: Batch, axis_words) -> None:
+def _edge(b: Batch, axis_words: AxisWords) -> None:
     """D with its length, where the control has no G43; a new tool comes with its first edge."""
     letter = b.dialect.length_letter
     number, tool = number_of(b, letter), number_of(b, "T")
@@ -100,7 +103,7 @@ def begins_with(b: Batch, number: int) -> bool:
     return number in b.single and 0 in b.single[number][:1]
 
 
-def _set(b: Batch, axis_words, word: str) -> None:
+def _set(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G92: the place where the axes stand gets these coordinates."""
     values = values_of(b, axis_words)
     if not values:
@@ -138,22 +141,22 @@ def _set(b: Batch, axis_words, word: str) -> None:
     note_presets(b, axis_words, [x for x, (_, is_inc) in values.items() if not is_inc])
 
 
-def _set_zero(b: Batch, axis_words, word: str) -> None:
+def _set_zero(b: Batch, axis_words: AxisWords, word: str) -> None:
     frame = replace(b.frame, preset=np.zeros_like(b.frame.preset), preset_on=True)
     if b.dialect.local_is_preset:
         frame = replace(frame, local=np.zeros_like(frame.local))
     b.frame = with_known(frame, "preset")
 
 
-def _set_off(b: Batch, axis_words, word: str) -> None:
+def _set_off(b: Batch, axis_words: AxisWords, word: str) -> None:
     b.frame = with_known(replace(b.frame, preset_on=False), "preset")
 
 
-def _set_back(b: Batch, axis_words, word: str) -> None:
+def _set_back(b: Batch, axis_words: AxisWords, word: str) -> None:
     b.frame = replace(b.frame, preset_on=True)
 
 
-def _local(b: Batch, axis_words, word: str) -> None:
+def _local(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G52: a zero within the work offset. LinuxCNC keeps it where it keeps G92's."""
     values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
     if b.dialect.local_is_preset:
@@ -166,7 +169,7 @@ def _local(b: Batch, axis_words, word: str) -> None:
     planes.shifted_within(b, word)
 
 
-def _data(b: Batch, axis_words, word: str) -> None:
+def _data(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G10: the program writes offsets. L2 a work offset, L20 so that the axes stand at these
     coordinates (Fanuc: an additional work offset), L1 L10 L11 a tool's."""
     line, number = number_of(b, "L"), number_of(b, "P")
@@ -209,7 +212,9 @@ def _name(b: Batch, p: int, line: int) -> str:
 
 
 # Whole: the forms of G10 L2 and L20, with a refusal to each.
-def _work_offset(b: Batch, axis_words, p: int, line: int, values) -> None:
+def _work_offset(
+    b: Batch, axis_words: AxisWords, p: int, line: int, values: dict[str, tuple[int, bool]]
+) -> None:
     by_place = line == 20 and not b.dialect.extended_by_p
     name = _name(b, p, line)
     if not name:
@@ -252,7 +257,7 @@ def _named_too(b: Batch, name: str, p: int) -> tuple[str, ...]:
     return (code.word,) if own and code is not None else ()
 
 
-def _turned(b: Batch, axis_words, word: str) -> None:
+def _turned(b: Batch, axis_words: AxisWords, word: str) -> None:
     """ROT SCALE MIRROR of Siemens: alone they take the whole programmable frame back, with words
     they turn or scale it."""
     low, high = np.searchsorted(b.words.block, [0, 1])
@@ -269,14 +274,14 @@ def _turned(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(b.frame, "turned", reason)
 
 
-def _store(b: Batch, axis_words, word: str) -> None:
+def _store(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G28.1: the place where the machine stands becomes the reference point. It stands beside the
     nominal place by the correction, so from here on nobody knows where G28 goes, to the last
     micrometre."""
     b.offsets = {**b.offsets, word.split(".")[0]: {}}
 
 
-def _extended(b: Batch, axis_words, word: str) -> None:
+def _extended(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G54.1 P, G15 H of Okuma: one of many work offsets."""
     name = b.dialect.extended_name
     letter, code = name[-1], name[:-2]
@@ -288,7 +293,7 @@ def _extended(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, extended=f"{name}{int(number)}"), "extended")
 
 
-def _numbered(b: Batch, axis_words, word: str) -> None:
+def _numbered(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G59 of Mach3: with P one of 254 work offsets, which no --offset names."""
     number = number_of(b, "P")
     if number is None or number == 6:
@@ -301,7 +306,7 @@ def _numbered(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(b.frame, "numbered", reason)
 
 
-def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
+def _trans(b: Batch, axis_words: AxisWords, word: str, add: bool = False) -> None:
     """TRANS: the shift is replaced, of axes that are not named by none; ATRANS adds."""
     start = b.frame.trans if add else np.zeros_like(b.frame.trans)
     values = {
@@ -315,7 +320,7 @@ def _trans(b: Batch, axis_words, word: str, add: bool = False) -> None:
         b.frame = with_known(replace(frame, added=False), "turned")
 
 
-def _axis_shift(b: Batch, axis_words, word: str, add: bool = False) -> None:
+def _axis_shift(b: Batch, axis_words: AxisWords, word: str, add: bool = False) -> None:
     """G58, G59 of Siemens: of the shift of the axes that are named, G58 replaces what TRANS gave,
     G59 what ATRANS added; the two are told apart as long as nothing was added ("Axial work offset",
     NC programming manual)."""
@@ -347,7 +352,9 @@ def _swivelled(b: Batch) -> None:
             planes.plane_align(b, swivel.WORD, does)
 
 
-def _length(b: Batch, axis_words, word: str, then=length_of, **how) -> None:
+def _length(
+    b: Batch, axis_words: AxisWords, word: str, then: Callable[..., None] = length_of, **how: Any
+) -> None:
     """A length, or none; where one code of the group calls the tool point, it takes that back."""
     before, tip = b.frame.length, b.frame.tip
     if "tip" in b.dialect.frame_codes.values():

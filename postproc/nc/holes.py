@@ -15,7 +15,7 @@ import numpy as np
 
 from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
-from postproc.nc.batch import NO_WORDS, Batch
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.columns import hold_index
 from postproc.nc.state import Cycle, InCycle
 
@@ -54,9 +54,7 @@ def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tu
 
 
 # Whole: one line to a column; a branch is a kind of cycle.
-def in_cycle(
-    b: Batch, motion: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
-) -> InCycle | None:
+def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | None:
     """What the cycle in force does in each of its blocks, or None. motion (B,): the motion code in
     force."""
     mask = b.dialect.is_hole[np.maximum(motion, 0)] & (motion >= 0)
@@ -127,20 +125,11 @@ def in_cycle(
         deep = int(bottom[-1]) if has_bottom[-1] else None
         after = Cycle(letter, held, deep, cycle.initial, cycle.known, stored)
     return InCycle(
-        letter=letter,
-        row=row,
-        mask=mask,
-        blocks=holes,
-        target=np.where(initial, cycle.initial, level)[holes],
-        bottom=bottom[holes],
-        level=level[holes],
-        zero=np.where(absolute, offset, level)[holes],
-        word=word[holes],
-        initial=initial[holes],
-        code=motion[holes],
-        known=cycle.known,
-        after=after,
-    )
+        letter=letter, row=row, mask=mask, blocks=holes,
+        target=np.where(initial, cycle.initial, level)[holes], bottom=bottom[holes],
+        level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
+        initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
+    )  # fmt: skip
 
 
 def _there_and_back(
@@ -150,7 +139,7 @@ def _there_and_back(
     letter: str,
     cycle: Cycle,
     absolute: np.ndarray,
-    axis_words,
+    axis_words: AxisWords,
 ) -> InCycle:
     """G33.1: in step with the spindle from where the axes stand to the words, and back there
     (LinuxCNC as measured)."""
@@ -175,23 +164,15 @@ def _there_and_back(
         b.ticks(place, scale[b.words.block[place]]) + zero[b.words.block[place]]
     )
     return InCycle(
-        letter=letter,
-        row=row,
-        mask=mask,
-        blocks=holes,
-        target=level[holes],
-        bottom=bottom[holes],
-        level=level[holes],
-        zero=zero[holes],
-        word=word[holes],
-        initial=np.ones(len(holes), bool),
-        code=motion[holes],
-        known=cycle.known,
-        after=None,
-    )
+        letter=letter, row=row, mask=mask, blocks=holes, target=level[holes], bottom=bottom[holes],
+        level=level[holes], zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool),
+        code=motion[holes], known=cycle.known, after=None,
+    )  # fmt: skip
 
 
-def _held(b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None):
+def _held(
+    b: Batch, place: np.ndarray, zero: np.ndarray, scale: np.ndarray, carry: int | None
+) -> tuple[np.ndarray, np.ndarray]:
     """(B,) ticks of a word that holds until the next one, counted from `zero`, and whether it was
     ever given."""
     block = b.words.block[place]
@@ -239,7 +220,15 @@ def _repeats(b: Batch, mask: np.ndarray, drills: np.ndarray, stored: str) -> str
     return "" if len(holes) and holes[-1] > last else before.get(last, "")
 
 
-def _blame(b: Batch, holes, has_level, has_bottom, level, bottom, letter: str) -> None:
+def _blame(
+    b: Batch,
+    holes: np.ndarray,
+    has_level: np.ndarray,
+    has_bottom: np.ndarray,
+    level: np.ndarray,
+    bottom: np.ndarray,
+    letter: str,
+) -> None:
     b.blame(
         holes[~has_level[holes]],
         "a canned cycle without R",
@@ -263,13 +252,7 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
         return no_holes()
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
     return Holes(
-        motion=motion,
-        axis=np.full(len(motion), cycle.row),
-        bottom=cycle.bottom,
-        level=cycle.level,
-        zero=cycle.zero,
-        word=cycle.word,
-        initial=cycle.initial,
-        tap=b.dialect.is_tap[code],
+        motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level,
+        zero=cycle.zero, word=cycle.word, initial=cycle.initial, tap=b.dialect.is_tap[code],
         place=~b.dialect.there_and_back[code],
-    )
+    )  # fmt: skip

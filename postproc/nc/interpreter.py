@@ -19,7 +19,7 @@ from postproc.errors import BlockFault, Notice
 from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import Batch, written_codes
+from postproc.nc.batch import AxisWords, Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
@@ -184,7 +184,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
 
 
-def _axis_words(b: Batch) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def _axis_words(b: Batch) -> AxisWords:
     """The words of each axis, absolute and relative; sets b.has_axis."""
     words = {
         x: (b.one_of(*absolute), b.one_of(*relative))
@@ -218,7 +218,7 @@ def _moving(b: Batch, motion: np.ndarray, centre_words: dict[str, np.ndarray]) -
     return moving
 
 
-def single_codes(b: Batch, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]) -> None:
+def single_codes(b: Batch, axis_words: AxisWords) -> None:
     """Codes that act in their own block only: G28 and G30 take the axis words, G53 changes their
     frame, G4 waits."""
     for number, block in b.single.items():
@@ -360,25 +360,12 @@ def columns(
 
 def next_state(b: Batch, places: Places) -> ModalState:
     return ModalState(
-        codes=b.after(),
-        position=places.end_position,
-        known=known_behind(b, places.end_known),
-        tool=b.tool_after,
-        feed=b.feed,
-        ended=b.ended,
-        renamed=b.renamed,
-        origin=b.offset[:, -1],
-        zero_known=b.zero_known,
-        frame=b.frame,
-        sent=places.end_sent,
-        changed=places.end_changed,
-        offsets=b.offsets,
-        cycle=b.cycle.after if b.cycle else None,
-        beside=b.beside,
-        tool_number=tool_in_use(b),
-        next_tool=b.next_tool,
-        loose=b.loose,
-    )
+        codes=b.after(), position=places.end_position, known=known_behind(b, places.end_known),
+        tool=b.tool_after, feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1],
+        zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, changed=places.end_changed,
+        offsets=b.offsets, cycle=b.cycle.after if b.cycle else None, beside=b.beside,
+        tool_number=tool_in_use(b), next_tool=b.next_tool, loose=b.loose,
+    )  # fmt: skip
 
 
 def tool_in_use(b: Batch) -> int:

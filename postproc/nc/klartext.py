@@ -38,26 +38,10 @@ GOES_ON = "no statement begins so; where it goes on a comment (~), --expand join
 SETS = "it sets data of the control: set them before the program, and take the block out"
 # why a statement can not be followed; a MACRO says the number, from 1
 REASONS = (
-    codes.CALL,
-    EXPAND_PATH,
-    codes.WRITE_OUT,
-    codes.UNTURNED,
-    codes.TILTED,
-    codes.TOOL_POINT,
-    codes.PROBE,
-    DATUM,
-    LONGER,
-    ALONG,
-    SETS,
-    codes.TRANSFORM,
-    codes.CURVE,
-    SUM,
-    VALUES,
-    PARAXIAL,
-    GOES_ON,
-    SIDELESS,
-    codes.FRAME,
-)
+    codes.CALL, EXPAND_PATH, codes.WRITE_OUT, codes.UNTURNED, codes.TILTED, codes.TOOL_POINT,
+    codes.PROBE, DATUM, LONGER, ALONG, SETS, codes.TRANSFORM, codes.CURVE, SUM, VALUES, PARAXIAL,
+    GOES_ON, SIDELESS, codes.FRAME,
+)  # fmt: skip
 REASON = {why: number for number, why in enumerate(REASONS, 1)}
 COMMA = re.compile(rb"(?<=[0-9]),(?=[0-9])")
 HEAD = re.compile(rb"[ \t]*(/[ \t]*)?(?:[0-9]+(?=[ \t\r*;]|\Z)[ \t]*)?")
@@ -229,7 +213,7 @@ def _side(match: re.Match[bytes]) -> bytes:
 def _parameter(text: bytes) -> bytes:
     """Q1=+5: it moves nothing, and who uses it is asked there; Q339 of cycle 247 is the preset."""
     if PRESET.match(text):
-        number = VALUE.findall(text.partition(b"=")[2])
+        number: list[bytes] = VALUE.findall(text.partition(b"=")[2])
         return (b"G247P" + number[0].lstrip(b"+")).ljust(len(text))
     return _blank(text)
 

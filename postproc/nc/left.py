@@ -60,7 +60,7 @@ def left_as_they_are(b: Batch, motion: np.ndarray) -> None:
 
 def _by_radius(b: Batch, code: Code, mask: np.ndarray) -> np.ndarray:
     """(B,) bool: the cycles where X is a radius, which --expand writes out."""
-    by_radius = mask & (spread(b.held("diameter"), b.n) != DIAMETER)
+    by_radius: np.ndarray = mask & (spread(b.held("diameter"), b.n) != DIAMETER)
     if np.count_nonzero(by_radius):
         b.foreign |= by_radius
         b.reason[by_radius] = b.because(f"{code.word} ({code.meaning})", code.refuses)

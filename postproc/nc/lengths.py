@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.errors import Notice
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.state import NONE, UNSAID, ticks_of
 from postproc.nc.zeros import (
     changed,
@@ -26,7 +26,9 @@ UNNAMED = (
 )
 
 
-def set_tool(b: Batch, axis_words, p: int, line: int, values: dict[str, tuple[int, bool]]) -> None:
+def set_tool(
+    b: Batch, axis_words: AxisWords, p: int, line: int, values: dict[str, tuple[int, bool]]
+) -> None:
     """G10 L1 L10 L11 P: the offsets of a tool; what G43 has in force stays until the next G43."""
     if b.dialect.tool_offsets:
         b.frame = with_known(
@@ -95,7 +97,7 @@ def _not_stated(number: int) -> tuple[str, str]:
     )
 
 
-def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False) -> None:
+def length_of(b: Batch, axis_words: AxisWords, word: str, sign: int = 1, add: bool = False) -> None:
     """G43 H: the tool's length shifts the coordinates; H0 is no length (Fanuc B-64304EN-2: "the
     offset value of H0 is always 0"; Haas likewise). Without H, and with H0 of LinuxCNC (measured):
     the length of the tool in the spindle."""
@@ -118,7 +120,7 @@ def length_of(b: Batch, axis_words, word: str, sign: int = 1, add: bool = False)
     b.frame = with_known(replace(b.frame, length=length, length_units=units, lapsed=()), "length")
 
 
-def left_open(b: Batch, axis_words, before: np.ndarray) -> None:
+def left_open(b: Batch, axis_words: AxisWords, before: np.ndarray) -> None:
     """Forget where the axes stand whose length is another one than before, unless the block says
     their place. Fanuc adds the length to the end of the block "regardless of whether the absolute
     or incremental mode is selected", and moves the axis where the block does not name it, or shifts
@@ -219,7 +221,7 @@ def _units_changed(b: Batch) -> bool:
     return True
 
 
-def length_by(b: Batch, axis_words, letter: str, number: int) -> None:
+def length_by(b: Batch, axis_words: AxisWords, letter: str, number: int) -> None:
     """D of Siemens, T elsewhere: the number names the length, which holds at once; 0 is none, and
     so is less. The next increment of an axis travels a length that has changed, or not (Siemens
     SD42442)."""
@@ -258,7 +260,7 @@ def _delta(b: Batch) -> np.ndarray | int:
     return np.array([round(more * unit) if x == "Z" else 0 for x in b.setup.axes], np.int64)
 
 
-def length_words(b: Batch, axis_words, word: str) -> None:
+def length_words(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G43.1: the words are the offset; axes without a word keep theirs."""
     values = {b.rows[x]: value for x, (value, _) in values_of(b, axis_words).items()}
     if values and b.code_word[0] >= 0:
@@ -275,7 +277,7 @@ def length_words(b: Batch, axis_words, word: str) -> None:
     )
 
 
-def no_length(b: Batch, axis_words, word: str) -> None:
+def no_length(b: Batch, axis_words: AxisWords, word: str) -> None:
     if not _units_changed(b):
         none = np.zeros_like(b.frame.length)
         b.frame = with_known(replace(b.frame, length=none, lapsed=()), "length")

@@ -220,19 +220,9 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         used[(after - 1)[pointed]] = True
         used[np.searchsorted(mark, block_first[skip])] = True
         fault, tape = _first_fault(
-            text,
-            code,
-            offset,
-            kind,
-            mark,
-            mark_kind,
-            used,
-            block_of_mark,
-            first,
-            block,
-            digits,
+            text, code, offset, kind, mark, mark_kind, used, block_of_mark, first, block, digits,
             block_first,
-        )
+        )  # fmt: skip
     else:
         tape = -1
 
@@ -281,14 +271,21 @@ def _block_at(words: Words, offset: int) -> int:
     return int(np.searchsorted(words.block_stop, offset, side="left"))
 
 
-def _resolved(whole, decimals):
+def _resolved(whole: np.ndarray, decimals: np.ndarray) -> np.ndarray:
     """(W,) the decimals that are read: none beyond 18 digits (0.053299492385786795).
     Controllers drop sooner: GRBL 1.1 keeps the first 8, read_float in nuts_bolts.c."""
     over = (whole + decimals > LONGEST) & (whole <= WHOLE_DIGITS)
     return np.where(over, LONGEST - whole, decimals) if np.count_nonzero(over) else decimals
 
 
-def _mantissa(byte, begin, whole, decimals, pointed, negative):
+def _mantissa(
+    byte: np.ndarray,
+    begin: np.ndarray,
+    whole: np.ndarray,
+    decimals: np.ndarray,
+    pointed: np.ndarray,
+    negative: np.ndarray,
+) -> np.ndarray:
     """(W,) int64 the digits of each number as one integer, with its sign; the point is stepped
     over."""
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
@@ -309,7 +306,7 @@ def _mantissa(byte, begin, whole, decimals, pointed, negative):
     return np.where(negative, -value, value) if np.count_nonzero(negative) else value
 
 
-def _digits(text, count):
+def _digits(text: np.ndarray, count: np.ndarray) -> np.ndarray:
     """(W,) int64 of the first `count` digits, eight at most, of eight characters each: pairs, then
     fours, then eights are joined at once."""
     value = (text & LOW_NIBBLES) << SHIFT.take(count, mode="clip")
@@ -322,8 +319,19 @@ def _digits(text, count):
 
 
 def _first_fault(
-    text, code, at, kind, mark, mark_kind, used, block_of_mark, first, block, digits, block_first
-):
+    text: bytes,
+    code: bytes,
+    at: np.ndarray,
+    kind: np.ndarray,
+    mark: np.ndarray,
+    mark_kind: np.ndarray,
+    used: np.ndarray,
+    block_of_mark: np.ndarray,
+    first: np.ndarray,
+    block: np.ndarray,
+    digits: np.ndarray,
+    block_first: np.ndarray,
+) -> tuple[BlockFault | None, int]:
     """The earliest thing that is not a word, as a BlockFault, and the offset of the first "%" (-1:
     none)."""
     faults: list[tuple[int, int, str, str]] = []  # offset, block, message, advice

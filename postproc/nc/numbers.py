@@ -69,4 +69,5 @@ def counts(
         per = unit // POWERS[decimals]
     low = ticks // per
     rest = 2 * (ticks - low * per)
-    return low + (rest + (low & 1) > per)  # an odd number turns a half up
+    counts: np.ndarray = low + (rest + (low & 1) > per)  # an odd number turns a half up
+    return counts

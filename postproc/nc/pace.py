@@ -182,5 +182,5 @@ def seconds(words: Words, block: int, dialect: Dialect) -> float:
                 or (letter in "XU" and dialect.integers == "least increments")
             ):
                 value *= 1e-3
-            return value
+            return float(value)
     return float("nan")

@@ -10,12 +10,12 @@ followed as one (tips.py).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from postproc.errors import Notice
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.tips import PLANE, STATE_FRAME, lost
 from postproc.nc.zeros import number_of, values_of, with_known, work_columns
 from postproc.records import replace
@@ -25,7 +25,7 @@ from postproc.units import TICKS_PER_MM
 STANDS = 1e-4  # rad: closer to its normal a tool stands across the plane
 
 
-def plane_on(b: Batch, axis_words, word: str) -> None:
+def plane_on(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G68.2 X Y Z I J K."""
     reason: tuple[str, str] | None = None
     if number_of(b, "P"):
@@ -69,7 +69,7 @@ def tilt(
     b.frame = with_known(replace(frame, plane=replace(plane, held=False)), PLANE, reason)
 
 
-def plane_off(b: Batch, axis_words, word: str) -> None:
+def plane_off(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G69: X Y Z are what they were."""
     b.frame = with_known(replace(b.frame, plane=None), PLANE)
 
@@ -165,7 +165,9 @@ def shifted_within(b: Batch, word: str) -> None:
         b.frame = with_known(b.frame, PLANE, (message, "shift the datum before PLANE"))
 
 
-def _slides(b: Batch, position: np.ndarray):
+def _slides(
+    b: Batch, position: np.ndarray
+) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
     """A function from ticks with other rotary positions to the places of the space and what is
     known, slides as they are at `position` (A,)."""
     kinematics, frame = b.setup.kinematics, b.frame
@@ -198,7 +200,7 @@ def _across(tool: np.ndarray, normal: np.ndarray) -> bool:
     return not (np.linalg.norm(np.cross(tool, normal)) > STANDS or tool @ normal < 0)
 
 
-def refuse_planes(b: Batch, axis_words) -> None:
+def refuse_planes(b: Batch, axis_words: AxisWords) -> None:
     """What can not be followed while X Y Z are coordinates of a plane."""
     kinematics, frame = b.setup.kinematics, b.frame
     if frame.plane is None or kinematics is None:

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from postproc.nc import lengths
-from postproc.nc.batch import LINEAR, Batch
+from postproc.nc.batch import LINEAR, AxisWords, Batch
 from postproc.nc.columns import at, hold_index, hold_last
 from postproc.nc.grammar import ABSOLUTE, RELATIVE
 from postproc.nc.references import away as sent_away
@@ -41,9 +41,7 @@ class Places:
     end_known: np.ndarray
 
 
-def position(
-    b: Batch, block: np.ndarray, axis_words: dict[str, tuple[np.ndarray, np.ndarray]]
-) -> Places:
+def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
     p, shared = _nowhere(b, len(block)), _Shared(b)
     idle = not (len(block) or shared.moves_without_words)
@@ -64,23 +62,13 @@ def _nowhere(b: Batch, n: int) -> Places:
     word = np.empty(shape, np.int64)
     word.fill(-1)
     return Places(
-        start=whole[0],
-        target=whole[1],
-        start_known=np.zeros(shape, bool),
-        target_known=np.zeros(shape, bool),
-        word=word,
-        incremental=np.zeros(shape, bool),
-        grid=whole[2],
-        scale=whole[3],
-        origin=whole[4],
-        least=whole[5],
-        sent=np.zeros(shape, bool),
-        changed=np.zeros(shape, bool),
-        end_sent=np.zeros(len(b.rows), bool),
-        end_changed=_before(b, b.state.changed),
-        end_position=b.state.position.copy(),
+        start=whole[0], target=whole[1], start_known=np.zeros(shape, bool),
+        target_known=np.zeros(shape, bool), word=word, incremental=np.zeros(shape, bool),
+        grid=whole[2], scale=whole[3], origin=whole[4], least=whole[5], sent=np.zeros(shape, bool),
+        changed=np.zeros(shape, bool), end_sent=np.zeros(len(b.rows), bool),
+        end_changed=_before(b, b.state.changed), end_position=b.state.position.copy(),
         end_known=b.state.known.copy(),
-    )
+    )  # fmt: skip
 
 
 class _Shared:
@@ -251,7 +239,9 @@ class _Axis:
         event = np.full(self.b.n, -1)
         event[block], event[away] = 0, 1
         is_away = hold_last(event, int(sent)).astype(bool)
-        lost = self.b.changed.get(self.letter, False) & (is_away | (self.distance != 910))
+        lost: np.ndarray = self.b.changed.get(self.letter, False) & (
+            is_away | (self.distance != 910)
+        )
         event = np.where(self.named | away, 0, np.where(lost, 1, -1))
         since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
         p.changed[self.row] = since[block]
@@ -295,7 +285,7 @@ def _before(b: Batch, held: np.ndarray | None) -> np.ndarray:
 @lru_cache
 def places_of(increment: float) -> int:
     """Decimals of a least increment."""
-    return -round(np.log10(increment))
+    return int(-round(np.log10(increment)))
 
 
 def _since(p: Places, row: int, away: np.ndarray, block: np.ndarray, carry: bool) -> None:
@@ -319,7 +309,7 @@ def _due(axis: _Axis) -> np.ndarray | None:
     first = last < 0
     carried = zero if frame.zeros[row] == UNSAID else frame.zeros[row]
     zero = zero + frame.trans[row] + frame.length[row]
-    due = zero - np.where(first, carried, zero[last])
+    due: np.ndarray = zero - np.where(first, carried, zero[last])
     if len(by):
         mine = np.arange(len(frame.zeros)) == row
         b.frame = replace(frame, zeros=np.where(mine, zero[by[-1]], frame.zeros))

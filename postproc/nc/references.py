@@ -12,7 +12,9 @@ from postproc.nc.zeros import homed, second_home
 from postproc.units import TICKS_PER_MM
 
 
-def away(b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget: np.ndarray):
+def away(
+    b: Batch, letter: str, position: np.ndarray, named: np.ndarray, forget: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(B,) positions, events and lost places where G28 and G30 send an axis away, and (B,) bool
     where they do."""
     drop = forget.copy()
@@ -47,7 +49,8 @@ def _further(b: Batch) -> np.ndarray:
     """Blocks with a P that is not 2: G30 P3 goes to the third reference point."""
     place = b.places.get("P", NO_WORDS)
     w = b.words
-    return w.block[place[(w.mantissa[place] != 2) | (w.decimals[place] != 0)]]
+    further: np.ndarray = w.block[place[(w.mantissa[place] != 2) | (w.decimals[place] != 0)]]
+    return further
 
 
 def _taken_along(
@@ -66,7 +69,9 @@ def _taken_along(
     return drop
 
 
-def _sent(position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int):
+def _sent(
+    position: np.ndarray, named: np.ndarray, there: np.ndarray, place: int
+) -> tuple[np.ndarray, np.ndarray]:
     """(B,) positions and events where blocks `there` send the axis to a place: what follows counts
     from it."""
     position, named = position.copy(), named.copy()

@@ -133,6 +133,8 @@ def _no_axis(b: Batch, letter: str, place: np.ndarray) -> str:
 def check_points(b: Batch) -> None:
     """Say once that coordinates without a decimal point mean different things to different
     controls."""
+    if b.dialect.tool_offsets and "T" in b.places:
+        _refuse_numbers(b)
     if b.dialect.integer_notice:
         for letter in b.rows:
             place = b.places.get(letter)
@@ -374,3 +376,20 @@ def refuse_dwells(b: Batch, moving: np.ndarray, centre_words: dict[str, np.ndarr
         "G4 and an arc in one block",
         "write them in blocks of their own",
     )
+
+
+def _refuse_numbers(b: Batch) -> None:
+    """T2W202 in a block of its own: W is the offset's number on lathes that call tools so, and on
+    others the slide moves by it; the text does not say which."""
+    block = b.words.block
+    number = np.isin(np.arange(len(block)), b.places.get("N", np.zeros(0, np.int64)))
+    pair = np.bincount(block[~number], minlength=b.n) == 2
+    pair &= np.bincount(block[b.places["T"]], minlength=b.n) == 1
+    for letter in (x for x in b.dialect.increments if x in b.places):
+        place = b.places[letter]
+        bare = place[~b.words.pointed[place] & (b.words.mantissa[place] != 0)]
+        b.blame(
+            block[bare][pair[block[bare]]],
+            f"{letter} without a decimal point alone with T: an offset's number on some lathes",
+            "where the slide shall move, write a point; where it is a number, give it as T0202",
+        )

@@ -190,9 +190,6 @@ FANUC_LATHE = [
 
 # What programs with Fanuc's macro language and subprograms show, and no others do.
 MACRO_SIGNS = (
-    r"M98[ \t]*P\d",
-    r"#\d+[ \t]*=",
-    r"G6[56][ \t]*P\d{4}",
-    r"\][ \t]*(THEN\b|GOTO[ \t]*\d)",
+    r"M98[ \t]*P\d", r"#\d+[ \t]*=", r"G6[56][ \t]*P\d{4}", r"\][ \t]*(THEN\b|GOTO[ \t]*\d)",
     r"\bWHILE[ \t]*\[.*\][ \t]*DO[ \t]*\d",
-)
+)  # fmt: skip

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.expressions import expression
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.planes import plane_align, plane_off, tilt, turn_to, turned
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
@@ -32,7 +32,7 @@ LEVEL = 1e-9
 OTHER = "let the CAM program write PLANE SPATIAL with SPA, SPB and SPC"
 
 
-def spatial(b: Batch, axis_words, word: str) -> None:
+def spatial(b: Batch, axis_words: AxisWords, word: str) -> None:
     """The plane of the first block."""
     text = _text(b)
     found = KIND.search(text)

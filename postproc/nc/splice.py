@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from postproc.nc.numbers import decimal_cells
 
@@ -19,13 +20,13 @@ class Splice:
         self._pool_size = 0
         self._edits: list[tuple[np.ndarray, ...]] = []
 
-    def constants(self, start, stop, rank, text: bytes) -> None:
+    def constants(self, start: np.ndarray, stop: np.ndarray, rank: np.ndarray, text: bytes) -> None:
         """The same new text at each of (T,) places."""
         n = len(start)
         if n and (text or (np.asarray(stop) > np.asarray(start)).any()):
             self._add(text, start, stop, rank, np.zeros(n, np.int64), np.full(n, len(text)))
 
-    def texts(self, start, stop, rank, texts: list[bytes]) -> None:
+    def texts(self, start: ArrayLike, stop: ArrayLike, rank: ArrayLike, texts: list[bytes]) -> None:
         """Their own new text at each of (T,) places."""
         if len(texts):
             size = np.array([len(t) for t in texts], np.int64)
@@ -33,9 +34,9 @@ class Splice:
 
     def numbers(
         self,
-        start,
-        stop,
-        rank,
+        start: np.ndarray,
+        stop: np.ndarray,
+        rank: np.ndarray,
         value: np.ndarray,
         decimals: np.ndarray,
         prefix: np.ndarray | None = None,
@@ -56,7 +57,15 @@ class Splice:
             at = np.arange(len(begin)) * cell.shape[1] + begin
             self._add(cell.tobytes(), start[of], stop[of], rank[of], at, end - begin)
 
-    def _add(self, text: bytes, start, stop, rank, at, size) -> None:
+    def _add(
+        self,
+        text: bytes,
+        start: ArrayLike,
+        stop: ArrayLike,
+        rank: ArrayLike,
+        at: np.ndarray,
+        size: np.ndarray,
+    ) -> None:
         self._edits.append(
             (
                 np.asarray(start, np.int64),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.nc.batch import Batch
+from postproc.nc.lexer import Words
 from postproc.nc.numbers import INSERT_WORD
 from postproc.nc.writing import Writing
 
@@ -27,7 +28,8 @@ def stop_column(b: Batch, block: np.ndarray) -> np.ndarray:
                 stop.fill(number)
         else:
             stop[held == number] = number
-    return stop[block]
+    stop_column: np.ndarray = stop[block]
+    return stop_column
 
 
 def exact_stops(b: Writing) -> None:
@@ -54,5 +56,5 @@ def exact_stops(b: Writing) -> None:
         b.splice.texts([at], [at], [rank + INSERT_WORD // 50], [name + space])
 
 
-def _is(w, word: int, number: int) -> bool:
-    return int(w.mantissa[word]) * 10 == number * 10 ** int(w.decimals[word])
+def _is(w: Words, word: int, number: int) -> bool:
+    return bool(int(w.mantissa[word]) * 10 == number * 10 ** int(w.decimals[word]))

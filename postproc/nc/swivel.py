@@ -17,7 +17,7 @@ import re
 import numpy as np
 
 from postproc.expressions import expression
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.planes import plane_off, tilt, turn_to, turned
 from postproc.nc.tips import PLANE
 from postproc.nc.zeros import with_known
@@ -28,7 +28,7 @@ MODE, ZERO, ANGLES, SHIFT, DIRECTION = 3, slice(4, 7), slice(7, 10), slice(10, 1
 BY_AXIS = 57  # X, then Y, then Z
 
 
-def swivel(b: Batch, axis_words, word: str) -> None:
+def swivel(b: Batch, axis_words: AxisWords, word: str) -> None:
     """The plane of the call in the first block."""
     given = _arguments(b)
     if given is None:

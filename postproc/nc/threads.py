@@ -24,7 +24,7 @@ START_ANGLE = "Q"  # what it means in a block that does not start the thread, th
 
 def thread_columns(
     b: Batch, block: np.ndarray, code: np.ndarray, motion: np.ndarray, feed: np.ndarray
-):
+) -> tuple[np.ndarray, np.ndarray]:
     """(N,) bool whether a motion must stay one block, and (N,) mm per turn of a thread, 0 where it
     is not said. code (N,): kind;
     motion (N,): motion code in force; feed (N,): the F that holds."""

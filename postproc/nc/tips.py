@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.nc import face
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.dialects import Dialect
 from postproc.nc.lengths import length_of
 from postproc.nc.state import Frame, Setup, no_frame
@@ -35,7 +35,7 @@ STATE_FRAME = (
 )
 
 
-def tip_by_length(b: Batch, axis_words, word: str) -> None:
+def tip_by_length(b: Batch, axis_words: AxisWords, word: str) -> None:
     """G43.4 H, G234 H: the length, and from here on the tip."""
     length_of(b, axis_words, word)
     tip_on(b, axis_words, word)
@@ -54,7 +54,7 @@ def _stands_unknown(word: str, unknown: list[str]) -> tuple[str, str] | None:
 
 
 # Whole: a list of reasons in their order of precedence.
-def tip_on(b: Batch, axis_words, word: str) -> None:
+def tip_on(b: Batch, axis_words: AxisWords, word: str) -> None:
     """TRAORI, M128: from here on X Y Z are places of the tip."""
     kinematics = b.setup.kinematics
     if kinematics is None:  # no rotary axis: the tip goes as the slides do
@@ -89,12 +89,12 @@ def tip_on(b: Batch, axis_words, word: str) -> None:
     b.frame = with_known(replace(b.frame, tip=space), FOLLOWED, reason)
 
 
-def tip_off(b: Batch, axis_words, word: str) -> None:
+def tip_off(b: Batch, axis_words: AxisWords, word: str) -> None:
     """TRAFOOF, M129, and codes of the group of G43.4: X Y Z are the slides' again."""
     b.frame = with_known(replace(b.frame, tip=None), FOLLOWED)
 
 
-def switched(b: Batch, axis_words) -> None:
+def switched(b: Batch, axis_words: AxisWords) -> None:
     """M codes of the first block that switch the tool point on or off."""
     place = b.places.get("M")
     for k in place[b.words.block[place] == 0].tolist() if place is not None else ():

@@ -133,23 +133,25 @@ class Writing:
         """(K,) what the axis word of pieces is worth."""
         m, p = self.m, self.p
         motion = p.motion[piece]
-        absolute = cells(p.end, row, piece) - cells(m.origin, row, motion)
+        absolute: np.ndarray = cells(p.end, row, piece) - cells(m.origin, row, motion)
         if not self.has_spelled and not np.count_nonzero(m.incremental):
             return absolute
         incremental = m.incremental[row, motion]
         if self.has_spelled:  # X=IC() holds for its own word; blocks put in follow G90 G91
             by_letter = self._by_letter(row, motion) & ~self.first[piece]
             incremental = np.where(by_letter, m.relative[motion], incremental)
-        return np.where(incremental, p.end[row, piece] - p.start[row, piece], absolute)
+        ticks: np.ndarray = np.where(incremental, p.end[row, piece] - p.start[row, piece], absolute)
+        return ticks
 
     def _by_letter(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
         """(K,) bool: words whose own spelling says whether they are absolute."""
         word = self.m.word[row, motion]
-        return (
+        by_letter: np.ndarray = (
             (word >= 0) & (self.w.letter[np.maximum(word, 0)] >= RELATIVE)
             if len(self.w.letter)
             else word >= 0
         )
+        return by_letter
 
     def decimals(self, row: int | np.ndarray, motion: np.ndarray) -> np.ndarray:
         """(K,) decimals to write: the least increment's, or the programmed word's own if it has
@@ -157,16 +159,19 @@ class Writing:
         m, w = self.m, self.w
         word, places = cells(m.word, row, motion), cells(m.places, row, motion)
         own = np.where(word >= 0, w.decimals[np.maximum(word, 0)], 0) if len(w.decimals) else 0
-        return np.minimum(np.maximum(places, own), MOST_DECIMALS)
+        decimals: np.ndarray = np.minimum(np.maximum(places, own), MOST_DECIMALS)
+        return decimals
 
     def stands(self, word: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) the numbers that stand in the text, in 10**-decimals."""
         w = self.w
         own = w.decimals[word]
         if not np.count_nonzero(own > decimals):
-            return w.mantissa[word] * POWERS[decimals - own]
+            whole: np.ndarray = w.mantissa[word] * POWERS[decimals - own]
+            return whole
         kept = np.minimum(own, decimals)
-        return w.mantissa[word] // 10 ** (own - kept) * POWERS[decimals - kept]
+        stands: np.ndarray = w.mantissa[word] // 10 ** (own - kept) * POWERS[decimals - kept]
+        return stands
 
     def renumber(
         self, word: np.ndarray, value: np.ndarray, decimals: np.ndarray, where: np.ndarray
@@ -177,13 +182,9 @@ class Writing:
         if self.klartext:
             plus = np.where(value >= 0, ord("+"), 0).astype(np.uint8)[:, None]
         self.splice.numbers(
-            self.w.number[word],
-            self.w.stop[word],
-            np.zeros(len(word), np.int64),
-            value,
-            decimals,
+            self.w.number[word], self.w.stop[word], np.zeros(len(word), np.int64), value, decimals,
             plus,
-        )
+        )  # fmt: skip
 
     def rank(self, piece: np.ndarray) -> np.ndarray:
         """(K,) order of pieces behind one block."""
@@ -191,11 +192,15 @@ class Writing:
         base = np.where(
             self.w.block_stop[self.m.block[motion]] < len(self.w.text), AFTER, AFTER_END
         )
-        return base + (piece - self.begin[motion]) * 1000
+        rank: np.ndarray = base + (piece - self.begin[motion]) * 1000
+        return rank
 
     def behind(self, motion: int | np.ndarray) -> np.ndarray:
         """(K,) offset where blocks behind a motion's own begin."""
-        return np.minimum(self.w.block_stop[self.m.block[motion]] + 1, len(self.w.text))
+        behind: np.ndarray = np.minimum(
+            self.w.block_stop[self.m.block[motion]] + 1, len(self.w.text)
+        )
+        return behind
 
     def feed(self, piece: int, number: bytes) -> None:
         """F of a piece: its number in the block that has it, else a word put in."""
@@ -211,7 +216,7 @@ class Writing:
 
     def tail(self, word: np.ndarray) -> np.ndarray:
         """(K,) offsets behind words, with the parenthesis of X=IC(5)."""
-        stop = self.w.stop[word]
+        stop: np.ndarray = self.w.stop[word]
         if not self.has_spelled or self.klartext:
             return stop
         stop = stop.copy()

@@ -7,10 +7,12 @@ correction depends on the place.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from postproc.motions import Presets
-from postproc.nc.batch import Batch
+from postproc.nc.batch import AxisWords, Batch
 from postproc.nc.columns import changes
 from postproc.nc.control import ALSO
 from postproc.nc.dialects import Dialect
@@ -64,9 +66,10 @@ def work_columns(b: Batch) -> np.ndarray:
         total = total + offset_of(b, _work_offset(b, int(number)), work == number)
     tool_place = b.places.get("T") if b.dialect.tool_offsets else None
     if tool_place is None:
-        return total + offset_of(b, b.tool, True)
+        work_columns: np.ndarray = total + offset_of(b, b.tool, True)
+        return work_columns
     edges = [0, *b.words.block[tool_place].tolist(), b.n]
-    names = [b.tool] + [_tool_name(b, int(p)) for p in tool_place]
+    names = [b.tool] + [tool_named(b, int(p)) for p in tool_place]
     for name, first, stop in zip(names, edges[:-1], edges[1:], strict=True):
         within = np.zeros(b.n, dtype=bool)
         within[first:stop] = True
@@ -75,16 +78,21 @@ def work_columns(b: Batch) -> np.ndarray:
     return total
 
 
-def _tool_name(b: Batch, place: int) -> str:
-    return lathe_tool(b.dialect, int(b.words.mantissa[place]))
+def tool_named(b: Batch, place: int) -> str:
+    """The offset that a lathe's T word names, "": none. Written with five digits it is that of
+    three where parameter 5028 says so (T01100: offset 100 of tool 1, or none of tool 11): its name
+    is asked for."""
+    number = int(b.words.mantissa[place])
+    five = b.words.stop[place] - b.words.number[place] == 5 and number % 1000
+    return lathe_tool(b.dialect, number) or (f"T{number:05d}" if five else "")
 
 
 def lathe_tool(dialect: Dialect, number: int) -> str:
-    """The offset that a T word of a lathe names, "": none.
+    """The offset that the number of a lathe's T word names, "": none.
 
     Its last two digits are the offset's number, with leading zeros left out as in any word: T2 is
-    T0002, offset 2 of no tool (Fanuc Series 0i-TD B-64304EN-1, "Tool function"; parameter 5028:
-    two digits where there are 10 to 99 offsets).
+    T0002, offset 2 of no tool (Fanuc Series 30i B-63943EN-1, 12 "Tool functions": the lowest one to
+    three digits, as many as parameter 5028 says; in B-64304EN-1, "Tool function", two).
     """
     if dialect.nose_in_tool:
         number %= 10_000
@@ -149,7 +157,7 @@ def ask_for(b: Batch, name: str, kind: str) -> tuple[str, str]:
     )
 
 
-def offset_of(b: Batch, name: str, where) -> np.ndarray:
+def offset_of(b: Batch, name: str, where: bool | np.ndarray) -> np.ndarray:
     """(A, B) or (A, 1) ticks of one offset where it holds."""
     everywhere = isinstance(where, bool)
     if not name or not (where if everywhere else np.count_nonzero(where)):
@@ -169,7 +177,7 @@ def offset_of(b: Batch, name: str, where) -> np.ndarray:
 # -- what the first block says ---------------------------------------------------------------------
 
 
-def values_of(b: Batch, axis_words) -> dict[str, tuple[int, bool]]:
+def values_of(b: Batch, axis_words: AxisWords) -> dict[str, tuple[int, bool]]:
     """Axis to its word's ticks in the first block, and whether it is an incremental letter."""
     result = {}
     for letter, words in axis_words.items():
@@ -191,7 +199,7 @@ def number_of(b: Batch, letter: str) -> float | None:
     return float(b.numbers(place[:1])[0])
 
 
-def chosen(b: Batch, axis_words=None, word: str = "") -> None:
+def chosen(b: Batch, axis_words: AxisWords | None = None, word: str = "") -> None:
     """E of Fadal: the number names the work offset; its G54 is E1, G59 E6."""
     letter = b.dialect.offset_letter
     number = int(word[1:]) - 53 if word else number_of(b, letter) if letter else None
@@ -199,7 +207,7 @@ def chosen(b: Batch, axis_words=None, word: str = "") -> None:
         b.frame = replace(b.frame, extended=f"{letter}{number:g}")
 
 
-def note_presets(b: Batch, axis_words, letters) -> None:
+def note_presets(b: Batch, axis_words: AxisWords, letters: Iterable[str]) -> None:
     """Note the words that name the place where the machine stands: it stands beside it by the
     correction."""
     rows, words, scales, places = [], [], [], []

@@ -26,6 +26,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 from postproc.offsets import AXES, LINEAR, Offsets, Source
 
@@ -105,14 +106,21 @@ def _value(source: Source, number: int, text: str) -> float:
     return source.number(number, re.sub(r"(?<=[0-9.])EX(?=[-+0-9])", "E", text.strip()))
 
 
-def _edge(source: Source, number: int, parameter: int, index: str | None, text: str, edges) -> None:
+def _edge(
+    source: Source,
+    number: int,
+    parameter: int,
+    index: str | None,
+    text: str,
+    edges: dict[tuple[int, int], dict[int, float]],
+) -> None:
     if parameter in USED:
         tool, edge = _indices(source, number, index, 2)
         edges.setdefault((tool, edge), {})[parameter] = _value(source, number, text)
 
 
 def _frame(
-    source: Source, number: int, variable: str, index: str | None, text: str, frames
+    source: Source, number: int, variable: str, index: str | None, text: str, frames: dict[Any, Any]
 ) -> None:
     """A whole frame, or one component of one."""
     parts = [part.strip() for part in index.split(",")] if index is not None else []

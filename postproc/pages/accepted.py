@@ -156,9 +156,6 @@ def _with_u(shown: list[tuple[Change, Parameter]], role: str, unit: float) -> ch
     u = [0.0 if p.U is None else p.U / unit for _, p in shown]
     return charts.bars(
         [c.before.name for c, _ in shown],
-        charts.column([(p.value or 0.0) / unit for _, p in shown], 3),
-        role,
-        role,
-        error_y=charts.limits(charts.column(u, 3)),
-        hovertemplate="%{x}: %{y:.2f}<extra></extra>",
-    )
+        charts.column([(p.value or 0.0) / unit for _, p in shown], 3), role, role,
+        error_y=charts.limits(charts.column(u, 3)), hovertemplate="%{x}: %{y:.2f}<extra></extra>",
+    )  # fmt: skip

@@ -43,29 +43,18 @@ def band(
 ) -> Trace:
     """An area between two curves; `role` is one of those with "fill" in their meaning."""
     return {
-        "type": "scatter",
-        "mode": "lines",
-        "x": [*x, *reversed(x)],
-        "y": [*high, *reversed(low)],
-        "name": name,
-        "fill": "toself",
-        "fillcolor": f"@{role}",
-        "line": {"width": 0},
-        "hoverinfo": "skip",
-        **more,
-    }
+        "type": "scatter", "mode": "lines", "x": [*x, *reversed(x)], "y": [*high, *reversed(low)],
+        "name": name, "fill": "toself", "fillcolor": f"@{role}", "line": {"width": 0},
+        "hoverinfo": "skip", **more,
+    }  # fmt: skip
 
 
 def bars(x: Iterable[Any], y: Iterable[Any], name: str, role: str, **more: Any) -> Trace:
     """Bars; orientation="h": lying."""
     return {
-        "type": "bar",
-        "x": list(x),
-        "y": list(y),
-        "name": name,
-        "marker": {"color": f"@{role}"},
+        "type": "bar", "x": list(x), "y": list(y), "name": name, "marker": {"color": f"@{role}"},
         **more,
-    }
+    }  # fmt: skip
 
 
 def figure(

@@ -138,13 +138,9 @@ def _cells(own: Sequence[Cell], scale: float, by_side: bool, name: str, role: st
     x = [c.approach if by_side else (c.low + c.high) / 2 for c in own]
     wide = charts.limits(charts.column([1.96 * c.error * scale for c in own], 3))
     return charts.line(
-        charts.column(x, 4),
-        charts.column([c.mean * scale for c in own], 3),
-        name,
-        role,
-        mode="lines+markers",
-        error_y=wide,
-    )
+        charts.column(x, 4), charts.column([c.mean * scale for c in own], 3), name, role,
+        mode="lines+markers", error_y=wide,
+    )  # fmt: skip
 
 
 def unknown(d: Diagnosis) -> charts.Figure | None:

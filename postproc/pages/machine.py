@@ -57,12 +57,9 @@ def page(machine: Machine) -> Page:
         machine.title or machine.name, _headline(machine, missing), "open" if missing else ""
     )
     result.subject = [
-        ("name", machine.name),
-        ("control", machine.control),
-        ("map", machine.digest),
-        ("axes", " ".join(machine.letters)),
-        ("reversal", machine.reversal),
-    ]
+        ("name", machine.name), ("control", machine.control), ("map", machine.digest),
+        ("axes", " ".join(machine.letters)), ("reversal", machine.reversal),
+    ]  # fmt: skip
     if machine.source:
         result.subject.append(("source", machine.source))
     _tiles(result, machine)
@@ -171,13 +168,9 @@ def _row(axis: Axis, row: int) -> tuple[str, ...]:
         stated = "not stated"
     turned = float(np.abs(both[1] - both[0]).max())
     return (
-        f"{COMPONENTS[row]}{axis.letter}",
-        f"{both.min():+.2f}",
-        f"{both.max():+.2f}",
-        f"{turned:.2f}" if turned else "-",
-        stated,
-        unit,
-    )
+        f"{COMPONENTS[row]}{axis.letter}", f"{both.min():+.2f}", f"{both.max():+.2f}",
+        f"{turned:.2f}" if turned else "-", stated, unit,
+    )  # fmt: skip
 
 
 def _components(axis: Axis, rows: list[int], unit: str, scale: float, what: str) -> charts.Figure:
@@ -330,14 +323,9 @@ def _lean(
 
 def _note(x: float, y: float, text: str, across: str, up: str) -> dict:
     return {
-        "x": round(x, 3),
-        "y": y,
-        "text": text,
-        "showarrow": False,
-        "xanchor": across,
-        "yanchor": up,
-        "font": {"color": "@ink"},
-    }
+        "x": round(x, 3), "y": y, "text": text, "showarrow": False, "xanchor": across,
+        "yanchor": up, "font": {"color": "@ink"},
+    }  # fmt: skip
 
 
 def _stated(term: EffectTerm) -> dict[str, float]:

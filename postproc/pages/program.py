@@ -45,14 +45,11 @@ def page(filter_: Filter, verifier: Verifier, why: str = "") -> Page:
     )
     summary = filter_.summary
     result.subject = [
-        ("program", filter_.name),
-        ("machine", filter_.machine.title),
-        ("map", filter_.machine.digest),
-        ("read as", filter_.dialect.name),
-        ("lines", f"{summary.lines:,}"),
-        ("motions", f"{summary.motions:,}"),
+        ("program", filter_.name), ("machine", filter_.machine.title),
+        ("map", filter_.machine.digest), ("read as", filter_.dialect.name),
+        ("lines", f"{summary.lines:,}"), ("motions", f"{summary.motions:,}"),
         ("path", f"{trace.length:,.0f} mm"),
-    ]
+    ]  # fmt: skip
     _tiles(result, filter_, verifier, trace)
     if why:
         result.text(f"The program was {why}.")

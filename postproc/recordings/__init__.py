@@ -171,17 +171,11 @@ class ReadingOptions:
     def given(self) -> list[str]:
         """Names of those that say something, without the ones that every format takes."""
         said = {
-            "axis": self.axis,
-            "component": self.component,
-            "unit": self.unit,
-            "bidirectional": self.bidirectional is not None,
-            "first": self.first,
-            "layout": self.layout,
-            "columns": self.columns,
-            "others": self.others,
-            "machine": self.machine,
-            "head": self.head,
-        }
+            "axis": self.axis, "component": self.component, "unit": self.unit,
+            "bidirectional": self.bidirectional is not None, "first": self.first,
+            "layout": self.layout, "columns": self.columns, "others": self.others,
+            "machine": self.machine, "head": self.head,
+        }  # fmt: skip
         return [name for name, value in said.items() if value]
 
 

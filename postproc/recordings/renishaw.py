@@ -106,12 +106,9 @@ def read(source: Source, options: ReadingOptions) -> Recording:
 
     quantity = _quantity(source, found, options)
     component = components.component_of(
-        options,
-        source,
-        components.axis_in(found.key("USER-TEXT", "axis")),
-        quantity,
+        options, source, components.axis_in(found.key("USER-TEXT", "axis")), quantity,
         found.line("USER-TEXT"),
-    )
+    )  # fmt: skip
     said = _usual_unit(options, component, notices)
     unit = components.unit_for(options, source, component, said, found.line("DEVIATIONS"))
     columns, noted, more = environment.taken(found.environment)
@@ -152,12 +149,9 @@ def _readings(
 ) -> targets.Readings:
     """places: mm, of the targets by number; columns: temperatures, the same for all."""
     return targets.Readings(
-        [r for r, _ in rows],
-        [places[k - 1] for _, k in rows],
-        [v for v, _ in rows.values()],
-        [i for _, i in rows.values()],
-        columns={n: [v] * len(rows) for n, v in columns.items()},
-    )
+        [r for r, _ in rows], [places[k - 1] for _, k in rows], [v for v, _ in rows.values()],
+        [i for _, i in rows.values()], columns={n: [v] * len(rows) for n, v in columns.items()},
+    )  # fmt: skip
 
 
 def _notice_flags(found: _File, notices: list[str]) -> None:

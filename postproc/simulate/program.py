@@ -134,18 +134,12 @@ class Reader:
             m = len(events)
             at = np.array([block for block, _, _ in events])
             rest = {
-                "end": np.full((a, m), np.nan),
-                "wait": np.array([s for _, _, s in events]),
-                "rapid": np.zeros(m, bool),
-                "feed": np.full(m, np.nan),
-                "inverse": np.zeros(m, bool),
-                "stop": np.ones(m, bool),
-                "line": words.line[at] + lines + 1,
-                "rpm": spindle.rpm[at],
-                "arc": np.full(m, -1),
-                "sent": np.zeros(m, bool),
-                "length": np.full((a, m), np.nan),
-            }
+                "end": np.full((a, m), np.nan), "wait": np.array([s for _, _, s in events]),
+                "rapid": np.zeros(m, bool), "feed": np.full(m, np.nan),
+                "inverse": np.zeros(m, bool), "stop": np.ones(m, bool),
+                "line": words.line[at] + lines + 1, "rpm": spindle.rpm[at], "arc": np.full(m, -1),
+                "sent": np.zeros(m, bool), "length": np.full((a, m), np.nan),
+            }  # fmt: skip
             order += [3.0 * block + place for block, place, _ in events]
             sort = np.argsort(order, kind="stable")
             columns = {

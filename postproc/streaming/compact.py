@@ -18,6 +18,7 @@ AXES = b"XYZABCUVW"
 STRAIGHT = (b"0", b"1")
 MOTIONS = (b"0", b"1", b"2", b"3")
 HARMLESS = {b"17", b"18", b"19", b"40", b"61", b"61.1", b"64", b"80", b"90", b"91", b"91.1", b"94"}
+Word = tuple[bytes, bytes]  # letter, value
 
 
 class Compact:
@@ -53,14 +54,14 @@ class Compact:
         self.per_minute = not others & {b"93", b"95"} and (self.per_minute or b"94" in others)
         self.absolute = b"90" in others or (self.absolute and b"91" not in others)
 
-    def _kept(self, words, motion: bytes):
+    def _kept(self, words: list[Word], motion: bytes) -> list[Word]:
         """Words that must be written, of a line whose codes are motions alone."""
         moves = [(x, v) for x, v in words if x in AXES]
         still = self._still(moves) if motion in STRAIGHT and self.absolute else set()
         said = {(b"F", self.feed), (b"S", self.speed), (b"G", self.motion if moves else b"")}
         return [word for word in words if word not in said and word[0] not in still] or words
 
-    def _still(self, moves) -> set[bytes]:
+    def _still(self, moves: list[Word]) -> set[bytes]:
         """Axes that are where the line sends them; one is always named."""
         still = {x for x, v in moves if self.at.get(x) == v}
         if len(still) == len(moves):
@@ -72,7 +73,7 @@ class Compact:
             self._forget()
         self.speed = b""
 
-    def _remember(self, words, motion: bytes, plain: bool) -> None:
+    def _remember(self, words: list[Word], motion: bytes, plain: bool) -> None:
         if not plain:
             self._forget()
             return

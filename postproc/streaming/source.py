@@ -213,7 +213,7 @@ class _Values:
     """What pieces are worth, worked out for a whole batch. slots: source line and its piece to the
     index of a piece of motion."""
 
-    def __init__(self, source: Source, motions: Motions, pieces: Pieces, slots: dict):
+    def __init__(self, source: Source, motions: Motions, pieces: Pieces, slots: dict[Any, Any]):
         known = motions.target_known[:, pieces.motion]
         self.end = np.where(known, pieces.end / TICKS_PER_MM, np.nan)
         self.correction = np.where(known, (pieces.end - pieces.nominal) / TICKS_PER_MM, 0.0)
@@ -256,13 +256,10 @@ class _Values:
         points = self.points(i) if self.source.sampled and arc else ()
         straight = bool(self.source.sampled) if arc else int(self.pieces.code[i]) in LINES
         return {
-            "end": tuple(self.ends[i]),
-            "correction": tuple(self.corrections[i]),
-            "length": float(self.length[i]),
-            "seconds": float(self.seconds[i]),
-            "points": points,
+            "end": tuple(self.ends[i]), "correction": tuple(self.corrections[i]),
+            "length": float(self.length[i]), "seconds": float(self.seconds[i]), "points": points,
             "straight": straight,
-        }
+        }  # fmt: skip
 
     def points(self, i: int) -> tuple[tuple[float, ...], ...]:
         """Places on an arc between its ends."""

@@ -11,6 +11,7 @@ do not.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +21,9 @@ from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, tool_directions
 from postproc.motions import FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
-from postproc.nc.interpreter import Interpreter, ModalState
+from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import Words, lex
+from postproc.nc.state import ModalState
 from postproc.pieces import Pieces
 from postproc.slides import Led, Slides
 from postproc.trace import Trace
@@ -164,7 +166,7 @@ class Verifier(Figures):
         nominal: Motions,
         run: Motions,
         led: Led,
-        line,
+        line: np.ndarray,
         ends: Largest,
         axes: Largest,
         taps: Largest,
@@ -187,14 +189,14 @@ class Verifier(Figures):
     def _measure(
         self,
         nominal: Motions,
-        owner,
-        t0,
-        t1,
+        owner: np.ndarray,
+        t0: np.ndarray,
+        t1: np.ndarray,
         run: Motions,
         led: tuple[Led, Led],
-        line,
+        line: np.ndarray,
         into: Largest,
-        counts,
+        counts: np.ndarray,
     ) -> None:
         """Sample the motions `run`, each standing for t0..t1 of the nominal motion `owner`. led:
         the slides of the nominal program and of this one. counts: PATH; END of a take-up, which
@@ -273,7 +275,7 @@ class Verifier(Figures):
                 into.take(float(distance[worst]), int(line[owner[row[worst]]]), bool(slides))
 
     def _distance(
-        self, nominal: Motions, where, actual: np.ndarray, path: np.ndarray, slides: bool
+        self, nominal: Motions, where: Any, actual: np.ndarray, path: np.ndarray, slides: bool
     ) -> np.ndarray:
         """(K,) mm from actual points (A, K) to the nominal path. where: arcs, motions and t of
         nominal motions; path (K,): False where a take-up stands, which counts for the slides
@@ -289,7 +291,14 @@ class Verifier(Figures):
         return distance
 
     def _trace(
-        self, run: Motions, row, where, there, weight, into: Largest, path: np.ndarray
+        self,
+        run: Motions,
+        row: Any,
+        where: Any,
+        there: Any,
+        weight: np.ndarray,
+        into: Largest,
+        path: np.ndarray,
     ) -> None:
         """Tell the trace of places: motions of the run and t of nominal motions, and there
         (nominal, command, actual, distance). path (K,): whether it is one of the way, not of a
@@ -310,7 +319,13 @@ class Verifier(Figures):
         )
 
     def _lean(
-        self, nominal: Motions, run: Motions, which, commands, line: np.ndarray, into: Largest
+        self,
+        nominal: Motions,
+        run: Motions,
+        which: tuple[np.ndarray, np.ndarray, np.ndarray],
+        commands: tuple[np.ndarray, np.ndarray],
+        line: np.ndarray,
+        into: Largest,
     ) -> None:
         """How far the tool leans at commands (A, K) reached with weights (A, K), away from its
         nominal direction. which: (K,) motions of the run, those of the nominal program, and t

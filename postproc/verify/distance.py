@@ -18,7 +18,7 @@ def all_known(machine: Machine, axes: np.ndarray) -> np.ndarray:
     return np.all(axes[list(machine.chained)], axis=0)
 
 
-def points_of(motions: Motions, curved, row, t) -> np.ndarray:
+def points_of(motions: Motions, curved: np.ndarray, row: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(A, K) mm: points of motions at t."""
     start, target = motions.start / TICKS_PER_MM, motions.target / TICKS_PER_MM
     result = start[:, row] + (target - start)[:, row] * t
@@ -30,7 +30,9 @@ def points_of(motions: Motions, curved, row, t) -> np.ndarray:
     return result
 
 
-def to_path(machine: Machine, nominal: Motions, owner, t, actual) -> np.ndarray:
+def to_path(
+    machine: Machine, nominal: Motions, owner: np.ndarray, t: np.ndarray, actual: np.ndarray
+) -> np.ndarray:
     """(K,) mm from actual points to their nominal path, in the corrected axes of a machine as its
     motions see it."""
     rows = list(machine.corrected)
@@ -64,7 +66,15 @@ def to_path(machine: Machine, nominal: Motions, owner, t, actual) -> np.ndarray:
     return distance
 
 
-def _from_arc(machine: Machine, nominal: Motions, arc, t, actual, start, target) -> np.ndarray:
+def _from_arc(
+    machine: Machine,
+    nominal: Motions,
+    arc: np.ndarray,
+    t: np.ndarray,
+    actual: np.ndarray,
+    start: np.ndarray,
+    target: np.ndarray,
+) -> np.ndarray:
     """(K,) mm from points to a circle, spiral or helix: across in the plane, and along the
     other axes."""
     arcs, column = nominal.arcs, np.arange(len(arc))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,9 @@ class Machines:
         self.whole, self.oriented, self.warm = whole, oriented, warm
         self._seen: dict[tuple[int, Space | None, tuple[int, ...]], Machine] = {}
 
-    def deviation(self, run: Motions, where, command, weight) -> np.ndarray:
+    def deviation(
+        self, run: Motions, where: Any, command: np.ndarray, weight: np.ndarray
+    ) -> np.ndarray:
         """(A, K) mm at commands (A, K) of motions (K,) when a share (K,) of their time is over."""
         result = np.zeros_like(command)
         for machine, of in self.each(run, where[0]):
@@ -62,7 +65,9 @@ class Machines:
             result[np.ix_(rows, of)] = off[np.ix_(rows, of)]
         return result
 
-    def to_path(self, nominal: Motions, owner, t, actual) -> np.ndarray:
+    def to_path(
+        self, nominal: Motions, owner: np.ndarray, t: np.ndarray, actual: np.ndarray
+    ) -> np.ndarray:
         """(K,) mm from actual points (A, K) to the nominal path of motions `owner` (K,) at t."""
         faces = [k for k, space in enumerate(nominal.spaces) if space is not None and space.polar]
         on = np.isin(nominal.space[owner], faces)

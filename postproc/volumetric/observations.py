@@ -4,6 +4,7 @@ lines, angles, spheres; and at what their nuisances begin."""
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -103,7 +104,7 @@ def _parts(recording: Recording, name: str) -> list[np.ndarray]:
     return [np.flatnonzero(column == v) for v in np.unique(column)]
 
 
-def _picked(base: Rows, which: np.ndarray, **more) -> Rows:
+def _picked(base: Rows, which: np.ndarray, **more: Any) -> Rows:
     return replace(base, q=base.q[:, which], approach=base.approach[:, which], **more)
 
 
@@ -263,13 +264,9 @@ def _line(
             Place(recording.file, int(recording.lines[which[0]])),
         )
     return _picked(
-        base,
-        which,
-        kind="straightness" if across else "line",
-        value=recording.reading[which],
-        start=np.zeros(2 if across else 1),
-        along=along,
-    )
+        base, which, kind="straightness" if across else "line", value=recording.reading[which],
+        start=np.zeros(2 if across else 1), along=along,
+    )  # fmt: skip
 
 
 def _stair(

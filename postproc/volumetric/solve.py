@@ -235,7 +235,7 @@ class _Fixed:
 
 
 def _solved(
-    rows, fixed: list[_Fixed], unknowns: Unknowns, start: np.ndarray
+    rows: list[Rows], fixed: list[_Fixed], unknowns: Unknowns, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Numbers and nuisances, and Jacobian and residuals there, in units of u; the prior stands
     below."""

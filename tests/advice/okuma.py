@@ -30,4 +30,12 @@ ALL = [
     task("CALL O7 PX=50|M2", "CALL O7 PX=50|M2", also={"library": {"O7": SUB.replace("2", "7")}}),
     task("GOTO N7|N7 X80.|N7 X70.", "GOTO N7|N7 X80.|N8 X70."),
     task("X=SQRT[0-1]", "X80."),
+    task(
+        "V1=40|NAT01 G81|G0 X=V1 Z2.|G1 Z-5. F.1|G80|V1=30|G87 NAT01",
+        "V1=40|NAT01 G81|G0 X=V1 Z2.|G1 Z-5. F.1|G80|G87 NAT01|V1=30",
+    ),
+    task(
+        "V1=40|G87 NAT01|M2|NAT01 G81|G0 X=V1 Z2.|G1 Z-5. F.1|G80",
+        "V1=40|NAT01 G81|G0 X=V1 Z2.|G1 Z-5. F.1|G80|G87 NAT01|M2",
+    ),
 ]

@@ -25,6 +25,7 @@ TEXT = [
     lathe("G1 X30. %", "G1 X30.|%"),
     mill("grbl", "%update|G1 X5 F9", "G1 X5 F9"),
     lathe("G1 Z30. )", "G1 Z30."),
+    lathe("T2W202|G1 Z30.", "T0202|G1 Z30.", how={"offsets": {"T0002": {}, "T0202": {}}}),
     lathe("G1 Z30./F10", "/G1 Z30. F10"),
     mill(
         C,

@@ -65,6 +65,31 @@ def test_a_subprogram_in_a_file_of_its_own_calls_those_beside_it():
     assert written("CALL O7 PX=5|M2", library=library) == "X5|M2"
 
 
+SHAPE = "NLAP1 G81|G0 X=V1-10 Z2|G1 Z-20 F.2|X=V1|Z=-V1|G80|"
+NUMBERS = "NLAP1 G81|G0 X30 Z2|G1 Z-20 F.2|X40|Z-40|G80|"
+CALLS = "G0 X50 Z5|G85 NLAP1 D4 F.35 U.2 W.1|G87 NLAP1|"
+
+
+def test_the_numbers_of_a_shape_are_worked_out_where_the_program_comes_to_it():
+    assert written("V1=40|" + SHAPE + CALLS + "M2") == written(NUMBERS + CALLS + "M2")
+
+
+def test_a_shape_of_a_subprogram_has_the_numbers_of_each_call():
+    text = "CALL O2 DX=30|CALL O2 DX=32|M2|O2|NLAP1 G81|G0 X=DX Z2|G1 Z-20|G80|G0 X50 Z5|{}RTS"
+    plain = "".join(
+        f"NLAP{n} G81|G0 X{x} Z2|G1 Z-20|G80|G0 X50 Z5|G87 NLAP{n}|" for n, x in ((1, 30), (2, 32))
+    )
+    assert written(text.format("G87 NLAP1|")) == written(plain + "M2")
+
+
+def test_a_shape_whose_numbers_have_changed_before_its_call_is_refused():
+    with pytest.raises(ProgramError, match="line 3 of the shape has other numbers here"):
+        written("V1=40|" + SHAPE + "V1=38|" + CALLS + "M2")
+    after = "G0 X9|V1=40|" + CALLS + "GOTO N9|" + SHAPE + "N9 M2"  # never come to
+    with pytest.raises(ProgramError, match="is more than words and numbers"):
+        written(after)
+
+
 def test_a_mill_runs_the_same():
     """MachinistFTW/OkumaMacros, OROTA.SSB: EMPTY, sines in degrees."""
     text = "PA=30|IF[PP NE EMPTY] NX|PP=40|NX|G0 X=PP*COS[PA*2] Y=PP*SIN[PA]|M2"

@@ -104,6 +104,59 @@ def test_turning_without_pockets_is_linuxcncs(program):
     same_motions(text, oracle.motions(text), reached)
 
 
+# a facing, a cylinder: from each side, beside it, with the stock on the side where D goes and not
+LINES = {
+    "G72": (
+        "G1 X10 Z0|G1 X0 Z0",
+        ("X10 Z1", "X12 Z1", "X8 Z1", "X10 Z-1", "X12 Z-1.3", "X10 Z-.2"),
+    ),
+    "G71": ("G1 X5 Z0|G1 X5 Z-9", ("X7 Z1", "X7 Z-3", "X3 Z1", "X3 Z-20", "X5 Z1", "X5.1 Z1")),
+}
+
+
+@needs_oracle()
+@pytest.mark.parametrize("diameter", ["G7", "G8"])
+@pytest.mark.parametrize(
+    ("code", "shape", "start"), [(c, x, s) for c, (x, starts) in LINES.items() for s in starts]
+)
+def test_a_distance_to_one_line_goes_where_linuxcnc_takes_it(code, shape, start, diameter):
+    """+X of a cylinder, -Z of a face: a facing from the front is D too deep, which is said."""
+    head = f"G18 G21 {diameter} F100|O100 SUB|{shape}|O100 ENDSUB|G0 X14 Z15|"
+    text = f"{head}{code} Q100 {start} D.2 I.4 R.3|M2|".replace("|", "\n")
+    moved = [m for m in oracle.motions(text) if math.dist(m.start, m.end) > 1e-9]
+    assert [(a["kind"], pytest.approx(list(a["end"]), abs=1e-6)) for a in motions(_run(text))] == [
+        (b.kind, list(b.end)) for b in moved
+    ]
+
+
+# lines and arcs shorter than twice D; False: one vanishes in an inner corner
+SHORT = {
+    "G0 X0 Z0|G1 X9|X10 Z-1|Z-30|X16|X50 Z-60": True,
+    "G0 X4 Z0|G1 Z-1.2|X5.5|Z-8|X12": True,
+    "G0 X2 Z0|G1 Z-5|X3.6|X4 Z-5.4|Z-9|X9": True,
+    "G0 X4 Z0|G1 Z-5|X6|G3 X6.5 Z-5.5 K-.5|G1 Z-9|X9": True,  # small arcs that grow
+    "G0 X4 Z0|G1 Z-5|G2 X10 Z-11 I6|G1 X14": True,
+    "G0 X4 Z0|G1 Z-.5|X5|Z-8|X12": False,
+    "G0 X4 Z0|G1 Z-5|X5.2|G3 X5.7 Z-5.5 K-.5|G1 Z-5.6|X9": False,
+    "G0 X2 Z0|G1 Z-5|X2.3 Z-5.3|X3|X9 Z-7": False,
+}
+
+
+@needs_oracle()
+@pytest.mark.parametrize("shape", SHORT)
+def test_a_distance_to_short_lines_is_linuxcncs(shape):
+    text = f"G18 G21 F100|O100 SUB|{shape}|O100 ENDSUB|G0 X60 Z5|G71 Q100 D1 I4 R.3|M2|"
+    text = text.replace("|", "\n")
+    if not SHORT[shape]:
+        with pytest.raises(ProgramError, match="a distance of 1"):
+            _run(text)
+        return
+    moved = [m for m in oracle.motions(text) if math.dist(m.start, m.end) > 1e-9]
+    assert [(a["kind"], pytest.approx(list(a["end"]), abs=1e-6)) for a in motions(_run(text))] == [
+        (b.kind, list(b.end)) for b in moved
+    ]
+
+
 RUN = [  # shapes that only a run of the subroutine gives; corners, each direction of the cuts
     "G0 X0 Z-10|O1 REPEAT [3]|G1 X[#<_x>+5] Z[#<_z>+3]|G1 X[#<_x>+5]|O1 ENDREPEAT",
     "#1=3|G0 X#1|G1 Z-4|O1 IF [#1 GT 2]|X[#1+4] Z-6|O1 ELSE|X9|O1 ENDIF|G1 X9",

@@ -247,6 +247,8 @@ def test_it_works_in_a_pipe():
         (["--test", "positioning:Z", "--with", "backlash:XZ:size_um=1"], "acts on"),
         (["--test", "positioning:Z", "--with", "backlash:X:um=1"], "has no 'um'"),
         (["--test", "positioning:Z", "--with", "backlash:X"], "size_um is missing"),
+        (["--test", "positioning:Z", "--with", "bow:X:size_um=3,across=3"], "no number of an axis"),
+        (["--test", "positioning:Z", "--with", "sag:Z:size_um=3,along=1.5"], "number of an axis"),
         (["--test", "positioning:Z", "--without", "T_moon_C"], "no such channel"),
         (["--test", "positioning:Z", "--force", "Y=3"], "no axis of"),
         (["--test", "moon:Z"], "no test 'moon'"),

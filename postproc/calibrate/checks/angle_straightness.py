@@ -14,6 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.calibrate import Finding
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
 from postproc.machine.chain import XYZ
 from postproc.machine.tables import COMPONENTS
 from postproc.units import UM
@@ -23,7 +25,7 @@ FEEBLE = 0.15  # of what was read: a path that explains less agrees or not by ch
 FEWEST = 5
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for letter in [x for x in calibration.options.chain.axes if x in XYZ]:
         for turn in range(3):
             own = XYZ.index(letter)
@@ -41,7 +43,7 @@ def check(calibration) -> Iterator[Finding]:
 
 
 def _paths(
-    calibration, letter: str, angle, straight, sign: float
+    calibration: Calibration, letter: str, angle: Component, straight: Component, sign: float
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """The straightness as it was read and as the angle makes it, mm, lines off both, in + and -
     where both were measured so; none where too little was."""
@@ -65,7 +67,9 @@ def _paths(
     return pairs
 
 
-def _compare(calibration, letter: str, angle, straight, sign: float) -> list[Finding]:
+def _compare(
+    calibration: Calibration, letter: str, angle: Component, straight: Component, sign: float
+) -> list[Finding]:
     pairs = _paths(calibration, letter, angle, straight, sign)
     if not pairs:
         return []

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from postproc.calibrate import Finding
+from postproc.calibrate.calibration import Calibration
 
 STATES = ("active", "off")
 
@@ -14,7 +15,7 @@ def _recordings(n: int) -> str:
     return "1 recording does" if n == 1 else f"{n} recordings do"
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     states: dict[str, list[str]] = {}
     for component in calibration.measured.values():
         for series in component.series:

@@ -8,12 +8,14 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import place_name, unit_of
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
 
 NEAR = 0.01  # mm
 WORTH = 1.0  # um or urad
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     if bare := [x for x in calibration.options.chain.axes if x not in calibration.axes()]:
         yield Finding(
             "no-table",
@@ -28,7 +30,7 @@ def check(calibration) -> Iterator[Finding]:
             yield from _held(calibration, component, *calibration.travel(letter))
 
 
-def _travel(calibration, letter: str) -> Iterator[Finding]:
+def _travel(calibration: Calibration, letter: str) -> Iterator[Finding]:
     """A travel that was not said, and targets outside of it."""
     (low, high), nodes = calibration.travel(letter), calibration.nodes(letter)
     if letter not in calibration.options.travel:
@@ -45,7 +47,7 @@ def _travel(calibration, letter: str) -> Iterator[Finding]:
         yield Finding("travel", "doubt", letter, text, {"at": float(outside[0])})
 
 
-def _not_covered(calibration, letter: str) -> Iterator[Finding]:
+def _not_covered(calibration: Calibration, letter: str) -> Iterator[Finding]:
     """Ends of the travel without targets."""
     (low, high), nodes = calibration.travel(letter), calibration.nodes(letter)
     ends = {"below": nodes[0] - low, "above": high - nodes[-1]}
@@ -66,7 +68,7 @@ def _not_covered(calibration, letter: str) -> Iterator[Finding]:
     yield Finding("travel", "note", letter, text, {"beyond_mm": max(beyond.values())})
 
 
-def _held(calibration, component, low: float, high: float) -> list[Finding]:
+def _held(calibration: Calibration, component: Component, low: float, high: float) -> list[Finding]:
     """End values that count for more than their own target."""
     unit, one = unit_of(component.name)
     nodes = calibration.nodes(component.letter)

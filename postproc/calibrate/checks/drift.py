@@ -8,19 +8,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.calibrate import Finding
-from postproc.calibrate.assign import unit_of
+from postproc.calibrate.assign import Series, unit_of
+from postproc.calibrate.calibration import Calibration
 from postproc.calibrate.statistics import cells_of
 
 TIMES = 5.0
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         for series in component.series:
             yield from _drift(name, series)
 
 
-def _drift(name: str, series) -> list[Finding]:
+def _drift(name: str, series: Series) -> list[Finding]:
     cells = cells_of(series.position, series.approach, series.reading)
     used = cells.index >= 0
     runs = np.unique(series.run[used])

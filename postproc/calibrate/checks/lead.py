@@ -8,18 +8,19 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.calibrate import Finding
+from postproc.calibrate.calibration import Calibration
 
 # length of the mean of unit vectors at the targets' angles: 1 where all are the same
 SAME_ANGLE = 0.95
 
 
-def _positionings(calibration) -> list[str]:
+def _positionings(calibration: Calibration) -> list[str]:
     """The axes whose positioning was measured."""
     components = calibration.components.items()
     return [c.letter for n, c in components if n == f"E{c.letter}{c.letter}"]
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for letter, lead in calibration.options.leads.items():
         component = calibration.measured.get(f"E{letter}{letter}")
         if component is None:

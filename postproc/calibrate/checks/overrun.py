@@ -9,12 +9,13 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import place_name, unit_of
+from postproc.calibrate.calibration import Calibration
 
 SHARE = 0.25  # of the reversal next to it: an end with less has probably not been reversed
 LEAST = 0.3  # um or urad of difference: below it nothing is seen
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         if not component.two_way or len(component.nodes) < 5:
             continue

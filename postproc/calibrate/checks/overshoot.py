@@ -9,10 +9,12 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import unit_of
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
 from postproc.machine import overshoot
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         if name != f"E{component.letter}{component.letter}" or not component.two_way:
             continue
@@ -23,7 +25,7 @@ def check(calibration) -> Iterator[Finding]:
             yield Finding("overshoot", "doubt", name, f"{component.file}: {text}", numbers)
 
 
-def _known_to(component) -> float:
+def _known_to(component: Component) -> float:
     """mm or rad: U of the median over the targets from the scatter of the runs; a median of many
     has a standard error 1.25 times that of their mean."""
     if not component.cells.scatter.known:

@@ -8,6 +8,8 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import place_name, unit_of
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
 
 # What readings of machine tools span, um or urad over the travel: a screw of the cheapest kind
 # strays 500 um in 300 mm (ISO 3408-3, class 10: 210 um), a slide that turns by 2 mrad would rattle,
@@ -17,7 +19,7 @@ LEAST = 0.02
 INCH_MM = 25.4
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.measured.items():
         unit, one = unit_of(name)
         raw = component.cells.mean[np.isfinite(component.cells.mean)] / one
@@ -46,7 +48,7 @@ def check(calibration) -> Iterator[Finding]:
         yield Finding("unit", "doubt", name, text, {f"span_{unit}": span})
 
 
-def _positions(calibration, component) -> list[Finding]:
+def _positions(calibration: Calibration, component: Component) -> list[Finding]:
     """Positions in inches or in diameters, where a travel is stated."""
     if component.letter not in calibration.options.travel:
         return []

@@ -9,11 +9,12 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import unit_of
+from postproc.calibrate.calibration import Calibration
 
 WORTH = 1.0  # um or urad: less than this no control takes up
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.components.items():
         unit, one = unit_of(name)
         if not component.two_way:

@@ -9,9 +9,10 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import unit_of
+from postproc.calibrate.calibration import Calibration
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     by_base: dict[tuple[bool, bool], list[str]] = defaultdict(list)
     for name, component in calibration.measured.items():
         stated = any(s.u is not None for s in component.series)
@@ -38,7 +39,7 @@ def check(calibration) -> Iterator[Finding]:
     yield from _of_components(calibration)
 
 
-def _of_components(calibration) -> Iterator[Finding]:
+def _of_components(calibration: Calibration) -> Iterator[Finding]:
     """Readings that were filled in, and scatter that differs between targets."""
     for name, component in calibration.measured.items():
         for _, k in component.filled:

@@ -9,11 +9,12 @@ import numpy as np
 
 from postproc.calibrate import Finding
 from postproc.calibrate.assign import place_name, unit_of
+from postproc.calibrate.calibration import Calibration
 
 WARN = 1.0  # um/mm, ours: the grinder measured for this project has 1.7 at its worst
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     for name, component in calibration.components.items():
         unit, one = unit_of(name)
         if component.angle:

@@ -9,6 +9,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.calibrate import Finding
+from postproc.calibrate.assign import Series
+from postproc.calibrate.calibration import Calibration
+from postproc.calibrate.component import Component
 from postproc.units import UM
 
 WORTH_K = 0.5
@@ -16,7 +19,7 @@ ALIKE = 0.3  # share by which a slope may differ from the expansion and still lo
 REFERENCE = 20.0  # degrees Celsius, ISO 1
 
 
-def check(calibration) -> Iterator[Finding]:
+def check(calibration: Calibration) -> Iterator[Finding]:
     bare = []
     for name, component in calibration.measured.items():
         for series in component.series:
@@ -40,7 +43,9 @@ def check(calibration) -> Iterator[Finding]:
         yield Finding("temperature", "note", "", text)
 
 
-def _span(calibration, component, series, columns) -> list[Finding]:
+def _span(
+    calibration: Calibration, component: Component, series: Series, columns: dict[str, np.ndarray]
+) -> list[Finding]:
     place, span = max(((n, float(np.ptp(c))) for n, c in columns.items()), key=lambda p: p[1])
     length = float(np.ptp(component.nodes))
     if span <= WORTH_K or component.angle or component.letter not in "XYZ":
@@ -55,7 +60,9 @@ def _span(calibration, component, series, columns) -> list[Finding]:
     ]
 
 
-def _expansion(calibration, component, columns) -> list[Finding]:
+def _expansion(
+    calibration: Calibration, component: Component, columns: dict[str, np.ndarray]
+) -> list[Finding]:
     """A slope of the size and sign of an expansion."""
     letter = component.letter
     own = [n for n in columns if re.search(rf"_{letter}_C$", n)] or list(columns)

@@ -50,12 +50,9 @@ def run(options: argparse.Namespace) -> int:
     options.port = ports_found.chosen(options.port)
     job = None
     port = Port(
-        options.port,
-        options.baud,
-        reset=not options.no_reset_on_open,
-        frame=bits,
+        options.port, options.baud, reset=not options.no_reset_on_open, frame=bits,
         rtscts=options.rtscts,
-    )
+    )  # fmt: skip
     try:
         with Signals().caught() as signals:
             greeting = _greeted(port, options, signals)
@@ -227,13 +224,9 @@ def _sender(options: argparse.Namespace, job: Job, order: tuple[int, ...]) -> Se
     if handed.wanted(protocol):
         handed.write(options, job, protocol)
     return Sender(
-        protocol,
-        on_error=options.on_error,
-        check=options.check,
-        order=order,
-        path=path,
+        protocol, on_error=options.on_error, check=options.check, order=order, path=path,
         spindle_off=options.spindle_at_stop == "off",
-    )
+    )  # fmt: skip
 
 
 def _places(status: Status | None) -> int:

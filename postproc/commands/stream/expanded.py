@@ -14,7 +14,8 @@ from postproc.commands import expansion
 from postproc.errors import ProgramError
 from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
-from postproc.nc.interpreter import Interpreter, ModalState
+from postproc.nc.interpreter import Interpreter
+from postproc.nc.state import ModalState
 from postproc.streaming.lines import WireLine
 from postproc.streaming.source import Source
 

@@ -133,7 +133,8 @@ class PlacedArcs:
             if abs(chord) < NEAR or height < 0:
                 return None
             side = 1 if (radius > 0) == counter else -1
-            return start + chord / 2 + 1j * side * chord / abs(chord) * height**0.5
+            across: complex = 1j * side * chord / abs(chord) * height**0.5
+            return start + chord / 2 + across
         own = [block.word(CENTRES[x]) for x in plane]
         if not any(own):
             return None

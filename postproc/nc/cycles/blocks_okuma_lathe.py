@@ -7,9 +7,10 @@ and G80, under the name of its first block; where the program comes to it the co
 In its blocks F is the finishing's, E the roughing's along the shape. In it and elsewhere G75 and
 G76 with L make a chamfer or an arc of L at the end of their block, and A is the angle of a line one
 of whose ends is not said, from +Z towards +X: so A135 and A315 make the chamfers that shops write
-with them. Corners and angles of plain blocks are handed on as those of Fanuc (corners_fanuc.py).
-Refused in a shape: what is none of G0 to G3, G40 to G42, G90, G91, G75, G76; a blank's shape (G83),
-which is the control's extra (LAP4).
+with them. Its numbers may be worked out (X=V1) where the program comes to it before the call
+(expand/okuma.py). Corners and angles of plain blocks are handed on as those of Fanuc
+(corners_fanuc.py). Refused in a shape: what is none of G0 to G3, G40 to G42, G90, G91, G75,
+G76; a blank's shape (G83), which is the control's extra (LAP4).
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ class LatheBlocks:
         self.scene, self.lap = scene, Lap(scene)
         self.motion = 0
         self.within = False  # a shape that the control steps over
+        # file and line of its blocks, with the numbers that were worked out
+        self.passed: dict[tuple[str, int], bytes] = {}
 
     def wants(self, line: Line) -> bool:
         """Every line may name the motion code, or begin a shape."""
@@ -68,12 +71,13 @@ class LatheBlocks:
         code = _code(text)
         if self.within or BEGINS.search(code):
             self._steps_over(line, code)
+            self.passed[line.file, line.source] = line.text
             return []
         called = CALLED.search(code)
         if called:
             self.scene.block = Block.of(b"", self.scene.dialect.grammar)
             self.scene.forget()
-            return [line._replace(text=t) for t in self._called(code, called)]
+            return [line._replace(text=t) for t in self._called(code, called, line.file)]
         text = NAME.sub(rb"\1", text, count=1) if NAME.match(text) else text
         block = Block.of(text, self.scene.dialect.grammar)
         self._note(block)
@@ -159,10 +163,11 @@ class LatheBlocks:
 
     # -- shapes ------------------------------------------------------------------------------------
 
-    def _called(self, code: bytes, called: re.Match[bytes]) -> list[bytes]:
+    def _called(self, code: bytes, called: re.Match[bytes], file: str) -> list[bytes]:
         number = int(called[1])
         values = {k.upper().decode(): float(v) for k, v in WORDS.findall(code[called.end() :])}
-        return self.lap.lines(10 * number, self._shape(called[2]), self._call(values, code))
+        made = self._shape(called[2], file)
+        return self.lap.lines(10 * number, made, self._call(values, code))
 
     def _call(self, values: dict[str, float], code: bytes) -> Call:
         """The words of a call, lengths along X as radii."""
@@ -196,13 +201,14 @@ class LatheBlocks:
             changes,
         )
 
-    def _shape(self, name: bytes) -> Shape:
+    def _shape(self, name: bytes, file: str) -> Shape:
         """The blocks under a name, up to G80."""
         scene, beside = self.scene, []
         texts: list[Block] = []
         corners: dict[int, re.Match[bytes]] = {}
         across = found = False
-        for line, raw in enumerate(scene.lines(), 1):
+        for line, written in enumerate(scene.lines(), 1):
+            raw = self.passed.get((file, line), written)
             code = _code(raw)
             head = HEAD.match(raw)
             if not found:
@@ -235,7 +241,7 @@ class LatheBlocks:
             raise scene.fault(
                 f"the shape's line {line} is more than words and numbers:"
                 f" {code[:40].decode('latin-1')!r}",
-                "variables must be written out in it",
+                "let the program come to it, with its variables set, before it is called",
             )
         strange = next((w for w in block.words if w.letter not in OWN + BESIDE + "L"), None)
         if strange is not None:

@@ -14,6 +14,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 from postproc.errors import ProgramError
 from postproc.nc.cycles.block import Block, Word
@@ -124,7 +125,7 @@ def meeting(scene: Scene, here: Point, first: float, end: Point, second: float) 
     return here[0] + far * a.real, here[1] + far * a.imag
 
 
-def rounded(scene: Scene, elements: list, corners: dict[int, Corner]) -> list:
+def rounded(scene: Scene, elements: list[Any], corners: dict[int, Corner]) -> list[Any]:
     """The elements with the corners between them. `corners`: by number of the element before."""
     result, start = [], None
     for k, e in enumerate(elements):

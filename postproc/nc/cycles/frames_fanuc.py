@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from postproc.nc.codes import FRAME_KEYS
 from postproc.nc.cycles.affine import AXES, Affine, Point, point, rotation, scaling
@@ -78,7 +79,7 @@ class FanucFrames:
     def known(self, axis: str) -> float | None:
         return self.frames.known(axis)
 
-    def snapshot(self):
+    def snapshot(self) -> Any:
         """What restore needs."""
         kept = {
             name: getattr(self.polar, name) for name in ("on", "pole", "radius", "angle", "here")
@@ -93,7 +94,7 @@ class FanucFrames:
             (f.motion, f.written),
         )
 
-    def restore(self, kept) -> None:
+    def restore(self, kept: Any) -> None:
         """As it was when the snapshot was taken; the maps are the same."""
         polar, self.polar.residue, self.frames.at, self.frames.residue, self.frames.loose, codes = (
             kept

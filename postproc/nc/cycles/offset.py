@@ -24,8 +24,6 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
     it."""
     if not distance:
         return elements
-    if distance > min(_size(e) for e in elements) / 2:
-        return None
     moved: list[Element] = []
     for e in elements:
         new = moved_aside(e, distance * side)
@@ -39,7 +37,10 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
         if (before.is_arc or after.is_arc) and math.dist(last.end, new.start) < TOUCHING:
             middle = ((last.end[0] + new.start[0]) / 2, (last.end[1] + new.start[1]) / 2)
             result[-1], new = replace(last, end=middle), replace(new, start=middle)
-        elif (before.is_arc or after.is_arc) and abs(turn) < NEARLY_TANGENT:
+        elif any(
+            e.is_arc and (abs(turn) < NEARLY_TANGENT or distance > _size(e) / 2)
+            for e in (before, after)
+        ):
             return None
         elif turn * side < 0 and abs(last.end[along] - new.start[along]) > SMALLEST_GAP:
             result.append(
@@ -50,13 +51,28 @@ def offset(elements: list[Element], distance: float, side: int, along: int) -> l
             if corner is None:
                 return None
             result[-1], new = replace(last, end=corner), replace(new, start=corner)
+            if not (_goes_on(result[-1], before) and _goes_on(new, after)):
+                return None
         result.append(new)
     return result
 
 
-def _size(e: Element) -> float:
-    length = math.dist(e.start, e.end)
-    return min(length, math.dist(e.start, e.centre)) if e.is_arc else length
+def _size(arc: Element) -> float:
+    return min(math.dist(arc.start, arc.end), math.dist(arc.start, arc.centre))
+
+
+def _goes_on(cut: Element, whole: Element) -> bool:
+    """Whether an element still has a length, in its own direction, between its corners."""
+    if whole.is_arc:
+        return TOUCHING < _sweep(cut) <= _sweep(whole) + NEAR
+    t = tangent(whole, False)
+    return (cut.end[0] - cut.start[0]) * t[0] + (cut.end[1] - cut.start[1]) * t[1] > TOUCHING
+
+
+def _sweep(e: Element) -> float:
+    """The angle of an arc, rad."""
+    a, b = (math.atan2(p[1] - e.centre[1], p[0] - e.centre[0]) for p in (e.start, e.end))
+    return (b - a if e.code == COUNTER else a - b) % math.tau
 
 
 def _cross(a: tuple[float, float], b: tuple[float, float]) -> float:

@@ -162,12 +162,19 @@ def _moved(p: Piece, left: float) -> Piece:
     if not p.turn:
         t = p.tangent(False)
         by = -t[1] * left, t[0] * left
-        shift = lambda q: (q[0] + by[0], q[1] + by[1])  # noqa: E731
+
+        def shift(q: Point) -> Point:
+            return q[0] + by[0], q[1] + by[1]
+
         return replace(p, start=shift(p.start), end=shift(p.end))
     scale = (p.radius - left * p.turn) / p.radius
     if scale * p.radius <= NEAR:
         raise DoesNotFit
-    away = lambda q: tuple(c + (v - c) * scale for v, c in zip(q, p.centre, strict=True))  # noqa: E731
+
+    def away(q: Point) -> Point:
+        x, y = (c + (v - c) * scale for v, c in zip(q, p.centre, strict=True))
+        return x, y
+
     return replace(p, start=away(p.start), end=away(p.end))
 
 
@@ -280,11 +287,13 @@ def _distance(p: Piece, places: np.ndarray) -> np.ndarray:
         way = np.subtract(p.end, p.start)
         share = (places - p.start) @ way / (way @ way)
         foot = np.array(p.start) + np.outer(np.clip(share, 0.0, 1.0), way)
-        return np.hypot(*(places - foot).T)
+        straight: np.ndarray = np.hypot(*(places - foot).T)
+        return straight
     arm = places - p.centre
     begin = math.atan2(p.start[1] - p.centre[1], p.start[0] - p.centre[0])
     within = (p.turn * (np.arctan2(arm[:, 1], arm[:, 0]) - begin)) % math.tau <= p.sweep
-    return np.where(within, np.abs(np.hypot(*arm.T) - p.radius), ends)
+    distance: np.ndarray = np.where(within, np.abs(np.hypot(*arm.T) - p.radius), ends)
+    return distance
 
 
 # -- strokes ---------------------------------------------------------------------------------------

@@ -54,7 +54,10 @@ def quarters(e: Element) -> list[Element]:
     """An arc cut where it turns back in Z or in X."""
     if not e.is_arc:
         return [e]
-    arm = lambda p: math.atan2(p[1] - e.centre[1], p[0] - e.centre[0])  # noqa: E731
+
+    def arm(p: Point) -> float:
+        return math.atan2(p[1] - e.centre[1], p[0] - e.centre[0])
+
     first, sign = arm(e.start), 1 if e.code == COUNTER else -1
     sweep = (sign * (arm(e.end) - first)) % math.tau
     radius, ends = math.dist(e.start, e.centre), []

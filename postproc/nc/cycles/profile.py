@@ -41,7 +41,9 @@ class Element:
     row: int = -1
 
     def moved(self, by: tuple[float, float]) -> Element:
-        shift = lambda p: (p[0] + by[0], p[1] + by[1])  # noqa: E731
+        def shift(p: Point) -> Point:
+            return p[0] + by[0], p[1] + by[1]
+
         return replace(
             self, start=shift(self.start), end=shift(self.end), centre=shift(self.centre)
         )

@@ -7,6 +7,8 @@ R is taken out of the text, so the output is right where the control itself hold
 
 from __future__ import annotations
 
+from typing import Any
+
 from postproc.nc.cycles.affine import Affine, rotation
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.frames import Frames
@@ -36,7 +38,7 @@ class LinuxcncRotation:
     def known(self, axis: str) -> float | None:
         return self.frames.known(axis)
 
-    def snapshot(self):
+    def snapshot(self) -> Any:
         return (
             dict(self.frames.at),
             dict(self.frames.residue),
@@ -44,7 +46,7 @@ class LinuxcncRotation:
             self.frames.written,
         )
 
-    def restore(self, kept) -> None:
+    def restore(self, kept: Any) -> None:
         self.frames.at, self.frames.residue, self.frames.motion, self.frames.written = kept
 
     def take(self, block: Block) -> list[bytes]:

@@ -16,6 +16,7 @@ import math
 import re
 from dataclasses import replace
 
+from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.corners_linuxcnc import Finish, finished
 from postproc.nc.cycles.drilling import Outcome
@@ -257,21 +258,42 @@ class LinuxcncTurning:
             for x in path[1:]:
                 self._element(m, x)
 
+    def _roughed(
+        self, scene: Scene, block: Block, elements: list[Element], deep: int
+    ) -> tuple[list[Element], bool]:
+        """The shape at the distance D, and whether levels are cut before it."""
+        first, rest, d = elements[0], elements[1:], block.get("D") or 0.0
+        flat = d > 0 and abs(rest[-1].end[deep] - first.end[deep]) < NEAR
+        line = len(rest) == 1 and not rest[0].is_arc and math.dist(first.start, first.end) > NEAR
+        if (flat and not line) or abs(rest[-1].end[1 - deep] - first.end[1 - deep]) < NEAR:
+            raise scene.fault(
+                "the shape does not vary in both X and Z",
+                "LinuxCNC takes the wrong side of it: write it out",
+            )
+        if not flat:
+            return self._at(scene, elements, d, 1 - deep), True
+        by = (0.0, d) if deep else (-d, 0.0)
+        moved = [replace(first, end=rest[0].moved(by).start), rest[0].moved(by)]
+        levels = (first.start[deep] - moved[0].end[deep]) * by[deep] > NEAR * d
+        if not levels:
+            said = (
+                f"D{d:g} leaves nothing on this shape of one line: LinuxCNC cuts by that beyond it,"
+                " towards " + ("+X" if deep else "-Z") + ", and is followed"
+            )
+            scene.notices.append(Notice("distance of a line", said, scene.source))
+        return moved, levels
+
     def _rough(
         self, scene: Scene, block: Block, elements: list[Element], m: Moves, code: int
     ) -> None:
         """G71 and G72, with pockets, without, or pockets alone."""
         deep = 1 if code < 720 else 0
-        along = 1 - deep
-        flat = abs(elements[-1].end[deep] - elements[0].end[deep]) < NEAR
-        if (flat and block.get("D")) or abs(
-            elements[-1].end[along] - elements[0].end[along]
-        ) < NEAR:
-            raise scene.fault(
-                "the shape does not vary in both X and Z",
-                "LinuxCNC takes the wrong side of it: write it out",
-            )
-        elements = self._at(scene, elements, block.get("D") or 0.0, along)
+        elements, levels = self._roughed(scene, block, elements, deep)
+        if not levels:
+            self._to(m, "G0", elements[0].start)
+            for e in elements:
+                self._to(m, "G1", e.end)
+            return
         step = block.get("I")
         retract = block.get("R")
         step, retract = 1.0 if step is None else step, 0.5 if retract is None else retract

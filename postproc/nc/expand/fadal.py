@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from postproc.errors import ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.lexer import COMMENTS
@@ -105,7 +106,7 @@ class _Run:
         else:
             yield Line(text, at + 1)
 
-    def _fault(self, at: int, message: str, advice: str):
+    def _fault(self, at: int, message: str, advice: str) -> ProgramError:
         return fault(self.program.name, at + 1, self.texts[at], message, advice)
 
 

@@ -16,6 +16,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from typing import Any
 
 from postproc.nc.expand.fanuc_expressions import NUMBER, Formula, Reader
 from postproc.nc.expand.fanuc_functions import Misread
@@ -151,7 +152,7 @@ class BlockReader:
             return self._made(Kind.PLAIN, start)
         return self._words(start)
 
-    def _made(self, kind: Kind, start: int, **more) -> Block:
+    def _made(self, kind: Kind, start: int, **more: Any) -> Block:
         first = self.at[start] if 0 < start < len(self.at) else 0
         return Block(kind, self.raw, self.at, first, place=(start, len(self.code)), **more)
 

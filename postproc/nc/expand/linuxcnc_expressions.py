@@ -22,7 +22,7 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -156,7 +156,7 @@ def _within(
     return checked
 
 
-def _of_degrees(function: Callable) -> Callable[[float], float]:
+def _of_degrees(function: Callable[[Any], Any]) -> Callable[[float], float]:
     return lambda value: float(function(np.longdouble(value) * PI / 180))
 
 

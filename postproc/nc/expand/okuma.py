@@ -5,7 +5,8 @@ Okuma OSP-P200L / P20L programming manual 5238-E, user task, as NC-PB/gEdit sums
 EQ 3] N2 (GOTO N2) go to a block of the same program by its name, which is text (N2 is not N02); IF
 PX N2 where the local variable PX has a value. CALL O1 Q3 PX=5 runs a subprogram three times up to
 RTS, which takes its variables' values away; MODIN O1 runs it behind every block that moves an axis,
-until MODOUT. X=V1+2 is a word whose number is worked out; common variables (V1, VC1) hold what
+until MODOUT. X=V1+2 is a word whose number is worked out, in a shape (NLAP1 G81) where the program
+comes to it: at its call the number must still be that one. Common variables (V1, VC1) hold what
 nobody knows until the program sets them, and so does what NOEX sets. What sets or asks the
 control's own variables stays, and is refused where it is run.
 """
@@ -14,8 +15,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from postproc.errors import ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
@@ -23,6 +25,7 @@ from postproc.nc.expand.klartext_formulas import FormulaError, Unset
 from postproc.nc.expand.okuma_expressions import VARIABLE, Expression, is_own
 from postproc.nc.expand.tracker import Tracker, number
 
+Worked = TypeVar("Worked")  # what an expression gives
 COMMENT = re.compile(rb"\([^()\n]*\)?")
 HEAD = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:(N(?!OEX\b)[A-Z0-9]+)(?=[ \t/]|\Z)[ \t]*)?(?:/[ \t]*)?")
 DELETED = re.compile(rb"[ \t]*(?:N[A-Z0-9]+[ \t]+)?/", re.IGNORECASE)
@@ -41,6 +44,8 @@ WORD = re.compile(rf"(?<![A-Z0-9])(?:([A-Z])|({TWO}))[ \t]*=[ \t]*")
 PLAIN = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?=[ \t]*(?:[A-Z]|\Z))")
 AXIS = re.compile(r"(?<![A-Z])[XYZABC][ \t]*=?[ \t]*[-+.0-9]")
 ENDS = re.compile(rb"(?<![A-Z])M[ \t]*0*(?:2|30)(?![0-9])")
+SHAPE = re.compile(rb"(?<![A-Z])G[ \t]*8[5-7][ \t]*(N[A-Z0-9]+)")  # called by its name
+SHAPE_ENDS = re.compile(rb"(?<![A-Z])G[ \t]*80(?![0-9])")
 GIVE = "give it a value in the program before this line, the one that it has on the control"
 
 
@@ -96,6 +101,7 @@ class _Run:
         # of MODIN the subprogram, how often, and where it stands
         self.behind: tuple[str, int, _Part, int] | None = None
         self.within = False  # a subprogram that MODIN runs
+        self.said: dict[tuple[str, int], bytes] = {}  # blocks whose numbers were worked out
 
     def main(self) -> Iterator[Line]:
         part = self.files[""][""]
@@ -133,6 +139,8 @@ class _Run:
             elif SETS.match(code.decode("latin-1")) and not OWN.match(code):
                 self._assign(part, here, self._joined(part, here), plain=True)
             else:
+                if called := SHAPE.search(code):
+                    self._as_passed(part, here, called[1].decode())
                 yield self._filled(part, here)
                 self.ended = bool(ENDS.search(code)) and not depth
                 if self.behind and not self.within and AXIS.search(code.decode("latin-1")):
@@ -233,6 +241,23 @@ class _Run:
         yield from self._call(part, here, name, times, "", depth)
         self.within = False
 
+    def _as_passed(self, part: _Part, here: int, name: str) -> None:
+        """Refuses a shape whose numbers are others at its call than where the program came to it:
+        which of them the control takes is in no text that was found."""
+        places = [(p, i) for p in self.files[part.file].values() for i in p.labels.get(name, ())]
+        for other, first in places:
+            for i in range(first, other.last):
+                said = self.said.get((part.file, i))
+                if said is not None and self._filled(other, i).text != said:
+                    raise self._error(
+                        part,
+                        here,
+                        f"line {i + 1} of the shape has other numbers here than where it stands",
+                        "set its variables before the shape, and change them behind its calls",
+                    )
+                if SHAPE_ENDS.search(other.codes[i]):
+                    break
+
     def _find(self, part: _Part, here: int, name: str) -> _Part:
         """A program by its name: in the files that are open, else in one of its own."""
         for file in (part.file, "", name):
@@ -301,7 +326,10 @@ class _Run:
             rest = bare[begin:]
             done = begin + len(rest) - len(rest.lstrip()) + stop
         line = self._line(part, here)
-        return line._replace(text=b"".join(pieces) + text[done:]) if pieces else line
+        if not pieces:
+            return line
+        self.said[part.file, here] = filled = b"".join(pieces) + text[done:]
+        return line._replace(text=filled)
 
     def _written(self, part: _Part, here: int, letter: str, value: float) -> bytes:
         """The number of a word."""
@@ -317,7 +345,7 @@ class _Run:
             )
         return text.encode()
 
-    def _worked_out(self, part, here, of):
+    def _worked_out(self, part: _Part, here: int, of: Callable[[], Worked]) -> Worked:
         try:
             return of()
         except Unset as error:

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from postproc.errors import BlockFault, ProgramError
-from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID
+from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID, Motions
 from postproc.nc.cycles.profile import Element
 from postproc.nc.cycles.scene import CLOCKWISE as G2
 from postproc.nc.cycles.scene import COUNTER as G3
@@ -112,7 +112,7 @@ def _head(tracker: Tracker) -> bytes:
     return " ".join(words).encode()
 
 
-def _shape(motions, rows: list[int], inch: bool) -> list[Element]:
+def _shape(motions: Motions, rows: list[int], inch: bool) -> list[Element]:
     unit = TICKS_PER_INCH if inch else TICKS_PER_MM
     mm = 25.4 if inch else 1.0
     if not len(motions.block) or not motions.target_known[rows, 0].all():

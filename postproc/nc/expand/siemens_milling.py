@@ -118,7 +118,10 @@ class Ways:
         """A way that is told counter-clockwise, in the sense that is asked for; begun: the tool
         stands at its start."""
         if self.ccw < 0:
-            mirror = lambda q: (q[0], -q[1])  # noqa: E731
+
+            def mirror(q: tuple[float, float]) -> tuple[float, float]:
+                return q[0], -q[1]
+
             pieces = [
                 Piece(-p.turn, mirror(p.start), mirror(p.end), mirror(p.centre)) for p in pieces
             ]

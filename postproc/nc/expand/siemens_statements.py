@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from postproc.nc.expand.siemens_values import (
     Node,
@@ -99,7 +100,7 @@ class Statement:
     call: Call | None = None
     ends: str = ""
     control: str = ""
-    parts: tuple = ()
+    parts: tuple[Any, ...] = ()
 
     def written(self, scope: Scope) -> str | None:
         """The line with numbers in it; None where nothing is left to write. Executes its

@@ -21,7 +21,9 @@ LINES_AT_ONCE = 4000
 def lines_of(language: str, program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     """The plain lines of a program. Raises ProgramError where it can not be run, or runs beyond the
     limits."""
-    return importlib.import_module(f"postproc.nc.expand.{language}").lines(program, tracker, limits)
+    module = importlib.import_module(f"postproc.nc.expand.{language}")
+    lines: Iterator[Line] = module.lines(program, tracker, limits)
+    return lines
 
 
 class Written:

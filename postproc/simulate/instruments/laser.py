@@ -25,10 +25,6 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     if np.isnan(found.feed).all():
         del columns["feed_mm_min"]
     return Signal(
-        "targets",
-        targets.head(found, vector, "displacement", TITLE),
-        columns,
-        {"reading_um": 1.0},
-        state,
-        channel_names(state),
-    )
+        "targets", targets.head(found, vector, "displacement", TITLE), columns, {"reading_um": 1.0},
+        state, channel_names(state),
+    )  # fmt: skip

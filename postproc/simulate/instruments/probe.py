@@ -50,13 +50,10 @@ def measure(reality: Reality, settings: Settings) -> Signal:
         size = ends[0][1] - ends[1][1] + _of_material(reality, ends[0][0], last, axis)
         n = len(parts)
         one = {
-            "feature": np.array([f"F{number}"] * n, object),
-            "kind": np.array([kind] * n, object),
-            "axis": np.array([axis] * n, object),
-            "nominal_mm": np.full(n, nominal),
-            "measured_mm": nominal + size,
-            "part": parts.astype(float),
-        }
+            "feature": np.array([f"F{number}"] * n, object), "kind": np.array([kind] * n, object),
+            "axis": np.array([axis] * n, object), "nominal_mm": np.full(n, nominal),
+            "measured_mm": nominal + size, "part": parts.astype(float),
+        }  # fmt: skip
         for reading in range(1, readings + 1):
             for name, values in (one | {"reading": np.full(n, float(reading))}).items():
                 rows.setdefault(name, []).append(values)

@@ -29,10 +29,6 @@ def measure(reality: Reality, settings: Settings) -> Signal:
     columns = found.columns()
     columns["reading_um"] = vector @ reality.error(found.state, ("tool",), found.piece) * 1e3
     return Signal(
-        "targets",
-        targets.head(found, vector, "straightness", TITLE),
-        columns,
-        {"reading_um": 1.0},
-        found.state,
-        channel_names(found.state),
-    )
+        "targets", targets.head(found, vector, "straightness", TITLE), columns, {"reading_um": 1.0},
+        found.state, channel_names(found.state),
+    )  # fmt: skip

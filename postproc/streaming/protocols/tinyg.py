@@ -124,14 +124,9 @@ class TinyG(Protocol):
     title = TITLE
     confirms = "answers"
     questions: tuple[bytes, ...] = (
-        b'{"ej":1}',
-        b'{"jv":null}',
-        b'{"jv":5}',
-        b'{"sys":null}',
-        *(b'{"%s":null}' % n.encode() for n in WORK),
-        PLACE,
-        STAND,
-    )
+        b'{"ej":1}', b'{"jv":null}', b'{"jv":5}', b'{"sys":null}',
+        *(b'{"%s":null}' % n.encode() for n in WORK), PLACE, STAND,
+    )  # fmt: skip
     opening: tuple[bytes, ...] = ()
     lines = 1 << 20  # that may wait for an answer
     fill = FILL

@@ -1,0 +1,24 @@
+"""Types hold as `[tool.mypy]` of pyproject.toml asks: for the packages that it names as strictly as
+mypy --strict."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def test_types_hold(request):
+    pytest.importorskip("mypy", reason="the test extra was not installed")
+    cache = request.config.cache.mkdir("mypy")
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy", "--cache-dir", str(cache), "--no-error-summary"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
