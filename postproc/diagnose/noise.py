@@ -173,7 +173,7 @@ def step(y: np.ndarray) -> float:
     for parts in range(1, MOST_PARTS + 1):
         counts = gaps * parts / gaps.min()
         if np.all(np.abs(counts - np.round(counts)) < WHOLE):
-            return float(gaps.min()) / parts / np.sqrt(12.0)
+            return float(gaps.min() / parts / np.sqrt(12.0))
     return 0.0
 
 
