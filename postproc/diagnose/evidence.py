@@ -17,13 +17,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from postproc.diagnose.dictionary import Products
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.parts import (
     SURE,
     Part,
-    Products,
     Reduced,
     cholesky,
     inverted,
@@ -114,7 +114,7 @@ class Evidence:
         for part in self.parts:
             rows = part.unit.rows
             shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
-            part.add(
+            part.dictionary.add(
                 [k for k, _ in shown], [c for _, c in shown], [self.first[k] for k, _ in shown]
             )
         self._index()
@@ -128,18 +128,20 @@ class Evidence:
             for k, b in enumerate(self.blocks[done:])
         ]
         self._indexed = len(self.blocks)
-        first, second = self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
-        known = len(self._pairs) == len(self.parts)
+        begin = self.pairs.shape[1]
+        self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
+        first, second = self.pairs[:, begin:]
+        if not self._pairs:
+            self._pairs = [(np.zeros(0, int),) * 3 + (np.zeros(0),) for _ in self.parts]
         for number, part in enumerate(self.parts):
             at = np.full(self.width, -1)
-            at[part.columns] = np.arange(len(part.columns))
+            at[part.dictionary.columns] = np.arange(len(part.dictionary.columns))
             here = np.flatnonzero(at[first] >= 0)
             one, other = at[first[here]], at[second[here]]
             # blocks are only ever added behind
-            old = self._pairs[number][3] if known else np.zeros(0)
-            fresh = part.own_products(one[len(old) :], other[len(old) :])
-            pair = (here, one, other, np.concatenate([old, fresh]))
-            self._pairs[number : number + 1] = [pair]
+            fresh = begin + here, one, other, part.dictionary.of_pairs(one, other)
+            here, one, other, own = map(np.concatenate, zip(self._pairs[number], fresh, strict=True))
+            self._pairs[number] = here, one, other, own
 
     def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
         """Numbers of the columns of blocks."""
@@ -170,7 +172,7 @@ class Evidence:
         want of the exact form of what is explained; afresh: the others begin at what is usual, not
         at what was learned before."""
         least = np.full(len(self.parts), QUIETEST) if least is None else least
-        shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
+        shown = [tuple(c for c in chosen if c in p.dictionary.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
         scale = {k: 1.0 if like is None else like.scale.get(k, 1.0) for k in chosen}
@@ -178,23 +180,26 @@ class Evidence:
         touched = []
         for k, part in enumerate(self.parts):
             old = like.parts[k] if like else None
-            if old and old.shown == shown[k] and old.kinds == kinds[k] and old.sigma2 >= least[k]:
+            same = old and old.shown == shown[k] and old.asked.kinds == kinds[k]
+            if old and same and old.sigma2 >= least[k]:
                 parts.append(old)
                 continue
             sigma2, sd = (old.sigma2, old.sd) if old and not afresh else (1.0, part.usual)
-            parts.append(part.reduced(shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
+            asked = old.asked if old and same else part.asked(shown[k], kinds[k])
+            parts.append(part.reduced(asked, max(sigma2, float(least[k])), sd))
             touched.append(k)
-        fit = self._joined(chosen, on, shared, scale, parts)
+        places = [self.shared_at(k, chosen, old.shown) for k, old in enumerate(parts)]
+        fit = self._joined(chosen, on, shared, scale, parts, places)
         for _ in range(steps):
             shared, scale = self._renewed_shared(fit), self._renewed_scale(fit)
             parts = list(fit.parts)
             for k in touched:
-                at = self.shared_at(k, chosen, shown[k])
+                at = places[k]
                 sigma2, sd = self.parts[k].renewed(
                     parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k])
                 )
-                parts[k] = self.parts[k].reduced(shown[k], sigma2, sd, kinds[k])
-            fit = self._joined(chosen, on, shared, scale, parts)
+                parts[k] = self.parts[k].reduced(parts[k].asked, sigma2, sd)
+            fit = self._joined(chosen, on, shared, scale, parts, places)
         return fit
 
     def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
@@ -222,13 +227,13 @@ class Evidence:
         shared: np.ndarray,
         scale: dict[int, float],
         parts: list[Reduced],
+        places: list[np.ndarray],
     ) -> Fit:
-        """All units together."""
+        """All units together; places: where the shared columns of each stand among all."""
         sd = self._sd(chosen, shared, scale)
         a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
         value = 0.0
-        for k, part in enumerate(parts):
-            at = self.shared_at(k, chosen, part.shown)
+        for part, at in zip(parts, places, strict=True):
             a[np.ix_(at, at)] += part.inside
             b[at] += part.along
             value += part.value
@@ -288,24 +293,25 @@ class Evidence:
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
             at = self.shared_at(k, fit.chosen, old.shown)
-            if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
-                old.hd = solved(old.root, part.bd[old.use] / s2)
+            words = part.dictionary
+            if old.hd is None or old.hd.shape[1] != len(words.columns):
+                old.hd = solved(old.root, words.bd[old.use] / s2)
                 inside = old.hd.T @ old.hf
-                crossed = np.concatenate([part.zd, *(part.crossed(c) for c in old.shown)])
+                crossed = np.concatenate([words.zd, *(words.crossed(c) for c in old.shown)])
                 _, i, j, own = self._pairs[k]
                 old.fd = crossed / s2 - inside.T
                 old.dd = own / s2 - np.einsum("qp,qp->p", old.hd[:, i], old.hd[:, j])
-            hy, y_f, y_d = old.hy[:, None], old.fy[:, None], part.dy[:, None]
+            hy, y_f, y_d = old.hy[:, None], old.asked.fy[:, None], words.dy[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate(
-                    [part.z.T @ white, *(part.d[:, part.where[c]].T @ white for c in old.shown)]
+                    [part.z.T @ white, *(words.d[:, words.where[c]].T @ white for c in old.shown)]
                 )
-                y_d = part.d.T @ white
+                y_d = words.d.T @ white
             fy[at] += y_f / s2 - old.hf.T @ hy
-            dy[part.columns] += y_d / s2 - old.hd.T @ hy
-            fd[np.ix_(at, part.columns)] += old.fd
+            dy[words.columns] += y_d / s2 - old.hd.T @ hy
+            fd[np.ix_(at, words.columns)] += old.fd
             dd[self._pairs[k][0]] += old.dd
         if f:
             root = cholesky(self._precision(fit, sd))
@@ -353,7 +359,7 @@ class Evidence:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
         the fit taken out, but for one of its members."""
         found = [
-            part.products(columns[part.unit.rows], old.shown)
+            part.dictionary.products(columns[part.unit.rows], old.shown)
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, columns.shape[1], but)
@@ -362,7 +368,7 @@ class Evidence:
         """The same of the columns of blocks of the dictionary, whose products are known."""
         width = [self.blocks[k].columns.shape[1] for k in numbers]
         found = [
-            part.own_beside(numbers, width, old.shown)
+            part.dictionary.own_beside(numbers, width, old.shown)
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, sum(width))
