@@ -49,7 +49,8 @@ On = frozenset[tuple[int, str]]  # units that have a process of their own, and o
 @dataclass
 class Fit:
     """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean
-    (f,), covariance (f, f) of the shared coefficients; shared: learned standard deviations of the
+    (f,), covariance (f, f) of the shared coefficients, root (f, f): Cholesky factor (lower) of its
+    inverse; shared: learned standard deviations of the
     map's groups; scale: of each block, what its usual size is multiplied by; parts: its units."""
 
     chosen: tuple[int, ...]
@@ -57,6 +58,7 @@ class Fit:
     value: float
     mean: np.ndarray
     covariance: np.ndarray
+    root: np.ndarray
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
@@ -245,7 +247,7 @@ class Evidence:
         learned = self.shared_learned
         value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
         value -= sum(float(surprise(scale[k], 1.0)) for k in chosen if k not in self.fixed)
-        return Fit(chosen, on, value, mean, covariance, shared, scale, parts)
+        return Fit(chosen, on, value, mean, covariance, root, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
         new = fit.shared.copy()
@@ -286,8 +288,7 @@ class Evidence:
         Bayes factor, (K,) coefficients and their standard deviations. With draws (N, R) of readings
         instead: (B, R), None, None."""
         many = 1 if draws is None else draws.shape[1]
-        sd = self._sd(fit.chosen, fit.shared, fit.scale)
-        f = len(sd)
+        f = len(fit.mean)
         fy, fd = np.zeros((f, many)), np.zeros((f, self.width))
         dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
@@ -314,8 +315,7 @@ class Evidence:
             fd[np.ix_(at, words.columns)] += old.fd
             dd[self._pairs[k][0]] += old.dd
         if f:
-            root = cholesky(self._precision(fit, sd))
-            half_d, half_y = solved(root, fd), solved(root, fy)
+            half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
         return self._factors(dy, dd, draws is None)
@@ -376,13 +376,14 @@ class Evidence:
     def _beside(
         self, fit: Fit, found: list[Products | None], many: int, but: int = -1
     ) -> tuple[np.ndarray, np.ndarray]:
-        sd = self._sd(fit.chosen, fit.shared, fit.scale)
+        f, root = len(fit.mean), fit.root
         if but >= 0:
+            sd = self._sd(fit.chosen, fit.shared, fit.scale)
             sd[
                 len(self.shared_of)
                 + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))
             ] = NOTHING
-        f = len(sd)
+            root = cholesky(self._precision(fit, sd))
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (old, x) in enumerate(zip(fit.parts, found, strict=True)):
             at, s2 = self.shared_at(k, fit.chosen, old.shown), old.sigma2
@@ -394,7 +395,7 @@ class Evidence:
             xx += x.within / s2 - hx.T @ hx
             xy += x.along / s2 - hx.T @ old.hy
         if f:
-            half = solved(cholesky(self._precision(fit, sd)), np.column_stack([fy, fx]))
+            half = solved(root, np.column_stack([fy, fx]))
             xx -= half[:, 1:].T @ half[:, 1:]
             xy -= half[:, 1:].T @ half[:, 0]
         return xx, xy

@@ -190,7 +190,7 @@ def cholesky(m: np.ndarray) -> np.ndarray:
     """The lower Cholesky factor."""
     if not len(m):
         return m
-    root, info = dpotrf(m, lower=1, clean=1)
+    root, info = dpotrf(m.T, lower=1, clean=1)  # as it lies in the memory: it is symmetric
     if info:
         root, info = dpotrf(m + 1e-10 * np.diag(np.diag(m)), lower=1, clean=1)
     if info:

@@ -55,8 +55,8 @@ class Sets:
 
     def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
         self.rows, self.evidence = rows, evidence
-        evidence.add(blocks)
-        self.cost = np.array([cost_of(b) for b in blocks])
+        self.cost, self._number = np.zeros(0), {}
+        self.add(blocks)
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[tuple, Found] = {}
         self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
@@ -67,15 +67,16 @@ class Sets:
 
     def let_in(self, block: Block) -> int:
         """The number of a block, which is added where it is new."""
-        for k, known in enumerate(self.blocks):
-            if (known.key, known.shape) == (block.key, block.shape):
-                return k
-        return self.add([block])[0]
+        known = self._number.get((block.key, block.shape))
+        return self.add([block])[0] if known is None else known
 
     def add(self, blocks: list[Block]) -> list[int]:
         """Let blocks in; their numbers."""
         self.cost = np.append(self.cost, [cost_of(b) for b in blocks])
-        return self.evidence.add(blocks)
+        numbers = self.evidence.add(blocks)
+        for k, b in zip(numbers, blocks, strict=True):
+            self._number.setdefault((b.key, b.shape), k)
+        return numbers
 
     def null(self) -> Found:
         """No effect at all."""

@@ -31,31 +31,38 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     wave."""
     block = sets.blocks[k]
     if "t_s" in dict(block.shape):
-        return _best(sets, fit, k, _moment(sets, fit, block), 0.0) if len(block.shape) == 1 else k
+        return _numbered(sets, k, _moment(sets, fit, block)) if len(block.shape) == 1 else k
     if block.name not in FOUND or dict(block.shape).get("period_mm") == 0:
-        return _best(sets, fit, k, _between(sets, fit, block), 0.0)
-    k = _best(sets, fit, k, _nearby(sets, fit, block), 0.0)
+        return _numbered(sets, k, _between(sets, fit, block))
+    k = _numbered(sets, k, _nearby(sets, fit, block))
     plain = sets.blocks[k]
     more = getattr(plain.module, "fuller", None)
     for shape in more(dict(plain.shape), sets.rows.state, plain.axis) if more else ():
         fuller = at(sets, plain, shape)
         if fuller is not None:
-            k = _best(sets, fit, k, fuller, WORTH)
+            now, then = worths(sets, fit, [sets.blocks[k], fuller])
+            k = _numbered(sets, k, fuller) if then > now + WORTH else k
     return k
 
 
-def _best(sets: Sets, fit: Fit, k: int, other: Block | None, by: float) -> int:
-    if other is None or other is sets.blocks[k]:
-        return k
-    return (
-        sets.let_in(other) if worth(sets, fit, other) > worth(sets, fit, sets.blocks[k]) + by else k
-    )
+def _numbered(sets: Sets, k: int, other: Block) -> int:
+    return k if other is sets.blocks[k] else sets.let_in(other)
 
 
-def worth(sets: Sets, fit: Fit, block: Block) -> float:
-    """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible
-    one."""
-    a, b = sets.evidence.beside(fit, block.columns)
+def worths(sets: Sets, fit: Fit, blocks: list[Block]) -> list[float]:
+    """Twice the logarithm of the Bayes factor of each of some blocks beside a fit; -inf for an
+    implausible one."""
+    a, b = sets.evidence.beside(fit, np.concatenate([x.columns for x in blocks], axis=1))
+    result, end = [], 0
+    for block in blocks:
+        own = slice(end, end := end + block.columns.shape[1])
+        result.append(_worth(block, a[own, own], b[own]))
+    return result
+
+
+def _worth(block: Block, a: np.ndarray, b: np.ndarray) -> float:
+    """Of a block whose columns, all else taken out, have the products a (K, K) and b (K,) with the
+    readings."""
     best = -np.inf
     for scale in TRIED_SIZES:
         slab = scale * SLAB / block.largest
@@ -68,6 +75,19 @@ def worth(sets: Sets, fit: Fit, block: Block) -> float:
     return best
 
 
+def _likeliest(
+    sets: Sets, fit: Fit, best: Block, most: float, shapes: list[dict[str, float]]
+) -> tuple[Block, float]:
+    """A block in the likeliest of these shapes, and what it is worth; as it is where none of them
+    is worth more."""
+    found = [at(sets, best, shape) for shape in shapes]
+    tried = [b for b in found if b is not None and b.columns.shape == best.columns.shape]
+    for block, now in zip(tried, worths(sets, fit, tried) if tried else [], strict=True):
+        if now > most:
+            best, most = block, now
+    return best, most
+
+
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     """The block in another shape; None where these readings do not show all of it."""
     columns = library.read(sets.rows, block.module, block.axis, shape)
@@ -76,7 +96,7 @@ def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
 
 
-def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:
+def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
     """The block at the likeliest period or frequency near its own."""
     name = "period_mm" if "period_mm" in dict(block.shape) else "frequency_hz"
     shown = np.any(block.columns != 0, axis=1)
@@ -88,41 +108,32 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:
             float(np.ptp(sets.rows.state.time[shown][passages == p])) for p in np.unique(passages)
         )
     within = WITHIN / max(span, 1e-9)
-    best, most = block, worth(sets, fit, block)
+    best, (most,) = block, worths(sets, fit, [block])
     for _ in range(ROUNDS):
         value = dict(best.shape)[name]
         middle = 1 / value if name == "period_mm" else value
-        for f in middle + within * np.linspace(-1.0, 1.0, TRIED):
-            shape = (
-                {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)}
-                if f > 0
-                else None
-            )
-            tried = at(sets, block, shape) if shape else None
-            if (
-                tried is not None
-                and tried.columns.shape == block.columns.shape
-                and (now := worth(sets, fit, tried)) > most
-            ):
-                best, most = tried, now
+        # the one in the middle is known
+        around = [f for f in middle + within * np.linspace(-1.0, 1.0, TRIED) if f > 0 and f != middle]
+        shapes = [
+            {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)} for f in around
+        ]
+        best, most = _likeliest(sets, fit, best, most, shapes)
         within /= (TRIED - 1) / 2
     return best
 
 
-def _moment(sets: Sets, fit: Fit, block: Block) -> Block | None:
+def _moment(sets: Sets, fit: Fit, block: Block) -> Block:
     """The block at the likeliest moment between two readings near its own: a long recording has
     more of them than the grid."""
     times = np.unique(sets.rows.state.time)
     middle = (times[1:] + times[:-1]) / 2
-    best, most = block, worth(sets, fit, block)
+    best, (most,) = block, worths(sets, fit, [block])
     for stride in (8, 1):
         near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
-        for k in range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride):
-            if not library.between_readings(sets.rows, float(middle[k])):
-                continue
-            tried = at(sets, block, {"t_s": float(middle[k])})
-            if tried is not None and (now := worth(sets, fit, tried)) > most:
-                best, most = tried, now
+        tried = range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride)
+        moments = [float(middle[k]) for k in tried]
+        shapes = [{"t_s": t} for t in moments if library.between_readings(sets.rows, t)]
+        best, most = _likeliest(sets, fit, best, most, shapes)
     return best
 
 
@@ -160,10 +171,10 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
         picks = picks[apart]
         worth, size = _values(a, b, picks)
         value = worth - 2 * np.log(tried) * (picks.shape[1] - 1)
-        order = (int(k) for k in np.argsort(-value) if value[k] > now + WORTH)
-        best = next((k for k in order if sensible(*size[k].tolist())), None)
-        if best is None:
+        fits = np.flatnonzero((value > now + WORTH) & sensible(*size.T))
+        if not len(fits):
             break
+        best = int(fits[np.argmax(value[fits])])
         chosen, now = picks[best].tolist(), float(value[best])
         rest = np.setdiff1d(np.arange(len(later)), chosen)
         picks = np.column_stack([np.repeat([chosen], len(rest), axis=0), rest])
@@ -188,19 +199,19 @@ def continuous(block: Block) -> dict[str, tuple[float, float]]:
     return {name: ends for name, ends in named.items() if 0 < shape.get(name, 0.0) < ends[1] * FAR}
 
 
-def _between(sets: Sets, fit: Fit, block: Block) -> Block | None:
+def _between(sets: Sets, fit: Fit, block: Block) -> Block:
     """The block at the likeliest values of its shape near those of the grid."""
     if not continuous(block):
-        return None
-    best, most = block, worth(sets, fit, block)
+        return block
+    best, (most,) = block, worths(sets, fit, [block])
     for name, (low, high) in continuous(block).items():
         factor = FIRST
         for _ in range(HALVINGS):
             middle = dict(best.shape)[name]
-            for value in (middle / factor, middle * factor):
-                shape = {**dict(best.shape), name: float(np.clip(value, low, high))}
-                tried = at(sets, block, shape)
-                if tried is not None and (now := worth(sets, fit, tried)) > most:
-                    best, most = tried, now
+            shapes = [
+                {**dict(best.shape), name: float(np.clip(value, low, high))}
+                for value in (middle / factor, middle * factor)
+            ]
+            best, most = _likeliest(sets, fit, best, most, shapes)
             factor = float(np.sqrt(factor))
     return best

@@ -168,14 +168,21 @@ def low_pass(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     before the first row."""
     order = np.argsort(state.time, kind="stable")
     kept = np.exp(-np.diff(state.time[order]) / tau_s)
-    level = driver[order]
-    result, now = np.zeros(len(level)), 0.0
-    for k, (keep, value) in enumerate(zip(kept.tolist(), level[1:].tolist(), strict=True), 1):
-        now = keep * now + (1.0 - keep) * value
-        result[k] = now
-    back = np.empty(len(level))
-    back[order] = result
+    back = np.empty(len(order))
+    back[order] = recurrence(kept, (1.0 - kept) * driver[order][1:])
     return back
+
+
+def recurrence(kept: np.ndarray, added: np.ndarray) -> np.ndarray:
+    """(N + 1,) x, from 0 on: x of each step is `kept` (N,) of the x before and `added` (N,). By
+    doubling (Hillis and Steele, Communications of the ACM 29, 1986, 1170): after each pass the
+    steps are twice as long."""
+    kept, x, far = kept.copy(), added.copy(), 1
+    while far < len(x):
+        x[far:] += kept[far:] * x[:-far]
+        kept[far:] = kept[far:] * kept[:-far]
+        far *= 2
+    return np.concatenate([[0.0], x])
 
 
 def reversal_memory(

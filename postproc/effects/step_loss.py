@@ -37,13 +37,15 @@ def columns(
     return along(axis, *((state.time > t).astype(float) for t in moments))
 
 
-def sensible(
-    jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **moments: float
-) -> bool:
+def sensible(jump_um, second_um=0.0, third_um=0.0, **moments: float) -> np.ndarray:
     """Whether each of them is more than an instrument's own, and all go one way: what jumps to and
-    fro is as well an instrument that switches."""
-    jumps = [jump for jump in (jump_um, second_um, third_um) if jump]
-    return abs(sum(np.sign(jumps))) == len(jumps) and min(map(abs, jumps)) >= SMALLEST
+    fro is as well an instrument that switches. um, each a number or an array; a bool of that
+    shape."""
+    jumps = np.stack(np.broadcast_arrays(jump_um, second_um, third_um))
+    there = jumps != 0
+    one_way = np.abs(np.sign(jumps).sum(axis=0)) == there.sum(axis=0)
+    smallest = np.where(there, np.abs(jumps), np.inf).min(axis=0)
+    return np.asarray(one_way & (smallest >= SMALLEST))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
