@@ -64,6 +64,24 @@ class Fit:
     parts: list[Reduced]
 
 
+@dataclass(frozen=True)
+class Layout:
+    """Where the shared coefficients of a set stand. slab (w,): usual standard deviation of those of
+    its blocks; of (w,): number of the block of each, among the chosen; width (C,): how many are of
+    each; at: of each unit, all of them (a slice) or the numbers of those that show in it."""
+
+    chosen: tuple[int, ...]
+    slab: np.ndarray
+    of: np.ndarray
+    width: np.ndarray
+    at: list[slice | np.ndarray]
+
+
+def square(at: slice | np.ndarray) -> tuple:
+    """The index of the rows and columns of a square matrix."""
+    return (at, at) if isinstance(at, slice) else np.ix_(at, at)
+
+
 class Evidence:
     """The readings y (N,) mm and everything that may explain them."""
 
@@ -190,19 +208,29 @@ class Evidence:
             asked = old.asked if old and same else part.asked(shown[k], kinds[k])
             parts.append(part.reduced(asked, max(sigma2, float(least[k])), sd))
             touched.append(k)
-        places = [self.shared_at(k, chosen, old.shown) for k, old in enumerate(parts)]
-        fit = self._joined(chosen, on, shared, scale, parts, places)
+        layout = self._layout(chosen, parts)
+        kept = self._summed(layout, [k for k in range(len(parts)) if k not in touched], parts)
+        fit = self._joined(layout, on, shared, scale, parts, touched, kept)
         for _ in range(steps):
-            shared, scale = self._renewed_shared(fit), self._renewed_scale(fit)
+            shared, scale = self._renewed_shared(fit), self._renewed_scale(layout, fit)
             parts = list(fit.parts)
             for k in touched:
-                at = places[k]
+                at = layout.at[k]
                 sigma2, sd = self.parts[k].renewed(
-                    parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k])
+                    parts[k], fit.mean[at], fit.covariance[square(at)], float(least[k])
                 )
                 parts[k] = self.parts[k].reduced(parts[k].asked, sigma2, sd)
-            fit = self._joined(chosen, on, shared, scale, parts, places)
+            fit = self._joined(layout, on, shared, scale, parts, touched, kept)
         return fit
+
+    def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
+        width = np.array([self.blocks[k].columns.shape[1] for k in chosen], int)
+        at: list[slice | np.ndarray] = [
+            slice(None) if old.shown == chosen else self.shared_at(k, chosen, old.shown)
+            for k, old in enumerate(parts)
+        ]
+        slab, of = self.slab[self.columns_of(chosen)], np.repeat(np.arange(len(chosen)), width)
+        return Layout(chosen, slab, of, width, at)
 
     def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns of a unit stand among all shared ones."""
@@ -222,64 +250,66 @@ class Evidence:
         of_blocks = [scale[k] * self.slab[self.columns_of((k,))] for k in chosen]
         return np.concatenate([shared[self.shared_of], *of_blocks])
 
+    def _summed(
+        self, layout: Layout, which: list[int], parts: list[Reduced]
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """(f, f), (f,) and a number: what some units tell of the shared coefficients."""
+        f = len(self.shared_of) + len(layout.of)
+        a, b, value = np.zeros((f, f)), np.zeros(f), 0.0
+        for k in which:
+            a[square(layout.at[k])] += parts[k].inside
+            b[layout.at[k]] += parts[k].along
+            value += parts[k].value
+        return a, b, value
+
     def _joined(
         self,
-        chosen: tuple[int, ...],
+        layout: Layout,
         on: On,
         shared: np.ndarray,
         scale: dict[int, float],
         parts: list[Reduced],
-        places: list[np.ndarray],
+        touched: list[int],
+        kept: tuple[np.ndarray, np.ndarray, float],
     ) -> Fit:
-        """All units together; places: where the shared columns of each stand among all."""
-        sd = self._sd(chosen, shared, scale)
-        a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
-        value = 0.0
-        for part, at in zip(parts, places, strict=True):
-            a[np.ix_(at, at)] += part.inside
-            b[at] += part.along
-            value += part.value
+        """All units together: those that were touched, and the sums of those that were kept."""
+        chosen, now = layout.chosen, np.array([scale[k] for k in layout.chosen])
+        sd = np.concatenate([shared[self.shared_of], now[layout.of] * layout.slab])
+        a, b, value = self._summed(layout, touched, parts)
+        a, b, value = a + kept[0], b + kept[1], value + kept[2]
+        a[np.diag_indices(len(sd))] += 1.0 / sd**2
         root = cholesky(a)
         inverse = inverted(root)
         covariance = inverse.T @ inverse
         mean = covariance @ b
-        value += float(b @ mean) - 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd).sum())
-        learned = self.shared_learned
+        value += float(b @ mean) - 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
+        learned, free = self.shared_learned, [k not in self.fixed for k in chosen]
         value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
-        value -= sum(float(surprise(scale[k], 1.0)) for k in chosen if k not in self.fixed)
+        value -= float(np.sum(surprise(now[np.array(free, bool)], 1.0)))
         return Fit(chosen, on, value, mean, covariance, root, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
-        new = fit.shared.copy()
-        for g in np.flatnonzero(self.shared_learned):
-            which, usual = np.flatnonzero(self.shared_of == g), self.shared_usual[g]
-            dof = max(
-                len(which) - float(np.diag(fit.covariance)[which].sum()) / fit.shared[g] ** 2, 0.0
-            )
-            power = float((fit.mean[which] ** 2).sum())
-            now = np.sqrt((power + MAP_SURE * usual**2) / (dof + MAP_SURE))
-            new[g] = float(np.clip(now, 0.3 * usual, MAP_MOST * usual))
+        new, of, learned = fit.shared.copy(), self.shared_of, self.shared_learned
+        many, usual = len(new), self.shared_usual[learned]
+        spread = np.bincount(of, fit.covariance.diagonal()[: len(of)], many) / fit.shared**2
+        dof = np.maximum(np.bincount(of, minlength=many) - spread, 0.0)[learned]
+        power = np.bincount(of, fit.mean[: len(of)] ** 2, many)[learned]
+        now = np.sqrt((power + MAP_SURE * usual**2) / (dof + MAP_SURE))
+        new[learned] = np.clip(now, 0.3 * usual, MAP_MOST * usual)
         return new
 
-    def _renewed_scale(self, fit: Fit) -> dict[int, float]:
+    def _renewed_scale(self, layout: Layout, fit: Fit) -> dict[int, float]:
         """The sizes of blocks: the terms of a curve tell each other how large they are."""
-        new, at = {}, self.shared.shape[1]
-        for k in fit.chosen:
-            own = slice(at, at + self.blocks[k].columns.shape[1])
-            at = own.stop
-            slab = self.slab[self.columns_of((k,))]
-            power = float(((fit.mean[own] / slab) ** 2).sum())
-            dof = max(
-                len(slab)
-                - float((np.diag(fit.covariance)[own] / slab**2).sum()) / fit.scale[k] ** 2,
-                0.0,
-            )
-            new[k] = (
-                1.0
-                if k in self.fixed
-                else float(np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES))
-            )
-        return new
+        z, many = len(self.shared_of), len(layout.chosen)
+        scale = np.array([fit.scale[k] for k in layout.chosen])
+        spread = fit.covariance.diagonal()[z:] / layout.slab**2
+        dof = np.maximum(layout.width - np.bincount(layout.of, spread, many) / scale**2, 0.0)
+        power = np.bincount(layout.of, (fit.mean[z:] / layout.slab) ** 2, many)
+        now = np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES)
+        return {
+            k: 1.0 if k in self.fixed else float(v)
+            for k, v in zip(layout.chosen, now, strict=True)
+        }
 
     # -- the whole dictionary beside a set ---------------------------------------------------------
 

@@ -21,8 +21,9 @@ LEAST = 1e-3  # of a usual standard deviation
 class Asked:
     """What one unit is asked for a set: the products that its sizes do not change. shown: blocks of
     the set that show in it; kinds: of its processes; use (q,): own columns that count; of (q,):
-    group of each; learned: groups of them whose size is learned; bb (q, q), by (q,), bf (q, f), ff
-    (f, f), fy (f,): of its own columns B, the shared F and the readings y, whitened."""
+    group of each; learned: groups of them whose size is learned; bb (q, q), right (q, f + 1), ff
+    (f, f), fy (f,): B'B, B'F and B'y behind each other, F'F and F'y, of its own columns B, the
+    shared F and the readings y, whitened."""
 
     shown: tuple[int, ...]
     kinds: frozenset[str]
@@ -30,8 +31,7 @@ class Asked:
     of: np.ndarray
     learned: np.ndarray
     bb: np.ndarray
-    by: np.ndarray
-    bf: np.ndarray
+    right: np.ndarray
     ff: np.ndarray
     fy: np.ndarray
 
@@ -111,7 +111,8 @@ class Part:
         groups = np.unique(of)
         words = self.dictionary
         at, z = words.at(shown), len(self.zy)
-        bf = np.concatenate([self.bz, words.bd[:, at]], axis=1)[use]
+        right = np.empty((len(use), z + len(at) + 1), order="F")
+        right[:, :z], right[:, z:-1], right[:, -1] = self.bz[use], words.bd[:, at][use], self.by[use]
         ff = np.empty((z + len(at), z + len(at)))
         own = words.d.T[at]
         ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, words.zd[:, at], own @ own.T
@@ -123,8 +124,7 @@ class Part:
             of,
             groups[self.learned[groups]],
             self.bb[np.ix_(use, use)],
-            self.by[use],
-            bf,
+            right,
             ff,
             np.concatenate([self.zy, words.dy[at]]),
         )
@@ -135,10 +135,10 @@ class Part:
         own = sd[asked.of]
         m[np.diag_indices(len(own))] += 1.0 / own**2
         root = cholesky(m)
-        half = solved(root, np.column_stack([asked.bf, asked.by]) / sigma2)
+        half = solved(root, asked.right / sigma2)
         hf, hy = half[:, :-1], half[:, -1]
         value = -len(self.y) * np.log(sigma2) - self.yy / sigma2 + float(hy @ hy)
-        value -= 2.0 * float(np.log(np.diag(root)).sum() + np.log(own).sum())
+        value -= 2.0 * float(np.log(root.diagonal()).sum() + np.log(own).sum())
         free = asked.learned
         value -= float(
             np.sum(surprise(sd[free], self.usual[free]) + (2 * sd[free] / self.most[free]) ** 2)
@@ -165,9 +165,9 @@ class Part:
         usual, most = self.usual[free], self.most[free]
         now = _size(power[free], dof[free], usual, most)
         sd[free] = np.clip(now, LEAST * usual, most)
-        left = float(dof.sum() + np.sum(covariance * old.inside))
-        e = self.yy - 2 * (own @ asked.by + mean @ asked.fy) + own @ (asked.bb @ own)
-        e += 2 * own @ (asked.bf @ mean) + mean @ asked.ff @ mean
+        left = float(dof.sum()) + float(np.einsum("ij,ij->", covariance, old.inside))
+        e = self.yy - 2 * mean @ asked.fy + own @ (asked.bb @ own) + mean @ (asked.ff @ mean)
+        e += 2 * own @ (asked.right @ np.append(mean, -1.0))
         return float(np.clip((e + SURE) / max(len(self.y) - left + SURE, 1.0), least, 1e4)), sd
 
 
@@ -190,7 +190,7 @@ def cholesky(m: np.ndarray) -> np.ndarray:
     """The lower Cholesky factor."""
     if not len(m):
         return m
-    root, info = dpotrf(m.T, lower=1, clean=1)  # as it lies in the memory: it is symmetric
+    root, info = dpotrf(m.T, lower=1, clean=1)  # symmetric: as it lies in the memory
     if info:
         root, info = dpotrf(m + 1e-10 * np.diag(np.diag(m)), lower=1, clean=1)
     if info:
