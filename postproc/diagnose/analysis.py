@@ -180,7 +180,9 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
 
 
 def _shown(blocks, train: np.ndarray) -> list:
-    """Blocks all of whose columns show in the rows that take part."""
+    """Blocks all of whose columns show in the rows that take part; in all rows all of them do."""
+    if train.all():
+        return blocks
     return [b for b in blocks if (np.abs(b.columns[train]).max(axis=0, initial=0.0) > 1e-9).all()]
 
 

@@ -325,13 +325,7 @@ class Evidence:
             s2 = old.sigma2
             at = self.shared_at(k, fit.chosen, old.shown)
             words = part.dictionary
-            if old.hd is None or old.hd.shape[1] != len(words.columns):
-                old.hd = solved(old.root, words.bd[old.use] / s2)
-                inside = old.hd.T @ old.hf
-                crossed = np.concatenate([words.zd, *(words.crossed(c) for c in old.shown)])
-                _, i, j, own = self._pairs[k]
-                old.fd = crossed / s2 - inside.T
-                old.dd = own / s2 - np.einsum("qp,qp->p", old.hd[:, i], old.hd[:, j])
+            self._beside_dictionary(k, old)
             hy, y_f, y_d = old.hy[:, None], old.asked.fy[:, None], words.dy[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
@@ -349,6 +343,21 @@ class Evidence:
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
         return self._factors(dy, dd, draws is None)
+
+    def _beside_dictionary(self, k: int, old: Reduced) -> None:
+        """Set a unit's products with the dictionary, as far as they are not known."""
+        words, s2 = self.parts[k].dictionary, old.sigma2
+        known = old.hd.shape[1]
+        if known == len(words.columns):
+            return
+        new = solved(old.root, words.bd[:, known:][old.use] / s2)
+        crossed = [words.zd[:, known:], *(words.crossed(c)[:, known:] for c in old.shown)]
+        old.hd = np.concatenate([old.hd, new], axis=1)
+        old.fd = np.concatenate([old.fd, np.concatenate(crossed) / s2 - old.hf.T @ new], axis=1)
+        _, i, j, own = (column[len(old.dd) :] for column in self._pairs[k])
+        by_column = old.hd.T
+        inside = np.einsum("pq,pq->p", by_column[i], by_column[j])
+        old.dd = np.concatenate([old.dd, own / s2 - inside])
 
     def _precision(self, fit: Fit, sd: np.ndarray) -> np.ndarray:
         a = np.diag(1.0 / sd**2)
@@ -372,17 +381,18 @@ class Evidence:
             m[:, i, j], m[:, j, i] = entries, entries
             at = first[which][:, None] + np.arange(w)
             result[which] = -np.inf
+            slab = self.slab[at]
+            power, turned = np.linalg.eigh(m * slab[:, :, None] * slab[:, None, :])
+            along = turned.transpose(0, 2, 1) @ (dy[at] * slab[:, :, None])
             for scale in TRIED:
-                slab = scale * self.slab[at]
-                scaled = m * slab[:, :, None] * slab[:, None, :] + np.eye(w)
-                b = dy[at] * slab[:, :, None]
-                solved = np.linalg.solve(scaled, b)
-                _, logdet = np.linalg.slogdet(scaled)
-                now = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None] - surprise(scale, 1.0)
+                kept = 1.0 / (1.0 + scale**2 * np.maximum(power, 0.0))
+                now = scale**2 * np.einsum("bwr,bw->br", along**2, kept)
+                now += np.log(kept).sum(axis=1)[:, None] - surprise(scale, 1.0)
                 result[which] = np.maximum(result[which], now)
             if values:
-                coefficients[at] = solved[:, :, 0] * slab
-                spread[at] = np.sqrt(np.abs(np.einsum("bww->bw", np.linalg.inv(scaled)))) * slab
+                told = np.einsum("bvw,bw->bv", turned, kept * along[:, :, 0])
+                coefficients[at] = scale**2 * told * slab
+                spread[at] = scale * np.sqrt(np.einsum("bvw,bw->bv", turned**2, kept)) * slab
         return (result[:, 0], coefficients, spread) if values else (result, None, None)
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:

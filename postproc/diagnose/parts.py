@@ -3,7 +3,7 @@ its own columns taken out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
@@ -42,7 +42,7 @@ class Reduced:
     was found), sd of each group; root (q, q): Cholesky factor (lower) of 1/sd^2 + B'B/sigma2; hf
     (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value:
     its part of twice the log evidence.
-    hd, fd, dd: the same of the dictionary, when it was asked for."""
+    hd, fd, dd: the same of so many columns of the dictionary as were asked for."""
 
     asked: Asked
     sigma2: float
@@ -53,9 +53,13 @@ class Reduced:
     inside: np.ndarray
     along: np.ndarray
     value: float
-    hd: np.ndarray | None = None
-    fd: np.ndarray | None = None
-    dd: np.ndarray | None = None
+    hd: np.ndarray = field(init=False)
+    fd: np.ndarray = field(init=False)
+    dd: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.hd, self.fd = (np.zeros((n, 0), order="F") for n in self.hf.shape)
+        self.dd = np.zeros(0)
 
     @property
     def shown(self) -> tuple[int, ...]:

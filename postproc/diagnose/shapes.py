@@ -63,16 +63,15 @@ def worths(sets: Sets, fit: Fit, blocks: list[Block]) -> list[float]:
 def _worth(block: Block, a: np.ndarray, b: np.ndarray) -> float:
     """Of a block whose columns, all else taken out, have the products a (K, K) and b (K,) with the
     readings."""
-    best = -np.inf
-    for scale in TRIED_SIZES:
-        slab = scale * SLAB / block.largest
-        scaled = a * np.outer(slab, slab) + np.eye(len(slab))
-        value = np.linalg.solve(scaled, b * slab)
-        if plausible(block, value * slab):
-            best = max(
-                best, float(b * slab @ value - np.linalg.slogdet(scaled)[1]) - surprise(scale, 1.0)
-            )
-    return best
+    scales = np.array(TRIED_SIZES)
+    slab = scales[:, None] * SLAB / block.largest
+    scaled = a * slab[:, :, None] * slab[:, None, :] + np.eye(len(b))
+    value = np.linalg.solve(scaled, (b * slab)[:, :, None])[:, :, 0]
+    worth = (b * slab * value).sum(axis=1) - np.linalg.slogdet(scaled)[1] - surprise(scales, 1.0)
+    return max(
+        (float(w) for w, v in zip(worth, value * slab, strict=True) if plausible(block, v)),
+        default=-np.inf,
+    )
 
 
 def _likeliest(

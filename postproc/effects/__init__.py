@@ -303,8 +303,9 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     samples = state.inside.get(name)
     if samples is None:
         samples = (state.time if name == "time" else state.position[name])[None]
-    angle = 2 * np.pi * per_unit * samples
-    return [np.asarray(np.nanmean(wave(angle), axis=0)) for wave in (np.cos, np.sin)]
+    known = np.isfinite(samples)
+    angle, many = 2 * np.pi * per_unit * samples, np.count_nonzero(known, axis=0)
+    return [np.where(known, wave(angle), 0.0).sum(axis=0) / many for wave in (np.cos, np.sin)]
 
 
 def amplitude_and_phase(coefficients: np.ndarray) -> dict[str, float]:
