@@ -112,7 +112,7 @@ class Part:
             counts = counts | self.processes[kind]
         use = np.flatnonzero(counts)
         of = self.of[use]
-        groups = np.unique(of)
+        groups = np.flatnonzero(np.bincount(of))
         words = self.dictionary
         at, z = words.at(shown), len(self.zy)
         right = np.empty((len(use), z + len(at) + 1), order="F")

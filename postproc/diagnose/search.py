@@ -159,7 +159,9 @@ class Search:
             self.sets.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value
             for on in tried
         ]
-        best = sorted(range(len(tried)), key=lambda k: -worth[k])[:CHILDREN]
+        # what is worth nothing after one step is not worth its cost after three
+        hopeful = [k for k in range(len(tried)) if worth[k] > state.fit.value]
+        best = sorted(hopeful, key=lambda k: -worth[k])[:CHILDREN]
         return [self.sets.of(state.members, tried[k], state) for k in best]
 
     def _settled(self, best: Found) -> Found:
