@@ -163,7 +163,12 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     for k in state.members:
         if whole.blocks[k].name in judge.NOT_FORETOLD:
             own += whole.blocks[k].columns @ search.sets.value(fit, k)
-    units, groups = [p.whole for p in whole.parts], [p.groups for p in whole.parts]
+    units = [p.whole for p in whole.parts]
+    others = set(nuisances.PROCESSES)
+    groups = [
+        [g for g in p.groups if g.kind not in others or (u, g.kind) in fit.on]
+        for u, p in enumerate(whole.parts)
+    ]
     rest = Evidence(y - own, units, groups, whole.groups, ~held)
     left = [k for k, p in enumerate(whole.parts) if not held[p.whole.rows].all()]
     on = frozenset((left.index(u), kind) for u, kind in fit.on if u in left)
@@ -247,8 +252,10 @@ def _learned(rows: Rows, machine: Machine, units: list[Unit], train: np.ndarray,
         *(Group("jump", columns, FREE) for _, columns in jumps),
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
+    others = {"place", "turn"} ^ set(nuisances.PROCESSES)
+    told = [[g for g in groups if g.kind not in others] for groups in own]
     for _ in range(ROUNDS):
-        evidence = Evidence(y, units, own, shared, train)
+        evidence = Evidence(y, units, told, shared, train)
         on = frozenset(
             (k, kind)
             for k, p in enumerate(evidence.parts)

@@ -8,6 +8,7 @@ import numpy as np
 
 from postproc.diagnose.noise import Unit
 
+AT_ONCE = 32  # blocks
 ROOM = 1.5  # times what is there: so that few of the columns that come later ask for a copy of all
 
 
@@ -32,14 +33,18 @@ class Growing:
     def now(self) -> np.ndarray:
         return self._room[:, : self._used]
 
-    def add(self, columns: np.ndarray) -> None:
-        used = self._used + columns.shape[1]
-        if used > self._room.shape[1]:
-            wide = np.empty((len(self._room), int(ROOM * used) if self._used else used), order="F")
+    def reserve(self, more: int) -> None:
+        """Room for so many more columns."""
+        wanted = self._used + more
+        if wanted > self._room.shape[1]:
+            wide = np.empty((len(self._room), int(ROOM * wanted)), order="F")
             wide[:, : self._used] = self.now
             self._room = wide
-        self._room[:, self._used : used] = columns
-        self._used = used
+
+    def add(self, columns: np.ndarray) -> None:
+        self.reserve(columns.shape[1])
+        begin, self._used = self._used, self._used + columns.shape[1]
+        self._room[:, begin : self._used] = columns
 
 
 class Dictionary:
@@ -69,19 +74,27 @@ class Dictionary:
     def zd(self) -> np.ndarray:
         return self._zd.now
 
-    def add(self, numbers: list[int], blocks: list[np.ndarray], first: list[int]) -> None:
-        """Blocks of the dictionary, (n, K) each, that show in this unit; first: number of the first
-        column of each."""
-        if not blocks:
-            return
-        new = self.unit.whitened(np.concatenate(blocks, axis=1))
-        at = len(self.columns)
-        cols = []
-        for number, block, start in zip(numbers, blocks, first, strict=True):
-            self.where[number] = slice(at, at + block.shape[1])
-            cols.append(np.arange(start, start + block.shape[1]))
-            at += block.shape[1]
-        self.columns = np.concatenate([self.columns, *cols])
+    def add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
+        """Those of some blocks that show in this unit: of each its number, that of its first
+        column, and its columns (N, K) of all rows. A few at a time: of all of them together every
+        copy on the way takes as much memory as they do."""
+        self._d.reserve(sum(columns.shape[1] for _, _, columns in blocks))
+        for begin in range(0, len(blocks), AT_ONCE):
+            self._add(blocks[begin : begin + AT_ONCE])
+
+    def _add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
+        at, new, numbers = len(self.columns), [], [self.columns]
+        for number, first, columns in blocks:
+            own = columns[self.unit.rows]
+            if own.any():
+                self.where[number] = slice(at, at := at + own.shape[1])
+                numbers.append(np.arange(first, first + own.shape[1]))
+                new.append(own)
+        if new:
+            self.columns = np.concatenate(numbers)
+            self._put(self.unit.whitened(np.concatenate(new, axis=1)))
+
+    def _put(self, new: np.ndarray) -> None:
         self._d.add(new)
         self._bd.add(self.b.T @ new)
         self._zd.add(self.z.T @ new)

@@ -132,11 +132,7 @@ class Evidence:
         )
         self.fixed |= set(numbers) if sd else set()
         for part in self.parts:
-            rows = part.unit.rows
-            shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
-            part.dictionary.add(
-                [k for k, _ in shown], [c for _, c in shown], [self.first[k] for k, _ in shown]
-            )
+            part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
         self._index()
         return numbers
 
