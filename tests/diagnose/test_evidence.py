@@ -3,11 +3,13 @@ gives; rounding is no evidence."""
 
 from __future__ import annotations
 
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from postproc.diagnose import shapes
 from postproc.diagnose.evidence import SLAB, TRIED, Evidence
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
@@ -98,6 +100,62 @@ def test_a_look_at_the_whole_dictionary_says_the_same_as_one_after_the_other():
             - base
         )
         assert scores[k] == pytest.approx(wanted, rel=1e-6, abs=1e-6)
+
+
+def test_blocks_that_are_let_in_after_a_look_are_looked_at_as_those_from_the_beginning():
+    """Forty of one to three columns, a third of which show in one instrument alone; what is known
+    of the first is kept."""
+    rng = np.random.default_rng(5)
+    wide = [rng.normal(size=(2 * N, 1 + k % 3)) for k in range(40)]
+    for columns in wide[::3]:
+        columns[:N] = 0.0
+    blocks = [block(*columns.T) for columns in wide]
+    at_once, later = (two_instruments(np.random.default_rng(3))[0] for _ in range(2))
+    at_once.add(blocks)
+    later.add(blocks[:7])
+    for begin, end in ((7, 8), (8, 40), (40, 40)):
+        fit = later.learn((1,), None, steps=0)
+        later.scan(fit)
+        later.add(blocks[begin:end])
+        found, wanted = later.scan(fit), at_once.scan(at_once.learn((1,), None, steps=0))
+        for one, other in zip(found, wanted, strict=True):
+            assert one == pytest.approx(other[: len(one)], rel=1e-9, abs=1e-12)
+    given = later.scan(fit, np.stack([later.y, 0 * later.y], axis=1))[0]
+    assert given[:, 0] == pytest.approx(found[0]) and np.all(given[:, 1] <= 0)
+
+
+def test_sizes_are_the_same_whether_a_unit_is_kept_or_summed_with_the_others():
+    """A block that shows in the second instrument: the first is as it was. The coefficients are
+    those of a normal distribution at the sizes that were learned."""
+    rng = np.random.default_rng(6)
+    evidence, without = two_instruments(rng)
+    both, alone = rng.normal(size=2 * N), np.r_[np.zeros(N), rng.normal(size=N)]
+    evidence.add([block(both), block(alone)])
+    before = evidence.learn((0,), None, steps=0)
+    after = evidence.learn((0, 1), before, steps=3)
+    assert after.parts[0] is before.parts[0] and after.parts[1] is not before.parts[1]
+    for k, own in ((0, np.arange(N)), (1, np.arange(N, 2 * N))):
+        back = np.linalg.inv(evidence.parts[k].unit.whitened(np.eye(N)))
+        without[np.ix_(own, own)] += (after.parts[k].sigma2 - 1.0) * back @ back.T
+    without -= (evidence.shared * 3e-4**2) @ evidence.shared.T
+    columns = np.column_stack([evidence.shared, both, alone])
+    usual = SLAB / np.abs(columns[:, 3:]).max(axis=0) * [after.scale[0], after.scale[1]]
+    sd = np.r_[np.full(3, after.shared[0]), usual]
+    told = np.linalg.solve(without, np.column_stack([columns, evidence.y]))
+    covariance = np.linalg.inv(columns.T @ told[:, :-1] + np.diag(1 / sd**2))
+    assert after.covariance == pytest.approx(covariance, rel=1e-6, abs=1e-15)
+    assert after.mean == pytest.approx(covariance @ columns.T @ told[:, -1], rel=1e-6)
+
+
+def test_a_shape_that_is_tried_is_worth_what_it_is_worth_in_the_dictionary():
+    rng = np.random.default_rng(8)
+    evidence, _ = two_instruments(rng)
+    tried = [block(*rng.normal(size=(w, 2 * N))) for w in (1, 3, 2)]
+    evidence.add(tried)
+    fit = evidence.learn((0,), None, steps=2)
+    sets = SimpleNamespace(evidence=evidence)
+    found = shapes.worths(cast(Any, sets), fit, tried)
+    assert found == pytest.approx(list(evidence.scan(fit)[0]), rel=1e-6, abs=1e-6)
 
 
 def test_columns_that_nuisances_make_alike_have_no_evidence_of_rounding():

@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from postproc.diagnose import shapes
 from postproc.diagnose.library import Block
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found
@@ -100,3 +101,33 @@ def test_what_may_stand_beside_a_member(one, other, allowed):
     search = Search(cast(Any, Dictionary(one, other)))
     assert search._allowed((0,), 1) is allowed
     assert search._allowed((), 1)
+
+
+def test_a_process_that_is_worth_nothing_after_one_step_is_not_learned_to_the_end():
+    """Of three kinds two promise something, of which the second more."""
+    promised = {"place": 3.0, "turn": 0.0, "drift": 40.0}
+    processes = {kind: np.ones(1, bool) for kind in promised}
+
+    class Promising(Scored):
+        evidence = SimpleNamespace(
+            parts=[SimpleNamespace(processes=processes)],
+            learn=lambda chosen, fit, on, steps, least: SimpleNamespace(
+                value=fit.value + sum(promised[kind] for _, kind in on)
+            ),
+        )
+
+        def of(self, members, on, like):
+            return on
+
+    fit = cast(Any, SimpleNamespace(on=frozenset(), members=(), chosen=(), value=-7.0))
+    search = Search(cast(Any, Promising({}, set())))
+    found = search._more_processes(Found(fit, 0.0, np.zeros(1)))
+    assert found == [frozenset({(0, "drift")}), frozenset({(0, "place")})]
+
+
+def test_a_search_that_begins_again_does_not_look_for_the_same_shapes_again(monkeypatch):
+    calls = []
+    monkeypatch.setattr(shapes, "polished", lambda sets, fit, k: calls.append(k) or k + 10)
+    search, fit = Search(cast(Any, Scored({}, set()))), cast(Any, SimpleNamespace())
+    assert [search._polish(fit, k) for k in (1, 2, 1, 2)] == [11, 12, 11, 12]
+    assert calls == [1, 2]
