@@ -156,7 +156,9 @@ class Evidence:
             one, other = at[first[here]], at[second[here]]
             # blocks are only ever added behind
             fresh = begin + here, one, other, part.dictionary.of_pairs(one, other)
-            here, one, other, own = map(np.concatenate, zip(self._pairs[number], fresh, strict=True))
+            here, one, other, own = map(
+                np.concatenate, zip(self._pairs[number], fresh, strict=True)
+            )
             self._pairs[number] = here, one, other, own
 
     def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
@@ -303,8 +305,7 @@ class Evidence:
         power = np.bincount(layout.of, (fit.mean[z:] / layout.slab) ** 2, many)
         now = np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES)
         return {
-            k: 1.0 if k in self.fixed else float(v)
-            for k, v in zip(layout.chosen, now, strict=True)
+            k: 1.0 if k in self.fixed else float(v) for k, v in zip(layout.chosen, now, strict=True)
         }
 
     # -- the whole dictionary beside a set ---------------------------------------------------------

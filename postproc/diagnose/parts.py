@@ -116,7 +116,11 @@ class Part:
         words = self.dictionary
         at, z = words.at(shown), len(self.zy)
         right = np.empty((len(use), z + len(at) + 1), order="F")
-        right[:, :z], right[:, z:-1], right[:, -1] = self.bz[use], words.bd[:, at][use], self.by[use]
+        right[:, :z], right[:, z:-1], right[:, -1] = (
+            self.bz[use],
+            words.bd[:, at][use],
+            self.by[use],
+        )
         ff = np.empty((z + len(at), z + len(at)))
         own = words.d.T[at]
         ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, words.zd[:, at], own @ own.T

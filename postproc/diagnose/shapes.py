@@ -112,7 +112,9 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
         value = dict(best.shape)[name]
         middle = 1 / value if name == "period_mm" else value
         # the one in the middle is known
-        around = [f for f in middle + within * np.linspace(-1.0, 1.0, TRIED) if f > 0 and f != middle]
+        around = [
+            f for f in middle + within * np.linspace(-1.0, 1.0, TRIED) if f > 0 and f != middle
+        ]
         shapes = [
             {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)} for f in around
         ]

@@ -3,6 +3,7 @@ gives; rounding is no evidence."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 from typing import Any, cast
 
@@ -11,6 +12,7 @@ import pytest
 
 from postproc.diagnose import shapes
 from postproc.diagnose.evidence import SLAB, TRIED, Evidence
+from postproc.diagnose.explained import _colored
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, WANDER, Group
@@ -193,3 +195,49 @@ def test_few_readings_scatter_as_others_do():
     )
     assert few.shrunk(5e-3) == pytest.approx(0.864e-3, rel=1e-2)
     assert unit(np.arange(60)).shrunk(5e-3) == 5e-3
+
+
+@pytest.mark.parametrize("noise", [NOISE, 0.2])
+def test_the_sizes_that_are_learned_are_the_most_probable_ones(noise):
+    """At the fixed point the evidence falls to both sides of every size, where readings tell much
+    and where they tell little; one term of the block wanders too."""
+    rng = np.random.default_rng(9)
+    columns = np.repeat(np.eye(20), N // 20, axis=0)
+    terms = np.column_stack([rng.normal(size=(N, 3)), columns @ rng.normal(size=20)])
+    y = terms @ rng.normal(0, 3e-2, 4) + columns @ rng.normal(0, 1e-3, 20)
+    y += rng.normal(0, 1.5 * noise, N)
+    own = [Group("zero", np.ones((N, 1)), FREE), Group("wander", columns, WANDER, 3e-3)]
+    readings = replace(unit(np.arange(N)), r=np.full(N, noise))
+    evidence = Evidence(y, [readings], [own], [], np.ones(N, bool))
+    evidence.add([block(*terms.T)])
+    best = evidence.learn((0,), None, steps=200)
+    part, old = evidence.parts[0], best.parts[0]
+    for by in (0.95, 1.05):
+        others = [
+            replace(best, scale={0: best.scale[0] * by}),
+            replace(best, parts=[part.reduced(old.asked, old.sigma2 * by, old.sd)]),
+            replace(best, parts=[part.reduced(old.asked, old.sigma2, old.sd * [1.0, by])]),
+        ]
+        for other in others:
+            assert evidence.learn((0,), other, steps=0).value < best.value
+
+
+def test_samples_are_whitened_passage_by_passage():
+    """Of the first two of each nothing is foretold; readings that are drawn are the reverse."""
+    rng = np.random.default_rng(11)
+    ar, innovation = np.array([0.5, 0.2]), 0.6
+    edges = np.array([0, 5, 12])
+    some = Unit(
+        np.arange(12), "laser", True, edges, np.arange(12.0), np.full(12, 2.0), ar, innovation
+    )
+    x = rng.normal(size=(12, 3))
+    white = some.whitened(x)
+    for k in range(12):
+        foretold = ar[0] * x[k - 1] + ar[1] * x[k - 2]
+        wanted = x[k] if k in (0, 1, 5, 6) else (x[k] - foretold) / np.sqrt(innovation)
+        assert white[k] == pytest.approx(wanted / 2.0)
+        assert some.whitened(x[:, 0])[k] == pytest.approx(white[k, 0])
+    one = replace(some, edges=np.array([0, 12]), r=np.ones(12))
+    drawn = _colored(one, x.copy())
+    assert drawn[1] == pytest.approx(np.sqrt(innovation) * (x[1] + ar[0] * x[0]))
+    assert one.whitened(drawn)[2:] == pytest.approx(x[2:])
