@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.diagnose.dictionary import Products
+from postproc.diagnose.factors import factors
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
@@ -38,7 +39,6 @@ SLAB = 8e-3
 MAP_SURE, MAP_MOST = 60.0, 3.0
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
-TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 
@@ -241,13 +241,6 @@ class Evidence:
             at += width
         return np.concatenate(found)
 
-    def _sd(
-        self, chosen: tuple[int, ...], shared: np.ndarray, scale: dict[int, float]
-    ) -> np.ndarray:
-        """(f,) standard deviations of the shared coefficients."""
-        of_blocks = [scale[k] * self.slab[self.columns_of((k,))] for k in chosen]
-        return np.concatenate([shared[self.shared_of], *of_blocks])
-
     def _summed(
         self, layout: Layout, which: list[int], parts: list[Reduced]
     ) -> tuple[np.ndarray, np.ndarray, float]:
@@ -339,7 +332,9 @@ class Evidence:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
-        return self._factors(dy, dd, draws is None)
+        widths = np.array([b.columns.shape[1] for b in self.blocks], int)
+        scores, coefficients, spread = factors(widths, self.slab, dy, dd)
+        return (scores[:, 0], coefficients, spread) if draws is None else (scores, None, None)
 
     def _beside_dictionary(self, k: int, old: Reduced) -> None:
         """Set a unit's products with the dictionary, as far as they are not known."""
@@ -355,42 +350,6 @@ class Evidence:
         by_column = old.hd.T
         inside = np.einsum("pq,pq->p", by_column[i], by_column[j])
         old.dd = np.concatenate([old.dd, own / s2 - inside])
-
-    def _precision(self, fit: Fit, sd: np.ndarray) -> np.ndarray:
-        a = np.diag(1.0 / sd**2)
-        for k, part in enumerate(fit.parts):
-            at = self.shared_at(k, fit.chosen, part.shown)
-            a[np.ix_(at, at)] += part.inside
-        return a
-
-    def _factors(self, dy: np.ndarray, dd: np.ndarray, values: bool):
-        result = np.zeros((len(self.blocks), dy.shape[1]))
-        coefficients = np.zeros(self.width)
-        spread = np.zeros(self.width)
-        widths = np.array([b.columns.shape[1] for b in self.blocks])
-        first = np.array(self.first)
-        start = np.concatenate([[0], np.cumsum(widths * (widths + 1) // 2)])
-        for w in np.unique(widths):
-            which = np.flatnonzero(widths == w)
-            i, j = np.triu_indices(w)
-            m = np.zeros((len(which), w, w))
-            entries = dd[start[which][:, None] + np.arange(len(i))]
-            m[:, i, j], m[:, j, i] = entries, entries
-            at = first[which][:, None] + np.arange(w)
-            result[which] = -np.inf
-            slab = self.slab[at]
-            power, turned = np.linalg.eigh(m * slab[:, :, None] * slab[:, None, :])
-            along = turned.transpose(0, 2, 1) @ (dy[at] * slab[:, :, None])
-            for scale in TRIED:
-                kept = 1.0 / (1.0 + scale**2 * np.maximum(power, 0.0))
-                now = scale**2 * np.einsum("bwr,bw->br", along**2, kept)
-                now += np.log(kept).sum(axis=1)[:, None] - surprise(scale, 1.0)
-                result[which] = np.maximum(result[which], now)
-            if values:
-                told = np.einsum("bvw,bw->bv", turned, kept * along[:, :, 0])
-                coefficients[at] = scale**2 * told * slab
-                spread[at] = scale * np.sqrt(np.einsum("bvw,bw->bv", turned**2, kept)) * slab
-        return (result[:, 0], coefficients, spread) if values else (result, None, None)
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
@@ -415,12 +374,7 @@ class Evidence:
     ) -> tuple[np.ndarray, np.ndarray]:
         f, root = len(fit.mean), fit.root
         if but >= 0:
-            sd = self._sd(fit.chosen, fit.shared, fit.scale)
-            sd[
-                len(self.shared_of)
-                + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))
-            ] = NOTHING
-            root = cholesky(self._precision(fit, sd))
+            root = self._root_without(fit, but)
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (old, x) in enumerate(zip(fit.parts, found, strict=True)):
             at, s2 = self.shared_at(k, fit.chosen, old.shown), old.sigma2
@@ -436,3 +390,12 @@ class Evidence:
             xx -= half[:, 1:].T @ half[:, 1:]
             xy -= half[:, 1:].T @ half[:, 0]
         return xx, xy
+
+    def _root_without(self, fit: Fit, but: int) -> np.ndarray:
+        """The root of a fit as if a member were of no size."""
+        layout = self._layout(fit.chosen, fit.parts)
+        a, _, _ = self._summed(layout, list(range(len(fit.parts))), fit.parts)
+        own = np.array([fit.scale[k] for k in fit.chosen])[layout.of] * layout.slab
+        own[np.array(fit.chosen)[layout.of] == but] = NOTHING
+        a[np.diag_indices(len(a))] += 1.0 / np.append(fit.shared[self.shared_of], own) ** 2
+        return cholesky(a)

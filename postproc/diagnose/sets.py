@@ -55,7 +55,8 @@ class Sets:
 
     def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
         self.rows, self.evidence = rows, evidence
-        self.cost, self._number = np.zeros(0), {}
+        self.cost = np.zeros(0)
+        self._number: dict[tuple, int] = {}  # of each name and shape
         self.add(blocks)
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[tuple, Found] = {}

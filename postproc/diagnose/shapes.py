@@ -10,7 +10,7 @@ import numpy as np
 
 from postproc.diagnose import library
 from postproc.diagnose.evidence import SLAB, Fit
-from postproc.diagnose.evidence import TRIED as TRIED_SIZES
+from postproc.diagnose.factors import TRIED as TRIED_SIZES
 from postproc.diagnose.library import FOUND, Block
 from postproc.diagnose.parts import surprise
 from postproc.diagnose.prior import plausible

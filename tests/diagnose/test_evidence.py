@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import shapes
-from postproc.diagnose.evidence import SLAB, TRIED, Evidence
+from postproc.diagnose.evidence import SLAB, Evidence
 from postproc.diagnose.explained import _colored
+from postproc.diagnose.factors import TRIED
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, WANDER, Group
