@@ -14,9 +14,9 @@ def factors(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(B, R) twice the logarithm of the Bayes factor of blocks of widths (B,), each at the
     likeliest of the sizes TRIED; (K,) coefficients by the first of R readings and their standard
-    deviations, at the largest size. slab (K,): usual standard deviations; dy (K, R): products of the
-    columns, all else taken out, with readings; dd (P,): of the pairs of columns of one block, the upper
-    triangle row by row.
+    deviations, at the largest size. slab (K,): usual standard deviations; dy (K, R): products of
+    the columns, all else taken out, with readings; dd (P,): of the pairs of columns of one block,
+    the upper triangle row by row.
 
     A block's precision in units of its slab has eigenvalues p: at t times the usual size each adds
     t^2 b^2 / (1 + t^2 p) - log(1 + t^2 p), b the product along its eigenvector (MacKay, Neural

@@ -19,6 +19,7 @@ from postproc.effects import UM
 from postproc.effects.step_loss import MOMENTS
 
 WORTH = 6.0  # that what comes with a wave must add
+ROUNDING = 1e-6  # of a worth: by less no shape is likelier, readings do not tell the two apart
 # factor between values that are tried, how often its root is taken; beyond the range: another
 # meaning
 FIRST, HALVINGS, FAR = 1.4, 4, 1.5
@@ -82,7 +83,7 @@ def _likeliest(
     found = [at(sets, best, shape) for shape in shapes]
     tried = [b for b in found if b is not None and b.columns.shape == best.columns.shape]
     for block, now in zip(tried, worths(sets, fit, tried) if tried else [], strict=True):
-        if now > most:
+        if now > most + ROUNDING:
             best, most = block, now
     return best, most
 
