@@ -166,7 +166,12 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     for k in state.members:
         if whole.blocks[k].name in judge.NOT_FORETOLD:
             own += whole.blocks[k].columns @ search.sets.value(fit, k)
-    units, groups = [p.whole for p in whole.parts], [p.groups for p in whole.parts]
+    units = [p.whole for p in whole.parts]
+    others = set(nuisances.PROCESSES)
+    groups = [
+        [g for g in p.groups if g.kind not in others or (u, g.kind) in fit.on]
+        for u, p in enumerate(whole.parts)
+    ]
     rest = Evidence(y - own, units, groups, whole.groups, ~held)
     left = [k for k, p in enumerate(whole.parts) if not held[p.whole.rows].all()]
     on = frozenset((left.index(u), kind) for u, kind in fit.on if u in left)
@@ -182,8 +187,10 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
 
 
-def _shown(blocks: Iterable[Block], train: np.ndarray) -> list[Block]:
-    """Blocks all of whose columns show in the rows that take part."""
+def _shown(blocks: list[Block], train: np.ndarray) -> list[Block]:
+    """Blocks all of whose columns show in the rows that take part; in all rows all of them do."""
+    if train.all():
+        return blocks
     return [b for b in blocks if (np.abs(b.columns[train]).max(axis=0, initial=0.0) > 1e-9).all()]
 
 
@@ -250,8 +257,10 @@ def _learned(
         *(Group("jump", columns, FREE) for _, columns in jumps),
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
+    others = {"place", "turn"} ^ set(nuisances.PROCESSES)
+    told = [[g for g in groups if g.kind not in others] for groups in own]
     for _ in range(ROUNDS):
-        evidence = Evidence(y, units, own, shared, train)
+        evidence = Evidence(y, units, told, shared, train)
         on = frozenset(
             (k, kind)
             for k, p in enumerate(evidence.parts)

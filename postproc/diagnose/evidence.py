@@ -14,19 +14,21 @@ Sizes: N rows in all, n of a unit, q own columns, f shared columns, K columns of
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from postproc.diagnose.dictionary import Products
+from postproc.diagnose.factors import factors, likeliest_size
+from postproc.diagnose.layout import Layout, square
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.parts import (
     SURE,
     Part,
-    Products,
     Reduced,
     cholesky,
-    factor,
     inverted,
     solved,
     surprise,
@@ -39,19 +41,18 @@ SLAB = 8e-3
 MAP_SURE, MAP_MOST = 60.0, 3.0
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
-TRIED = (0.3, 1.0, 10.0, 100.0)  # of it, when the whole dictionary is looked at
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 
 
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
-Factors = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 @dataclass
 class Fit:
     """A set of blocks, fitted. value: twice the logarithm of the evidence, but for a constant; mean
-    (f,), covariance (f, f) of the shared coefficients; shared: learned standard deviations of the
+    (f,), covariance (f, f) of the shared coefficients, root (f, f): Cholesky factor (lower) of its
+    inverse; shared: learned standard deviations of the
     map's groups; scale: of each block, what its usual size is multiplied by; parts: its units."""
 
     chosen: tuple[int, ...]
@@ -59,6 +60,7 @@ class Fit:
     value: float
     mean: np.ndarray
     covariance: np.ndarray
+    root: np.ndarray
     shared: np.ndarray
     scale: dict[int, float]
     parts: list[Reduced]
@@ -114,11 +116,7 @@ class Evidence:
         )
         self.fixed |= set(numbers) if sd else set()
         for part in self.parts:
-            rows = part.unit.rows
-            shown = [(k, c) for k in numbers if (c := self.blocks[k].columns[rows]).any()]
-            part.add(
-                [k for k, _ in shown], [c for _, c in shown], [self.first[k] for k, _ in shown]
-            )
+            part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
         self._index()
         return numbers
 
@@ -130,18 +128,22 @@ class Evidence:
             for k, b in enumerate(self.blocks[done:])
         ]
         self._indexed = len(self.blocks)
-        first, second = self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
-        known = len(self._pairs) == len(self.parts)
+        begin = self.pairs.shape[1]
+        self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
+        first, second = self.pairs[:, begin:]
+        if not self._pairs:
+            self._pairs = [(np.zeros(0, int),) * 3 + (np.zeros(0),) for _ in self.parts]
         for number, part in enumerate(self.parts):
             at = np.full(self.width, -1)
-            at[part.columns] = np.arange(len(part.columns))
+            at[part.dictionary.columns] = np.arange(len(part.dictionary.columns))
             here = np.flatnonzero(at[first] >= 0)
             one, other = at[first[here]], at[second[here]]
             # blocks are only ever added behind
-            old = self._pairs[number][3] if known else np.zeros(0)
-            fresh = part.own_products(one[len(old) :], other[len(old) :])
-            pair = (here, one, other, np.concatenate([old, fresh]))
-            self._pairs[number : number + 1] = [pair]
+            fresh = begin + here, one, other, part.dictionary.of_pairs(one, other)
+            here, one, other, own = map(
+                np.concatenate, zip(self._pairs[number], fresh, strict=True)
+            )
+            self._pairs[number] = here, one, other, own
 
     def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
         """Numbers of the columns of blocks."""
@@ -172,43 +174,53 @@ class Evidence:
         want of the exact form of what is explained; afresh: the others begin at what is usual, not
         at what was learned before."""
         least = np.full(len(self.parts), QUIETEST) if least is None else least
-        shown = [tuple(c for c in chosen if c in p.where) for p in self.parts]
+        shown = [tuple(c for c in chosen if c in p.dictionary.where) for p in self.parts]
         kinds = [frozenset(kind for u, kind in on if u == k) for k in range(len(self.parts))]
         shared = self.shared_usual if like is None else like.shared
-        # without a like fit, sizes begin as they are beside nothing else
         bare = like or (self.learn((), None, on, 0, least) if chosen else None)
         scale = {k: self._first_scale(bare, k) for k in chosen if bare}
         parts: list[Reduced] = []
         touched = []
         for k, part in enumerate(self.parts):
             old = like.parts[k] if like else None
-            if old and old.shown == shown[k] and old.kinds == kinds[k] and old.sigma2 >= least[k]:
+            same = old and old.shown == shown[k] and old.asked.kinds == kinds[k]
+            if old and same and old.sigma2 >= least[k]:
                 parts.append(old)
                 continue
             sigma2, sd = (old.sigma2, old.sd) if old and not afresh else (1.0, part.usual)
-            parts.append(part.reduced(shown[k], max(sigma2, float(least[k])), sd, kinds[k]))
+            asked = old.asked if old and same else part.asked(shown[k], kinds[k])
+            parts.append(part.reduced(asked, max(sigma2, float(least[k])), sd))
             touched.append(k)
-        fit = self._joined(chosen, on, shared, scale, parts)
+        layout = self._layout(chosen, parts)
+        kept = self._summed(layout, [k for k in range(len(parts)) if k not in touched], parts)
+        fit = self._joined(layout, on, shared, scale, parts, touched, kept)
         for _ in range(steps):
-            shared, scale = self._renewed_shared(fit), self._renewed_scale(fit)
+            shared, scale = self._renewed_shared(fit), self._renewed_scale(layout, fit)
             parts = list(fit.parts)
             for k in touched:
-                at = self.shared_at(k, chosen, shown[k])
+                at = layout.at[k]
                 sigma2, sd = self.parts[k].renewed(
-                    parts[k], fit.mean[at], fit.covariance[np.ix_(at, at)], float(least[k])
+                    parts[k], fit.mean[at], fit.covariance[square(at)], float(least[k])
                 )
-                parts[k] = self.parts[k].reduced(shown[k], sigma2, sd, kinds[k])
-            fit = self._joined(chosen, on, shared, scale, parts)
+                parts[k] = self.parts[k].reduced(parts[k].asked, sigma2, sd)
+            fit = self._joined(layout, on, shared, scale, parts, touched, kept)
         return fit
 
     def _first_scale(self, like: Fit, k: int) -> float:
         """Where learning a block's size begins: as it was learned, else the likeliest of those
         tried, not below the usual. Noise learned without a large effect holds on to it."""
         if k in like.scale or k in self.fixed:
-            return like.scale.get(k, 1.0)
-        within, along = self.among(like, (k,))
-        slab = self.slab[self.columns_of((k,))]
-        return max((s for s in TRIED if s >= 1.0), key=lambda s: factor(within, along, slab, s))
+            return float(like.scale.get(k, 1.0))
+        return likeliest_size(*self.among(like, (k,)), self.slab[self.columns_of((k,))])
+
+    def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
+        width = np.array([self.blocks[k].columns.shape[1] for k in chosen], int)
+        at: list[slice | np.ndarray] = [
+            slice(None) if old.shown == chosen else self.shared_at(k, chosen, old.shown)
+            for k, old in enumerate(parts)
+        ]
+        slab, of = self.slab[self.columns_of(chosen)], np.repeat(np.arange(len(chosen)), width)
+        return Layout(chosen, slab, of, width, at)
 
     def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
         """Where the shared columns of a unit stand among all shared ones."""
@@ -221,152 +233,121 @@ class Evidence:
             at += width
         return np.concatenate(found)
 
-    def _sd(
-        self, chosen: tuple[int, ...], shared: np.ndarray, scale: dict[int, float]
-    ) -> np.ndarray:
-        """(f,) standard deviations of the shared coefficients."""
-        of_blocks = [scale[k] * self.slab[self.columns_of((k,))] for k in chosen]
-        return np.concatenate([shared[self.shared_of], *of_blocks])
+    def _summed(
+        self, layout: Layout, which: list[int], parts: list[Reduced]
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """(f, f), (f,) and a number: what some units tell of the shared coefficients."""
+        f = len(self.shared_of) + len(layout.of)
+        a, b, value = np.zeros((f, f)), np.zeros(f), 0.0
+        for k in which:
+            a[square(layout.at[k])] += parts[k].inside
+            b[layout.at[k]] += parts[k].along
+            value += parts[k].value
+        return a, b, value
 
     def _joined(
         self,
-        chosen: tuple[int, ...],
+        layout: Layout,
         on: On,
         shared: np.ndarray,
         scale: dict[int, float],
         parts: list[Reduced],
+        touched: list[int],
+        kept: tuple[np.ndarray, np.ndarray, float],
     ) -> Fit:
-        """All units together."""
-        sd = self._sd(chosen, shared, scale)
-        a, b = np.diag(1.0 / sd**2), np.zeros(len(sd))
-        value = 0.0
-        for k, part in enumerate(parts):
-            at = self.shared_at(k, chosen, part.shown)
-            a[np.ix_(at, at)] += part.inside
-            b[at] += part.along
-            value += part.value
+        """All units together: those that were touched, and the sums of those that were kept."""
+        chosen, now = layout.chosen, np.array([scale[k] for k in layout.chosen])
+        sd = np.concatenate([shared[self.shared_of], now[layout.of] * layout.slab])
+        a, b, value = self._summed(layout, touched, parts)
+        a, b, value = a + kept[0], b + kept[1], value + kept[2]
+        a[np.diag_indices(len(sd))] += 1.0 / sd**2
         root = cholesky(a)
         inverse = inverted(root)
         covariance = inverse.T @ inverse
         mean = covariance @ b
-        value += float(b @ mean) - 2.0 * float(np.log(np.diag(root)).sum() + np.log(sd).sum())
-        learned = self.shared_learned
+        value += float(b @ mean) - 2.0 * float(np.log(root.diagonal()).sum() + np.log(sd).sum())
+        learned, free = self.shared_learned, [k not in self.fixed for k in chosen]
         value -= float(np.sum(surprise(shared[learned], self.shared_usual[learned])))
-        value -= sum(float(surprise(scale[k], 1.0)) for k in chosen if k not in self.fixed)
-        return Fit(chosen, on, value, mean, covariance, shared, scale, parts)
+        value -= float(np.sum(surprise(now[np.array(free, bool)], 1.0)))
+        return Fit(chosen, on, value, mean, covariance, root, shared, scale, parts)
 
     def _renewed_shared(self, fit: Fit) -> np.ndarray:
-        new = fit.shared.copy()
-        for g in np.flatnonzero(self.shared_learned):
-            which, usual = np.flatnonzero(self.shared_of == g), self.shared_usual[g]
-            dof = max(
-                len(which) - float(np.diag(fit.covariance)[which].sum()) / fit.shared[g] ** 2, 0.0
-            )
-            power = float((fit.mean[which] ** 2).sum())
-            now = np.sqrt((power + MAP_SURE * usual**2) / (dof + MAP_SURE))
-            new[g] = float(np.clip(now, 0.3 * usual, MAP_MOST * usual))
+        new, of, learned = fit.shared.copy(), self.shared_of, self.shared_learned
+        many, usual = len(new), self.shared_usual[learned]
+        spread = np.bincount(of, fit.covariance.diagonal()[: len(of)], many) / fit.shared**2
+        dof = np.maximum(np.bincount(of, minlength=many) - spread, 0.0)[learned]
+        power = np.bincount(of, fit.mean[: len(of)] ** 2, many)[learned]
+        now = np.sqrt((power + MAP_SURE * usual**2) / (dof + MAP_SURE))
+        new[learned] = np.clip(now, 0.3 * usual, MAP_MOST * usual)
         return new
 
-    def _renewed_scale(self, fit: Fit) -> dict[int, float]:
+    def _renewed_scale(self, layout: Layout, fit: Fit) -> dict[int, float]:
         """The sizes of blocks: the terms of a curve tell each other how large they are."""
-        new, at = {}, self.shared.shape[1]
-        for k in fit.chosen:
-            own = slice(at, at + self.blocks[k].columns.shape[1])
-            at = own.stop
-            slab = self.slab[self.columns_of((k,))]
-            power = float(((fit.mean[own] / slab) ** 2).sum())
-            dof = max(
-                len(slab)
-                - float((np.diag(fit.covariance)[own] / slab**2).sum()) / fit.scale[k] ** 2,
-                0.0,
-            )
-            new[k] = (
-                1.0
-                if k in self.fixed
-                else float(np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES))
-            )
-        return new
+        z, many = len(self.shared_of), len(layout.chosen)
+        scale = np.array([fit.scale[k] for k in layout.chosen])
+        spread = fit.covariance.diagonal()[z:] / layout.slab**2
+        dof = np.maximum(layout.width - np.bincount(layout.of, spread, many) / scale**2, 0.0)
+        power = np.bincount(layout.of, (fit.mean[z:] / layout.slab) ** 2, many)
+        now = np.clip(np.sqrt((power + SURE) / (dof + SURE)), *SCALES)
+        return {
+            k: 1.0 if k in self.fixed else float(v) for k, v in zip(layout.chosen, now, strict=True)
+        }
 
     # -- the whole dictionary beside a set ---------------------------------------------------------
 
-    def scan(self, fit: Fit, draws: np.ndarray | None = None) -> Factors:
+    def scan(self, fit: Fit, draws: np.ndarray | None = None) -> Any:
         """Every block beside a fitted set, its sizes as they are. (B,) twice the logarithm of the
         Bayes factor, (K,) coefficients and their standard deviations. With draws (N, R) of readings
-        instead: (B, R) of these, and zeros."""
+        instead: (B, R), None, None."""
         many = 1 if draws is None else draws.shape[1]
-        sd = self._sd(fit.chosen, fit.shared, fit.scale)
-        f = len(sd)
+        f = len(fit.mean)
         fy, fd = np.zeros((f, many)), np.zeros((f, self.width))
         dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
             at = self.shared_at(k, fit.chosen, old.shown)
-            if old.hd is None or old.hd.shape[1] != part.bd.shape[1]:
-                old.hd = solved(old.root, part.bd[old.use] / s2)
-                inside = old.hd.T @ old.hf
-                crossed = np.concatenate([part.zd, *(part.crossed(c) for c in old.shown)])
-                _, i, j, own = self._pairs[k]
-                old.fd = crossed / s2 - inside.T
-                old.dd = own / s2 - np.einsum("qp,qp->p", old.hd[:, i], old.hd[:, j])
-            hy, y_f, y_d = old.hy[:, None], old.fy[:, None], part.dy[:, None]
+            words = part.dictionary
+            self._beside_dictionary(k, old)
+            hy, y_f, y_d = old.hy[:, None], old.asked.fy[:, None], words.dy[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate(
-                    [part.z.T @ white, *(part.d[:, part.where[c]].T @ white for c in old.shown)]
+                    [part.z.T @ white, *(words.d[:, words.where[c]].T @ white for c in old.shown)]
                 )
-                y_d = part.d.T @ white
+                y_d = words.d.T @ white
             fy[at] += y_f / s2 - old.hf.T @ hy
-            dy[part.columns] += y_d / s2 - old.hd.T @ hy
-            fd[np.ix_(at, part.columns)] += old.fd
+            dy[words.columns] += y_d / s2 - old.hd.T @ hy
+            fd[np.ix_(at, words.columns)] += old.fd
             dd[self._pairs[k][0]] += old.dd
         if f:
-            root = cholesky(self._precision(fit, sd))
-            half_d, half_y = solved(root, fd), solved(root, fy)
+            half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
-        return self._factors(dy, dd, draws is None)
+        widths = np.array([b.columns.shape[1] for b in self.blocks], int)
+        scores, coefficients, spread = factors(widths, self.slab, dy, dd)
+        return (scores[:, 0], coefficients, spread) if draws is None else (scores, None, None)
 
-    def _precision(self, fit: Fit, sd: np.ndarray) -> np.ndarray:
-        a = np.diag(1.0 / sd**2)
-        for k, part in enumerate(fit.parts):
-            at = self.shared_at(k, fit.chosen, part.shown)
-            a[np.ix_(at, at)] += part.inside
-        return a
-
-    def _factors(self, dy: np.ndarray, dd: np.ndarray, values: bool) -> Factors:
-        result = np.zeros((len(self.blocks), dy.shape[1]))
-        coefficients = np.zeros(self.width)
-        spread = np.zeros(self.width)
-        widths = np.array([b.columns.shape[1] for b in self.blocks])
-        first = np.array(self.first)
-        start = np.concatenate([[0], np.cumsum(widths * (widths + 1) // 2)])
-        for w in np.unique(widths):
-            which = np.flatnonzero(widths == w)
-            i, j = np.triu_indices(w)
-            m = np.zeros((len(which), w, w))
-            entries = dd[start[which][:, None] + np.arange(len(i))]
-            m[:, i, j], m[:, j, i] = entries, entries
-            at = first[which][:, None] + np.arange(w)
-            result[which] = -np.inf
-            for scale in TRIED:
-                slab = scale * self.slab[at]
-                scaled = m * slab[:, :, None] * slab[:, None, :] + np.eye(w)
-                b = dy[at] * slab[:, :, None]
-                solved = np.linalg.solve(scaled, b)
-                _, logdet = np.linalg.slogdet(scaled)
-                now = np.einsum("bwr,bwr->br", b, solved) - logdet[:, None] - surprise(scale, 1.0)
-                result[which] = np.maximum(result[which], now)
-            if values:
-                coefficients[at] = solved[:, :, 0] * slab
-                spread[at] = np.sqrt(np.abs(np.einsum("bww->bw", np.linalg.inv(scaled)))) * slab
-        return result[:, 0] if values else result, coefficients, spread
+    def _beside_dictionary(self, k: int, old: Reduced) -> None:
+        """Set a unit's products with the dictionary, as far as they are not known."""
+        words, s2 = self.parts[k].dictionary, old.sigma2
+        known = old.hd.shape[1]
+        if known == len(words.columns):
+            return
+        new = solved(old.root, words.bd[:, known:][old.use] / s2)
+        crossed = [words.zd[:, known:], *(words.crossed(c)[:, known:] for c in old.shown)]
+        old.hd = np.concatenate([old.hd, new], axis=1)
+        old.fd = np.concatenate([old.fd, np.concatenate(crossed) / s2 - old.hf.T @ new], axis=1)
+        _, i, j, own = (column[len(old.dd) :] for column in self._pairs[k])
+        by_column = old.hd.T
+        inside = np.einsum("pq,pq->p", by_column[i], by_column[j])
+        old.dd = np.concatenate([old.dd, own / s2 - inside])
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
         the fit taken out, but for one of its members."""
         found = [
-            part.products(columns[part.unit.rows], old.shown)
+            part.dictionary.products(columns[part.unit.rows], old.shown)
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, columns.shape[1], but)
@@ -375,7 +356,7 @@ class Evidence:
         """The same of the columns of blocks of the dictionary, whose products are known."""
         width = [self.blocks[k].columns.shape[1] for k in numbers]
         found = [
-            part.own_beside(numbers, width, old.shown)
+            part.dictionary.own_beside(numbers, width, old.shown)
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, sum(width))
@@ -383,13 +364,9 @@ class Evidence:
     def _beside(
         self, fit: Fit, found: list[Products | None], many: int, but: int = -1
     ) -> tuple[np.ndarray, np.ndarray]:
-        sd = self._sd(fit.chosen, fit.shared, fit.scale)
+        f, root = len(fit.mean), fit.root
         if but >= 0:
-            sd[
-                len(self.shared_of)
-                + np.flatnonzero(np.isin(self.columns_of(fit.chosen), self.columns_of((but,))))
-            ] = NOTHING
-        f = len(sd)
+            root = self._root_without(fit, but)
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (old, x) in enumerate(zip(fit.parts, found, strict=True)):
             at, s2 = self.shared_at(k, fit.chosen, old.shown), old.sigma2
@@ -401,7 +378,16 @@ class Evidence:
             xx += x.within / s2 - hx.T @ hx
             xy += x.along / s2 - hx.T @ old.hy
         if f:
-            half = solved(cholesky(self._precision(fit, sd)), np.column_stack([fy, fx]))
+            half = solved(root, np.column_stack([fy, fx]))
             xx -= half[:, 1:].T @ half[:, 1:]
             xy -= half[:, 1:].T @ half[:, 0]
         return xx, xy
+
+    def _root_without(self, fit: Fit, but: int) -> np.ndarray:
+        """The root of a fit as if a member were of no size."""
+        layout = self._layout(fit.chosen, fit.parts)
+        a, _, _ = self._summed(layout, list(range(len(fit.parts))), fit.parts)
+        own = np.array([fit.scale[k] for k in fit.chosen])[layout.of] * layout.slab
+        own[np.array(fit.chosen)[layout.of] == but] = NOTHING
+        a[np.diag_indices(len(a))] += 1.0 / np.append(fit.shared[self.shared_of], own) ** 2
+        return cholesky(a)

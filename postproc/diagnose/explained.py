@@ -92,7 +92,8 @@ def drawn(evidence: Evidence, fit: Fit, rng: np.random.Generator, count: int) ->
 def _colored(unit: Unit, e: np.ndarray) -> np.ndarray:
     """(n, R): innovations to an autoregression."""
     result = e * np.sqrt(unit.innovation) if len(unit.ar) else e
+    backwards = unit.ar[::-1]
     for k in range(1, len(e)) if len(unit.ar) else ():
-        for lag, a in enumerate(unit.ar[:k], 1):
-            result[k] += a * result[k - lag]
+        lags = min(k, len(backwards))
+        result[k] += backwards[-lags:] @ result[k - lags : k]
     return result

@@ -4,7 +4,7 @@ trusted."""
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from postproc.diagnose import telegraph
 from postproc.diagnose.answer import Diagnosis, Finding
@@ -180,7 +180,7 @@ def _autocorrelated(
         portmanteau = n * (n + 2) * float(np.sum(r**2 / (n - lags)))
         rms, least = float(np.std(rest[own])), _least(part.unit)
         worth = max(least, OF_EXPLAINED * _size(said["effects"][own]))
-        if chi2.sf(portmanteau, LAGS) < BY_CHANCE and rms > worth:
+        if chdtrc(LAGS, portmanteau) < BY_CHANCE and rms > worth:
             found.append((rms / least, rms, unit))
     return found
 

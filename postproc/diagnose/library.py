@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from types import ModuleType
 
@@ -46,18 +47,18 @@ class Block:
     siblings: int = 1
     apart: bool = False
 
-    @property
+    @cached_property
     def largest(self) -> np.ndarray:
         """(K,) mm, at its largest reading."""
         shown = np.abs(self.columns).max(axis=0, initial=0.0)
         largest: np.ndarray = np.maximum(shown, NOTHING)
         return largest
 
-    @property
+    @cached_property
     def name(self) -> str:
         return self.module.__name__.rsplit(".", 1)[1]
 
-    @property
+    @cached_property
     def key(self) -> str:
         """effect:axis, as the contract writes it."""
         return f"{self.name}:{self.axis}"

@@ -95,13 +95,12 @@ class Unit:
         if not len(self.ar):
             return scaled
         result = scaled.copy()
-        told = np.ones(len(self), bool)
         for k, a in enumerate(self.ar, 1):
             result[k:] -= a * scaled[:-k]
-        for edge in self.edges[:-1]:
-            told[edge : edge + len(self.ar)] = False
-        result[told] /= np.sqrt(self.innovation)
-        result[~told] = scaled[~told]
+        result /= np.sqrt(self.innovation)
+        for edge in self.edges[:-1]:  # of the first of a passage nothing is foretold
+            first = slice(edge, edge + len(self.ar))
+            result[first] = scaled[first]
         return result
 
 

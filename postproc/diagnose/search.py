@@ -42,6 +42,10 @@ class Search:
         self._looked: set[tuple[int, ...]] = set()
         self._with_process: dict[Key, list[Found]] = {}
         self._barred: set[str] = set()  # names whose jumps no readings bear out
+        # of fits, by their identity: themselves, and at usual sizes; of these a block's likelier
+        # shape: what a search knows that begins again without such a name
+        self._usual: dict[int, tuple[Fit, Fit]] = {}
+        self._polished: dict[tuple[int, int], int] = {}
 
     def calibrate(self, rng: np.random.Generator) -> None:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
@@ -155,7 +159,9 @@ class Search:
             self.sets.evidence.learn(state.fit.chosen, state.fit, on, 1, state.least).value
             for on in tried
         ]
-        best = sorted(range(len(tried)), key=lambda k: -worth[k])[:CHILDREN]
+        # what is worth nothing after one step is not worth its cost after three
+        hopeful = [k for k in range(len(tried)) if worth[k] > state.fit.value]
+        best = sorted(hopeful, key=lambda k: -worth[k])[:CHILDREN]
         return [self.sets.of(state.members, tried[k], state) for k in best]
 
     def _settled(self, best: Found) -> Found:
@@ -227,20 +233,31 @@ class Search:
         # Wander and map may have grown to say what an effect says better: it is asked for beside
         # their usual sizes, too.
         best: dict[str, tuple[Fit, int]] = {}
-        for number, now in enumerate(
-            (self.sets.evidence.learn(fit.chosen, None, fit.on, 0, state.least), fit)
-        ):
+        for number, now in enumerate((self._at_usual_sizes(state), fit)):
             best |= {key: (now, k) for key, k in self._best(now, names).items() if key not in best}
             if len(chosen) < SEVERAL:  # jumps that only together show
                 several = [k for k in shapes.jumps(self.sets, now) if self._allowed(chosen, k)]
                 best |= {f"{self.sets.blocks[k].key} {number}": (now, k) for k in several}
         result = []
         for number, (now, k) in enumerate(best.values()):
-            tried = {shapes.polished(self.sets, now, k), k} if number < POLISHED else {k}
+            tried = {self._polish(now, k), k} if number < POLISHED else {k}
             found = [(self.sets.of((*chosen, one), fit.on, like), one) for one in tried]
             fitting = [child for child, one in found if self._fits(child, one)]
             result += [max(fitting, key=lambda child: child.score)] if fitting else []
         return result
+
+    def _at_usual_sizes(self, state: Found) -> Fit:
+        fit = state.fit
+        if id(fit) not in self._usual:
+            usual = self.sets.evidence.learn(fit.chosen, None, fit.on, 0, state.least)
+            self._usual[id(fit)] = fit, usual
+        return self._usual[id(fit)][1]
+
+    def _polish(self, fit: Fit, k: int) -> int:
+        key = id(fit), k
+        if key not in self._polished:
+            self._polished[key] = shapes.polished(self.sets, fit, k)
+        return self._polished[key]
 
     def _fits(self, child: Found, k: int) -> bool:
         """Whether a new member can be what its name says."""

@@ -59,8 +59,9 @@ class Sets:
 
     def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
         self.rows, self.evidence = rows, evidence
-        evidence.add(blocks)
-        self.cost = np.array([cost_of(b) for b in blocks])
+        self.cost = np.zeros(0)
+        self._number: dict[tuple[str, object], int] = {}  # of each name and shape
+        self.add(blocks)
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[Key, Found] = {}
         self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
@@ -71,15 +72,16 @@ class Sets:
 
     def let_in(self, block: Block) -> int:
         """The number of a block, which is added where it is new."""
-        for k, known in enumerate(self.blocks):
-            if (known.key, known.shape) == (block.key, block.shape):
-                return k
-        return self.add([block])[0]
+        known = self._number.get((block.key, block.shape))
+        return self.add([block])[0] if known is None else known
 
     def add(self, blocks: list[Block]) -> list[int]:
         """Let blocks in; their numbers."""
         self.cost = np.append(self.cost, [cost_of(b) for b in blocks])
-        return self.evidence.add(blocks)
+        numbers = self.evidence.add(blocks)
+        for k, b in zip(numbers, blocks, strict=True):
+            self._number.setdefault((b.key, b.shape), k)
+        return numbers
 
     def null(self) -> Found:
         """No effect at all."""
@@ -232,9 +234,7 @@ class Sets:
                 continue
             scale = 1e-3 if unit.unit.sees == "angle" else 1.0
             least = max(MATERIAL * scale, TOLD * float(np.median(unit.unit.r)))
-            shown = [
-                _swing(part[rows] - free @ (free.T @ part[rows])) for part in (own, *others)
-            ]
+            shown = [_swing(part[rows] - free @ (free.T @ part[rows])) for part in (own, *others)]
             if shown[0] > max([least, *shown[1:]]):
                 return True
         return False
@@ -251,7 +251,7 @@ class Sets:
             scores[k] -= UNUSUAL * unusual(b, value)
             if scores[k] > 0 and not plausible(b, value):
                 scores[k] = -np.inf
-        return scores
+        return np.asarray(scores)
 
 
 def form_of(block: Block) -> float:

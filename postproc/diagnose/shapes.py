@@ -10,7 +10,7 @@ import numpy as np
 
 from postproc.diagnose import library
 from postproc.diagnose.evidence import SLAB, Fit
-from postproc.diagnose.evidence import TRIED as TRIED_SIZES
+from postproc.diagnose.factors import TRIED as TRIED_SIZES
 from postproc.diagnose.library import FOUND, Block
 from postproc.diagnose.parts import surprise
 from postproc.diagnose.prior import plausible
@@ -19,6 +19,7 @@ from postproc.effects import UM
 from postproc.effects.step_loss import MOMENTS
 
 WORTH = 6.0  # that what comes with a wave must add
+ROUNDING = 1e-6  # of a worth: by less no shape is likelier, readings do not tell the two apart
 # factor between values that are tried, how often its root is taken; beyond the range: another
 # meaning
 FIRST, HALVINGS, FAR = 1.4, 4, 1.5
@@ -31,43 +32,63 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     wave."""
     block = sets.blocks[k]
     if "t_s" in dict(block.shape):
-        return _best(sets, fit, k, _moment(sets, fit, block), 0.0) if len(block.shape) == 1 else k
+        return _numbered(sets, k, _moment(sets, fit, block)) if len(block.shape) == 1 else k
     periodic = block.name in FOUND and dict(block.shape).get("period_mm") != 0
-    k = _best(sets, fit, k, (_nearby if periodic else _between)(sets, fit, block), 0.0)
+    k = _numbered(sets, k, (_nearby if periodic else _between)(sets, fit, block))
     plain = sets.blocks[k]
     more = getattr(plain.module, "fuller", None) if periodic or block.name not in FOUND else None
-    likeliest, most = None, worth(sets, fit, plain) + WORTH if more else np.inf
+    likeliest = plain
     for shape in more(dict(plain.shape), sets.rows.state, plain.axis) if more else ():
         fuller = at(sets, plain, shape)
-        if fuller is not None and (now := worth(sets, fit, fuller)) > most:
-            likeliest, most = fuller, now
-    if likeliest is None:
+        if fuller is None:
+            continue
+        now, then = worths(sets, fit, [likeliest, fuller])
+        likeliest = fuller if then > now + (WORTH if likeliest is plain else 0.0) else likeliest
+    if likeliest is plain:
         return k
-    return sets.let_in(likeliest if periodic else _between(sets, fit, likeliest) or likeliest)
+    return sets.let_in(likeliest if periodic else _between(sets, fit, likeliest))
 
 
-def _best(sets: Sets, fit: Fit, k: int, other: Block | None, by: float) -> int:
-    if other is None or other is sets.blocks[k]:
-        return k
-    return (
-        sets.let_in(other) if worth(sets, fit, other) > worth(sets, fit, sets.blocks[k]) + by else k
+def _numbered(sets: Sets, k: int, other: Block) -> int:
+    return k if other is sets.blocks[k] else sets.let_in(other)
+
+
+def worths(sets: Sets, fit: Fit, blocks: list[Block]) -> list[float]:
+    """Twice the logarithm of the Bayes factor of each of some blocks beside a fit; -inf for an
+    implausible one."""
+    a, b = sets.evidence.beside(fit, np.concatenate([x.columns for x in blocks], axis=1))
+    result, end = [], 0
+    for block in blocks:
+        own = slice(end, end := end + block.columns.shape[1])
+        result.append(_worth(block, a[own, own], b[own]))
+    return result
+
+
+def _worth(block: Block, a: np.ndarray, b: np.ndarray) -> float:
+    """Of a block whose columns, all else taken out, have the products a (K, K) and b (K,) with the
+    readings."""
+    scales = np.array(TRIED_SIZES)
+    slab = scales[:, None] * SLAB / block.largest
+    scaled = a * slab[:, :, None] * slab[:, None, :] + np.eye(len(b))
+    value = np.linalg.solve(scaled, (b * slab)[:, :, None])[:, :, 0]
+    worth = (b * slab * value).sum(axis=1) - np.linalg.slogdet(scaled)[1] - surprise(scales, 1.0)
+    return max(
+        (float(w) for w, v in zip(worth, value * slab, strict=True) if plausible(block, v)),
+        default=-np.inf,
     )
 
 
-def worth(sets: Sets, fit: Fit, block: Block) -> float:
-    """Twice the logarithm of the Bayes factor of a block beside a fit; -inf for an implausible
-    one."""
-    a, b = sets.evidence.beside(fit, block.columns)
-    best = -np.inf
-    for scale in TRIED_SIZES:
-        slab = scale * SLAB / block.largest
-        scaled = a * np.outer(slab, slab) + np.eye(len(slab))
-        value = np.linalg.solve(scaled, b * slab)
-        if plausible(block, value * slab):
-            best = max(
-                best, float(b * slab @ value - np.linalg.slogdet(scaled)[1]) - surprise(scale, 1.0)
-            )
-    return best
+def _likeliest(
+    sets: Sets, fit: Fit, best: Block, most: float, shapes: list[dict[str, float]]
+) -> tuple[Block, float]:
+    """A block in the likeliest of these shapes, and what it is worth; as it is where none of them
+    is worth more."""
+    found = [at(sets, best, shape) for shape in shapes]
+    tried = [b for b in found if b is not None and b.columns.shape == best.columns.shape]
+    for block, now in zip(tried, worths(sets, fit, tried) if tried else [], strict=True):
+        if now > most + ROUNDING:
+            best, most = block, now
+    return best, most
 
 
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
@@ -81,7 +102,7 @@ def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
 
 
-def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:
+def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
     """The block at the likeliest period or frequency near its own."""
     name = "period_mm" if "period_mm" in dict(block.shape) else "frequency_hz"
     shown = np.any(block.columns != 0, axis=1)
@@ -93,41 +114,34 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block | None:
             float(np.ptp(sets.rows.state.time[shown][passages == p])) for p in np.unique(passages)
         )
     within = WITHIN / max(span, 1e-9)
-    best, most = block, worth(sets, fit, block)
+    best, (most,) = block, worths(sets, fit, [block])
     for _ in range(ROUNDS):
         value = dict(best.shape)[name]
         middle = 1 / value if name == "period_mm" else value
-        for f in middle + within * np.linspace(-1.0, 1.0, TRIED):
-            shape = (
-                {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)}
-                if f > 0
-                else None
-            )
-            tried = at(sets, block, shape) if shape else None
-            if (
-                tried is not None
-                and tried.columns.shape == block.columns.shape
-                and (now := worth(sets, fit, tried)) > most
-            ):
-                best, most = tried, now
+        # the one in the middle is known
+        around = [
+            f for f in middle + within * np.linspace(-1.0, 1.0, TRIED) if f > 0 and f != middle
+        ]
+        shapes = [
+            {**dict(block.shape), name: float(1 / f if name == "period_mm" else f)} for f in around
+        ]
+        best, most = _likeliest(sets, fit, best, most, shapes)
         within /= (TRIED - 1) / 2
     return best
 
 
-def _moment(sets: Sets, fit: Fit, block: Block) -> Block | None:
+def _moment(sets: Sets, fit: Fit, block: Block) -> Block:
     """The block at the likeliest moment between two readings near its own: a long recording has
     more of them than the grid."""
     times = np.unique(sets.rows.state.time)
     middle = (times[1:] + times[:-1]) / 2
-    best, most = block, worth(sets, fit, block)
+    best, (most,) = block, worths(sets, fit, [block])
     for stride in (8, 1):
         near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
-        for k in range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride):
-            if not library.between_readings(sets.rows, float(middle[k])):
-                continue
-            tried = at(sets, block, {"t_s": float(middle[k])})
-            if tried is not None and (now := worth(sets, fit, tried)) > most:
-                best, most = tried, now
+        tried = range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride)
+        moments = [float(middle[k]) for k in tried]
+        shapes = [{"t_s": t} for t in moments if library.between_readings(sets.rows, t)]
+        best, most = _likeliest(sets, fit, best, most, shapes)
     return best
 
 
@@ -165,10 +179,10 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
         picks = picks[apart]
         worth, size = _values(a, b, picks)
         value = worth - 2 * np.log(tried) * (picks.shape[1] - 1)
-        order = (int(k) for k in np.argsort(-value) if value[k] > now + WORTH)
-        best = next((k for k in order if sensible(*size[k].tolist())), None)
-        if best is None:
+        fits = np.flatnonzero((value > now + WORTH) & sensible(*size.T))
+        if not len(fits):
             break
+        best = int(fits[np.argmax(value[fits])])
         chosen, now = picks[best].tolist(), float(value[best])
         rest = np.setdiff1d(np.arange(len(later)), chosen)
         picks = np.column_stack([np.repeat([chosen], len(rest), axis=0), rest])
@@ -193,19 +207,19 @@ def continuous(block: Block) -> dict[str, tuple[float, float]]:
     return {name: ends for name, ends in named.items() if 0 < shape.get(name, 0.0) < ends[1] * FAR}
 
 
-def _between(sets: Sets, fit: Fit, block: Block) -> Block | None:
+def _between(sets: Sets, fit: Fit, block: Block) -> Block:
     """The block at the likeliest values of its shape near those of the grid."""
     if not continuous(block):
-        return None
-    best, most = block, worth(sets, fit, block)
+        return block
+    best, (most,) = block, worths(sets, fit, [block])
     for name, (low, high) in continuous(block).items():
         factor = FIRST
         for _ in range(HALVINGS):
             middle = dict(best.shape)[name]
-            for value in (middle / factor, middle * factor):
-                shape = {**dict(best.shape), name: float(np.clip(value, low, high))}
-                tried = at(sets, block, shape)
-                if tried is not None and (now := worth(sets, fit, tried)) > most:
-                    best, most = tried, now
+            shapes = [
+                {**dict(best.shape), name: float(np.clip(value, low, high))}
+                for value in (middle / factor, middle * factor)
+            ]
+            best, most = _likeliest(sets, fit, best, most, shapes)
             factor = float(np.sqrt(factor))
     return best

@@ -175,13 +175,8 @@ def low_pass(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     before the first row."""
     order = np.argsort(state.time, kind="stable")
     kept = np.exp(-np.diff(state.time[order]) / tau_s)
-    level = driver[order]
-    result, now = np.zeros(len(level)), 0.0
-    for k, (keep, value) in enumerate(zip(kept.tolist(), level[1:].tolist(), strict=True), 1):
-        now = keep * now + (1.0 - keep) * value
-        result[k] = now
-    back = np.empty(len(level))
-    back[order] = result
+    back = np.empty(len(order))
+    back[order] = recurrence(kept, (1.0 - kept) * driver[order][1:])
     return back
 
 
@@ -199,17 +194,25 @@ def followed(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
         # what a line from u[k] to u[k + 1] adds over one step
         late = np.divide(tau_s * (1 - keep), step, out=np.ones(len(step)), where=step > 0)
         added = (late - keep) * u[:-1] + (1 - late) * u[1:]
-        now, out = float(u[0]), [float(u[0])]
-        for k, more in zip(keep.tolist(), added.tolist(), strict=True):
-            now = k * now + more
-            out.append(now)
-        result[own] = out
+        result[own] = u[0] + recurrence(keep, added - (1 - keep) * u[0])
     return result
 
 
 def settling_times(state: State) -> tuple[float, ...]:
     """ms: time constants of loops that sampled motions can show."""
     return SETTLES if len(state.passage) == len(state) and np.any(state.passage >= 0) else ()
+
+
+def recurrence(kept: np.ndarray, added: np.ndarray) -> np.ndarray:
+    """(N + 1,) x, from 0 on: x of each step is `kept` (N,) of the x before and `added` (N,). By
+    doubling (Hillis and Steele, Communications of the ACM 29, 1986, 1170): after each pass the
+    steps are twice as long."""
+    kept, x, far = kept.copy(), added.copy(), 1
+    while far < len(x):
+        x[far:] += kept[far:] * x[:-far]
+        kept[far:] = kept[far:] * kept[:-far]
+        far *= 2
+    return np.concatenate([[0.0], x])
 
 
 def reversal_memory(
@@ -321,8 +324,9 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     samples = state.inside.get(name)
     if samples is None:
         samples = (state.time if name == "time" else state.position[name])[None]
-    angle = 2 * np.pi * per_unit * samples
-    return [np.asarray(np.nanmean(wave(angle), axis=0)) for wave in (np.cos, np.sin)]
+    known = np.isfinite(samples)
+    angle, many = 2 * np.pi * per_unit * samples, np.count_nonzero(known, axis=0)
+    return [np.where(known, wave(angle), 0.0).sum(axis=0) / many for wave in (np.cos, np.sin)]
 
 
 def amplitude_and_phase(coefficients: np.ndarray) -> dict[str, float]:

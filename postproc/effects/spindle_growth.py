@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from postproc.effects import State, along, first_timed, grid
+from postproc.effects import State, along, first_timed, grid, recurrence
 
 PARAMETERS = {
     "tau_s": "s, 0: by the recorded temperature, else the time in which it warms",
@@ -116,8 +116,14 @@ def _warmed(
     reading to reading, between which the heat stays."""
     order = np.argsort(t, kind="stable")
     warm, late = np.zeros(len(t)), np.zeros(len(t))
-    states = lagged(np.diff(t[order]), heat[order[:-1]], (0.0, 0.0), tau_s, housing_s)
-    warm[order], late[order] = states if len(t) else (0.0, 0.0)
+    gone, hot, housing = np.diff(t[order]), heat[order[:-1]], apart(tau_s, housing_s)
+    kept = np.exp(-gone / tau_s)
+    level = recurrence(kept, (1.0 - kept) * hot)
+    if len(t):
+        warm[order] = level
+    if housing > 0 and len(t):
+        _, added = _lag(level[:-1], 0.0, hot, gone, tau_s, housing, np.exp)
+        late[order] = recurrence(np.exp(-gone / housing), added)
     return warm, late
 
 

@@ -38,13 +38,19 @@ def columns(
 
 
 def sensible(
-    jump_um: float, second_um: float = 0.0, third_um: float = 0.0, **moments: float
-) -> bool:
+    jump_um: float | np.ndarray,
+    second_um: float | np.ndarray = 0.0,
+    third_um: float | np.ndarray = 0.0,
+    **moments: float,
+) -> np.ndarray:
     """Whether each of them is more than an instrument's own, and all go one way: what jumps to and
-    fro is as well an instrument that switches."""
-    jumps = [jump for jump in (jump_um, second_um, third_um) if jump]
-    one_way = abs(sum(np.sign(jumps))) == len(jumps)
-    return one_way and min(map(abs, jumps), default=0.0) >= SMALLEST
+    fro is as well an instrument that switches. um, each a number or an array; a bool of that
+    shape."""
+    jumps = np.stack(np.broadcast_arrays(jump_um, second_um, third_um))
+    there = jumps != 0
+    one_way = np.abs(np.sign(jumps).sum(axis=0)) == there.sum(axis=0)
+    smallest = np.where(there, np.abs(jumps), np.inf).min(axis=0)
+    return np.asarray(one_way & (smallest >= SMALLEST))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

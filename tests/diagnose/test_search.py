@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
+from postproc.diagnose import shapes
 from postproc.diagnose.library import Block
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found
-from postproc.effects import load
+from postproc.effects import UM, load
 
 FRICTION, LAG = 0, 1
 
@@ -100,3 +102,66 @@ def test_what_may_stand_beside_a_member(one, other, allowed):
     search = Search(cast(Any, Dictionary(one, other)))
     assert search._allowed((0,), 1) is allowed
     assert search._allowed((), 1)
+
+
+def test_a_process_that_is_worth_nothing_after_one_step_is_not_learned_to_the_end():
+    """Of three kinds two promise something, of which the second more."""
+    promised = {"place": 3.0, "turn": 0.0, "drift": 40.0}
+    processes = {kind: np.ones(1, bool) for kind in promised}
+
+    class Promising(Scored):
+        evidence = SimpleNamespace(
+            parts=[SimpleNamespace(processes=processes)],
+            learn=lambda chosen, fit, on, steps, least: SimpleNamespace(
+                value=fit.value + sum(promised[kind] for _, kind in on)
+            ),
+        )
+
+        def of(self, members, on, like):
+            return on
+
+    fit = cast(Any, SimpleNamespace(on=frozenset(), members=(), chosen=(), value=-7.0))
+    search = Search(cast(Any, Promising({}, set())))
+    found = search._more_processes(Found(fit, 0.0, np.zeros(1)))
+    assert found == [frozenset({(0, "drift")}), frozenset({(0, "place")})]
+
+
+def test_a_search_that_begins_again_does_not_look_for_the_same_shapes_again(monkeypatch):
+    calls = []
+    monkeypatch.setattr(shapes, "polished", lambda sets, fit, k: calls.append(k) or k + 10)
+    search, fit = Search(cast(Any, Scored({}, set()))), cast(Any, SimpleNamespace())
+    assert [search._polish(fit, k) for k in (1, 2, 1, 2)] == [11, 12, 11, 12]
+    assert calls == [1, 2]
+
+
+def test_the_likeliest_of_some_shapes_is_taken_where_it_is_worth_more(monkeypatch):
+    worth = {1.0: 5.0, 2.0: 9.0, 3.0: 7.0, 4.0: 11.0}
+    blocks = {t: Block(load("scale"), "X", (("t", t),), np.zeros((3, 1))) for t in worth}
+    blocks[4.0] = replace(blocks[4.0], columns=np.zeros((3, 2)))  # of more terms: another effect
+    monkeypatch.setattr(shapes, "at", lambda sets, block, shape: blocks.get(shape["t"]))
+    told = lambda sets, fit, tried: [worth[dict(b.shape)["t"]] for b in tried]  # noqa: E731
+    monkeypatch.setattr(shapes, "worths", told)
+    around = [{"t": t} for t in (2.0, 3.0, 4.0, 5.0)]
+    none = cast(Any, None)
+    assert shapes._likeliest(none, none, blocks[1.0], 5.0, around) == (blocks[2.0], 9.0)
+    for most in (9.0, 9.0 - 1e-9):  # what differs by rounding is the same
+        assert shapes._likeliest(none, none, blocks[1.0], most, around) == (blocks[1.0], most)
+
+
+@pytest.mark.parametrize("second, named", [(-8e-3, False), (6e-3, True)])
+def test_several_jumps_are_looked_for_among_those_to_one_side(second, named):
+    """Of five moments at two of which 60 readings jump, by 8 um and by 6; to and fro is none."""
+    moments = (10, 20, 30, 40, 50)
+    steps = np.stack([np.arange(60) >= t for t in moments], axis=1) * UM
+    y = 8 * steps[:, 1] + second / UM * steps[:, 3]
+    precision = 1 / 5e-4**2
+    products = precision * steps.T @ steps, precision * steps.T @ y
+    sets = SimpleNamespace(
+        blocks=[
+            Block(load("step_loss"), "X", (("t_s", t),), c[:, None])
+            for t, c in zip(moments, steps.T, strict=True)
+        ],
+        evidence=SimpleNamespace(among=lambda fit, own: products),
+    )
+    found = shapes._jumps(cast(Any, sets), cast(Any, None), (0, 1, 2, 3, 4), 59)
+    assert (found == [1, 3]) == named

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import assembly, library, outliers
-from postproc.effects import State, structure_drift, tool_wear
+from postproc.effects import State, low_pass, structure_drift, tool_wear
 
 
 def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
@@ -25,6 +25,20 @@ def state(rpm: np.ndarray, gauged: float = 1.0) -> State:
         channels=channels,
         file=np.zeros(n),
     )
+
+
+def test_what_a_body_follows_is_the_same_reading_by_reading():
+    """Readings at uneven times, not in the order of time."""
+    rng = np.random.default_rng(3)
+    t, driver = rng.permutation(np.cumsum(rng.uniform(0.1, 900.0, 37))), rng.normal(size=37)
+    found = low_pass(replace(state(driver), time=t), driver, 500.0)
+    now, before = 0.0, None
+    for k in np.argsort(t):
+        if before is not None:
+            kept = np.exp(-(t[k] - before) / 500.0)
+            now = kept * now + (1 - kept) * driver[k]
+        before = t[k]
+        assert found[k] == pytest.approx(now, rel=1e-12, abs=1e-15)
 
 
 def test_wear_at_a_gauge_begins_again_after_each_life():

@@ -172,4 +172,3 @@ def test_a_loop_without_feed_forward_is_one_lag(tmp_path):
     assert list(found) == ["servo_lag:X"]
     assert found["servo_lag:X"]["tau_ms"]["value"] == pytest.approx(33.3, rel=0.03)
     assert found["servo_lag:X"]["settle_ms"]["value"] == pytest.approx(30.0, rel=0.15)
-

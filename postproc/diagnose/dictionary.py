@@ -1,0 +1,151 @@
+"""The dictionary's columns as one instrument's readings show them, whitened, and their products."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from postproc.diagnose.noise import Unit
+
+AT_ONCE = 32  # blocks
+ROOM = 1.5  # times what is there: so that few of the columns that come later ask for a copy of all
+
+
+class Products(NamedTuple):
+    """Of columns x (n, K), whitened, with what a unit has: own (q, K) with its own columns, shared
+    (f, K) with those that it shares, within (K, K), along (K,) with its readings."""
+
+    own: np.ndarray
+    shared: np.ndarray
+    within: np.ndarray
+    along: np.ndarray
+
+
+class Growing:
+    """Columns (n, K) behind which others are put, each in one piece of the memory."""
+
+    def __init__(self, n: int):
+        self._room = np.zeros((n, 0), order="F")
+        self._used = 0
+
+    @property
+    def now(self) -> np.ndarray:
+        return self._room[:, : self._used]
+
+    def reserve(self, more: int) -> None:
+        """Room for so many more columns."""
+        wanted = self._used + more
+        if wanted > self._room.shape[1]:
+            wide = np.empty((len(self._room), int(ROOM * wanted)), order="F")
+            wide[:, : self._used] = self.now
+            self._room = wide
+
+    def add(self, columns: np.ndarray) -> None:
+        self.reserve(columns.shape[1])
+        begin, self._used = self._used, self._used + columns.shape[1]
+        self._room[:, begin : self._used] = columns
+
+
+class Dictionary:
+    """Blocks that show in a unit. b (n, q), z (n, f), y (n,): its own columns, those that it
+    shares, and its readings, whitened. columns (K,): numbers of the columns that show; where: of a
+    block to its columns here; bd (q, K), zd (f, K), dy (K,): products with b, z and y."""
+
+    def __init__(self, unit: Unit, b: np.ndarray, z: np.ndarray, y: np.ndarray):
+        self.unit, self.b, self.z, self.y = unit, b, z, y
+        self.columns = np.zeros(0, int)
+        self.where: dict[int, slice] = {}
+        self.dy = np.zeros(0)
+        self._d = Growing(len(y))
+        self._bd, self._zd = Growing(b.shape[1]), Growing(z.shape[1])
+        self._crossed: dict[int, np.ndarray] = {}
+        self._within: dict[tuple[int, ...], np.ndarray] = {}
+
+    @property
+    def d(self) -> np.ndarray:
+        return self._d.now
+
+    @property
+    def bd(self) -> np.ndarray:
+        return self._bd.now
+
+    @property
+    def zd(self) -> np.ndarray:
+        return self._zd.now
+
+    def add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
+        """Those of some blocks that show in this unit: of each its number, that of its first
+        column, and its columns (N, K) of all rows. A few at a time: of all of them together every
+        copy on the way takes as much memory as they do."""
+        self._d.reserve(sum(columns.shape[1] for _, _, columns in blocks))
+        for begin in range(0, len(blocks), AT_ONCE):
+            self._add(blocks[begin : begin + AT_ONCE])
+
+    def _add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
+        at, new, numbers = len(self.columns), [], [self.columns]
+        for number, first, columns in blocks:
+            own = columns[self.unit.rows]
+            if own.any():
+                self.where[number] = slice(at, at := at + own.shape[1])
+                numbers.append(np.arange(first, first + own.shape[1]))
+                new.append(own)
+        if new:
+            self.columns = np.concatenate(numbers)
+            self._put(self.unit.whitened(np.concatenate(new, axis=1)))
+
+    def _put(self, new: np.ndarray) -> None:
+        self._d.add(new)
+        self._bd.add(self.b.T @ new)
+        self._zd.add(self.z.T @ new)
+        self.dy = np.concatenate([self.dy, new.T @ self.y])
+
+    def at(self, shown: tuple[int, ...]) -> np.ndarray:
+        """Where the columns of blocks stand."""
+        return np.concatenate(
+            [
+                np.zeros(0, int),
+                *(np.arange(self.where[k].start, self.where[k].stop) for k in shown),
+            ]
+        )
+
+    def crossed(self, k: int) -> np.ndarray:
+        """(w, K) products of a block's columns with all of the dictionary that show here."""
+        known = self._crossed.get(k, np.zeros((self.where[k].stop - self.where[k].start, 0)))
+        if known.shape[1] < self.d.shape[1]:
+            new = self.d[:, self.where[k]].T @ self.d[:, known.shape[1] :]
+            known = self._crossed[k] = np.concatenate([known, new], axis=1)
+        return known
+
+    def products(self, raw: np.ndarray, shown: tuple[int, ...]) -> Products | None:
+        """Of columns raw (n, K) that are not in the dictionary; None: they do not show here."""
+        if not raw.any():
+            return None
+        x = self.unit.whitened(raw)
+        shared = [self.z.T @ x, *(self.d[:, self.where[c]].T @ x for c in shown)]
+        return Products(self.b.T @ x, np.concatenate(shared), x.T @ x, x.T @ self.y)
+
+    def own_beside(
+        self, numbers: tuple[int, ...], width: list[int], shown: tuple[int, ...]
+    ) -> Products | None:
+        """The same of blocks of the dictionary, `width` columns each."""
+        shows = [k in self.where for k in numbers]
+        if not any(shows):
+            return None
+        here = np.repeat(shows, width)
+        at = self.at(tuple(k for k in numbers if k in self.where))
+        if numbers not in self._within:
+            own = self.d.T[at]
+            self._within[numbers] = own @ own.T
+        shared = np.concatenate([self.zd[:, at], *(self.crossed(c)[:, at] for c in shown)])
+        own, many = self.b.shape[1], len(here)
+        empty = [np.zeros((n, many)) for n in (own, len(shared), many)]
+        result = Products(empty[0], empty[1], empty[2], np.zeros(many))
+        result.own[:, here], result.shared[:, here] = self.bd[:, at], shared
+        result.within[np.ix_(here, here)] = self._within[numbers]
+        result.along[here] = self.dy[at]
+        return result
+
+    def of_pairs(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(P,) products of pairs of columns."""
+        return np.asarray(np.einsum("pn,pn->p", self.d.T[first], self.d.T[second]))
