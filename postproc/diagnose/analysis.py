@@ -167,9 +167,8 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
         if whole.blocks[k].name in judge.NOT_FORETOLD:
             own += whole.blocks[k].columns @ search.sets.value(fit, k)
     units = [p.whole for p in whole.parts]
-    others = set(nuisances.PROCESSES)
     groups = [
-        [g for g in p.groups if g.kind not in others or (u, g.kind) in fit.on]
+        _without_processes(p.groups, {kind for k, kind in fit.on if k == u})
         for u, p in enumerate(whole.parts)
     ]
     rest = Evidence(y - own, units, groups, whole.groups, ~held)
@@ -185,6 +184,11 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     plain = Evidence(y, units, groups, whole.groups, ~held) if own.any() else rest
     alone = shares(plain, plain.learn((), None, steps=0)) | {"map": said["map"]}
     return (y - _fixed(alone))[held], (y - own - _fixed(said) - said["effects"])[held]
+
+
+def _without_processes(groups: list[Group], but: set[str]) -> list[Group]:
+    """The groups of a unit, of processes only those of some kinds."""
+    return [g for g in groups if g.kind not in nuisances.PROCESSES or g.kind in but]
 
 
 def _shown(blocks: list[Block], train: np.ndarray) -> list[Block]:
@@ -257,8 +261,7 @@ def _learned(
         *(Group("jump", columns, FREE) for _, columns in jumps),
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
-    others = {"place", "turn"} ^ set(nuisances.PROCESSES)
-    told = [[g for g in groups if g.kind not in others] for groups in own]
+    told = [_without_processes(groups, {"place", "turn"}) for groups in own]
     for _ in range(ROUNDS):
         evidence = Evidence(y, units, told, shared, train)
         on = frozenset(

@@ -44,7 +44,6 @@ SCALES = (0.03, 1000.0)  # of the usual size of an effect
 NOTHING = 1e-12  # mm: of what is not there
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 
-
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
 
 
