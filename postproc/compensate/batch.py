@@ -106,6 +106,8 @@ class Batch(Columns):
             self.cutting &= self.of(m.cutter) == FREE
         self.correctable = self.of(self.places.rows)  # (A, S) axes whose correction can be told
         self.left = ~(free & self.correctable) & self.of(m.word < 0)
+        if np.count_nonzero(m.changed):  # no rapid brings an axis back from a tool change
+            self.left |= self.of(m.changed & (m.word < 0) & (m.code == RAPID))
         # So does everything where the nominal path does not move at all.
         rests = ~self.travel.any(axis=0)
         if np.count_nonzero(rests):

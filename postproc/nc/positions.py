@@ -256,7 +256,7 @@ class _Axis:
         since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
         p.changed[self.row] = since[block]
         p.end_changed[self.row] = since[-1]
-        return lost
+        return lost & (self.letter in self.b.dialect.change_takes)
 
     def write(self, p: Places, block: np.ndarray) -> None:
         """Fill the axis' row of `p` at the moving blocks."""

@@ -201,6 +201,8 @@ class Verifier(Figures):
         counts for the slides alone; or NOTHING."""
         known = all_known(self.machine, run.target_known)
         known &= all_known(self.machine, nominal.target_known)[owner] & ~nominal.alone[owner]
+        away = (nominal.changed & (nominal.word < 0)).any(axis=0) & (nominal.code == RAPID)
+        known &= ~away[owner]  # not brought back from a tool change
         # a rapid that was cut has one end
         known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))
         whole = (

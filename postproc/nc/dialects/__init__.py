@@ -97,8 +97,10 @@ class Dialect:
     `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of
     the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever
     their own code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers
-    them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to
-    a place of its own. `length_left_open`: where an axis stands whose tool length changes is not
+    them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 (and a T
+    whose length holds at once) takes to a place of its own; `change_returns`: axes that it brings
+    back as delivered, and not on every machine: read there, but no rapid gets a word of them before
+    the program names them. `length_left_open`: where an axis stands whose tool length changes is not
     said until the program names its place (postproc/nc/lengths.py). `length_lapses`: ten times the
     codes that take the length back where they send its axis away (G28 G30 G53), until H names one
     again. `length_modal`: H by itself names another length while G43 or G44 is in force.
@@ -189,6 +191,7 @@ class Dialect:
     macro_refuses: tuple[str, ...] = ()
     tools_move: bool = False
     change_takes: str = ""
+    change_returns: str = ""
     length_left_open: bool = False
     length_lapses: tuple[int, ...] = ()
     length_modal: bool = False
