@@ -54,6 +54,9 @@ class Run:
         self.main = self.flow.file
         first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
+        # lines that are no program ($X, %wait of a sender)
+        ignores = tracker.dialect.grammar.ignores
+        self.ignored = re.compile("|".join(ignores).encode(), re.IGNORECASE) if ignores else None
         self.ended = False
 
     # Whole: the hot loop: lines without a special word pass in one go.
@@ -111,6 +114,8 @@ class Run:
         flow, memory = self.flow, self.memory
         if text.strip() == b"%":
             return self._mark(file, at)
+        if self.ignored and self.ignored.fullmatch(text):
+            return text if flow.skip is None else None
         if self.tracker.setup.block_delete and text.lstrip()[:1] == b"/":
             return text if flow.skip is None else None
         if flow.skip is not None and not CONTROL.match(text):
@@ -218,8 +223,13 @@ class Run:
     # -- the end -----------------------------------------------------------------------------------
 
     def _closing(self, file: File, at: int) -> Iterator[Line]:
-        """Behind M2 or M30: the "%" that closes the program, if it has been opened by one."""
+        """Behind M2 or M30: the "%" that closes the program, if it has been opened by one. Senders
+        send on what stands there (GRBL and its kin)."""
         lines = self.main.lines
+        rest = range(at + 1, len(lines)) if file is self.main else range(0)
+        if self.tracker.dialect.homes and not any(CONTROL.match(lines[i]) for i in rest):
+            yield from (Line(lines[i], i + 1) for i in rest)
+            return
         if self.opening < 0 or (file is self.main and lines[at].strip() == b"%"):
             return
         later = range(max(self.opening, at if file is self.main else 0) + 1, len(lines))
