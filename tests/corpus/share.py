@@ -130,6 +130,7 @@ NOT_THERE = (  # what the text does not say
     "beside this one",  # a program that Klartext calls
     "has no value in this program yet",
     "where it ends is known at the machine alone",
+    "the program stops itself with the alarm",  # a macro without its arguments
 )
 
 
