@@ -63,7 +63,7 @@ Of programs that nobody has looked at before, expect less: of 103, 69 of 93 legi
 corrected before anything was mended for them (74 %; of Fanuc lathes 3 of 15, many by students; of
 the 61 for other controls than these and Fanuc mills 57). Of the last 43, most of them short, 29 of
 31 were, and of one more the blocks behind a sender's `%` were left as they stood, without a
-word."""
+word. Of the last 64, all of mills and many cut short, 46 of 49 were."""
 NONE = "none"  # folder of programs whose control has no dialect here
 SECONDS = 60
 LIVE = {  # axes that a lathe lacked
