@@ -18,6 +18,7 @@ from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.state import Setup
+from postproc.verify import Verifier
 
 NODES = np.linspace(-100.0, 500.0, 7)
 LEAST = 1e-4
@@ -290,3 +291,22 @@ def test_behind_a_tool_call_of_klartext_nobody_knows_z():
     assert "Z" not in called[called.index("TOOL CALL 2 Z S9") + 1]
     faster = corrected(m, text.format("TOOL CALL S99"), "heidenhain", **offsets).splitlines()
     assert "Z" in faster[faster.index("TOOL CALL S99") + 1]
+
+
+@pytest.mark.parametrize("feed", [999, 1])
+def test_a_plunge_behind_such_a_rapid_begins_where_the_rapid_left_the_tool(feed):
+    """Its beginning is not measured, its end is; a cut that does not name Z is measured whole."""
+    text = b"G21\nG90\nG0 X10 Y10 Z5\nT2 M6\nG0 X150 Y20\nG1 {}X150 F99\nG1 X160\n"
+
+    def passed(z: bytes) -> bool:
+        m = mill("EZX", "EXX")
+        filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, None))
+        verifier = Verifier(filter_)
+        lines = text.replace(b"{}", z).splitlines(keepends=True)
+        for at in range(0, len(lines), feed):
+            filter_.feed(b"".join(lines[at : at + feed]))
+        filter_.finish()
+        return verifier.passed
+
+    assert passed(b"Z-2 ")
+    assert not passed(b"Y30 ")

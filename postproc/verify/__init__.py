@@ -55,6 +55,8 @@ class Verifier(Figures):
         self.source: Callable[[int], tuple[int, str]] | None = None
         self.warm = Warm(filter_)
         self.machines = Machines(self.machine, self.oriented, self.warm)
+        # (A,): where the last rapid was not brought back from a tool change (see _leave)
+        self.away = np.zeros(len(self.machine.axes), bool)
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(
@@ -114,6 +116,7 @@ class Verifier(Figures):
     ) -> None:
         """What is left of the deviation, and what there was of it in the nominal program."""
         every, one = np.arange(len(motions)), np.ones(len(motions))
+        self._leave(motions)
         led, own = self.slides.run(back), self.nominal_slides.run(motions)
         paths, slides = 0 * every + PATH, (own, own)
         self._measure(motions, every, 0 * one, one, motions, slides, line, self.uncorrected, paths)
@@ -138,6 +141,15 @@ class Verifier(Figures):
             self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
         self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
         self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
+
+    def _leave(self, motions: Motions) -> None:
+        """Tell which rapids are not brought back from a tool change, and which motions name the
+        axis again right behind one: these begin where it left them."""
+        away = motions.changed & (motions.word < 0) & (motions.code == RAPID)
+        before = np.concatenate([self.away[:, None], away[:, :-1]], axis=1)
+        self.away = away[:, -1]
+        self.left: np.ndarray = away.any(axis=0)
+        self.returns: np.ndarray = np.any(before & (motions.word >= 0), axis=0)
 
     def _near(
         self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int
@@ -201,14 +213,14 @@ class Verifier(Figures):
         counts for the slides alone; or NOTHING."""
         known = all_known(self.machine, run.target_known)
         known &= all_known(self.machine, nominal.target_known)[owner] & ~nominal.alone[owner]
-        away = (nominal.changed & (nominal.word < 0)).any(axis=0) & (nominal.code == RAPID)
-        known &= ~away[owner]  # not brought back from a tool change
+        known &= ~self.left[owner]
         # a rapid that was cut has one end
         known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))
         whole = (
             all_known(self.machine, run.start_known)
             & all_known(self.machine, nominal.start_known)[owner]
             & (run.code != RAPID)
+            & ~(self.returns[owner] & (t0 < 1e-9))
         )
         # a thread in one block is corrected at its ends, as a notice says
         whole &= ~nominal.whole[owner]
