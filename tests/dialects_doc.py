@@ -112,7 +112,7 @@ def chapter(dialect: dialects.Dialect) -> str:
         rows.append((change, f"{unknown}; in G91 it stands where it stood, but for G28"))
     if dialect.change_returns:
         back = f"{dialect.change_returns} is read where it stood"
-        rows.append((change, f"{back}, and put into no rapid before the program names it"))
+        rows.append((change, f"{back}, and put into no rapid before the program names it or feeds"))
     if dialect.length_left_open:
         changed = "its axis is unknown until the program names its place"
         rows.append(("where a tool length changes", changed))

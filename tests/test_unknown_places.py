@@ -294,19 +294,19 @@ def test_behind_a_tool_call_of_klartext_nobody_knows_z():
 
 
 @pytest.mark.parametrize("feed", [999, 1])
-def test_a_plunge_behind_such_a_rapid_begins_where_the_rapid_left_the_tool(feed):
-    """Its beginning is not measured, its end is; a cut that does not name Z is measured whole."""
-    text = b"G21\nG90\nG0 X10 Y10 Z5\nT2 M6\nG0 X150 Y20\nG1 {}X150 F99\nG1 X160\n"
-
-    def passed(z: bytes) -> bool:
-        m = mill("EZX", "EXX")
+def test_a_feed_behind_such_a_rapid_begins_where_the_rapid_left_the_tool(feed):
+    """Its beginning is not measured, all behind it is: it takes Z where it was, so the rapids
+    behind it get their Z again."""
+    m = mill("EZX", "EXX")
+    head = "G21\nG90\nG0 X10 Y10 Z5\nT2 M6\nG0 X150 Y20\nG1 X150 Y20 F99\nG0 X140 Y20\n"
+    for cut in ("G1 Z-2", "G1 Y60"):
         filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, None))
         verifier = Verifier(filter_)
-        lines = text.replace(b"{}", z).splitlines(keepends=True)
+        lines = f"{head}{cut}\nG0 X50\nG1 X160\n".encode().splitlines(keepends=True)
+        out = b""
         for at in range(0, len(lines), feed):
-            filter_.feed(b"".join(lines[at : at + feed]))
-        filter_.finish()
-        return verifier.passed
-
-    assert passed(b"Z-2 ")
-    assert not passed(b"Y30 ")
+            out += filter_.feed(b"".join(lines[at : at + feed]))
+        written = (out + filter_.finish()).decode().splitlines()
+        assert verifier.passed, cut
+        rapids = [line for line in written if line.startswith("G0")]
+        assert ["Z" in line for line in rapids] == [True, False, False, True]

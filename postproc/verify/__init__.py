@@ -20,6 +20,7 @@ from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, tool_directions
 from postproc.motions import FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
+from postproc.nc.columns import hold_last
 from postproc.nc.interpreter import Interpreter, ModalState
 from postproc.nc.lexer import Words, lex
 from postproc.pieces import Pieces
@@ -55,8 +56,7 @@ class Verifier(Figures):
         self.source: Callable[[int], tuple[int, str]] | None = None
         self.warm = Warm(filter_)
         self.machines = Machines(self.machine, self.oriented, self.warm)
-        # (A,): where the last rapid was not brought back from a tool change (see _leave)
-        self.away = np.zeros(len(self.machine.axes), bool)
+        self.away = 0  # 1: the last rapid was not brought back from a tool change (see _leave)
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(
@@ -143,13 +143,15 @@ class Verifier(Figures):
         self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
 
     def _leave(self, motions: Motions) -> None:
-        """Tell which rapids are not brought back from a tool change, and which motions name the
-        axis again right behind one: these begin where it left them."""
+        """Tell which rapids are not brought back from a tool change, and which feeds come right
+        behind: these begin where a rapid left the axis."""
         away = motions.changed & (motions.word < 0) & (motions.code == RAPID)
-        before = np.concatenate([self.away[:, None], away[:, :-1]], axis=1)
-        self.away = away[:, -1]
         self.left: np.ndarray = away.any(axis=0)
-        self.returns: np.ndarray = np.any(before & (motions.word >= 0), axis=0)
+        moves = (motions.target != motions.start).any(axis=0)
+        moves[motions.arcs.motion] = True
+        held = hold_last(np.where(self.left, 1, np.where(moves, 0, -1)), self.away)
+        self.returns = np.append(self.away, held[:-1]).astype(bool) & ~self.left
+        self.away = int(held[-1])
 
     def _near(
         self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int

@@ -100,12 +100,12 @@ class Dialect:
     them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 (and a T
     whose length holds at once) takes to a place of its own; `change_returns`: axes that it brings
     back as delivered, and not on every machine: read there, but no rapid gets a word of them before
-    the program names them. `length_left_open`: where an axis stands whose tool length changes is
-    not said until the program names its place (postproc/nc/lengths.py). `length_lapses`: ten times
-    the codes that take the length back where they send its axis away (G28 G30 G53), until H names
-    one again. `length_modal`: H by itself names another length while G43 or G44 is in force.
-    `digits`: how many a number may have, 0: any. `counts`: mm and degrees of one least increment
-    of a number without a point, inches of a tenth of it; 0: the machine's own.
+    the program names them or feeds. `length_left_open`: where an axis stands whose tool length
+    changes is not said until the program names its place (postproc/nc/lengths.py). `length_lapses`:
+    ten times the codes that take the length back where they send its axis away (G28 G30 G53), until
+    H names one again. `length_modal`: H by itself names another length while G43 or G44 is in
+    force. `digits`: how many a number may have, 0: any. `counts`: mm and degrees of one least
+    increment of a number without a point, inches of a tenth of it; 0: the machine's own.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
     machine, or nothing.
     `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
