@@ -84,11 +84,10 @@ class Dialect:
     chooses the work offset by that name (E1 of Fadal), 0 for none. `carried_codes`: M codes that
     make the carried axes absolute and incremental; `carried_by_distance`: whether G90 and G91 do so
     too, the last one counts. `block_end`: a character that ends a block besides the line's end (*
-    of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
-    are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for
-    where it matters);
-    `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on
-    (True) and off.
+    of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame are
+    the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where
+    it matters); `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool
+    point on (True) and off.
 
     `homes`: printers and routers: where homing left the slides is where they stand when a program
     begins, and feeds before the axes have places pass as they are, counted. `home_named`: G28 and
@@ -107,12 +106,10 @@ class Dialect:
     force. `digits`: how many a number may have, 0: any. `counts`: mm and degrees of one least
     increment of a number without a point, inches of a tenth of it; 0: the machine's own.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
-    machine, or nothing.
-    `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
-    one).
-    `returns_no_lower`: G98 goes back to R where that is above the initial level.
-    `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a
-    place).
+    machine, or nothing. `hole_from_start`: a hole without R is drilled from the level where the
+    axis stands (the initial one). `returns_no_lower`: G98 goes back to R where that is above the
+    initial level. `level_from_start`: R of a lathe's holes is a distance from there, a radius
+    (Fanuc; Haas' is a place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
     `drawn`: letters of a straight block that say a corner or the angle of the line, where the
     machine has no axis of that letter.

@@ -114,9 +114,7 @@ class Run:
         flow, memory = self.flow, self.memory
         if text.strip() == b"%":
             return self._mark(file, at)
-        if self.ignored and self.ignored.fullmatch(text):
-            return text if flow.skip is None else None
-        if self.tracker.setup.block_delete and text.lstrip()[:1] == b"/":
+        if self._passes(text):
             return text if flow.skip is None else None
         if flow.skip is not None and not CONTROL.match(text):
             return None
@@ -131,6 +129,12 @@ class Run:
         outcome = found.run(memory)
         memory.notice(outcome.g, outcome.m, outcome.letters)
         return self._plain(outcome)
+
+    def _passes(self, text: bytes) -> bool:
+        """Whether a line is none of the program, or deleted."""
+        if self.ignored and self.ignored.fullmatch(text):
+            return True
+        return self.tracker.setup.block_delete and text.lstrip()[:1] == b"/"
 
     def _plain(self, outcome: Outcome) -> bytes | None:
         """The plain text of a line that was run, if any. Raises Refusal."""
