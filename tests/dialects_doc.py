@@ -106,9 +106,13 @@ def chapter(dialect: dialects.Dialect) -> str:
             ("by T, with its offset" if dialect.tool_offsets else _lengths(dialect)),
         )
     )
+    change = "behind T, M6" if dialect.length_letter == "T" else "behind M6"
     if dialect.change_takes:
         unknown = f"{dialect.change_takes} is unknown until it is named"
-        rows.append(("behind M6", f"{unknown}; in G91 it stands where it stood, but for G28"))
+        rows.append((change, f"{unknown}; in G91 it stands where it stood, but for G28"))
+    if dialect.change_returns:
+        back = f"{dialect.change_returns} is read where it stood"
+        rows.append((change, f"{back}, and put into no rapid before the program names it or feeds"))
     if dialect.length_left_open:
         changed = "its axis is unknown until the program names its place"
         rows.append(("where a tool length changes", changed))

@@ -105,6 +105,11 @@ def test_statements_are_words_of_the_same_length():
         ("STOP M8|M126|L M3|L X+1 R FMAX", [[1, 0, 0]]),
         ("TOOL CALL 5 Z SQ3 FQ4|L X+1", [[1, 0, 0]]),
         ("L X+1,5 Y-0,25 F90,5|L IX+0,125 FMAX", [[1.5, -0.25, 0], [1.625, -0.25, 0]]),
+        # words whose question was passed over, in listings of TNC 151 to 355
+        (
+            "L X+20 Y+30 R F M|L R F M9|L Z-5 R0 F M3|L Z+1 F MAX M",
+            [[20, 30, 0], [20, 30, -5], [20, 30, 1]],
+        ),
         # the manual's examples: to the first point of the contour, from its last one
         (
             "L X+40 Y9|APPR LT X+20 Y+20 Z-10 LEN15 RR F1|L X+35 Y+35|DEP LCT X+10 Y+12 R+8 F1",

@@ -18,6 +18,7 @@ from postproc.nc.expand import Limits, Program
 from postproc.nc.expand.written import Written
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.state import Setup
+from postproc.verify import Verifier
 
 NODES = np.linspace(-100.0, 500.0, 7)
 LEAST = 1e-4
@@ -258,3 +259,54 @@ def test_what_else_is_not_known_is_refused_behind_a_tool_change_too():
         filter_ = Filter(m, dialects.load("fanuc-mill"), setup_of(m, offsets))
         filter_.feed(text.format("G1 Y20. F99\n").encode())
         filter_.finish()
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        *((x, "T2 M6") for x in ("linuxcnc", "mach3", "grbl", "grblhal", "fluidnc", "smoothie")),
+        ("marlin", "T1"),
+    ],
+)
+def test_no_rapid_behind_a_tool_change_that_may_stay_away_gets_a_z(name, change):
+    """M6 goes back (NIST RS274/NGC 3.6.3; Marlin, tool_change.cpp), but with LinuxCNC's
+    TOOL_CHANGE_POSITION, a macro of Mach3 or of a sender it need not: the Z of before would take
+    the new tool down on its way. A feed is a cut where Z stands, and gets it."""
+    m = mill("EZX", "EXX")
+    head = "G21\nG90\nG0 X10 Y10 Z90\nG1 X20 F99\n"
+    lines = corrected(m, f"{head}{change}\nG0 X150 Y20\nG0 Z50\nG0 X300 Y20\n", name).splitlines()
+    rapids = lines[lines.index(change) + 1 :]
+    assert "Z" not in rapids[0] and "X150" not in rapids[0]
+    assert "Z" in rapids[1] and "Z" in rapids[2]
+    lines = corrected(m, f"{head}{change}\nG1 X150 Y20\n", name).splitlines()
+    assert "Z" in lines[-1]
+
+
+def test_behind_a_tool_call_of_klartext_nobody_knows_z():
+    m = mill("EZX", "EXX")
+    head = "BEGIN PGM A MM\nTOOL CALL 1 Z S9\nL Z+90 FMAX\nL X+10 Y+10 FMAX\n"
+    text = head + "{}\nL X+150 Y+20 FMAX\nL Z+50 FMAX\nEND PGM A MM\n"
+    offsets = {"T1": {}, "T2": {}}
+    called = corrected(m, text.format("TOOL CALL 2 Z S9"), "heidenhain", **offsets).splitlines()
+    assert "Z" not in called[called.index("TOOL CALL 2 Z S9") + 1]
+    faster = corrected(m, text.format("TOOL CALL S99"), "heidenhain", **offsets).splitlines()
+    assert "Z" in faster[faster.index("TOOL CALL S99") + 1]
+
+
+@pytest.mark.parametrize("feed", [999, 1])
+def test_a_feed_behind_such_a_rapid_begins_where_the_rapid_left_the_tool(feed):
+    """Its beginning is not measured, all behind it is: it takes Z where it was, so the rapids
+    behind it get their Z again."""
+    m = mill("EZX", "EXX")
+    head = "G21\nG90\nG0 X10 Y10 Z5\nT2 M6\nG0 X150 Y20\nG1 X150 Y20 F99\nG0 X140 Y20\n"
+    for cut in ("G1 Z-2", "G1 Y60"):
+        filter_ = Filter(m, dialects.load("linuxcnc"), setup_of(m, None))
+        verifier = Verifier(filter_)
+        lines = f"{head}{cut}\nG0 X50\nG1 X160\n".encode().splitlines(keepends=True)
+        out = b""
+        for at in range(0, len(lines), feed):
+            out += filter_.feed(b"".join(lines[at : at + feed]))
+        written = (out + filter_.finish()).decode().splitlines()
+        assert verifier.passed, cut
+        rapids = [line for line in written if line.startswith("G0")]
+        assert ["Z" in line for line in rapids] == [True, False, False, True]

@@ -87,8 +87,7 @@ class Batch(Columns):
             self.reached = self.end_nominal.copy()
             middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
             self.reached[m.holes.axis, self.hole] = middle
-        # Strokes that begin where the last one did not end, since something else (G28) has moved
-        # the axis.
+        # Strokes that begin where the last one did not end: something else (G28) moved the axis.
         self.jumps = self.of(self.jumped)
         if not self.undivided:
             self.jumps = self.jumps & (t0 == 0)
@@ -105,7 +104,8 @@ class Batch(Columns):
         if self.inside:
             self.cutting &= self.of(m.cutter) == FREE
         self.correctable = self.of(self.places.rows)  # (A, S) axes whose correction can be told
-        self.left = ~(free & self.correctable) & self.of(m.word < 0)
+        self.left = ~(free & self.correctable) | self.of(m.changed & (m.code == RAPID))
+        self.left &= self.of(m.word < 0)  # no rapid brings an axis back from a tool change
         # So does everything where the nominal path does not move at all.
         rests = ~self.travel.any(axis=0)
         if np.count_nonzero(rests):

@@ -51,6 +51,8 @@ PRESET = re.compile(rb"Q339[ \t]*=[ \t]*[+]?[ \t]*[0-9]+[ \t\r]*\Z")
 SIDE = re.compile(rb"[ \t]R(?:([0LR])(?![A-Z0-9.+-])|(?=[ \t\r]|\Z))")
 FAST = re.compile(rb"(?<![A-Z])F[ \t]*MAX\b")
 FEED = re.compile(rb"(?<![A-Z])F[ \t]*(?:AUTO\b|[+-]?Q[LR]?[0-9]+)")
+# A word whose question was passed over (TNC 151 to 355 print it so): R alone is in _side.
+NO_VALUE = re.compile(rb"(?<![A-Z])[FM](?=[ \t]*(?:[A-Z]|\r?\Z))(?![A-Z])")
 MACHINE = re.compile(rb"(?<![A-Z])M[ \t]*0*91(?![0-9])")
 TO_LIMIT = re.compile(
     rb"(?<![A-Z])M[ \t]*0*140[ \t]+MB[ \t]*MAX\b(?:[ \t]*F[ \t]*(?:MAX|[0-9.]+))?"
@@ -156,6 +158,7 @@ def _words(text: bytes) -> tuple[bytes, bool]:
         text = FAST.sub(lambda m: b" " * len(m[0]), text)
     elif b"F" in text:
         text = FEED.sub(lambda m: _filled(bytes([UNTOLD]), m), text)
+    text = NO_VALUE.sub(b" ", text)
     if b"I" in text:
         text = STEP.sub(lambda m: bytes([RELATIVE + AXES.index(m[1].decode()), 0x20]), text)
     return text, fast

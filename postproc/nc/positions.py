@@ -21,7 +21,8 @@ class Places:
     """(A, N) columns of the moving blocks, as in Motions: start, target, what is known, and how
     each axis' word is (or would be) written; sent: whether G28 has taken the axis elsewhere since
     the motion before; changed: whether a tool change has taken it away and no block has named it
-    since; end_position, end_known, end_sent, end_changed (A,): behind the batch."""
+    since, or fed where the change brings it back; end_position, end_known, end_sent, end_changed
+    (A,): behind the batch."""
 
     start: np.ndarray
     target: np.ndarray
@@ -243,10 +244,14 @@ class _Axis:
             is_away | (self.distance != 910)
         )
         event = np.where(self.named | away, 0, np.where(lost, 1, -1))
+        taken = self.letter in self.b.dialect.change_takes
+        if not taken and len(block):  # a feed that goes anywhere brings it where it was
+            goes = (p.target[: self.row] != p.start[: self.row]).any(axis=0)
+            event[block[goes & (at(self.b.held("motion"), block) != 0)]] = 0
         since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
         p.changed[self.row] = since[block]
         p.end_changed[self.row] = since[-1]
-        return lost
+        return lost & taken
 
     def write(self, p: Places, block: np.ndarray) -> None:
         """Fill the axis' row of `p` at the moving blocks."""

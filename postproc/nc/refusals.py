@@ -196,8 +196,7 @@ def m_codes(b: Batch) -> None:
             continue
         block = b.words.block[of]
         if number == TOOL_CHANGE:
-            for letter in b.dialect.change_takes:
-                b.changed[letter] = np.isin(np.arange(b.n), block)
+            _tool_change(b, block)
         if number in b.dialect.m_refuses:
             b.foreign[block] = True
             b.reason[block] = b.because(_called(b, int(number)), b.dialect.m_refuses[int(number)])
@@ -211,11 +210,19 @@ def m_codes(b: Batch) -> None:
             )
 
 
+def _tool_change(b: Batch, block: np.ndarray) -> None:
+    """Axes that a tool change in some blocks takes away."""
+    for letter in b.dialect.change_takes + b.dialect.change_returns:
+        b.changed[letter] = np.isin(np.arange(b.n), block) | b.changed.get(letter, False)
+
+
 def macros(b: Batch) -> None:
     """Text that only the machine has: it may move every axis, so no place is known behind it; what
     shifts the coordinates or brings modes back can not be followed."""
     if b.dialect.tools_move and "T" in b.places:
         b.loses[b.words.block[b.places["T"]]] = True
+    if b.dialect.length_letter == "T" and "T" in b.places:
+        _tool_change(b, b.words.block[b.places["T"]])
     place = b.places.get(chr(MACRO))
     if place is None:
         return

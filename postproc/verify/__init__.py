@@ -21,6 +21,7 @@ from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, tool_directions
 from postproc.motions import FREE, HOLE, RAPID, Motions
 from postproc.nc.beside_corrected import LIMIT
+from postproc.nc.columns import hold_last
 from postproc.nc.interpreter import Interpreter
 from postproc.nc.lexer import Words, lex
 from postproc.nc.state import ModalState
@@ -57,6 +58,7 @@ class Verifier(Figures):
         self.source: Callable[[int], tuple[int, str]] | None = None
         self.warm = Warm(filter_)
         self.machines = Machines(self.machine, self.oriented, self.warm)
+        self.away = 0  # 1: the last rapid was not brought back from a tool change (see _leave)
         self.trace: Trace | None = None  # for who wants to draw what is measured
 
     def check(
@@ -116,6 +118,7 @@ class Verifier(Figures):
     ) -> None:
         """What is left of the deviation, and what there was of it in the nominal program."""
         every, one = np.arange(len(motions)), np.ones(len(motions))
+        self._leave(motions)
         led, own = self.slides.run(back), self.nominal_slides.run(motions)
         paths, slides = 0 * every + PATH, (own, own)
         self._measure(motions, every, 0 * one, one, motions, slides, line, self.uncorrected, paths)
@@ -140,6 +143,17 @@ class Verifier(Figures):
             self._measure(motions, owner, begin, end, back, (own, led), line, into, some)
         self._measure_holes(motions, motions, own, line, *[self.uncorrected] * 3)
         self._measure_holes(motions, back, led, line, self.corrected, self.holes, self.taps)
+
+    def _leave(self, motions: Motions) -> None:
+        """Tell which rapids are not brought back from a tool change, and which feeds come right
+        behind: these begin where a rapid left the axis."""
+        away = motions.changed & (motions.word < 0) & (motions.code == RAPID)
+        self.left: np.ndarray = away.any(axis=0)
+        moves = (motions.target != motions.start).any(axis=0)
+        moves[motions.arcs.motion] = True
+        held = hold_last(np.where(self.left, 1, np.where(moves, 0, -1)), self.away)
+        self.returns = np.append(self.away, held[:-1]).astype(bool) & ~self.left
+        self.away = int(held[-1])
 
     def _near(
         self, words: Words, motions: Motions, pieces: Pieces, piece: int, first_line: int
@@ -203,12 +217,14 @@ class Verifier(Figures):
         counts for the slides alone; or NOTHING."""
         known = all_known(self.machine, run.target_known)
         known &= all_known(self.machine, nominal.target_known)[owner] & ~nominal.alone[owner]
+        known &= ~self.left[owner]
         # a rapid that was cut has one end
         known &= (run.code != HOLE) & ((run.code != RAPID) | (t1 > 1.0 - 1e-9))
         whole = (
             all_known(self.machine, run.start_known)
             & all_known(self.machine, nominal.start_known)[owner]
             & (run.code != RAPID)
+            & ~(self.returns[owner] & (t0 < 1e-9))
         )
         # a thread in one block is corrected at its ends, as a notice says
         whole &= ~nominal.whole[owner]

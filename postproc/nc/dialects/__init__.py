@@ -84,11 +84,10 @@ class Dialect:
     chooses the work offset by that name (E1 of Fadal), 0 for none. `carried_codes`: M codes that
     make the carried axes absolute and incremental; `carried_by_distance`: whether G90 and G91 do so
     too, the last one counts. `block_end`: a character that ends a block besides the line's end (*
-    of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame
-    are the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for
-    where it matters);
-    `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool point on
-    (True) and off.
+    of DIN/ISO). `tip_frame`: where the tables stand while the axes of the tool point's frame are
+    the machine's: "zero", "call" (as they stand when it is called), "" (not said: asked for where
+    it matters); `plane_frame`: the same of tilted planes; `tip_codes`: M codes that switch the tool
+    point on (True) and off.
 
     `homes`: printers and routers: where homing left the slides is where they stand when a program
     begins, and feeds before the axes have places pass as they are, counted. `home_named`: G28 and
@@ -97,20 +96,20 @@ class Dialect:
     `g_takes`: like `m_takes`, for these G numbers. `skips_centre`: whether a centre word outside of
     the plane is passed over. `relative_with_distance`: G91 makes carried axes incremental whatever
     their own code says. `macro_refuses`: why macros can not be followed, as Grammar.macros numbers
-    them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 takes to
-    a place of its own. `length_left_open`: where an axis stands whose tool length changes is not
-    said until the program names its place (postproc/nc/lengths.py). `length_lapses`: ten times the
-    codes that take the length back where they send its axis away (G28 G30 G53), until H names one
-    again. `length_modal`: H by itself names another length while G43 or G44 is in force.
-    `digits`: how many a number may have, 0: any. `counts`: mm and degrees of one least increment
-    of a number without a point, inches of a tenth of it; 0: the machine's own.
+    them. `tools_move`: T runs macros that may move the tool. `change_takes`: axes that M6 (and a T
+    whose length holds at once) takes to a place of its own; `change_returns`: axes that it brings
+    back as delivered, and not on every machine: read there, but no rapid gets a word of them before
+    the program names them or feeds. `length_left_open`: where an axis stands whose tool length
+    changes is not said until the program names its place (postproc/nc/lengths.py). `length_lapses`:
+    ten times the codes that take the length back where they send its axis away (G28 G30 G53), until
+    H names one again. `length_modal`: H by itself names another length while G43 or G44 is in
+    force. `digits`: how many a number may have, 0: any. `counts`: mm and degrees of one least
+    increment of a number without a point, inches of a tenth of it; 0: the machine's own.
     `other_codes_are_macros`: a G code that it has not, first in its line, is a file or macro of the
-    machine, or nothing.
-    `hole_from_start`: a hole without R is drilled from the level where the axis stands (the initial
-    one).
-    `returns_no_lower`: G98 goes back to R where that is above the initial level.
-    `level_from_start`: R of a lathe's holes is a distance from there, a radius (Fanuc; Haas' is a
-    place).
+    machine, or nothing. `hole_from_start`: a hole without R is drilled from the level where the
+    axis stands (the initial one). `returns_no_lower`: G98 goes back to R where that is above the
+    initial level. `level_from_start`: R of a lathe's holes is a distance from there, a radius
+    (Fanuc; Haas' is a place).
     `conditions`: lines behind if and while that are indented further run when the control says so.
     `drawn`: letters of a straight block that say a corner or the angle of the line, where the
     machine has no axis of that letter.
@@ -189,6 +188,7 @@ class Dialect:
     macro_refuses: tuple[str, ...] = ()
     tools_move: bool = False
     change_takes: str = ""
+    change_returns: str = ""
     length_left_open: bool = False
     length_lapses: tuple[int, ...] = ()
     length_modal: bool = False

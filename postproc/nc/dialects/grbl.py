@@ -73,6 +73,7 @@ DIALECT = Dialect(
     motion=0,
     homes=True,
     skips_centre=True,
+    change_returns="Z",
     dwell="P",
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,

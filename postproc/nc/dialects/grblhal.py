@@ -101,6 +101,7 @@ DIALECT = Dialect(
     motion=0,
     homes=True,
     skips_centre=True,
+    change_returns="Z",
     dwell="P",
     turns=True,
     arc_tolerance_mm=0.005,

@@ -46,6 +46,7 @@ DIALECT = Dialect(
     plane_frame="zero",
     tip_codes={128: True, 129: False},
     length_letter="T",
+    change_takes="Z",
     letters="Q",  # DL of TOOL CALL
     macro_refuses=klartext.REASONS,
     signs=(

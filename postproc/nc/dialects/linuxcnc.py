@@ -129,6 +129,7 @@ DIALECT = Dialect(
     radius_tolerance_mm=0.00127,  # RADIUS_TOLERANCE_MM
     returns=990,
     local_is_preset=True,
+    change_returns="Z",
     exact_stops=(611,),
     feed_along_first=True,
     threads_chained=(330,),

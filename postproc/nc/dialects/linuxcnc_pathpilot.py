@@ -17,6 +17,7 @@ DIALECT = replace(
     name="linuxcnc-pathpilot",
     title="Tormach PathPilot",
     change_takes="Z",
+    change_returns="",
     codes=(
         *(code for code in linuxcnc.DIALECT.codes if code.word not in ABSENT),
         *rows("scaling", {"50": "no scaling"}),

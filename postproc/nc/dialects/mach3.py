@@ -93,6 +93,7 @@ DIALECT = Dialect(
     plane=170,
     dwell="P",
     local_is_preset=True,
+    change_returns="Z",
     exact_stops=(610,),
     letters="E",
     signs=(r"G59[ \t]*P\d", r"M1[01][ \t]*P\d", r"G7[01][ \t]*G9[01]\.1"),

@@ -357,6 +357,7 @@ DIALECT = Dialect(
     m_text=(16, 20, 23, 28, 30, 32, 33, 117, 118, 928, *range(810, 820)),
     bare_letters=True,
     length_letter="T",
+    change_returns="Z",
     homes=True,
     other_codes_are_macros=True,
     home_z_over="XY",

@@ -104,6 +104,7 @@ DIALECT = Dialect(
     m_text=(23, 28, 30, 32, 117, 118),
     bare_letters=True,
     length_letter="T",
+    change_returns="Z",
     homes=True,
     holes_written_out=False,
     g_takes=(29, 31, 32),

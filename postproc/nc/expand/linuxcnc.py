@@ -54,6 +54,9 @@ class Run:
         self.main = self.flow.file
         first = next((i for i, line in enumerate(self.main.lines) if line.strip()), -1)
         self.opening = first if first >= 0 and self.main.lines[first].strip() == b"%" else -1
+        # lines that are no program ($X, %wait of a sender)
+        ignores = tracker.dialect.grammar.ignores
+        self.ignored = re.compile("|".join(ignores).encode(), re.IGNORECASE) if ignores else None
         self.ended = False
 
     # Whole: the hot loop: lines without a special word pass in one go.
@@ -111,7 +114,7 @@ class Run:
         flow, memory = self.flow, self.memory
         if text.strip() == b"%":
             return self._mark(file, at)
-        if self.tracker.setup.block_delete and text.lstrip()[:1] == b"/":
+        if self._passes(text):
             return text if flow.skip is None else None
         if flow.skip is not None and not CONTROL.match(text):
             return None
@@ -126,6 +129,12 @@ class Run:
         outcome = found.run(memory)
         memory.notice(outcome.g, outcome.m, outcome.letters)
         return self._plain(outcome)
+
+    def _passes(self, text: bytes) -> bool:
+        """Whether a line is none of the program, or deleted."""
+        if self.ignored and self.ignored.fullmatch(text):
+            return True
+        return self.tracker.setup.block_delete and text.lstrip()[:1] == b"/"
 
     def _plain(self, outcome: Outcome) -> bytes | None:
         """The plain text of a line that was run, if any. Raises Refusal."""
@@ -218,8 +227,13 @@ class Run:
     # -- the end -----------------------------------------------------------------------------------
 
     def _closing(self, file: File, at: int) -> Iterator[Line]:
-        """Behind M2 or M30: the "%" that closes the program, if it has been opened by one."""
+        """Behind M2 or M30: the "%" that closes the program, if it has been opened by one. Senders
+        send on what stands there (GRBL and its kin)."""
         lines = self.main.lines
+        rest = range(at + 1, len(lines)) if file is self.main else range(0)
+        if self.tracker.dialect.homes and not any(CONTROL.match(lines[i]) for i in rest):
+            yield from (Line(lines[i], i + 1) for i in rest)
+            return
         if self.opening < 0 or (file is self.main and lines[at].strip() == b"%"):
             return
         later = range(max(self.opening, at if file is self.main else 0) + 1, len(lines))
