@@ -140,11 +140,8 @@ def check_points(b: Batch) -> None:
             place = b.places.get(letter)
             if place is None or b.words.pointed[place].all():
                 continue
-            bare = place[
-                ~b.words.pointed[place]
-                & (b.words.mantissa[place] != 0)
-                & ~b.taken[b.words.block[place]]
-            ]
+            whole = ~b.words.pointed[place] & (b.words.mantissa[place] != 0)
+            bare = place[whole & ~b.taken[b.words.block[place]]]
             if len(bare):
                 b.notices.append(
                     Notice(

@@ -5,10 +5,10 @@ Okuma OSP-P200L / P20L programming manual 5238-E, user task, as NC-PB/gEdit sums
 EQ 3] N2 (GOTO N2) go to a block of the same program by its name, which is text (N2 is not N02); IF
 PX N2 where the local variable PX has a value. CALL O1 Q3 PX=5 runs a subprogram three times up to
 RTS, which takes its variables' values away; MODIN O1 runs it behind every block that moves an axis,
-until MODOUT. X=V1+2 is a word whose number is worked out, in a shape (NLAP1 G81) where the program
-comes to it: at its call the number must still be that one. Common variables (V1, VC1) hold what
-nobody knows until the program sets them, and so does what NOEX sets. What sets or asks the
-control's own variables stays, and is refused where it is run.
+until MODOUT. X=V1+2 is a word whose number is worked out, in a shape (NLAP1 G81) where it
+stands: at its call it must still be that one. Common variables (V1, VC1) hold what nobody knows
+until the program sets them, as does what NOEX sets. What sets or asks the control's own stays, and
+is refused where it is run.
 """
 
 from __future__ import annotations
@@ -242,19 +242,15 @@ class _Run:
         self.within = False
 
     def _as_passed(self, part: _Part, here: int, name: str) -> None:
-        """Refuses a shape whose numbers are others at its call than where the program came to it:
-        which of them the control takes is in no text that was found."""
+        """Refuses a shape with other numbers at its call than where it stands: which count?"""
         places = [(p, i) for p in self.files[part.file].values() for i in p.labels.get(name, ())]
         for other, first in places:
             for i in range(first, other.last):
                 said = self.said.get((part.file, i))
                 if said is not None and self._filled(other, i).text != said:
-                    raise self._error(
-                        part,
-                        here,
-                        f"line {i + 1} of the shape has other numbers here than where it stands",
-                        "set its variables before the shape, and change them behind its calls",
-                    )
+                    where = f"line {i + 1} of the shape has other numbers here than where it stands"
+                    way = "set its variables before the shape, and change them behind its calls"
+                    raise self._error(part, here, where, way)
                 if SHAPE_ENDS.search(other.codes[i]):
                     break
 
