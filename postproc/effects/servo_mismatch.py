@@ -7,14 +7,17 @@ by no equal amounts: their mean is the lag of both. Two axes that both lag are t
 
 import numpy as np
 
-from postproc.effects import State, along
+from postproc.effects import State, along, followed, settling_times
 
 PARAMETERS = {
     "delta_tau_ms": "ms, lag of the first axis minus that of the second",
     "mean_tau_ms": "ms, mean lag of both",
     "unequal": "1, they lag in the mean; 0, one leads by as much as the other lags",
+    "settle_ms": "ms, time constant with which the lags come and go; 0: at once",
 }
-OPTIONAL = {"mean_tau_ms": 0.0, "unequal": 0.0}
+OPTIONAL = {"mean_tau_ms": 0.0, "unequal": 0.0, "settle_ms": 0.0}
+CONTINUOUS = {"settle_ms": (0.5, 250.0)}
+FORM = 0.05  # see servo_lag
 # No more than the lag of one of the axes, of which the other has at least half on any machine that
 # can go round (unverified).
 PLAUSIBLE = {"delta_tau_ms": (-125.0, 125.0)}  # beyond, it is something else
@@ -24,7 +27,12 @@ TEXT = "Two axes follow with different lags. Match the position gains of the two
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{"unequal": 0.0}, {"unequal": 1.0}]
+    return [{"unequal": u, "settle_ms": 0.0} for u in (0.0, 1.0)]
+
+
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same of loops that take their time."""
+    return [shape | {"settle_ms": t} for t in settling_times(state)]
 
 
 def sensible(delta_tau_ms: float, mean_tau_ms: float = 0.0, **_: float) -> bool:
@@ -32,21 +40,25 @@ def sensible(delta_tau_ms: float, mean_tau_ms: float = 0.0, **_: float) -> bool:
     return 2 * abs(mean_tau_ms) <= abs(delta_tau_ms)
 
 
-def columns(state: State, axis: str, unequal: float = 0.0) -> np.ndarray:
-    first, second = (along(x, -state.velocity[x]) for x in axis)
+def columns(state: State, axis: str, unequal: float = 0.0, settle_ms: float = 0.0) -> np.ndarray:
+    speeds = (state.velocity[x] for x in axis)
+    if settle_ms > 0:
+        speeds = (followed(state, v, settle_ms * 1e-3) for v in speeds)
+    first, second = (along(x, -v) for x, v in zip(axis, speeds, strict=True))
     half = (first - second) / 2
     return np.concatenate([half, first + second]) if unequal else half
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     mean = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    unequal = shape.get("unequal", 0.0)
-    return {"delta_tau_ms": float(coefficients[0]), "mean_tau_ms": mean, "unequal": unequal}
+    return {"delta_tau_ms": float(coefficients[0]), "mean_tau_ms": mean} | {
+        name: shape.get(name, 0.0) for name in ("unequal", "settle_ms")
+    }
 
 
 def coefficients(
-    delta_tau_ms: float, mean_tau_ms: float = 0.0, unequal: float = 0.0
+    delta_tau_ms: float, mean_tau_ms: float = 0.0, unequal: float = 0.0, settle_ms: float = 0.0
 ) -> tuple[np.ndarray, dict[str, float]]:
     unequal = unequal or float(mean_tau_ms != 0.0)
     sizes = [delta_tau_ms, mean_tau_ms] if unequal else [delta_tau_ms]
-    return np.array(sizes), {"unequal": unequal}
+    return np.array(sizes), {"unequal": unequal, "settle_ms": settle_ms}
