@@ -62,7 +62,8 @@ SKIPPED = {
 # Of a block: up to a slash within it, and what stands behind; none behind a bracket or a variable,
 # where it divides, and none before a number, which would become part of the word before.
 WITHIN = re.compile(
-    rb"(?im)((?:^|;)[ \t]*/?[ \t]*[^][#;/\s][^][#;/\n]*)/([ \t\r]*(?:[A-Z][^][#;/\n]*)?)(?![^;\n])"
+    rb"(?im)((?:^|;)(?:[ \t]*/)?[ \t]*[^][#;/\s][^][#;/\n]*)/"
+    rb"([ \t\r]*(?:[A-Z][^][#;/\n]*)?)(?![^;\n])"
 )
 OF_WORDS = ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
 OF_BLOCKS = ("block_start", "block_stop", "line", "skip")
@@ -169,7 +170,7 @@ def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes,
     if grammar.slash_within and b"/" in code:
         found = WITHIN.search(code)
         within = found.end(1) if found else -1
-        code = WITHIN.sub(_behind_slash if drop else _both, code)
+        code = WITHIN.sub(_only_slash if drop else _both, code)
     spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
     if spelled:
         code = _respelled()(code, grammar)
@@ -281,18 +282,13 @@ def _blank(comment: re.Match[bytes]) -> bytes:
 
 
 def _only_slash(block: re.Match[bytes]) -> bytes:
-    """A skipped block without what stands in it."""
+    """A block without what is skipped of it."""
     return block[1] + b" " * (block.end() - block.end(1))
 
 
 def _both(block: re.Match[bytes]) -> bytes:
     """A block without the slash in it."""
     return block[1] + b" " + block[2]
-
-
-def _behind_slash(block: re.Match[bytes]) -> bytes:
-    """A block without what stands behind the slash in it."""
-    return block[1] + b" " * (block.end() - block.end(1))
 
 
 def _block_at(words: Words, offset: int) -> int:
