@@ -237,6 +237,34 @@ def test_blocks_know_their_line_and_their_slash():
     assert text == [b"G1", b"X1", b"/X2", b"/X3", b"", b"X4"]
 
 
+@pytest.mark.parametrize(
+    ("text", "off", "on"),
+    [
+        ("G43 H1 Z2./M8", "G43 H1 Z2. M8", "G43 H1 Z2."),
+        ("G1 X1. / Y2. F9 (a/b)\nX3.", "G1 X1. Y2. F9\nX3.", "G1 X1.\nX3."),
+        ("/G1 X1./M8\nX3.", "/G1 X1. M8\nX3.", "/\nX3."),
+        ("N10/G1 X1.;G0 (/)/Z1.", "N10 G1 X1.;G0 Z1.", "N10;G0"),
+        ("X1./\r\nM8", "X1.\nM8", "X1.\nM8"),
+    ],
+)
+def test_block_delete_takes_what_stands_behind_a_slash(text, off, on):
+    """Haas Mill Operator's Manual, "Block Delete"."""
+    grammar = dialects.load("haas").grammar
+    for drop, same in ((False, off), (True, on)):
+        words, plain = lex(text.encode(), grammar, drop), lex(same.encode(), grammar)
+        assert not words.fault
+        assert words.within == text.replace("(/)", "   ").find("/", text.startswith("/")) or drop
+        for name in ("letter", "mantissa", "decimals", "block", "skip"):
+            assert getattr(words, name).tolist() == getattr(plain, name).tolist()
+
+
+@pytest.mark.parametrize("text", ["X1/2", "X1//M8", "X1/M8/M9", "X[1/2]", "X1/#1"])
+def test_a_slash_that_may_divide_is_refused(text):
+    for drop in (False, True):
+        assert lex(text.encode(), dialects.load("haas").grammar, drop).fault
+        assert lex(b"X1/M8", dialects.load("fanuc-mill").grammar, drop).fault
+
+
 def test_a_tape_mark_ends_the_batch():
     words = lex(b"G1 X1\n%\nX2,\n", Grammar("comment"))
     assert (words.tape, words.fault) == (6, None)

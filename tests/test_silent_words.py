@@ -25,8 +25,9 @@ def run(tmp_path_factory):
     machine = read_machine(folder)
     zeros = {"G54": dict.fromkeys("XYZ", 0.0)}
 
-    def run(text: str, dialect: str, cut: int = 0, offsets=zeros):
-        filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=offsets))
+    def run(text: str, dialect: str, cut: int = 0, offsets=zeros, block_delete: bool = False):
+        setup = setup_of(machine, offsets=offsets, block_delete=block_delete)
+        filter_ = Filter(machine, dialects.load(dialect), setup)
         data = [(line + "\n").encode() for line in text.split("|")]
         out = filter_.feed(b"".join(data[:cut])) + filter_.feed(b"".join(data[cut:]))
         lines = (out + filter_.finish()).decode().splitlines()
@@ -121,6 +122,21 @@ def test_g98_with_r_above_the_tool_goes_where_a_manual_says_or_nowhere(run, dial
         with pytest.raises(ProgramError, match="whose R lies above the level"):
             run(text.format(8), dialect)
     run(text.format(5), dialect)
+
+
+def test_a_slash_within_a_block_of_a_haas(run):
+    """Haas 96-8210, "Block Delete": what stands behind it is skipped where the switch is on."""
+    said = [("block delete", 3)]
+    lines, notices = run(HEAD + "G1 Z4. F99. / X2. M8|Z3./M9|X3.", "haas")
+    assert lines[2:] == ["G1 Z4.0300 F99. / X2. M8", "Z3.0300/M9", "X3."]
+    assert [(n.code, n.line) for n in notices if n.code == "block delete"] == said
+    twice = HEAD + "G1 Z4. F99. / Z2. M8|Z3./M9|X3."
+    with pytest.raises(ProgramError, match="two Z words"):
+        run(twice, "haas")
+    lines, notices = run(twice, "haas", block_delete=True)
+    assert lines[2:] == ["G1 Z4.0300 F99. / Z2. M8", "Z3.0300/M9", "X3."]
+    assert [(n.code, n.line) for n in notices if n.code == "block delete"] == said
+    assert "block delete" not in [n.code for n in run(HEAD, "haas")[1]]
 
 
 def test_k_of_a_haas_cycle_repeats_nothing(run):

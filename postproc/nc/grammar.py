@@ -14,6 +14,7 @@ class Grammar:
     without regard to case, line by line; what their group holds stays."""
 
     semicolon: str = "comment"  # or "end of block": a line then holds several blocks
+    slash_within: bool = False  # whether block delete takes what stands behind a "/" in a block
     parentheses: bool = True  # whether ( ) are comments
     keywords: tuple[str, ...] = ()  # words that are codes by themselves: TRANS, DIAMON
     spellings: tuple[tuple[str, str], ...] = ()  # ("CR=", "R"); "" for what moves nothing

@@ -2,8 +2,8 @@
 text.
 
     line    = block { end-of-block block } newline
-    block   = [ "/" ] { word }               blanks and comments may stand anywhere between
-            characters
+    block   = [ "/" ] { word } [ "/" word { word } ]    blanks and comments may stand anywhere
+            between characters; a second "/" where the dialect knows it (Haas)
     word    = letter number
     number  = [ "+" | "-" ] digits [ "." [ digits ] ] | [ sign ] "." digits
 
@@ -59,6 +59,12 @@ SKIPPED = {
     "comment": re.compile(rb"(?m)^([ \t]*/)[^\n]*"),
     "end of block": re.compile(rb"(?m)((?:^|;)[ \t]*/)[^;\n]*"),
 }
+# Of a block: up to a slash within it, and what stands behind; none behind a bracket or a variable,
+# where it divides, and none before a number, which would become part of the word before.
+WITHIN = re.compile(
+    rb"(?im)((?:^|;)(?:[ \t]*/)?[ \t]*[^][#;/\s][^][#;/\n]*)/"
+    rb"([ \t\r]*(?:[A-Z][^][#;/\n]*)?)(?![^;\n])"
+)
 OF_WORDS = ("letter", "mantissa", "decimals", "pointed", "start", "number", "stop")
 OF_BLOCKS = ("block_start", "block_stop", "line", "skip")
 AFTER_SEMICOLON = re.compile(rb";[^\n]*")
@@ -72,7 +78,7 @@ class Words:
     10**decimals; pointed (W,) whether it has a decimal point; block (W,) ascending; start, number,
     stop (W,): the letter, the first character of the number, the end. block_start, block_stop, line
     (B,): the block without its end mark, and the line it stands in, from 0; skip (B,): begins with
-    "/". tape: offset of the first "%", or -1.
+    "/". tape: offset of the first "%", or -1; within: that of the first "/" within a block, or -1.
     fault: what is wrong with the block after the last one here, if anything is.
     """
 
@@ -90,11 +96,18 @@ class Words:
     line: np.ndarray
     skip: np.ndarray
     tape: int = -1
+    within: int = -1
     fault: BlockFault | None = None
 
     @property
     def blocks(self) -> int:
         return len(self.block_start)
+
+    @property
+    def slashed(self) -> int:
+        """The first block with a "/" before it or within, `blocks` where none has."""
+        first = int(self.skip.argmax()) if np.count_nonzero(self.skip) else self.blocks
+        return first if self.within < 0 else min(first, _block_at(self, self.within))
 
     def part(self, first: int, stop: int, fault: BlockFault | None = None) -> Words:
         """Blocks first to stop - 1 alone; offsets still count bytes of the whole text."""
@@ -147,18 +160,23 @@ def _blanked(text: bytes, grammar: Grammar) -> bytes:
     return AFTER_SEMICOLON.sub(_blank, text) if semicolon == "comment" else text
 
 
-def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, bool]:
+def _without_comments(text: bytes, grammar: Grammar, drop: bool) -> tuple[bytes, bool, int]:
     """The text, byte for byte as long, with comments and what block delete drops blanked and other
-    spellings brought to letter and number; and whether that was looked for. A newline ends it."""
-    code = _blanked(text, grammar)
+    spellings brought to letter and number; whether that was looked for; and the offset of the first
+    slash within a block, -1: none. A newline ends it."""
+    code, within = _blanked(text, grammar), -1
     if drop and b"/" in code:
         code = SKIPPED[grammar.semicolon].sub(_only_slash, code)
+    if grammar.slash_within and b"/" in code:
+        found = WITHIN.search(code)
+        within = found.end(1) if found else -1
+        code = WITHIN.sub(_only_slash if drop else _both, code)
     spelled = grammar.is_respelled or (grammar.untold and (b"#" in code or b"[" in code))
     if spelled:
         code = _respelled()(code, grammar)
     if b"\r" in code and code.count(b"\r") != code.count(b"\r\n"):
         code = LONE_RETURN.sub(bytes([LONE]), code)
-    return code if code.endswith(b"\n") else code + b"\n", spelled
+    return code if code.endswith(b"\n") else code + b"\n", spelled, within
 
 
 def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
@@ -168,7 +186,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
 
     Never raises for bad text: the words before the first bad block come back with its `fault`.
     """
-    code, spelled = _without_comments(text, grammar, drop)
+    code, spelled, within = _without_comments(text, grammar, drop)
     semicolon = grammar.semicolon
     byte = np.frombuffer(code, dtype=np.uint8)
     classes = _classes(semicolon, spelled, grammar.block_end)
@@ -246,6 +264,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
         line=line,
         skip=skip,
         tape=tape,
+        within=within,
         fault=None,
     )
     if tape >= 0 and (fault is None or fault.block > _block_at(words, tape)):
@@ -263,8 +282,13 @@ def _blank(comment: re.Match[bytes]) -> bytes:
 
 
 def _only_slash(block: re.Match[bytes]) -> bytes:
-    """A skipped block without what stands in it."""
+    """A block without what is skipped of it."""
     return block[1] + b" " * (block.end() - block.end(1))
+
+
+def _both(block: re.Match[bytes]) -> bytes:
+    """A block without the slash in it."""
+    return block[1] + b" " + block[2]
 
 
 def _block_at(words: Words, offset: int) -> int:

@@ -93,7 +93,7 @@ def check_letters(b: Batch) -> None:
             f"the letter {letter} has no meaning in {b.dialect.title}",
             "it could move an axis: use another --dialect, or take it out",
         )
-    if np.count_nonzero(b.words.skip) and not b.state.ended:
+    if (slashed := b.words.slashed) < b.n and not b.state.ended:
         how = (
             "left alone, as with the switch on"
             if b.setup.block_delete
@@ -104,7 +104,7 @@ def check_letters(b: Batch) -> None:
                 "block delete",
                 f"blocks that begin with / are {how}; with the switch the other way the output is "
                 "not right (--block-delete on|off)",
-                int(b.words.line[b.words.skip.nonzero()[0][0]]),
+                int(b.words.line[slashed]),
             )
         )
 

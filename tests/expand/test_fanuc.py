@@ -282,3 +282,19 @@ def test_what_a_simulation_draws_holds_no_words(name):
     words = lex(text, dialects.load(name).grammar, False)
     assert words.fault is None
     assert bytes(words.letter).decode() == "GX"
+
+
+def test_the_last_speed_is_read():
+    """#4119, B-64304EN "Custom macro", "Modal information": of the blocks before this one."""
+    text = (
+        "O1\nS1200 M3\nG1 X1. F100\nIF[#4119GE1000]GOTO2\nX9.\nN2 S[#4119/2] X2.\nM98 P2\nM30\n"
+        "O2\nS#4119 X3.\nM99\n"
+    )
+    assert plain(text)[1:] == [
+        "S1200 M3",
+        "G1 X1. F100",
+        "N2 S600 X2.",
+        "S600 X3.",
+        "M30",
+    ]
+    assert "S7" in plain("O1\nS7\n#100=#4119\nM5\nX#5001\nS#100\nM30\n")

@@ -24,7 +24,9 @@ from tests.expand.fanuc_lines import LATHE, MILL, refused, run
         ("#3000=#600", "#600 is read"),
         ("X#1000", "interface signal"),
         ("X#5061", "probe"),
-        ("X#4119", "the last S is not followed"),
+        ("X#4119", "no S has been given yet"),
+        ("G92 S2000\nS#4119", "the last S stands beside G50 or G92"),
+        ("X#4111", "the last H is not followed"),
         ("X#4109", "no F has been given"),
         ("X#5241", "G55 is not stated"),
         ("X#5004", "no axis number 4"),
@@ -104,6 +106,11 @@ from tests.expand.fanuc_lines import LATHE, MILL, refused, run
 )
 def test_refusals(block, message):
     refused(f"O1\n{block}\n", message, "p.nc:")
+
+
+@pytest.mark.parametrize("block", ["G20 /M8", "M98 P9 /M8", "M30 /M9", "X#1 /M8"])
+def test_a_slash_within_a_block_of_the_language_is_refused(block):
+    refused(f"O1\n{block}\n", "'/' can not be read here", "p.nc:2", dialect="haas")
 
 
 def test_limits_and_the_place_of_a_fault():

@@ -4,7 +4,8 @@ holes, M97 local calls.
 Codes: Haas Mill Operator's Manual (Next Generation Control, 96-8210), "G-codes" and "M-codes". `;`
 is the end of block as that manual prints it; comments are in ( ). A coordinate without a decimal
 point is a number of least increments, unless setting 162 (Default To Float) is on, says the same
-manual; G52 and G92 as with setting 33 (Coordinate System) FANUC.
+manual; G52 and G92 as with setting 33 (Coordinate System) FANUC. A slash within a line is block
+delete for what stands behind it ("Block Delete").
 """
 
 from postproc.nc import codes
@@ -197,7 +198,7 @@ DIALECT = Dialect(
         99: codes.CALL,
         198: codes.CALL,
     },
-    grammar=Grammar(semicolon="end of block", ignores=(PRINTS,)),
+    grammar=Grammar(semicolon="end of block", ignores=(PRINTS,), slash_within=True),
     language="fanuc",
     tip_frame="",
     plane=170,

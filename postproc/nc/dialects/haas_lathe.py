@@ -217,7 +217,7 @@ DIALECT = Dialect(
     restarts=(99,),
     motion=0,
     m_refuses={96: codes.INLINE, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(PRINTS,)),
+    grammar=Grammar(semicolon="end of block", ignores=(PRINTS,), slash_within=True),
     language="fanuc",
     plane=180,
     polar="Y",

@@ -219,7 +219,7 @@ class BlockReader:
         try:
             words = self._scan(start)
         except Misread:
-            if calculated or KEYWORD.search(self.code):
+            if calculated or KEYWORD.search(self.code) or (self.haas and "/" in self.code[start:]):
                 raise
             return self._made(Kind.PLAIN, start)
         block = self._made(

@@ -47,7 +47,7 @@ LATHE = {
 }
 HAAS = {**{n: group for n, group in MILL.items() if n < 12}, 12: "work offset", 16: "rotation"}
 ADDRESSES = {
-    4102: "B", 4107: "D", 4108: "E", 4111: "H", 4113: "M", 4114: "N", 4119: "S", 4130: "P",
+    4102: "B", 4107: "D", 4108: "E", 4111: "H", 4113: "M", 4114: "N", 4130: "P",
 }  # fmt: skip
 CYCLES = re.compile(rb"[Gg][ \t0]*(?:7[ \t]*[3-9]|8[ \t]*[1-9])(?![ \t]*[0-9])")
 TURNS = re.compile(rb"[Gg][ \t0]*(?:1[ \t]*6|5[ \t]*1|6[ \t]*8)(?![ \t]*[0-9])")
@@ -216,6 +216,8 @@ class Variables:
                 if self.program
                 else self._unknown(number, "the program has no O number")
             )
+        if number == 4119:
+            return self._speed(number)
         if number == 4120:
             tool = self.tracker.state.next_tool
             return float(tool) if tool >= 0 else self._unknown(number, "no T has been given yet")
@@ -226,6 +228,15 @@ class Variables:
             "it is not known here",
         )
         self._unknown(number, why)
+
+    def _speed(self, number: int) -> float:
+        """#4119: the last S of the blocks before."""
+        speed = self.tracker.speed
+        if speed is None:
+            self._unknown(number, "no S has been given yet: only the control knows the one before")
+        if math.isnan(speed):
+            self._unknown(number, "the last S stands beside G50 or G92, where it is a limit")
+        return speed
 
     def _code(self, number: int) -> float:
         """#4001 to #4021: the G code in force in a group."""

@@ -13,11 +13,12 @@ from postproc.errors import BlockFault
 from postproc.motions import Motions
 from postproc.nc.expand import Line
 from postproc.nc.interpreter import Interpreter
-from postproc.nc.lexer import lex
+from postproc.nc.lexer import Words, lex
 from postproc.nc.state import ModalState
 from postproc.units import TICKS_PER_INCH, TICKS_PER_MM
 
-NOTHING_AHEAD: tuple[bytes | None, ModalState | None] = (None, None)
+NOTHING_AHEAD: tuple[bytes | None, ModalState | None, Words | None] = (None, None, None)
+LIMITS = (50, 92)  # G codes beside which S is the highest speed of the spindle
 
 
 class Tracker:
@@ -28,6 +29,7 @@ class Tracker:
         self.setup, self.dialect = interpreter.setup, interpreter.dialect
         self._state = interpreter.initial()
         self._next = NOTHING_AHEAD
+        self._speed: float | None = None
         # a block with numbers in place of its expressions, as they are now; None: it is more
         self.rendered: Callable[[bytes], bytes | None] = lambda raw: None
         # the plain lines of a subroutine that a cycle calls for its shape, whose motions begin
@@ -56,14 +58,16 @@ class Tracker:
         """Another one, which goes on from here by itself."""
         other = Tracker(self.interpreter)
         other._state, other._waiting, other._origins = self.state, [], []
+        other._speed = self._speed
         return other
 
     @property
     def state(self) -> ModalState:
         """The modal state behind the last line taken. Raises BlockFault for one that is no plain
         block."""
-        line, behind = self._next  # looked at ahead
-        if behind is not None and self._waiting == [line]:
+        line, behind, seen = self._next  # looked at ahead
+        if behind is not None and seen is not None and self._waiting == [line]:
+            self._hear(seen)
             self._state, self._next = behind, NOTHING_AHEAD
             self._waiting, self._origins = [], []
         elif self._waiting:
@@ -71,6 +75,7 @@ class Tracker:
             self._waiting, self._origins = [], []
             words = lex(text, self.dialect.grammar, self.setup.block_delete)
             self._next = NOTHING_AHEAD
+            self._hear(words)
             try:
                 self._state = self.interpreter.run(words, self._state)[1]
                 if words.fault and not self._state.ended:
@@ -93,8 +98,26 @@ class Tracker:
             return None
         if words.fault:
             return None
-        self._next = line, state
+        self._next = line, state, words
         return motions, state
+
+    @property
+    def speed(self) -> float | None:
+        """The last S of the program, None: none yet; nan: it is the spindle's highest speed."""
+        _ = self.state  # hears all lines that wait
+        return self._speed
+
+    def _hear(self, words: Words) -> None:
+        """Keep the last S of blocks that the control executes."""
+        place = (words.letter == ord("S")).nonzero()[0]
+        if not len(place):
+            return
+        last = place[-1]
+        codes = words.mantissa[
+            (words.block == words.block[last]) & (words.letter == ord("G")) & (words.decimals == 0)
+        ]
+        number = float(words.mantissa[last] / 10.0 ** words.decimals[last])
+        self._speed = float("nan") if set(codes.tolist()) & set(LIMITS) else number
 
     def code(self, group: str) -> int:
         """Ten times the G number in force in a modal group ("motion", "plane", "distance", ...),
