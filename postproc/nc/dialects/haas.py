@@ -4,8 +4,9 @@ holes, M97 local calls.
 Codes: Haas Mill Operator's Manual (Next Generation Control, 96-8210), "G-codes" and "M-codes". `;`
 is the end of block as that manual prints it; comments are in ( ). A coordinate without a decimal
 point is a number of least increments, unless setting 162 (Default To Float) is on, says the same
-manual; G52 and G92 as with setting 33 (Coordinate System) FANUC. A slash within a line is block
-delete for what stands behind it ("Block Delete").
+manual; G52 and G92 as with setting 33 (Coordinate System) FANUC. Behind a slash within a line what
+follows is left out with block delete on (Haas Automation, Lathe Series Training Manual, "Program
+format").
 """
 
 from postproc.nc import codes
