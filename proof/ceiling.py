@@ -167,7 +167,7 @@ def _names(covariance: Covariance, table: rows.Rows) -> list[tuple[str, float]]:
     sets.let_in = lambda block: sets.blocks.append(block) or len(sets.blocks) - 1
 
     def worth(k: int) -> float:
-        return shapes.worth(sets, beside, sets.blocks[k]) - cost_of(sets.blocks[k])
+        return shapes.worths(sets, beside, [sets.blocks[k]])[0] - cost_of(sets.blocks[k])
 
     best: dict[str, tuple[float, int]] = {}
     for k in range(len(blocks)):

@@ -34,7 +34,8 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = state.distance.get(axis)
     fine = near is not None and bool(np.any(near < SMALL))
-    found = [{"play_mm": v} for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,))]
+    plays = (0.0, 0.004, 0.008, 0.016) if fine else (0.0,)
+    found = [{"play_mm": v, "pushed": 0.0} for v in plays]
     push = _push(state, axis)
     both = push.min(initial=0.0) < 0 < push.max(initial=0.0)
     return [*found, {"play_mm": 0.0, "pushed": 1.0}] if both else found

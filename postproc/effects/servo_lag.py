@@ -31,7 +31,7 @@ TEXT = (
 
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
-    return [{}]
+    return [{"settle_ms": 0.0}]
 
 
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:

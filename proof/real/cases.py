@@ -257,9 +257,7 @@ CASES = [
         servo(True),
         # between 7 counts without a pull and 14.78 with one
         checks.within("backlash:X", "size_um", 1080.0, 2260.0, "um"),
-        note=(
-            "the pulls push the shaft through its play; rests of three kinds, one size"
-        ),
+        note=("the pulls push the shaft through its play; rests of three kinds, one size"),
     ),
     Case(
         "studer-x",

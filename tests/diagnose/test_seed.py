@@ -138,7 +138,9 @@ def test_the_oversized_tool_is_named_from_walls(paths):
     found = effects(report.as_json(d, [b""]))
     assert set(found) == {"tool_size:"}
     size = found["tool_size:"]["parameters"]["diameter_um"]
-    assert 90 < size["value"] < 115 and 2 < size["ci95"][1] - size["ci95"][0] < 30
+    low, high = size["ci95"]
+    # the thesis' features by hand: 80 to 140 um
+    assert 90 < size["value"] < 115 and 80 < low < 105 and 115 < high < 140
     fit = report.fit_of(d)
     assert fit["rms_before_um"] > 60 and fit["rms_after_um"] < 0.2 * fit["rms_before_um"]
 
