@@ -23,8 +23,8 @@ UNFORETOLD = 2.5
 # mm: what an instrument of which nothing is stated is taken to scatter by at most (unverified; 345
 # signals of 100 nulls scattered by 1.44 um at most)
 SCATTERS = 1e-3
-# of what the resolution gives: one division, as which a scale is read (ISO 463: dial gauges repeat
-# to a third of one)
+# of what the resolution gives: one division, as which a scale is read (unverified: dial gauges
+# repeat to a third of one)
 DIVISIONS = 12.0**0.5
 # lags and fewest readings of a test of white noise; one recording in a million fails it by chance
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6

@@ -35,8 +35,7 @@ And it may hold
   feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
   well;
-- fuller(shape, state, axis) -> shapes of the same with more that may come with it, each of which
-  must be worth its price;
+- fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;
 - CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with
   their range. At 0 or below they mean something else and are not moved;
 - unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver;
@@ -198,9 +197,10 @@ def followed(state: State, driver: np.ndarray, tau_s: float) -> np.ndarray:
     return result
 
 
-def settling_times(state: State) -> tuple[float, ...]:
-    """ms: time constants of loops that sampled motions can show."""
-    return SETTLES if len(state.passage) == len(state) and np.any(state.passage >= 0) else ()
+def settling(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same shape with time constants of a loop, ms, that sampled motions can show."""
+    shows = len(state.passage) == len(state) and np.any(state.passage >= 0)
+    return [shape | {"settle_ms": t} for t in SETTLES] if shows else []
 
 
 def recurrence(kept: np.ndarray, added: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from postproc.effects import (
     followed,
     lost_motion_share,
     sampled,
-    settling_times,
+    settling,
 )
 
 PARAMETERS = {
@@ -65,8 +65,7 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
 
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
     """The same of a loop that takes its time."""
-    times = settling_times(state) if shape["play_mm"] == 0 else ()
-    return [shape | {"settle_ms": t} for t in times]
+    return settling(shape, state, axis) if shape["play_mm"] == 0 else []
 
 
 def columns(

@@ -6,7 +6,7 @@ of the position loop, and goes with the time constant of the latter.
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, followed, settling_times
+from postproc.effects import State, along, by_name, followed, settling
 
 PARAMETERS = {
     "um_per_mm_s2": "um per mm/s2, deflection for an acceleration",
@@ -20,6 +20,7 @@ CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 PLAUSIBLE = {"um_per_mm_s2": (-2.0, 2.0)}  # beyond, it is something else
 EXPECTED = {"um_per_mm_s2": -1}
 ODD = 0.05  # a slide that leads its drive is seldom
+fuller = settling
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("acceleration",), ("tool", "scale")
 TEXT = (
@@ -30,11 +31,6 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [{"settle_ms": 0.0}]
-
-
-def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
-    """The same of a loop that takes its time."""
-    return [{"settle_ms": t} for t in settling_times(state)]
 
 
 def columns(state: State, axis: str, settle_ms: float = 0.0) -> np.ndarray:

@@ -3,13 +3,13 @@ late.
 
 A position loop without feed-forward is a first-order element: the error comes and goes with the
 loop's time constant, 1 over its gain, which in steady motion is the lag itself; feed-forward of the
-velocity takes of the lag, not of the time constant (Altintas, Manufacturing Automation, 2012,
-section 5.5).
+velocity takes of the lag, not of the time constant (Altintas, Manufacturing Automation, 2012, on
+the control of feed drives).
 """
 
 import numpy as np
 
-from postproc.effects import State, along, by_name, followed, settling_times
+from postproc.effects import State, along, by_name, followed, settling
 
 PARAMETERS = {
     "tau_ms": "ms, how late the axis is in steady motion",
@@ -22,6 +22,7 @@ PLAUSIBLE = {"tau_ms": (0.0, 250.0)}  # beyond, it is something else (unverified
 EXPECTED = {"tau_ms": 1}
 CONTINUOUS = {"settle_ms": (0.5, 250.0)}
 FORM = 0.05  # a loop of the first order lags so; of the second it differs while it settles
+fuller = settling
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = (
@@ -32,11 +33,6 @@ TEXT = (
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [{"settle_ms": 0.0}]
-
-
-def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
-    """The same of a loop that takes its time."""
-    return [{"settle_ms": t} for t in settling_times(state)]
 
 
 def columns(state: State, axis: str, settle_ms: float = 0.0) -> np.ndarray:

@@ -7,7 +7,7 @@ by no equal amounts: their mean is the lag of both. Two axes that both lag are t
 
 import numpy as np
 
-from postproc.effects import State, along, followed, settling_times
+from postproc.effects import State, along, followed, settling
 
 PARAMETERS = {
     "delta_tau_ms": "ms, lag of the first axis minus that of the second",
@@ -21,6 +21,7 @@ FORM = 0.05  # see servo_lag
 # No more than the lag of one of the axes, of which the other has at least half on any machine that
 # can go round (unverified).
 PLAUSIBLE = {"delta_tau_ms": (-125.0, 125.0)}  # beyond, it is something else
+fuller = settling
 KIND, USE, PER = "machine", "simulate", "pair"
 NEEDS, SEES = ("velocity",), ("tool", "scale")
 TEXT = "Two axes follow with different lags. Match the position gains of the two drives."
@@ -28,11 +29,6 @@ TEXT = "Two axes follow with different lags. Match the position gains of the two
 
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [{"unequal": u, "settle_ms": 0.0} for u in (0.0, 1.0)]
-
-
-def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
-    """The same of loops that take their time."""
-    return [shape | {"settle_ms": t} for t in settling_times(state)]
 
 
 def sensible(delta_tau_ms: float, mean_tau_ms: float = 0.0, **_: float) -> bool:
