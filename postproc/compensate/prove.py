@@ -31,7 +31,6 @@ EXACT = 1e-9  # mm: what a square root leaves of half a turn
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 FLAT = 16  # least increments of bow: half of one at both ends changes the radius by a sixteenth
 LARGEST_SWEEP = np.radians(300.0)  # of an arc inside cutter radius compensation
-BESIDE = 2  # samples beside a run that tell how much the command bends at its ends
 ANYWHERE, TURNED = np.array([[1.0], [0.0]]), np.array([[-1.0], [1.0]])
 NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
@@ -55,7 +54,7 @@ Most = float | np.ndarray
 class Proof:
     """R runs of samples, from `low` to `high` (R,), to be written as arcs `rows`. All places are
     mm from the nominal centre: begin, end (2, R) as written. The samples stand run behind run,
-    each with BESIDE more on both sides. excess (R,): the farthest place of what was tried,
+    each with one more on both sides, which tells how much the command bends at its ends. excess (R,): the farthest place of what was tried,
     as a share of the limit, 0: not known."""
 
     def __init__(self, f: Fitter, rows: Rows, samples: Samples, low: np.ndarray, high: np.ndarray):
@@ -86,14 +85,13 @@ class Proof:
 
     def _taken(self, samples: Samples) -> Samples:
         """The samples of the runs, with those beside them; sets `count` and `edges`."""
-        self.count += 2 * BESIDE
+        self.count += 2
         behind = np.cumsum(self.count)
         begin = behind - self.count
-        self.edges = np.stack([begin + BESIDE, behind - BESIDE], axis=1).ravel()
-        at = np.arange(behind[-1]) + self._each(self.low - BESIDE - begin)
-        for k in range(BESIDE):
-            at[begin + k] = np.maximum(self.low - BESIDE + k, samples.begin)
-            at[behind - 1 - k] = np.minimum(self.high + BESIDE - k, samples.last)
+        self.edges = np.stack([begin + 1, behind - 1], axis=1).ravel()
+        at = np.arange(behind[-1]) + self._each(self.low - 1 - begin)
+        at[begin] = np.maximum(self.low - 1, samples.begin)
+        at[behind - 1] = np.minimum(self.high + 1, samples.last)
         taken = samples.at(at)
         taken.smooth[begin] = taken.smooth[behind - 1] = 0.0  # these lie beside another run
         return taken
@@ -207,7 +205,7 @@ class Proof:
         places = (self.unit0, self.begin, rows.t0), (self.unit1, self.end, rows.t1)
         ends = [dot(unit, place) - self.radius - self.grown * t for unit, place, t in places]
         chord = self.unit1 - self.unit0
-        length = np.hypot(*chord)
+        length = np.sqrt(dot(chord, chord))
         open_ = length > SAME_ANGLE
         closed = np.count_nonzero(open_) < len(open_)
         safe = np.where(open_, length, 1.0) if closed else length
@@ -304,7 +302,7 @@ class Proof:
         arcs to a control; and (R,) the farthest place as a share of the limit."""
         f, there = self.f, np.isfinite(centre[0])
         centre = np.where(there, centre, 0.0)  # one run must not reach into the next
-        radius0, radius1 = np.hypot(*(self.begin - centre)), np.hypot(*(self.end - centre))
+        radius0, radius1 = (np.sqrt(dot(a, a)) for a in (self.begin - centre, self.end - centre))
         turned, closed = self._turned(centre)
         good, excess = self._near(centre, radius0, radius1, turned, most)
         good = (good | kept) & there
@@ -387,8 +385,9 @@ class Proof:
         it makes a full turn."""
         closed = (self.begin[0] == self.end[0]) & (self.begin[1] == self.end[1])
         counter = np.where(self.sweep > 0, 1.0, -1.0)
-        way = np.arctan2(*(self.end - centre)[::-1]) - np.arctan2(*(self.begin - centre)[::-1])
-        last = np.where(closed, TURN, counter * way % TURN)
+        (x0, y0), (x1, y1) = self.begin - centre, self.end - centre
+        way = np.arctan2(counter * (x0 * y1 - y0 * x1), x0 * x1 + y0 * y1)
+        last = np.where(closed, TURN, np.where(way < 0, way + TURN, way))
         return counter * (last + self.turns * TURN), closed
 
     def _helix(self) -> np.ndarray:

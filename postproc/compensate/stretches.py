@@ -186,6 +186,7 @@ def _on_circle(
     arcs, arc = f.arcs, rows.arc[row]
     centre, radius, sweep = arcs.centre[role, arc], arcs.radius[arc], arcs.sweep[arc]
     t0, way = rows.t0[row], (rows.t1 - rows.t0)[row]
+    first, turns, per = arcs.angle[arc], np.sign(sweep) / TURN, TURN / np.abs(sweep)
     result = []
     for side in (1.0, -1.0):
         share, t = np.full(len(row), 0.5), t0
@@ -195,7 +196,8 @@ def _on_circle(
             angle = np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)) * side
             if role:
                 angle = np.pi / 2 - angle
-            t = (np.sign(sweep) * (angle - arcs.angle[arc])) % TURN / np.abs(sweep)
+            turned = (angle - first) * turns
+            t = (turned - np.floor(turned)) * per
             share = np.minimum(np.maximum((t - t0) / way, 0.0), 1.0)
         inside = (t > t0) & (t < rows.t1[row])
         result.append((row[inside], t[inside]))
