@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from postproc.compensate.arcs import height
 from postproc.machine.model import Machine
 from postproc.motions import Arcs
 from postproc.records import columns, names
@@ -105,7 +106,7 @@ class Fitter:
         than a share of the tolerance."""
         sweep = np.abs(self.arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
         radius = self.arcs.radius[rows.arc]
-        sagitta = radius * (1 - np.cos(np.minimum(sweep, np.pi) / 2))
+        sagitta = radius * height(np.minimum(sweep, np.pi))
         tiny = (
             sweep * radius
             < SHORTEST * self.arcs.grid.take(rows.arc, axis=1).max(axis=0) / TICKS_PER_MM

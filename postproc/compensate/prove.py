@@ -20,6 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.compensate.arc_rows import Fitter, Rows
+from postproc.compensate.arcs import direction, height
 from postproc.compensate.samples import Samples, bend
 from postproc.motions import centre_by_radius
 from postproc.records import replace
@@ -186,7 +187,7 @@ class Proof:
     def _sagitta(self) -> np.ndarray:
         """(R,) mm by which each run leaves its chord."""
         sweep = np.minimum(np.abs(self.sweep), TURN)
-        bow: np.ndarray = self.radius * (1 - np.cos(sweep / 2))
+        bow: np.ndarray = self.radius * height(sweep)
         return bow
 
     def _rounded(self, centre: np.ndarray) -> np.ndarray:
@@ -343,7 +344,8 @@ class Proof:
             # The other axes are tied to the angle: being ahead is as wrong as being beside.
             begin = np.arctan2(*(self.begin - centre)[::-1])
             angle = self._each(begin) + self._each(turned) * self.share
-            ahead = np.hypot(x - radius * np.cos(angle), y - radius * np.sin(angle))
+            cosine, sine = direction(angle)
+            ahead = np.hypot(x - radius * cosine, y - radius * sine)
         x *= x
         y *= y
         x += y

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc.compensate.arc_rows import Fitter, Rows
+from postproc.compensate.arcs import direction
 from postproc.compensate.inverse import ROUNDS
 from postproc.compensate.nodes import spread
 from postproc.compensate.stretches import SHARE, Stretches, stretches
@@ -132,7 +133,7 @@ def _samples(
         return value.take(row, axis=-1)
 
     angle = each(arcs.angle[arc]) + each(arcs.sweep[arc]) * t
-    unit = np.stack([np.cos(angle), np.sin(angle)])
+    unit = direction(angle)
     radius = each(arcs.radius[arc]) + each((arcs.radius_end - arcs.radius)[arc]) * t
     centre = each(arcs.centre.take(arc, axis=1))
     start, target = f.start.take(arc, axis=1), f.target.take(arc, axis=1)

@@ -23,7 +23,7 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.compensate.arc_rows import Fitter, Rows
-from postproc.compensate.arcs import points
+from postproc.compensate.arcs import direction, height, points
 from postproc.compensate.inverse import command
 from postproc.compensate.nodes import spread
 from postproc.records import columns
@@ -102,7 +102,7 @@ def _steepness(
     angle = arcs.angle[arc] + arcs.sweep[arc] * t
     steep, held = np.full(len(row), bounds.even), np.zeros(len(row), bool)
     share = (t - rows.t0[row]) / (rows.t1 - rows.t0)[row]
-    planes = ((arcs.first[arc], np.cos(angle), 0), (arcs.second[arc], np.sin(angle), 1))
+    planes = tuple(zip((arcs.first[arc], arcs.second[arc]), direction(angle), (0, 1), strict=True))
     for k, letter in enumerate(f.machine.letters):
         if letter not in bounds.cells:
             continue
@@ -225,7 +225,7 @@ def density(f: Fitter, rows: Rows) -> np.ndarray:
     arcs = f.arcs
     sweep = np.abs(arcs.sweep[rows.arc] * (rows.t1 - rows.t0))
     radius = np.maximum(arcs.radius, arcs.radius_end)[rows.arc]
-    sagitta = radius * (1 - np.cos(np.minimum(sweep, TURN) / 2))
+    sagitta = radius * height(np.minimum(sweep, TURN))
     ends = [points(arcs, f.start, f.target, rows.arc, t) for t in (rows.t0, rows.t1)]
     kink, steep = f.machine.bounds.local(np.minimum(*ends) - sagitta, np.maximum(*ends) + sagitta)
     slack = f.tolerance / 8
