@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.compensate import cutter, levels, sides, turning
-from postproc.compensate.approach import hold_last, last_way
+from postproc.compensate.approach import hold_last, last_way, resting
 from postproc.compensate.arcs import points, quadrants
 from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
@@ -306,19 +306,19 @@ class Batch(Columns):
         onward = ~jumped
         onward[:1] = False
         onward[1:] &= still[1:] == still[:-1] + 1
-        exact = self.exact[row, still] * TICKS_PER_MM
-        hold = self.hold[still]
+        exact, hold = self.exact[row, still] * TICKS_PER_MM, self.hold[still]
         stays = self.left[row, still]
         side = self.bound[row, still] * self.weight_begin[row, still]
         # It rests where it is between these; what keeps its side is not moved back.
         low = np.where(stays | (side < 0), -np.inf, exact - hold)
         high = np.where(stays | (side > 0), np.inf, exact + hold)
-        leash = np.full(len(still), cutter.FREELY)
-        if self.leash is not None:
-            leash = self.leash[row, still]
+        freely = np.full(len(still), cutter.FREELY)
+        leash = freely if self.leash is None else self.leash[row, still]
         leashed = (leash < cutter.FREELY) & ~stays
         columns = onward, before, end[still], low, high, turning | leashed
         back = levels.origins(self, row) if len(self.m.holes) else {}
+        if not (back or np.count_nonzero(columns[-1])):
+            return resting(*columns[:-1])
         value: list[int] = []
         here, enough = 0, self.c.chord * TICKS_PER_MM
         for goes_on, start, own, least, most, special in zip(

@@ -54,9 +54,9 @@ Most = float | np.ndarray
 
 class Proof:
     """R runs of samples, from `low` to `high` (R,), to be written as arcs `rows`. All places are
-    mm from the nominal centre: begin, end (2, R) as written. The samples stand run behind run,
-    each with one more on both sides, which tells how much the command bends at its ends. excess (R,): the farthest place of what was tried,
-    as a share of the limit, 0: not known."""
+    mm from the nominal centre: begin, end (2, R) as written. The samples stand run behind run, each
+    with one more on both sides, which tells how much the command bends at its ends. excess (R,):
+    the farthest place of what was tried, as a share of the limit, 0: not known."""
 
     def __init__(self, f: Fitter, rows: Rows, samples: Samples, low: np.ndarray, high: np.ndarray):
         self.f, self.rows, self.low, self.high = f, rows, low, high

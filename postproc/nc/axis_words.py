@@ -61,7 +61,10 @@ def _enough(b: Writing, row: int, piece: np.ndarray, decimals: np.ndarray) -> np
         whole = np.searchsorted(POWERS[1:], np.abs(ticks) // scale, side="right") + 1
         most = np.clip(b.dialect.digits - whole, decimals, MOST_DECIMALS)
     for _ in range(MOST_DECIMALS):
-        decimals = decimals + ((ticks % (scale // POWERS[decimals]) != 0) & (decimals < most))
+        wants = (ticks % (scale // POWERS[decimals]) != 0) & (decimals < most)
+        if not np.count_nonzero(wants):
+            break
+        decimals = decimals + wants
     return decimals
 
 
