@@ -17,7 +17,7 @@ import pytest
 from test_arc_words import ZERO, random_arcs
 
 from postproc.compensate import Options, fit
-from postproc.compensate.arcs import points
+from postproc.compensate.arcs import direction, height, points
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -25,6 +25,15 @@ from postproc.units import TICKS_PER_MM
 from tests.small_machines import write_mill
 
 DENSE = 1001
+
+
+def test_directions_and_heights_are_those_of_the_cosine():
+    """By the tangent of half the angle, all around and at the quadrants themselves; a flat arc's
+    height keeps its digits, which 1 - cos would lose."""
+    angle = np.concatenate([np.linspace(-13.0, 13.0, 100_001), np.arange(-8, 9) * np.pi / 2])
+    assert np.abs(direction(angle) - [np.cos(angle), np.sin(angle)]).max() < 4e-16
+    sweep = np.array([1e-9, 1e-3, 1.0, np.pi, 2 * np.pi])
+    assert height(sweep) == pytest.approx(2 * np.sin(sweep / 4) ** 2, rel=1e-15)
 
 
 def drawn(f, rows, k, t):

@@ -148,9 +148,9 @@ def ramp(
 
 
 def resting(*columns: np.ndarray) -> np.ndarray:
-    """(K,) ticks at which strokes end along which an axis rests: where the one before left it, or at
-    `start` if it does not go on from there, as long as that lies from `low` to `high`, else at its
-    `own` place. columns: goes_on, start, own, low, high (K,) each."""
+    """(K,) ticks at which strokes end along which an axis rests: where the one before left it, or
+    at `start` if it does not go on from there, as long as that lies from `low` to `high`, else at
+    its `own` place. columns: goes_on, start, own, low, high (K,) each."""
     value, here = [], 0
     for goes_on, start, own, low, high in zip(*(c.tolist() for c in columns), strict=True):
         if not goes_on:
