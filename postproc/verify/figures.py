@@ -3,8 +3,6 @@ a person."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from postproc.filter import Filter
 from postproc.machine.uncertainty import AlongPath
 from postproc.units import UM, URAD
@@ -20,6 +18,7 @@ class Figures:
 
     def __init__(self, filter_: Filter):
         self.machine, self.mode = filter_.machine, filter_.compensator.mode
+        self.settings = filter_.compensator
         self.tolerance = filter_.compensator.tolerance
         self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
         # mm, larger in inch blocks
@@ -38,15 +37,8 @@ class Figures:
 
     @property
     def allowed(self) -> float:
-        """mm: the tolerance and half an increment; where sides are followed, what each two-way axis
-        may be held back by: the hysteresis at the ends of strokes and half of it along them, and
-        what the sides of all axes move the others by, which no take-up can bring about in the same
-        moment."""
-        axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
-        beyond = (
-            1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
-        )
-        return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
+        """mm, of the largest increment of the program (Settings.allowed)."""
+        return float(self.settings.allowed(self.grid))
 
     @property
     def passed(self) -> bool:

@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from postproc.errors import UsageError
-from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, SPLINE, THREAD
 from postproc.nc.codes import (
     CALL,
     CYCLE_KEYS,
     END_OF_PROGRAM,
     FRAME_KEYS,
     KEYWORD,
+    SPLINE_KEYS,
     STAY_KEYS,
     Code,
     code_number,
@@ -327,6 +328,8 @@ class Dialect:
         for code in self.codes:
             if code.does in CYCLE_KEYS:
                 table[code.number] = THREAD if code.does == "thread" else HOLE
+            elif code.does in SPLINE_KEYS:
+                table[code.number] = SPLINE
         return table
 
     @cached_property

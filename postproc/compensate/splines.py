@@ -1,0 +1,235 @@
+r"""B-splines: every control point is written where its own correction takes it, and the spline is
+kept where what that leaves is proven to lie within the tolerance.
+
+A point of a B-spline is a mean of the last DEGREE + 1 control points at most, with weights that are
+not negative, whatever its knots, degree and weights are (L. Piegl, W. Tiller: The NURBS Book,
+properties 3.5 and 4.3): s = sum w P. With the control points Q = P + k that are written the control
+goes to q = sum w Q, and the machine with its deviation e to q + e(q). What that is off by,
+
+    q + e(q) - s  =  sum w (Q + e(Q) - P)  +  (e(q) - sum w e(Q)),
+
+is at most what the worst of the points is off by, and what e bends by over their box. A slope that
+differs by `kink` over a length L bends a mean by kink * L / 4 at most, and a product of two axes by
+a quarter of the product of their ranges (G. Gruess, Math. Z. 39, 1935): so the bounds of straight
+motions hold for means of any number of points. In which direction a slide moves at a point of the
+curve is one of the directions along the legs of those points, so both are looked at where it turns.
+
+Where the control calculates the knots itself, from the points as written, the curve changes with
+them. Taken for granted is that the intervals change no more, one against another, than the legs of
+the control polygon do, as by chord length, centripetally or evenly (The NURBS Book, 9.2.1): by a
+factor of 1 + d at most. In de Boor's algorithm each point is P' = (1 - a) P1 + a P2 of two points
+of the level before. There a changes by d / 4 at most, along the last level's leg on the curve's own
+tangent; the legs of level r are as long as r legs of the polygon, in the cone of their directions.
+Beside the tangent that is d / 4 * (1 + 2) * the longest leg * the sine of the largest turn.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+
+from postproc.compensate.batch import Batch
+from postproc.compensate.settings import Course
+from postproc.errors import MotionFault
+from postproc.motions import SPLINE
+from postproc.records import replace
+from postproc.units import TICKS_PER_MM, UM
+
+DEGREE = 3  # the largest
+REACH = 2 * DEGREE - 1  # legs whose intervals one span depends on
+LINES = "let the CAM program write lines and arcs there"
+
+
+def check(b: Batch) -> Course | None:
+    """Prove every spline of a batch; what its last one hands on, None: it does not end in one.
+    Raises MotionFault at the first block that leaves more than the tolerance."""
+    on = (b.code == SPLINE) & b.moved
+    if not np.count_nonzero(on):
+        return None if len(on) else b.carry.spline
+    _refuse(b, on.nonzero()[0])
+    edges = np.diff(np.concatenate([[False], on, [False]]).astype(np.int8))
+    course = None
+    for first, stop in zip((edges == 1).nonzero()[0], (edges == -1).nonzero()[0], strict=True):
+        before = b.carry.spline if first == 0 else None
+        course = _joined(b, int(first), int(stop), before)
+        course = _proven(b, course, np.arange(first, stop))
+    assert course is not None
+    return _last(course) if on[-1] else None
+
+
+def _refuse(b: Batch, which: np.ndarray) -> None:
+    """Raises MotionFault for splines that can not be followed at all."""
+    turns = (b.travel[list(b.machine.turning)][:, which] != 0).any(axis=0)
+    for i in which[turns][:1]:
+        raise MotionFault(
+            int(b.motion[i]),
+            "a B-spline while a rotary axis turns",
+            "let the CAM program write such motions as short lines",
+        )
+    for i in which[~b.known_before[which]][:1]:
+        raise MotionFault(
+            int(b.motion[i]),
+            "a B-spline that begins at an unknown place",
+            "move every axis to an absolute position first, or say --start",
+        )
+
+
+def _joined(b: Batch, first: int, stop: int, before: Course | None) -> Course:
+    """The control points of strokes first to stop - 1 behind those that came before: of the same
+    spline, or where it begins."""
+    if before is None:
+        side = b.carry.sides.side.astype(float) if first == 0 else b.weight_end[:, first - 1]
+        before = Course(
+            b.begin_nominal[:, first : first + 1],
+            b.begin[:, first : first + 1] / TICKS_PER_MM,
+            side[:, None],
+            np.ones(1, bool),
+            np.array([np.inf, 0.0]),
+        )
+    part = slice(first, stop)
+    spaced = b.m.spaced[b.motion[part]]
+    own = (b.end_nominal[:, part], b.end[:, part] / TICKS_PER_MM, b.weight_end[:, part], spaced)
+    had = (before.wanted, before.written, before.side, before.spaced)
+    both = (np.concatenate(pair, axis=-1) for pair in zip(had, own, strict=True))
+    return Course(*both, before.strain)
+
+
+def _last(course: Course) -> Course:
+    """What the next batch must know of a spline."""
+    points = (course.wanted, course.written, course.side, course.spaced)
+    return Course(*(column[..., -REACH - 1 :] for column in points), course.strain)
+
+
+def _proven(b: Batch, course: Course, stroke: np.ndarray) -> Course:
+    """The course with the strains behind the strokes, which are its last points. Raises MotionFault
+    for the first of them where what is left may be more than the tolerance."""
+    last = np.arange(course.wanted.shape[1] - len(stroke), course.wanted.shape[1])
+    window = np.maximum(last[:, None] - np.arange(DEGREE + 1), 0)  # (n, 4) the points of a span
+    off, play = _off(b, course, window)
+    bend = _bend(b, course.written[:, window])
+    strain = _strains(course, last)
+    knots = _knots(course, last, strain)
+    grid = b.m.grid[b.rows][:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
+    allowed = b.c.allowed(grid)
+    for i in np.flatnonzero(off + play + bend + knots > allowed)[:1]:
+        parts = {"play": play[i], "bend": bend[i], "knots": knots[i], "off": 0.0}
+        if off[i] > allowed[i]:
+            parts = {"off": off[i]}
+        raise _fault(b, int(b.motion[stroke[i]]), parts, float((off + play + bend + knots)[i]))
+    return replace(course, strain=strain[:, -1])
+
+
+def _off(b: Batch, course: Course, window: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) mm that the worst control point of each window (n, 4) is off by, whichever way the
+    slides move that turn there: by itself, and for them."""
+    side = course.side[:, window]
+    low, high = side.min(axis=2), side.max(axis=2)
+    turns = (low != high) & b.machine.two_way[:, None]
+    unsure = turns & ((low == 0) | (high == 0))  # from an unknown side
+    low, high = np.where(unsure, -1.0, low), np.where(unsure, 1.0, high)
+    worst, own = np.zeros(len(window)), np.zeros(len(window))
+    rows = turns.any(axis=1).nonzero()[0]
+    for at in window.T:
+        side = course.side[:, at]
+        own = np.maximum(own, _miss(b, course, at, side))
+        for sides in product((low, high), repeat=len(rows)):
+            way = side.copy()
+            for row, which in zip(rows, sides, strict=True):
+                way[row] = np.where(turns[row], which[row], way[row])
+            worst = np.maximum(worst, _miss(b, course, at, way))
+    return own, np.maximum(worst - own, 0.0)
+
+
+def _miss(b: Batch, course: Course, at: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """(n,) mm that points `at` (n,) of a course are off by, where the slides move in `way`
+    (A, n)."""
+    written = course.written[:, at]
+    off = written + b.machine.deviation(written, way) - course.wanted[:, at]
+    size: np.ndarray = np.linalg.norm(off[b.rows], axis=0)
+    return size
+
+
+def _bend(b: Batch, points: np.ndarray) -> np.ndarray:
+    """(n,) mm by which the deviation bends over the boxes of points (A, n, 4) mm."""
+    low, high = points.min(axis=2), points.max(axis=2)
+    size = high - low
+    longest = size[b.c.slides].max(axis=0, initial=0.0)
+    bend: np.ndarray = b.machine.bounds.local(low, high)[0] * longest / 4
+    return bend + b.machine.bounds.bend(size)
+
+
+def _strains(course: Course, last: np.ndarray) -> np.ndarray:
+    """(2, n) the least and the largest ratio of legs as written to legs as wanted, up to each of
+    the points `last` (n,)."""
+    length, new = (np.linalg.norm(x, axis=0)[last - 1] for x in _legs(course))
+    moves = length > 0
+    ratio = np.divide(new, length, out=np.ones_like(new), where=moves)
+    least = np.minimum.accumulate(np.where(moves, ratio, np.inf))
+    most = np.maximum.accumulate(np.where(moves, ratio, 0.0))
+    return np.stack([np.minimum(least, course.strain[0]), np.maximum(most, course.strain[1])])
+
+
+def _legs(course: Course) -> tuple[np.ndarray, np.ndarray]:
+    """Two (A, K - 1) mm: the legs of the control polygon as wanted, and as written."""
+    return np.diff(course.wanted, axis=1), np.diff(course.written, axis=1)
+
+
+def _knots(course: Course, last: np.ndarray, strain: np.ndarray) -> np.ndarray:
+    """(n,) mm by which knots that the control calculates may move the curve about points `last`
+    (n,), where legs have changed by `strain` (2, n)."""
+    way = _legs(course)[0]
+    length = np.linalg.norm(way, axis=0)
+    least, most = strain
+    spread = np.where(most > 0, most / np.maximum(least, 1e-9) - 1.0, 0.0)
+    legs = np.maximum(last[:, None] - 1 - np.arange(REACH), 0)
+    sine = _turns(way, length)[legs[:, :DEGREE]].max(axis=1)
+    levels = DEGREE * (DEGREE - 1) / 2
+    moved = spread / 4 * levels * length[legs].max(axis=1) * sine
+    return np.where(course.spaced[legs + 1].all(axis=1), 0.0, moved)
+
+
+def _turns(way: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """(L,) sine of the largest angle between each leg and the DEGREE - 1 before it, 1 beyond a
+    right one."""
+    sine = np.zeros(len(length))
+    for k in range(1, DEGREE):
+        one, two = way[:, k:], way[:, :-k]
+        size = length[k:] * length[:-k]
+        cosine = np.divide((one * two).sum(axis=0), size, out=np.ones_like(size), where=size > 0)
+        angle = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
+        sine[k:] = np.maximum(sine[k:], np.where(cosine > 0, angle, 1.0))
+    return sine
+
+
+SAYS = {  # what the largest part is for, and the way out
+    "off": (
+        "it begins where no motion was corrected before",
+        "lead to its start by a motion of its own",
+    ),
+    "play": (
+        "a slide turns back within it or at its start, and no block can take its lost motion up"
+        " there",
+        "where it turns at the start, lead up to it in the direction of its first leg; elsewhere"
+        f" {LINES}, or leave lost motion to the control (--reversal mean)",
+    ),
+    "bend": (
+        "the map bends between its control points",
+        f"let the CAM program write more of them, or {LINES}",
+    ),
+    "knots": (
+        "the control spaces its knots by the control points, which are corrected",
+        f"let the CAM program write PL in each of its blocks, or more control points, or {LINES}",
+    ),
+}
+
+
+def _fault(b: Batch, motion: int, parts: dict[str, float], left: float) -> MotionFault:
+    """left: mm."""
+    why, out = SAYS[max(parts, key=lambda x: parts[x])]
+    return MotionFault(
+        motion,
+        f"a B-spline whose curve may stay off by {left / UM:.1f} um (tolerance"
+        f" {b.c.tolerance / UM:g} um): {why}",
+        f"{out}; or --tolerance",
+    )
