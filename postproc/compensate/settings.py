@@ -144,7 +144,7 @@ class Settings:
         self.travel = travel.reshape(-1, 2).T[:, :, None]
         self._directions()
 
-    def allowed(self, grid: np.ndarray | float) -> np.ndarray | float:
+    def allowed(self, grid: np.ndarray) -> np.ndarray:
         """mm that may be left at most, where one least increment is `grid` mm: the tolerance and
         half an increment; where sides are followed, what each two-way axis may be held back by: the
         hysteresis at the ends of strokes and half of it along them, and what the sides of all axes
@@ -153,7 +153,8 @@ class Settings:
         if self.follows:
             axes = int(self.machine.two_way[self.rows].sum())
             beyond = 1.5 * self.hysteresis * float(np.sqrt(axes)) + self.machine.lateral
-        return self.tolerance + beyond + grid / 2 + 1e-9
+        allowed: np.ndarray = self.tolerance + beyond + grid / 2 + 1e-9
+        return allowed
 
     def _directions(self) -> None:
         """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes

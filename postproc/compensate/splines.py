@@ -11,7 +11,8 @@ goes to q = sum w Q, and the machine with its deviation e to q + e(q). What that
 is at most what the worst of the points is off by, and what e bends by over their box. A slope that
 differs by `kink` over a length L bends a mean by kink * L / 4 at most, and a product of two axes by
 a quarter of the product of their ranges (G. Gruess, Math. Z. 39, 1935): so the bounds of straight
-motions hold for means of any number of points. In which direction a slide moves at a point of the
+motions hold for means of any number of points; where they are too wide the corners of the cells
+are looked at (_tight). In which direction a slide moves at a point of the
 curve is one of the directions along the legs of those points, so both are looked at where it turns.
 
 Where the control calculates the knots itself, from the points as written, the curve changes with
@@ -38,6 +39,7 @@ from postproc.units import TICKS_PER_MM, UM
 
 DEGREE = 3  # the largest
 REACH = 2 * DEGREE - 1  # legs whose intervals one span depends on
+MOST_CORNERS = 4096  # of cells
 LINES = "let the CAM program write lines and arcs there"
 
 
@@ -81,24 +83,33 @@ def _joined(b: Batch, first: int, stop: int, before: Course | None) -> Course:
     if before is None:
         side = b.carry.sides.side.astype(float) if first == 0 else b.weight_end[:, first - 1]
         before = Course(
-            b.begin_nominal[:, first : first + 1],
-            b.begin[:, first : first + 1] / TICKS_PER_MM,
-            side[:, None],
-            np.ones(1, bool),
-            np.array([np.inf, 0.0]),
+            wanted=b.begin_nominal[:, first : first + 1],
+            written=b.begin[:, first : first + 1] / TICKS_PER_MM,
+            side=side[:, None],
+            spaced=np.ones(1, bool),
+            strain=np.array([np.inf, 0.0]),
         )
     part = slice(first, stop)
-    spaced = b.m.spaced[b.motion[part]]
-    own = (b.end_nominal[:, part], b.end[:, part] / TICKS_PER_MM, b.weight_end[:, part], spaced)
-    had = (before.wanted, before.written, before.side, before.spaced)
-    both = (np.concatenate(pair, axis=-1) for pair in zip(had, own, strict=True))
-    return Course(*both, before.strain)
+    own = {
+        "wanted": b.end_nominal[:, part],
+        "written": b.end[:, part] / TICKS_PER_MM,
+        "side": b.weight_end[:, part],
+        "spaced": b.m.spaced[b.motion[part]],
+    }
+    both = {x: np.concatenate([getattr(before, x), own[x]], axis=-1) for x in own}
+    return Course(**both, strain=before.strain)
 
 
 def _last(course: Course) -> Course:
     """What the next batch must know of a spline."""
-    points = (course.wanted, course.written, course.side, course.spaced)
-    return Course(*(column[..., -REACH - 1 :] for column in points), course.strain)
+    kept = slice(-REACH - 1, None)
+    return Course(
+        wanted=course.wanted[:, kept],
+        written=course.written[:, kept],
+        side=course.side[:, kept],
+        spaced=course.spaced[kept],
+        strain=course.strain,
+    )
 
 
 def _proven(b: Batch, course: Course, stroke: np.ndarray) -> Course:
@@ -106,57 +117,114 @@ def _proven(b: Batch, course: Course, stroke: np.ndarray) -> Course:
     for the first of them where what is left may be more than the tolerance."""
     last = np.arange(course.wanted.shape[1] - len(stroke), course.wanted.shape[1])
     window = np.maximum(last[:, None] - np.arange(DEGREE + 1), 0)  # (n, 4) the points of a span
-    off, play = _off(b, course, window)
-    bend = _bend(b, course.written[:, window])
+    ways = _ways(b, course, window)
+    off = np.max([_off(b, course, window, way) for way in product(*ways)], axis=0)
     strain = _strains(course, last)
     knots = _knots(course, last, strain)
     grid = b.m.grid[b.rows][:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
     allowed = b.c.allowed(grid)
-    for i in np.flatnonzero(off + play + bend + knots > allowed)[:1]:
-        parts = {"play": play[i], "bend": bend[i], "knots": knots[i], "off": 0.0}
-        if off[i] > allowed[i]:
-            parts = {"off": off[i]}
-        raise _fault(b, int(b.motion[stroke[i]]), parts, float((off + play + bend + knots)[i]))
+    doubt = off + _bend(b, course.written[:, window]) + knots > allowed
+    for i in doubt.nonzero()[0]:
+        points, wanted = course.written[:, window[i]], course.wanted[:, window[i]]
+        sides = [[float(side[i]) for side in row] for row in ways]
+        left = _tight(b, points, wanted, sides) + float(knots[i])
+        if left <= allowed[i]:
+            continue
+        parts = _parts(b, points, wanted, sides, course.side[:, window[i]])
+        parts = {"off": left} if parts["off"] > allowed[i] else {**parts, "off": 0.0}
+        raise _fault(b, int(b.motion[stroke[i]]), {**parts, "knots": float(knots[i])}, left)
     return replace(course, strain=strain[:, -1])
 
 
-def _off(b: Batch, course: Course, window: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) mm that the worst control point of each window (n, 4) is off by, whichever way the
-    slides move that turn there: by itself, and for them."""
-    side = course.side[:, window]
-    low, high = side.min(axis=2), side.max(axis=2)
-    turns = (low != high) & b.machine.two_way[:, None]
-    unsure = turns & ((low == 0) | (high == 0))  # from an unknown side
-    low, high = np.where(unsure, -1.0, low), np.where(unsure, 1.0, high)
-    worst, own = np.zeros(len(window)), np.zeros(len(window))
-    rows = turns.any(axis=1).nonzero()[0]
+def _ways(b: Batch, course: Course, window: np.ndarray) -> list[list[np.ndarray]]:
+    """Of each axis the sides (n,) on which it may bear in windows (n, 4): one, or both of those
+    along their legs where it turns back in any of them."""
+    found = []
+    for row, side in enumerate(course.side[:, window]):
+        low, high = side.min(axis=1), side.max(axis=1)
+        turns = (low != high) & b.machine.two_way[row]
+        unsure = turns & ((low == 0) | (high == 0))  # it comes from an unknown side
+        last = side[:, 0]
+        low = np.where(unsure, -1.0, np.where(turns, low, last))
+        high = np.where(unsure, 1.0, np.where(turns, high, last))
+        found.append([low, high] if turns.any() else [last])
+    return found
+
+
+def _off(b: Batch, course: Course, window: np.ndarray, way: tuple[np.ndarray, ...]) -> np.ndarray:
+    """(n,) mm that the worst point of each window (n, 4) is off by where the slides bear in `way`,
+    A times (n,)."""
+    worst, sides = np.zeros(len(window)), np.stack(way)
     for at in window.T:
-        side = course.side[:, at]
-        own = np.maximum(own, _miss(b, course, at, side))
-        for sides in product((low, high), repeat=len(rows)):
-            way = side.copy()
-            for row, which in zip(rows, sides, strict=True):
-                way[row] = np.where(turns[row], which[row], way[row])
-            worst = np.maximum(worst, _miss(b, course, at, way))
-    return own, np.maximum(worst - own, 0.0)
+        written = course.written[:, at]
+        off = written + b.machine.deviation(written, sides) - course.wanted[:, at]
+        np.maximum(worst, np.linalg.norm(off[b.rows], axis=0), out=worst)
+    return worst
 
 
-def _miss(b: Batch, course: Course, at: np.ndarray, way: np.ndarray) -> np.ndarray:
-    """(n,) mm that points `at` (n,) of a course are off by, where the slides move in `way`
-    (A, n)."""
-    written = course.written[:, at]
-    off = written + b.machine.deviation(written, way) - course.wanted[:, at]
-    size: np.ndarray = np.linalg.norm(off[b.rows], axis=0)
-    return size
+def _parts(
+    b: Batch, points: np.ndarray, wanted: np.ndarray, sides: list[list[float]], side: np.ndarray
+) -> dict[str, float]:
+    """mm: what points (A, 4) are off by themselves on their sides (A, 4), what the map bends
+    between them, and what lost motion adds where sides change."""
+    own = points + b.machine.deviation(points, side)
+    still = side[:, :1]
+    ideal = points + b.machine.deviation(points, np.broadcast_to(still, points.shape))
+    bend = _tight(b, points, ideal, still.tolist())
+    turns = any(len(set(x)) > 1 for x in sides)
+    return {
+        "off": float(np.linalg.norm((own - wanted)[b.rows], axis=0).max()),
+        "bend": bend,
+        "play": (_tight(b, points, wanted, sides) - bend) * turns,
+    }
 
 
 def _bend(b: Batch, points: np.ndarray) -> np.ndarray:
-    """(n,) mm by which the deviation bends over the boxes of points (A, n, 4) mm."""
+    """(n,) mm by which the deviation bends over the boxes of points (A, n, 4) mm at most."""
     low, high = points.min(axis=2), points.max(axis=2)
     size = high - low
     longest = size[b.c.slides].max(axis=0, initial=0.0)
-    bend: np.ndarray = b.machine.bounds.local(low, high)[0] * longest / 4
-    return bend + b.machine.bounds.bend(size)
+    bounds = b.machine.bounds
+    bend: np.ndarray = bounds.local(low, high)[0] * longest / 4 + bounds.bend(size)
+    return bend
+
+
+def _tight(b: Batch, points: np.ndarray, wanted: np.ndarray, sides: list[list[float]]) -> float:
+    """mm that a mean of points (A, 4) may be off by from the same mean of those wanted (A, 4), on
+    any of the sides of each axis.
+
+    For any linear function a of the place, q + e(q) - s = (e - a)(q) + sum w (Q + a(Q) - P). Along
+    each axis e is linear between nodes, so that e - a is largest in a corner of a cell; beside that
+    counts what an arm that grows along its own axis bends within one."""
+    low, high = points.min(axis=1), points.max(axis=1)
+    marks = [
+        np.unique([low[row], high[row], *_between(b, letter, low[row], high[row])])
+        for row, letter in enumerate(b.machine.letters)
+    ]
+    if np.prod([float(len(x)) for x in marks]) > MOST_CORNERS:
+        return np.inf
+    corners = np.stack([x.ravel() for x in np.meshgrid(*marks, indexing="ij")])
+    ways = [np.array(way)[:, None] for way in product(*map(np.unique, sides))]
+    each = [
+        b.machine.deviation(corners, np.broadcast_to(way, corners.shape))[b.rows] for way in ways
+    ]
+    moves = (high > low).nonzero()[0]
+    middle = ((low + high) / 2)[moves, None]
+
+    def linear(place: np.ndarray) -> np.ndarray:
+        return np.vstack([np.ones(place.shape[1]), place[moves] - middle])
+
+    slope = np.linalg.lstsq(linear(corners).T, np.mean(each, axis=0).T, rcond=None)[0]
+    rest = max(np.linalg.norm(e - slope.T @ linear(corners), axis=0).max() for e in each)
+    off = (points - wanted)[b.rows] + slope.T @ linear(points)
+    own = float((np.diag(b.machine.bounds.twist) * (high - low) ** 2).sum() / 4)
+    return float(rest + np.linalg.norm(off, axis=0).max() + own)
+
+
+def _between(b: Batch, letter: str, low: float, high: float) -> list[float]:
+    """Nodes of an axis, mm, between two places."""
+    every = (x for nodes in b.machine.knots.get(letter, ()) for x in nodes.tolist())
+    return [x for x in every if low < x < high]
 
 
 def _strains(course: Course, last: np.ndarray) -> np.ndarray:

@@ -3,6 +3,8 @@ a person."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from postproc.filter import Filter
 from postproc.machine.uncertainty import AlongPath
 from postproc.units import UM, URAD
@@ -33,12 +35,13 @@ class Figures:
         self.centre = CentreVerifier(self.machine, self.follows)
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
         self.tips = False  # whether any motion was one of the tip
+        self.splines = False  # whether any was a control point
         self.motions_in = self.motions_out = 0
 
     @property
     def allowed(self) -> float:
         """mm, of the largest increment of the program (Settings.allowed)."""
-        return float(self.settings.allowed(self.grid))
+        return float(self.settings.allowed(np.array(self.grid)))
 
     @property
     def passed(self) -> bool:
@@ -66,7 +69,7 @@ def _line(v: Figures) -> str:
         f"largest deviation from the nominal path {after / UM:.2f} um{_at(v.corrected.line)},"
         f" uncorrected {before / UM:.2f} um{_at(v.uncorrected.line)}{ratio}{_lost_motion(v)};"
         f" tolerance {v.tolerance / UM:g} um; {v.motions_in} motions in, {v.motions_out}"
-        f" out{_of_holes(v)}{_beside(v)}{_of_lean(v)};"
+        f" out{_of_holes(v)}{_of_splines(v)}{_beside(v)}{_of_lean(v)};"
         f" {v.map.report()}"
     )
 
@@ -110,6 +113,11 @@ def _of_holes(v: Figures) -> str:
                 f"(line {off.line}; tolerance of holes {v.hole_tolerance / UM:g} um)"
             )
     return said
+
+
+def _of_splines(v: Figures) -> str:
+    """What was looked at of splines, whose knots the control knows."""
+    return "; B-splines along their control polygons" * v.splines
 
 
 def _beside(v: Figures) -> str:
