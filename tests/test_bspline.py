@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from postproc.compensate import Options
+from postproc.compensate import Options, splines
+from postproc.compensate.settings import Course
 from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.axis import Axis
@@ -93,8 +94,10 @@ def away(points: np.ndarray, path: np.ndarray) -> float:
 def blocks(rng: np.random.Generator, count: int, spaced: bool, monotone: bool) -> str:
     """Random control points, from X21 Y6 Z3 on."""
     steps = rng.uniform(0.4, 2.5, (count, 3)) * [1.0, 0.8, 0.5]
+    steps *= float(rng.choice([1.0, 1.0, 28.0 / count]))
     steps *= 1.0 if monotone else rng.choice([-1.0, 1.0], (count, 3), p=[0.2, 0.8])
     places = np.array([21.0, 6.0, 3.0]) + np.cumsum(steps, axis=0)
+    places = np.clip(places, [5, -55, -35], [195, 55, 35])
     lines = []
     for x, y, z in places:
         lines.append(f"X{x:.3f} Y{y:.3f} Z{z:.3f}" + (" PL=1.5" if spaced else ""))
@@ -128,7 +131,9 @@ def law(machine: Machine, seed: int, spaced: bool) -> bool:
         there = actual(machine, curve(written, weights, two, degree))
         fine = float(verifier.allowed) + 1e-5  # chords of the samples
         off = (
-            np.linalg.norm(there - nominal, axis=0).max() if spaced else away(there[:, ::8], nominal)
+            np.linalg.norm(there - nominal, axis=0).max()
+            if spaced
+            else away(there[:, ::8], nominal)
         )
         assert off <= fine, (seed, off / UM, fine / UM)
     return True
@@ -147,3 +152,172 @@ def spaced_by(points: np.ndarray, degree: int, power: float) -> np.ndarray:
 def test_any_knots_and_weights_stay_within_the_tolerance(mill, spaced):
     accepted = sum(law(mill, seed, spaced) for seed in range(40))
     assert accepted >= 8, accepted
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_cut_of_the_input_gives_the_same_bytes(mill, seed):
+    rng = np.random.default_rng(seed)
+    text = HEAD + blocks(rng, 9, bool(seed % 2), True) + TAIL
+
+    def answer(cut: int) -> str:
+        try:
+            return corrected(mill, text, 1.5, cut)[0]
+        except ProgramError as error:
+            return f"{error.place.line} {error.message}"
+
+    whole = answer(0)
+    assert all(answer(cut) == whole for cut in (1, 17, 40))
+
+
+# -- by hand ---------------------------------------------------------------------------------------
+
+
+def even(slope: float, gap: float = 0.0, kink: float = 0.0) -> Machine:
+    """A mill whose X goes `slope` mm/mm too far and Y loses `gap` mm when it turns; kink: mm/mm by
+    which EYX rises behind X 50."""
+    nodes = np.array([0.0, 50.0, 100.0])
+    rows = np.zeros((6, 3))
+    rows[0] = slope * nodes
+    rows[1, 2] = kink * 50.0
+    none = np.zeros((6, 3))
+    back = none.copy()
+    back[1] = gap
+    tables = {
+        "X": AxisTable("X", nodes, rows, rows),
+        "Y": AxisTable("Y", nodes, none, back),
+        "Z": AxisTable("Z", nodes, none, none),
+    }
+    axes = {x: Axis(x, (-10.0, 110.0), 1e-4, np.zeros(3), tables[x]) for x in "XYZ"}
+    return Machine("m", "", "linuxcnc", parse("w-X-Y-b-Z-t"), axes)
+
+
+STEEP = 5e-4
+ZIGZAG = """G90 G17 G1 X10 Y10 Z10 F900
+BSPLINE SD=2 X20 Y20 PW=2{0}
+X30{0} Y40 ; up
+N7 X50{0} Y20
+G91 X10 Y20{0} F300
+M8
+X=AC(70) Y=IC(-10){0}
+G90 G1 X80
+M30
+"""
+
+
+def test_control_points_are_moved_by_their_own_correction():
+    """X' = X / (1 + 5e-4); words that need no change, PW, SD, PL, F and comments stay."""
+    out, seen, _ = corrected(even(STEEP), ZIGZAG.format(" PL=2"))
+    wanted, written = polygons(seen)
+    assert written[0] == pytest.approx(wanted[0] / (1 + STEEP), abs=6e-5)
+    assert (written[1:] == wanted[1:]).all()
+    lines = out.splitlines()
+    assert lines[2:] == [
+        "BSPLINE SD=2 X19.9900 Y20 PW=2 PL=2",
+        "X29.9850 PL=2 Y40 ; up",
+        "N7 X49.9750 PL=2 Y20",
+        "G91 X9.9950 Y20 PL=2 F300",
+        "M8",
+        "X=AC(69.9650) Y=IC(-10) PL=2",
+        "G90 G1 X79.9600",
+        "M30",
+    ]
+
+
+def test_knots_that_the_control_calculates_count():
+    """The map is linear, so only the knots move the curve: by 0.04 um by chord length, and by at
+    most 3.2 um by any rule that spreads the intervals as the legs are strained."""
+    with pytest.raises(
+        ProgramError, match=r"off by 3\.2 um .*the control spaces its knots"
+    ) as raised:
+        corrected(even(STEEP), ZIGZAG.format(""))
+    assert "write PL in each of its blocks" in raised.value.advice
+    _, seen, _ = corrected(even(STEEP), ZIGZAG.format(""), 10.0)
+    wanted, written = polygons(seen)
+    one, two = (curve(p, np.ones(6), spaced_by(p, 3, 1.0), 3) for p in (wanted, written))
+    assert away(two * np.array([[1 + STEEP], [1], [1]]), one) / UM == pytest.approx(0.04, abs=0.01)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_bound_of_knots_holds_for_any_spacing(seed):
+    """Intervals that change at random by up to a factor, as the legs of a linear map do."""
+    rng = np.random.default_rng(seed)
+    degree, n = int(rng.integers(2, 4)), 7
+    wanted = np.cumsum(rng.uniform(-9, 9, (3, n)) * [[1], [1], [0.2]], axis=1)
+    course = Course(
+        wanted=wanted, written=wanted, side=0 * wanted, spaced=np.zeros(n, bool), strain=np.zeros(2)
+    )
+    strain = np.array([[1.0], [1.001]])
+    steps = rng.uniform(0.01, 1.0, n - degree)
+    weights = rng.uniform(0.1, 3.0, n)
+    one = curve(wanted, weights, clamped(steps, degree), degree)
+    for _ in range(4):
+        other = steps * rng.choice([1.0, 1.001], n - degree)
+        two = curve(wanted, weights, clamped(other, degree), degree)
+        most = max(splines._knots(course, np.array([k]), strain)[0] for k in range(degree, n))
+        assert away(two[:, ::8], one) <= most + 1e-5
+
+
+def test_a_kink_of_the_map_between_control_points():
+    """EYX rises by 1e-3 behind X 50: a mean of X 40 and X 60 misses Y by 5 um, a mean of points
+    1 mm apart by 0.25 um."""
+
+    def text(*places: float) -> str:
+        points = "\n".join(f"X{x:g} Y20 PL=1" for x in places)
+        return f"G90 G17 G1 X{places[0] - 1:g} Y20 Z10 F900\nBSPLINE {points}\n{TAIL}"
+
+    machine = even(0.0, kink=1e-3)
+    with pytest.raises(ProgramError, match=r"off by 5\.\d um .*the map bends between") as raised:
+        corrected(machine, text(40, 60))
+    assert "more of them" in raised.value.advice
+    _, seen, _ = corrected(machine, text(*np.arange(48.0, 53.0, 0.5)))
+    assert polygons(seen)[1][1, -1] == pytest.approx(20 - 2.5e-3, abs=1e-4)
+
+
+START = "G90 G17 G1 X10 Y10 Z10 F900\n"
+
+
+def turning(lead: str) -> str:
+    """A spline whose Y goes up."""
+    return f"{START}{lead}\nBSPLINE X31 Y21 PL=1\nX32 Y23 PL=1\nX33 Y24 PL=1{TAIL}"
+
+
+def test_lost_motion_where_an_axis_turns():
+    machine = even(0.0, gap=0.004)
+    with pytest.raises(ProgramError, match="a slide turns back within it or at its start") as e:
+        corrected(machine, turning("G1 X30 Y20\nG1 Y19"))
+    assert "lead up to it in the direction of its first leg" in e.value.advice
+    corrected(machine, turning("G1 X30 Y20"))
+    corrected(machine, turning("G1 X30 Y20\nG1 Y19"), reversal="mean")
+    zigzag = turning("G1 X30 Y20").replace("Y23", "Y20")
+    with pytest.raises(ProgramError, match="off by 4.* um .*a slide turns back"):
+        corrected(machine, zigzag)
+    assert "BSPLINE X31" in corrected(machine, zigzag, 5.0)[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (START + "G41 G1 X11\nBSPLINE X12 Y11\n", "with cutter radius compensation on"),
+        (START + "BSPLINE X12 Y11 RND=2\n", "a corner in a block of a B-spline"),
+        (START + "BSPLINE X12 Y11 I3\n", "I in a block of a B-spline"),
+        (START + "BSPLINE X12 Y11\nSUPA X13\n", "a control point in machine coordinates"),
+        ("G90 G17\nBSPLINE X12 Y11 Z9\n", "a B-spline that begins at an unknown place"),
+        (START + "ASPLINE X12 Y11\n", "ASPLINE"),
+        (START + "CSPLINE X12 Y11\n", "CSPLINE"),
+    ],
+)
+def test_what_is_not_followed_is_refused(text, says):
+    with pytest.raises(ProgramError, match=says):
+        corrected(even(STEEP), text)
+
+
+def test_a_spline_that_begins_where_nothing_was_corrected():
+    machine = even(STEEP)
+    text = "G90 G17 SUPA G0 X50 Y10 Z10\nBSPLINE X51 Y11 PL=1 F900\nX53 Y12 PL=1\n"
+    with pytest.raises(ProgramError, match="it begins where no motion was corrected before"):
+        corrected(machine, text)
+    corrected(machine, text.replace("BSPLINE", "G1 X50 Y10 F900\nBSPLINE"))
+
+
+def test_without_errors_no_byte_changes():
+    assert corrected(even(0.0), ZIGZAG.format(""))[0] == ZIGZAG.format("")
