@@ -118,21 +118,23 @@ def _proven(b: Batch, course: Course, stroke: np.ndarray) -> Course:
     last = np.arange(course.wanted.shape[1] - len(stroke), course.wanted.shape[1])
     window = np.maximum(last[:, None] - np.arange(DEGREE + 1), 0)  # (n, 4) the points of a span
     ways = _ways(b, course, window)
-    off = np.max([_off(b, course, window, way) for way in product(*ways)], axis=0)
+    off = np.max([_off(b, course, window, np.stack(way)) for way in product(*ways)], axis=0)
+    own = _off(b, course, window, None)
     strain = _strains(course, last)
     knots = _knots(course, last, strain)
     grid = b.m.grid[b.rows][:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
-    allowed = b.c.allowed(grid)
+    allowed = _allowed(b, own, grid)
     doubt = off + _bend(b, course.written[:, window]) + knots > allowed
     for i in doubt.nonzero()[0]:
         points, wanted = course.written[:, window[i]], course.wanted[:, window[i]]
         sides = [[float(side[i]) for side in row] for row in ways]
         left = _tight(b, points, wanted, sides) + float(knots[i])
-        if left <= allowed[i]:
-            continue
-        parts = _parts(b, points, wanted, sides, course.side[:, window[i]])
-        parts = {"off": left} if parts["off"] > allowed[i] else {**parts, "off": 0.0}
-        raise _fault(b, int(b.motion[stroke[i]]), {**parts, "knots": float(knots[i])}, left)
+        if left > allowed[i]:
+            parts = {"off": left}
+            if own[i] <= allowed[i]:
+                still = course.side[:, window[i, :1]]
+                parts = {**_parts(b, points, wanted, sides, still), "knots": float(knots[i])}
+            raise _fault(b, int(b.motion[stroke[i]]), parts, left)
     return replace(course, strain=strain[:, -1])
 
 
@@ -151,32 +153,35 @@ def _ways(b: Batch, course: Course, window: np.ndarray) -> list[list[np.ndarray]
     return found
 
 
-def _off(b: Batch, course: Course, window: np.ndarray, way: tuple[np.ndarray, ...]) -> np.ndarray:
-    """(n,) mm that the worst point of each window (n, 4) is off by where the slides bear in `way`,
-    A times (n,)."""
-    worst, sides = np.zeros(len(window)), np.stack(way)
+def _off(b: Batch, course: Course, window: np.ndarray, sides: np.ndarray | None) -> np.ndarray:
+    """(n,) mm that the worst point of each window (n, 4) is off by where the slides bear on `sides`
+    (A, n), None: each on its own."""
+    worst = np.zeros(len(window))
     for at in window.T:
         written = course.written[:, at]
-        off = written + b.machine.deviation(written, sides) - course.wanted[:, at]
+        side = course.side[:, at] if sides is None else sides
+        off = written + b.machine.deviation(written, side) - course.wanted[:, at]
         np.maximum(worst, np.linalg.norm(off[b.rows], axis=0), out=worst)
     return worst
 
 
+def _allowed(b: Batch, own: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """(n,) mm that may be left in all: the tolerance and half an increment; where the points are
+    off by more already, held back by the hysteresis, half the tolerance beyond that."""
+    plain = b.c.tolerance + grid / 2 + 1e-9
+    allowed: np.ndarray = np.minimum(np.maximum(plain, own + b.c.tolerance / 2), b.c.allowed(grid))
+    return allowed
+
+
 def _parts(
-    b: Batch, points: np.ndarray, wanted: np.ndarray, sides: list[list[float]], side: np.ndarray
+    b: Batch, points: np.ndarray, wanted: np.ndarray, sides: list[list[float]], still: np.ndarray
 ) -> dict[str, float]:
-    """mm: what points (A, 4) are off by themselves on their sides (A, 4), what the map bends
-    between them, and what lost motion adds where sides change."""
-    own = points + b.machine.deviation(points, side)
-    still = side[:, :1]
+    """mm: what the map bends between points (A, 4), and what lost motion adds where sides change.
+    still (A, 1): the last side."""
     ideal = points + b.machine.deviation(points, np.broadcast_to(still, points.shape))
     bend = _tight(b, points, ideal, still.tolist())
     turns = any(len(set(x)) > 1 for x in sides)
-    return {
-        "off": float(np.linalg.norm((own - wanted)[b.rows], axis=0).max()),
-        "bend": bend,
-        "play": (_tight(b, points, wanted, sides) - bend) * turns,
-    }
+    return {"bend": bend, "play": (_tight(b, points, wanted, sides) - bend) * turns}
 
 
 def _bend(b: Batch, points: np.ndarray) -> np.ndarray:
