@@ -20,6 +20,7 @@ from postproc.motions import SPLINE
 from postproc.nc import dialects
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify import Verifier
+from tests.expand.test_splines import plain
 from tests.small_machines import write_mill
 
 HEAD = "G17 G90 G0 X20 Y5 Z3\nG1 X21 Y6 Z3 F500\n"
@@ -321,3 +322,19 @@ def test_a_spline_that_begins_where_nothing_was_corrected():
 
 def test_without_errors_no_byte_changes():
     assert corrected(even(0.0), ZIGZAG.format(""))[0] == ZIGZAG.format("")
+
+
+def test_turned_control_points_are_written_out():
+    """ROT by 90 degrees: X to Y, Y to -X; a factor may change how the control spaces knots."""
+    text = "G90 G0 X0 Y0 Z5|ROT RPL=90|G1 X1 Y1 F9|BSPLINE SD=2|X2 Y1 PW=2 PL=1|G91 X1 Y2|G90 G1 X9"
+    lines = plain("siemens", text)
+    assert lines[3:] == [
+        "BSPLINE SD=2",
+        "X-1. Y2. PW=2 PL=1",
+        "G91 X-2. Y1.",
+        "G90 G1 X-3. Y9.",
+    ]
+    mirrored = plain("siemens", text.replace("ROT RPL=90", "MIRROR X0"))
+    assert mirrored[4:6] == ["X-2. Y1 PW=2 PL=1", "G91 X-1. Y2"]
+    with pytest.raises(ProgramError, match="BSPLINE within the programmed frame"):
+        plain("siemens", text.replace("ROT RPL=90", "SCALE X2"))

@@ -18,7 +18,6 @@ from postproc.nc.codes import (
     END_OF_PROGRAM,
     FRAME_KEYS,
     KEYWORD,
-    SPLINE_KEYS,
     STAY_KEYS,
     Code,
     code_number,
@@ -326,10 +325,8 @@ class Dialect:
         table = np.full(LARGEST_G, FOREIGN, np.int8)
         table[[0, 10, 20, 30]] = RAPID, FEED, CLOCKWISE, COUNTER
         for code in self.codes:
-            if code.does in CYCLE_KEYS:
-                table[code.number] = THREAD if code.does == "thread" else HOLE
-            elif code.does in SPLINE_KEYS:
-                table[code.number] = SPLINE
+            if code.does in (*CYCLE_KEYS, "spline"):
+                table[code.number] = {"thread": THREAD, "spline": SPLINE}.get(code.does, HOLE)
         return table
 
     @cached_property
