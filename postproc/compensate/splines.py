@@ -10,18 +10,19 @@ goes to q = sum w Q, and the machine with its deviation e to q + e(q). What that
 
 is at most what the worst of the points is off by, and what e bends by over their box. A slope that
 differs by `kink` over a length L bends a mean by kink * L / 4 at most, and a product of two axes by
-a quarter of the product of their ranges (G. Gruess, Math. Z. 39, 1935): so the bounds of straight
-motions hold for means of any number of points; where they are too wide the corners of the cells
-are looked at (_tight). In which direction a slide moves at a point of the
-curve is one of the directions along the legs of those points, so both are looked at where it turns.
+a quarter of the product of their ranges (G. Grüss, Math. Z. 39, 1935): so the bounds of straight
+motions hold for means of any number of points; where they are too wide the corners of the cells are
+looked at (`_tight`). In which direction a slide moves at a point of the curve is one of the
+directions along the legs of those points, so both are looked at where it turns.
 
 Where the control calculates the knots itself, from the points as written, the curve changes with
 them. Taken for granted is that the intervals change no more, one against another, than the legs of
-the control polygon do, as by chord length, centripetally or evenly (The NURBS Book, 9.2.1): by a
-factor of 1 + d at most. In de Boor's algorithm each point is P' = (1 - a) P1 + a P2 of two points
-of the level before. There a changes by d / 4 at most, along the last level's leg on the curve's own
-tangent; the legs of level r are as long as r legs of the polygon, in the cone of their directions.
-Beside the tangent that is d / 4 * (1 + 2) * the longest leg * the sine of the largest turn.
+the control polygon near them do, as by chord length, centripetally or evenly (The NURBS Book,
+9.2.1): by a factor of 1 + d at most. In de Boor's algorithm each point is P' = (1 - a) P1 + a P2 of
+two points of the level before. There a changes by d / 4 at most, along the last level's leg on the
+curve's own tangent; the legs of level r are as long as r legs of the polygon, in the cone of their
+directions. Beside the tangent that is, to first order in d, d / 4 * (1 + 2) * the longest leg * the
+sine of the largest turn. By chord length the curve moves by a tenth of that or less.
 """
 
 from __future__ import annotations
@@ -34,13 +35,15 @@ from postproc.compensate.batch import Batch
 from postproc.compensate.settings import Course
 from postproc.errors import MotionFault
 from postproc.motions import SPLINE
-from postproc.records import replace
+from postproc.records import names
 from postproc.units import TICKS_PER_MM, UM
 
 DEGREE = 3  # the largest
-REACH = 2 * DEGREE - 1  # legs whose intervals one span depends on
+# legs on either side of a span's own whose lengths its knots depend on: DEGREE - 1 intervals, each
+# of which a rule may average over DEGREE legs
+BESIDE = 2 * DEGREE - 1
+REACH = 2 * BESIDE + DEGREE
 MOST_CORNERS = 4096  # of cells
-LINES = "let the CAM program write lines and arcs there"
 
 
 def check(b: Batch) -> Course | None:
@@ -55,7 +58,7 @@ def check(b: Batch) -> Course | None:
     for first, stop in zip((edges == 1).nonzero()[0], (edges == -1).nonzero()[0], strict=True):
         before = b.carry.spline if first == 0 else None
         course = _joined(b, int(first), int(stop), before)
-        course = _proven(b, course, np.arange(first, stop))
+        _prove(b, course, np.arange(first, stop))
     assert course is not None
     return _last(course) if on[-1] else None
 
@@ -87,7 +90,6 @@ def _joined(b: Batch, first: int, stop: int, before: Course | None) -> Course:
             written=b.begin[:, first : first + 1] / TICKS_PER_MM,
             side=side[:, None],
             spaced=np.ones(1, bool),
-            strain=np.array([np.inf, 0.0]),
         )
     part = slice(first, stop)
     own = {
@@ -97,31 +99,23 @@ def _joined(b: Batch, first: int, stop: int, before: Course | None) -> Course:
         "spaced": b.m.spaced[b.motion[part]],
     }
     both = {x: np.concatenate([getattr(before, x), own[x]], axis=-1) for x in own}
-    return Course(**both, strain=before.strain)
+    return Course(**both)
 
 
 def _last(course: Course) -> Course:
     """What the next batch must know of a spline."""
-    kept = slice(-REACH - 1, None)
-    return Course(
-        wanted=course.wanted[:, kept],
-        written=course.written[:, kept],
-        side=course.side[:, kept],
-        spaced=course.spaced[kept],
-        strain=course.strain,
-    )
+    return Course(**{x: getattr(course, x)[..., -REACH - 1 :] for x in names(Course)})
 
 
-def _proven(b: Batch, course: Course, stroke: np.ndarray) -> Course:
-    """The course with the strains behind the strokes, which are its last points. Raises MotionFault
-    for the first of them where what is left may be more than the tolerance."""
+def _prove(b: Batch, course: Course, stroke: np.ndarray) -> None:
+    """Raises MotionFault for the first of the strokes, which are the last points of a course, where
+    what is left may be more than the tolerance."""
     last = np.arange(course.wanted.shape[1] - len(stroke), course.wanted.shape[1])
     window = np.maximum(last[:, None] - np.arange(DEGREE + 1), 0)  # (n, 4) the points of a span
     ways = _ways(b, course, window)
     off = np.max([_off(b, course, window, np.stack(way)) for way in product(*ways)], axis=0)
     own = _off(b, course, window, None)
-    strain = _strains(course, last)
-    knots = _knots(course, last, strain)
+    knots = _knots(course, last)
     grid = b.m.grid[b.rows][:, b.motion[stroke]].max(axis=0) / TICKS_PER_MM
     allowed = _allowed(b, own, grid)
     doubt = off + _bend(b, course.written[:, window]) + knots > allowed
@@ -135,7 +129,6 @@ def _proven(b: Batch, course: Course, stroke: np.ndarray) -> Course:
                 still = course.side[:, window[i, :1]]
                 parts = {**_parts(b, points, wanted, sides, still), "knots": float(knots[i])}
             raise _fault(b, int(b.motion[stroke[i]]), parts, left)
-    return replace(course, strain=strain[:, -1])
 
 
 def _ways(b: Batch, course: Course, window: np.ndarray) -> list[list[np.ndarray]]:
@@ -232,33 +225,20 @@ def _between(b: Batch, letter: str, low: float, high: float) -> list[float]:
     return [x for x in every if low < x < high]
 
 
-def _strains(course: Course, last: np.ndarray) -> np.ndarray:
-    """(2, n) the least and the largest ratio of legs as written to legs as wanted, up to each of
-    the points `last` (n,)."""
-    length, new = (np.linalg.norm(x, axis=0)[last - 1] for x in _legs(course))
-    moves = length > 0
-    ratio = np.divide(new, length, out=np.ones_like(new), where=moves)
-    least = np.minimum.accumulate(np.where(moves, ratio, np.inf))
-    most = np.maximum.accumulate(np.where(moves, ratio, 0.0))
-    return np.stack([np.minimum(least, course.strain[0]), np.maximum(most, course.strain[1])])
-
-
-def _legs(course: Course) -> tuple[np.ndarray, np.ndarray]:
-    """Two (A, K - 1) mm: the legs of the control polygon as wanted, and as written."""
-    return np.diff(course.wanted, axis=1), np.diff(course.written, axis=1)
-
-
-def _knots(course: Course, last: np.ndarray, strain: np.ndarray) -> np.ndarray:
+def _knots(course: Course, last: np.ndarray) -> np.ndarray:
     """(n,) mm by which knots that the control calculates may move the curve about points `last`
-    (n,), where legs have changed by `strain` (2, n)."""
-    way = _legs(course)[0]
-    length = np.linalg.norm(way, axis=0)
-    least, most = strain
-    spread = np.where(most > 0, most / np.maximum(least, 1e-9) - 1.0, 0.0)
+    (n,), and about those of which the legs behind them tell only now."""
+    way = np.diff(course.wanted, axis=1)
+    length, new = (np.linalg.norm(x, axis=0) for x in (way, np.diff(course.written, axis=1)))
+    ratio = np.divide(new, length, out=np.full_like(new, np.nan), where=length > 0)
     legs = np.maximum(last[:, None] - 1 - np.arange(REACH), 0)
-    sine = _turns(way, length)[legs[:, :DEGREE]].max(axis=1)
+    about = legs[:, : BESIDE + DEGREE]
+    least = np.nanmin(ratio[legs], axis=1, initial=np.inf)
+    most = np.nanmax(ratio[legs], axis=1, initial=0.0)
+    spread = np.where(most > 0, most / np.maximum(least, 1e-9) - 1.0, 0.0)
+    sine = _turns(way, length)[about].max(axis=1)
     levels = DEGREE * (DEGREE - 1) / 2
-    moved = spread / 4 * levels * length[legs].max(axis=1) * sine
+    moved = spread / 4 * levels * length[about].max(axis=1) * sine
     return np.where(course.spaced[legs + 1].all(axis=1), 0.0, moved)
 
 
@@ -284,15 +264,17 @@ SAYS = {  # what the largest part is for, and the way out
         "a slide turns back within it or at its start, and no block can take its lost motion up"
         " there",
         "where it turns at the start, lead up to it in the direction of its first leg; elsewhere"
-        f" {LINES}, or leave lost motion to the control (--reversal mean)",
+        " let the CAM program write lines and arcs, or leave lost motion to the control"
+        " (--reversal mean)",
     ),
     "bend": (
         "the map bends between its control points",
-        f"let the CAM program write more of them, or {LINES}",
+        "let the CAM program write more of them, or lines and arcs",
     ),
     "knots": (
         "the control spaces its knots by the control points, which are corrected",
-        f"let the CAM program write PL in each of its blocks, or more control points, or {LINES}",
+        "let the CAM program write PL in each of its blocks, more control points, or lines and"
+        " arcs",
     ),
 }
 

@@ -377,9 +377,10 @@ class Batch:
         """(B,) or number: 2 where words of this axis are diameters, else 1.
 
         distances (B,) bool: where its words are distances, by G91 unless given. Under DIAM90 places
-        are diameters and distances radii (Sinumerik 840D sl "Programming Manual Fundamentals",
-        "Channel-specific diameter/radius programming"), and AC() and IC() say of one word which it
-        is ("Non-modal absolute and incremental dimensions"): read from both, seen in no example.
+        are diameters and distances radii: Sinumerik 808D, turning, part 2 (05/2012,
+        6FC5398-5DP10-0BA0), page 26, says so of blocks with G90 and G91, and on the same page that
+        AC() and IC() set one word apart from these. That IC() is a radius then follows from both
+        and stands in no text that was found; two viewers of other people read it so.
         """
         if self.polar and (letter != "X" or self.polar == "Y"):
             return np.int64(1)
