@@ -377,10 +377,9 @@ class Batch:
         """(B,) or number: 2 where words of this axis are diameters, else 1.
 
         distances (B,) bool: where its words are distances, by G91 unless given. Under DIAM90 places
-        are diameters and distances radii: Sinumerik 808D, turning, part 2 (05/2012,
-        6FC5398-5DP10-0BA0), page 26, says so of blocks with G90 and G91, and on the same page that
-        AC() and IC() set one word apart from these. That IC() is a radius then follows from both
-        and stands in no text that was found; two viewers of other people read it so.
+        are diameters and distances radii: Sinumerik 808D, turning (6FC5398-5DP10-0BA0), page 26,
+        says so of G90 and G91, and that AC() and IC() set a word apart from these. That IC() is a
+        radius follows from both, and is in no text that was found; two viewers read it so.
         """
         if self.polar and (letter != "X" or self.polar == "Y"):
             return np.int64(1)
