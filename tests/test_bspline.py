@@ -9,7 +9,7 @@ from scipy.interpolate import BSpline
 
 from postproc.compensate import Options, splines
 from postproc.compensate.settings import Course
-from postproc.errors import ProgramError
+from postproc.errors import GcompError, ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.axis import Axis
 from postproc.machine.chain import parse
@@ -18,6 +18,8 @@ from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable
 from postproc.motions import SPLINE
 from postproc.nc import dialects
+from postproc.records import replace
+from postproc.simulate.program import Reader
 from postproc.units import TICKS_PER_MM, UM
 from postproc.verify import Verifier
 from tests.expand.test_splines import plain
@@ -336,3 +338,27 @@ def test_turned_control_points_are_written_out():
     assert mirrored[4:6] == ["X-2. Y1 PW=2 PL=1", "G91 X-1. Y2"]
     with pytest.raises(ProgramError, match="BSPLINE within the programmed frame"):
         plain("siemens", text.replace("ROT RPL=90", "SCALE X2"))
+
+
+def test_a_spline_is_not_simulated():
+    """The simulator moves slides along lines and arcs; a control point is no place of theirs."""
+
+    def make(machine: Machine, start: dict[str, float]) -> Filter:
+        return Filter(
+            machine,
+            dialects.load("siemens"),
+            setup_of(machine, {"G54": dict.fromkeys("XYZ", 0.0)}, start),
+            Options(),
+        )
+
+    with pytest.raises(GcompError, match="where its knots are, the control knows"):
+        Reader(even(STEEP), make, "part.mpf").read([ZIGZAG.format("").encode()])
+
+
+def test_a_lathe_in_diameters():
+    machine = even(STEEP)
+    machine = replace(machine, diameter=("X",))
+    out, seen, _ = corrected(machine, ZIGZAG.replace("G1 X10", "DIAMON G1 X10").format(" PL=2"))
+    wanted, written = polygons(seen)
+    assert wanted[0, 1] == 10.0 and written[0] == pytest.approx(wanted[0] / (1 + STEEP), abs=6e-5)
+    assert "BSPLINE SD=2 X19.9900 Y20 PW=2 PL=2\n" in out
