@@ -362,3 +362,9 @@ def test_a_lathe_in_diameters():
     wanted, written = polygons(seen)
     assert wanted[0, 1] == 10.0 and written[0] == pytest.approx(wanted[0] / (1 + STEEP), abs=6e-5)
     assert "BSPLINE SD=2 X19.9900 Y20 PW=2 PL=2\n" in out
+
+
+def test_a_cycle_behind_a_spline_leaves_its_code_in_force():
+    """The control's motion code is modal: it was written as G1000 behind the cycle."""
+    lines = plain("siemens", "G90 G17 G1 X1 Y1 Z20 F9|BSPLINE X2 Y2|CYCLE81(10,0,2,-5)|X3 Y3|G1 X9")
+    assert lines[-4:] == ["G0 Z10.", "BSPLINE", "X3 Y3", "G1 X9"], lines
