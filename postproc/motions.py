@@ -15,7 +15,7 @@ import numpy as np
 from postproc.records import columns, names, replace
 from postproc.spaces import Space
 
-RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, FOREIGN = 0, 1, 2, 3, 4, 5, 9
+RAPID, FEED, CLOCKWISE, COUNTER, HOLE, THREAD, SPLINE, FOREIGN = 0, 1, 2, 3, 4, 5, 6, 9
 LINES = (RAPID, FEED)
 # (10,) bool: whether a code is that of a feed along a line or an arc
 CUTS = np.zeros(FOREIGN + 1, bool)
@@ -168,7 +168,8 @@ class Motions:
     """Columns of motions.
 
     block (N,); code (N,): RAPID, FEED, CLOCKWISE, COUNTER; HOLE; THREAD for a feed that is tied to
-    the spindle; FOREIGN for what can not be followed.
+    the spindle; SPLINE: the target is a control point of a B-spline; FOREIGN for what can not be
+    followed.
     start, target (A, N): ticks; start_known, target_known (A, N). word (A, N): index of the
     axis' word, or -1; incremental (A, N): whether the axis' word is (or would be) a distance.
     grid (A, N): ticks of one least increment of that word; scale (A, N): ticks of one whole unit of
@@ -185,8 +186,9 @@ class Motions:
     changed (A, N): whether a tool change has taken the axis away and no block has named it since.
     length (A, N): ticks of the tool's length in force. stop (N,): ten times the code that makes it
     end in an exact stop (G61, G9), 0: none. whole (N,): a thread that must stay one block; lead
-    (N,): mm per turn of a thread, 0: not said. reason (N,): index into `reasons`, 0: none, of why a
-    correction can not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X
+    (N,): mm per turn of a thread, 0: not said. spaced (N,): whether the block of a control point
+    says its interval of knots. reason (N,): index into `reasons`, 0: none, of why a correction can
+    not be trusted here. space (N,): index into `spaces`, 0: slide positions; else X
     Y Z of start and target are places of the tool tip in that frame. heat (D, N): whole steps of
     what drives the machine's growth (machine/growth.py) in the middle of each motion; no rows where
     nobody follows it; spells: of motions that are to be cut in time.
@@ -226,6 +228,7 @@ class Motions:
     stop: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int16))
     whole: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     lead: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    spaced: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))
     space: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
     spaces: list[Space | None] = field(default_factory=lambda: [None])
     heat: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), np.int64))

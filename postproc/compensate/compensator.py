@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from postproc.compensate import approach, cut, cutter, holes, levels, limits, threads
+from postproc.compensate import approach, cut, cutter, holes, levels, limits, splines, threads
 from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Options, Settings
@@ -208,6 +208,7 @@ class Compensator(Settings):
 
     def _finished(self, b: Batch, carry: Carry) -> tuple[Pieces, Carry, list[Notice]]:
         """The pieces of a batch that is worked out."""
+        spline = splines.check(b)
         parts = [cut.take_ups(b), cut.straight_pieces(b), cut.arc_pieces(b)]
         pieces = without_rests(in_order([p for p in parts if p is not None]))
         largest = limits.check_limits(b)
@@ -216,7 +217,7 @@ class Compensator(Settings):
             sides=b.sides, issued=issued, way=b.way,
             level=levels.initial(b) if len(b.m.holes) else issued, sure=bool(b.sure_after[-1]),
             heading=cutter.heading(b), largest=max(carry.largest, largest), frame=carry.frame,
-            heat=carry.heat,
+            heat=carry.heat, spline=spline,
         )  # fmt: skip
         return pieces, after, b.notices
 

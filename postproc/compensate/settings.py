@@ -49,6 +49,17 @@ class Options:
 
 
 @columns
+class Course:
+    """The K last control points of a spline. wanted, written (A, K) mm; side (A, K) of the leg
+    before each; spaced (K,): whether its block says its interval of knots."""
+
+    wanted: np.ndarray
+    written: np.ndarray
+    side: np.ndarray
+    spaced: np.ndarray
+
+
+@columns
 class Carry:
     """sides: of the lost motion; issued (A,): ticks last commanded; way (A,): sign of the last
     command's motion; sure: whether `issued` is where the machine stands and is what the nominal
@@ -56,7 +67,7 @@ class Carry:
     last motion inside it ended; level (A,): ticks commanded before the holes that ended at R, to
     which their cycle goes back; largest: mm, the largest correction so far; frame: the space and
     the tool's length (A,) ticks in which `issued` counts; heat (D,): steps of the machine's growth
-    for which it was."""
+    for which it was; spline: of the one that goes on, None: none does."""
 
     sides: approach.Sides
     issued: np.ndarray
@@ -67,6 +78,7 @@ class Carry:
     largest: float = 0.0
     frame: tuple[Space | None, tuple[int, ...]] = (None, ())
     heat: tuple[int, ...] = ()
+    spline: Course | None = None
 
 
 class Settings:
@@ -129,6 +141,18 @@ class Settings:
         travel = np.array([machine.axes[machine.letters[i]].travel for i in self.rows])
         self.travel = travel.reshape(-1, 2).T[:, :, None]
         self._directions()
+
+    def allowed(self, grid: np.ndarray) -> np.ndarray:
+        """mm that may be left at most, where one least increment is `grid` mm: the tolerance and
+        half an increment; where sides are followed, what each two-way axis may be held back by: the
+        hysteresis at the ends of strokes and half of it along them, and what the sides of all axes
+        move the others by, which no take-up can bring about in the same moment."""
+        beyond = 0.0
+        if self.follows:
+            axes = int(self.machine.two_way[self.rows].sum())
+            beyond = 1.5 * self.hysteresis * float(np.sqrt(axes)) + self.machine.lateral
+        allowed: np.ndarray = self.tolerance + beyond + grid / 2 + 1e-9
+        return allowed
 
     def _directions(self) -> None:
         """Whether sides are followed at all; (A,) ticks of hysteresis and of ramps; rows of axes

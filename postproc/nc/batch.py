@@ -377,9 +377,9 @@ class Batch:
         """(B,) or number: 2 where words of this axis are diameters, else 1.
 
         distances (B,) bool: where its words are distances, by G91 unless given. Under DIAM90 places
-        are diameters and distances radii (Sinumerik 840D sl "Programming Manual Fundamentals",
-        "Channel-specific diameter/radius programming"), and AC() and IC() say of one word which it
-        is ("Non-modal absolute and incremental dimensions"): read from both, seen in no example.
+        are diameters and distances radii: Sinumerik 808D, turning (6FC5398-5DP10-0BA0), page 26,
+        says so of G90 and G91, and that AC() and IC() set a word apart from these. That IC() is a
+        radius follows from both, and is in no text that was found; two viewers read it so.
         """
         if self.polar and (letter != "X" or self.polar == "Y"):
             return np.int64(1)

@@ -86,9 +86,10 @@ STAY_KEYS = (
     "thread by diameter",
     "tapping cycle",
 )  # passes in step with the spindle: they stay as they are, uncorrected (left.py)
+SPLINE_KEYS = ("spline",)  # the axis words are a control point of a B-spline
 # the axis words are data (limits, a pole): nothing moves, every place stays known
 QUIET_KEYS = ("words",)
-DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *STAY_KEYS, *QUIET_KEYS)
+DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *STAY_KEYS, *SPLINE_KEYS, *QUIET_KEYS)
 
 
 def code_number(word: str) -> int:

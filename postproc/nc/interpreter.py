@@ -49,6 +49,7 @@ from postproc.nc.refusals import (
     stray_words,
     unnamed_motions,
 )
+from postproc.nc.splines import refuse_splines, spaced_column
 from postproc.nc.state import NONE, Frame, ModalState, no_frame
 from postproc.nc.stops import stop_column
 from postproc.nc.threads import thread_columns
@@ -170,6 +171,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     refuse_motions(b, motion, moving)
     refuse_cycles(b, motion, moving)
     face.refuse_faces(b, motion, moving)
+    refuse_splines(b, motion, moving, centre_words)
     if 40 in b.single:
         refuse_dwells(b, moving, centre_words)
     if b.dialect.one_command:
@@ -352,6 +354,7 @@ def columns(
         length=length,
         whole=whole,
         lead=lead,
+        spaced=spaced_column(b, block, code),
         space=spread(int(b.frame.space is not None), len(block)),
         spaces=[None, b.frame.space],
     )

@@ -17,7 +17,7 @@ from postproc import marks
 from postproc.errors import GcompError, Notice, Place
 from postproc.filter import Filter
 from postproc.machine.model import Machine
-from postproc.motions import FREE, HOLE, RAPID, THREAD, Arcs, Motions
+from postproc.motions import FREE, HOLE, RAPID, SPLINE, THREAD, Arcs, Motions
 from postproc.nc import pace
 from postproc.nc.codes import AFTER_MOTION
 from postproc.nc.columns import hold_last_float
@@ -183,6 +183,11 @@ class Reader:
                 motions.code == THREAD,
                 "a thread is not simulated: its feed hangs on the spindle",
                 "write it as G1",
+            ),
+            (
+                motions.code == SPLINE,
+                "a B-spline is not simulated: where its knots are, the control knows",
+                "write it as lines or arcs",
             ),
             (
                 motions.space > 0,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID, Motions
+from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID, SPLINE, Motions
 from postproc.nc.lexer import Words
 from postproc.units import MM_PER_INCH, TICKS_PER_MM
 
@@ -143,7 +143,7 @@ class Before:
         ):
             while block >= call:  # another tool: what the one before did says nothing
                 self.left, self.cuts, call = "", False, next(calls)
-            if code in (FEED, CLOCKWISE, COUNTER):
+            if code in (FEED, CLOCKWISE, COUNTER, SPLINE):
                 self.cuts = True
             elif code == RAPID and self.cuts:
                 self.left, self.cuts = OUT if step > 0 else IN if step < 0 else ALONG, False

@@ -19,7 +19,7 @@ from postproc.errors import BlockFault, GcompError, Place
 from postproc.filter import Filter
 from postproc.machine.poses import axes_of
 from postproc.machine.tip import TipMachine, tool_directions
-from postproc.motions import FREE, HOLE, RAPID, Motions
+from postproc.motions import FREE, HOLE, RAPID, SPLINE, Motions
 from postproc.nc.beside_corrected import LIMIT
 from postproc.nc.columns import hold_last
 from postproc.nc.interpreter import Interpreter
@@ -83,6 +83,7 @@ class Verifier(Figures):
                 self._near(words, motions, pieces, int(differ[0]), first_line),
             )
         self.tips |= bool(motions.space.any())
+        self.splines |= bool((motions.code == SPLINE).any())
         self.warm.see(words, motions, lexed, back)
         self.motions_in += len(motions)
         self.motions_out += len(back)

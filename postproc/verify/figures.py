@@ -20,6 +20,7 @@ class Figures:
 
     def __init__(self, filter_: Filter):
         self.machine, self.mode = filter_.machine, filter_.compensator.mode
+        self.settings = filter_.compensator
         self.tolerance = filter_.compensator.tolerance
         self.follows, self.hysteresis = filter_.compensator.follows, filter_.compensator.hysteresis
         # mm, larger in inch blocks
@@ -34,19 +35,13 @@ class Figures:
         self.centre = CentreVerifier(self.machine, self.follows)
         self.oriented = filter_.options.orientation and bool(self.machine.chain.rotary)
         self.tips = False  # whether any motion was one of the tip
+        self.splines = False  # whether any was a control point
         self.motions_in = self.motions_out = 0
 
     @property
     def allowed(self) -> float:
-        """mm: the tolerance and half an increment; where sides are followed, what each two-way axis
-        may be held back by: the hysteresis at the ends of strokes and half of it along them, and
-        what the sides of all axes move the others by, which no take-up can bring about in the same
-        moment."""
-        axes = int(self.machine.two_way[list(self.machine.corrected)].sum())
-        beyond = (
-            1.5 * self.hysteresis * np.sqrt(axes) + self.machine.lateral if self.follows else 0.0
-        )
-        return self.tolerance + float(beyond) + self.grid / 2 + 1e-9
+        """mm, of the largest increment of the program (Settings.allowed)."""
+        return float(self.settings.allowed(np.array(self.grid)))
 
     @property
     def passed(self) -> bool:
@@ -74,7 +69,7 @@ def _line(v: Figures) -> str:
         f"largest deviation from the nominal path {after / UM:.2f} um{_at(v.corrected.line)},"
         f" uncorrected {before / UM:.2f} um{_at(v.uncorrected.line)}{ratio}{_lost_motion(v)};"
         f" tolerance {v.tolerance / UM:g} um; {v.motions_in} motions in, {v.motions_out}"
-        f" out{_of_holes(v)}{_beside(v)}{_of_lean(v)};"
+        f" out{_of_holes(v)}{_of_splines(v)}{_beside(v)}{_of_lean(v)};"
         f" {v.map.report()}"
     )
 
@@ -118,6 +113,11 @@ def _of_holes(v: Figures) -> str:
                 f"(line {off.line}; tolerance of holes {v.hole_tolerance / UM:g} um)"
             )
     return said
+
+
+def _of_splines(v: Figures) -> str:
+    """What was looked at of splines, whose knots the control knows."""
+    return "; B-splines along their control polygons" * v.splines
 
 
 def _beside(v: Figures) -> str:

@@ -14,6 +14,7 @@ import pytest
 from postproc.errors import ProgramError
 from postproc.nc import dialects
 from tests.advice import (
+    bspline,
     fadal,
     follow,
     klartext,
@@ -36,6 +37,7 @@ CASES = [
     *klartext.ALL,
     *fadal.ALL,
     *okuma.ALL,
+    *bspline.ALL,
 ]
 
 

@@ -140,7 +140,11 @@ def test_a_modal_code_that_moves_otherwise_is_refused_or_done(name):
     """No code of the motion group is read as a straight line by mistake."""
     for code in dialects.load(name).codes:
         if code.group == "motion" and code.number not in (0, 10, 20, 30, 800):
-            assert code.refuses or code.does in (*codes.CYCLE_KEYS, *codes.STAY_KEYS), code
+            assert code.refuses or code.does in (
+                *codes.CYCLE_KEYS,
+                *codes.STAY_KEYS,
+                *codes.SPLINE_KEYS,
+            ), code
     dialect = dialects.load(name)
     if dialect.arc_centre == "pole":
         assert dialect.is_refused[[20, 30]].all(), "nobody keeps a pole from block to block yet"

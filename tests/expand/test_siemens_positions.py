@@ -29,7 +29,6 @@ REFUSED = {
     "custom_vars": "AA",
     "edge_cases": "ELX",
     "simple": "two X words",
-    "flatten_demo": "spline",
     "spline": "spline",
 }
 # from the file of defaults that the tables' producer reads first

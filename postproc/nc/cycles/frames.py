@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from postproc.nc.codes import SPLINE_KEYS
 from postproc.nc.cycles.affine import AXES, Affine, Point, point
 from postproc.nc.cycles.arcs_in_space import check, lines
 from postproc.nc.cycles.block import Block, Word, number_of
@@ -116,9 +117,13 @@ class Frames:
 
     def _check(self) -> None:
         """Raises ProgramError for motions that are not followed under this map."""
-        if self.motion not in FOLLOWED and not self.map.identity:
+        code = self.scene.table.get(self.motion)
+        # every mean of control points turns with them; how knots are spaced, a factor may change
+        spline = code is not None and code.does in SPLINE_KEYS and self.map.turns
+        if self.motion not in FOLLOWED and not (self.map.identity or spline):
+            name = code.word if code else f"G{self.motion / 10:g}"
             raise self.scene.fault(
-                f"G{self.motion / 10:g} within {self.why}", "write it out, or end the frame before"
+                f"{name} within {self.why}", "write it out, or end the frame before"
             )
         if self.scene.is_diameter("X") and not self.map.leaves("X"):
             raise self.scene.fault(

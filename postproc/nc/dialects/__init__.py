@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.errors import UsageError
-from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, THREAD
+from postproc.motions import CLOCKWISE, COUNTER, FEED, FOREIGN, HOLE, RAPID, SPLINE, THREAD
 from postproc.nc.codes import (
     CALL,
     CYCLE_KEYS,
@@ -325,8 +325,8 @@ class Dialect:
         table = np.full(LARGEST_G, FOREIGN, np.int8)
         table[[0, 10, 20, 30]] = RAPID, FEED, CLOCKWISE, COUNTER
         for code in self.codes:
-            if code.does in CYCLE_KEYS:
-                table[code.number] = THREAD if code.does == "thread" else HOLE
+            if code.does in (*CYCLE_KEYS, "spline"):
+                table[code.number] = {"thread": THREAD, "spline": SPLINE}.get(code.does, HOLE)
         return table
 
     @cached_property

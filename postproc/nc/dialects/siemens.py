@@ -52,7 +52,7 @@ _THREADS = ("CYCLE97", "CYCLE98", "CYCLE99")
 _FRAMES = "ROT AROT ROTS AROTS SCALE ASCALE MIRROR AMIRROR"
 _PARAMETERS = (
     # words that move no slide
-    "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD PL FP"
+    "ADIS ADISPOS CTOL OTOL ATOL SF LIMS SPOS DITS DITE OVR OVRRAP ISD DISC DL PW SD FP"
 )
 # Programming Manual, "Dynamic response" and "Feedrate": limits of an axis' speed, acceleration and
 # jerk, and the radius at which F holds for a rotary axis: how fast, not where
@@ -127,11 +127,11 @@ DIALECT = Dialect(
                 "INVCW": "involute",
                 "INVCCW": "involute",
                 "ASPLINE": "Akima spline",
-                "BSPLINE": "B spline",
                 "CSPLINE": "cubic spline",
             },
             refuses=codes.CURVE,
         ),
+        *rows("motion", {"BSPLINE": "B spline"}, does="spline"),
         *rows("motion", {"POLY": "polynomial"}, refuses=codes.SPLINE),
         *rows(
             "",
@@ -305,6 +305,7 @@ DIALECT = Dialect(
         spellings=(
             ("CR", "R"),
             ("TURN", "P"),
+            ("PL", "Q"),  # postproc/nc/splines.py
             # refused in a straight motion, and beside CR= in an arc
             ("RND", "R"),
             ("CHF", "R"),

@@ -67,8 +67,7 @@ class Boring(Drilling):
         lines = [b"G0 " + to(level), *found]
         if self.name == "CYCLE84":
             lines.append(self._again(speed))
-        code = tracker.code("motion")
-        return [*lines, b"G%d" % (code // 10)] if code > 0 else lines
+        return [*lines, *tracker.motion_code()]
 
     def _wait(self) -> list[bytes]:
         return [self._dwell(self.given["DTB"])] if self.given.get("DTB") else []

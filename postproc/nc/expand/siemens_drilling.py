@@ -119,8 +119,7 @@ class Drilling:
                 raise Refusal("no F is in force behind CYCLE85", "write F before it")
             found.append(move("G1" + self._feed("RFF"), level))
         found.append(move("G0", self.given["RTP"]))
-        motion = tracker.code("motion")
-        back = [b"G%d" % (motion // 10)] if motion > 0 else []
+        back = tracker.motion_code()
         back += [b"F" + feed] if self.given.get("FFR") or self.given.get("RFF") else []
         return [*found, b" ".join(back)] if back else found
 

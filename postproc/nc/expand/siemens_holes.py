@@ -104,12 +104,11 @@ class Holes:
                 f"no MCALL is in force here: what {pattern.name} does at its places is not known",
                 "write MCALL and the cycle of one hole before it, in the same program",
             )
-        code = self.tracker.code("motion")
+        code = self.tracker.motion_code()
         for place in pattern.lines(self.tracker):
             yield place
             yield from self.modal[1].lines(self.tracker, self.feed, self.speed)
-        if code > 0:
-            yield b"G%d" % (code // 10)
+        yield from code
 
 
 def hole_of(name: str, values: Sequence[Value | None]) -> Drilling:

@@ -39,9 +39,7 @@ class Tapping(Drilling):
         self._levels()
         high = b"G0 " + self._to(tracker, axis)(self.given["RTP"])
         values = [self.given.get(word) for word in NAMES[self.name].split()]
-        motion = tracker.code("motion")
-        motion_code = [b"G%d" % (motion // 10)] if motion > 0 else []
-        return [high, _written(self.name, values), high, *motion_code]
+        return [high, _written(self.name, values), high, *tracker.motion_code()]
 
 
 @dataclass

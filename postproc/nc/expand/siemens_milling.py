@@ -94,9 +94,7 @@ class Milling:
 
 def ending(tracker: Tracker, feed: bytes) -> list[bytes]:
     """The motion code and the F that were in force before a cycle."""
-    motion = tracker.code("motion")
-    last = [b"G%d" % (motion // 10)] if motion > 0 else []
-    end = b" ".join([*last, *([b"F" + feed] if feed else [])])
+    end = b" ".join([*tracker.motion_code(), *([b"F" + feed] if feed else [])])
     return [end] if end else []
 
 

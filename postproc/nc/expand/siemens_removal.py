@@ -83,8 +83,7 @@ class Removal:
             cut.rough()
         if self._kind // 4 != 0:
             cut.finish(tracker.code("cutter") if beside else 0)
-        motion = tracker.code("motion")
-        last = [b"G%d" % (motion // 10)] if motion > 0 else []
+        last = tracker.motion_code()
         return [*cut.lines, b" ".join([*last, *([b"F" + feed] if feed else [])])]
 
     def _check(self, tracker: Tracker) -> None:

@@ -87,6 +87,12 @@ class Tracker:
                 raise
         return self._state
 
+    def motion_code(self) -> list[bytes]:
+        """The motion code in force as it is written, none for G0 and before any is named."""
+        held = self.code("motion")
+        code = self.dialect.by_number.get(held) if held > 0 else None
+        return [code.word.encode()] if code else []
+
     def ahead(self, line: bytes) -> tuple[Motions, ModalState] | None:
         """What one more plain line would be to the filter, and the state behind it; None: it would
         be refused. The line is not taken."""
