@@ -69,9 +69,12 @@ class Columns:
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
         # motions whose end is corrected
-        self.free = self.known & ~motions.alone & ~self.places.idle
+        self.free = self.known & ~(motions.alone | self.places.idle)
         # (A, N) G28 has taken the axis elsewhere meanwhile
         self.jumped = motions.sent & motions.start_known
+        self.leaps = np.count_nonzero(self.jumped) > 0
+        # every place is known, and every motion corrected
+        self.every = self.places.every and np.count_nonzero(self.free) == len(motions)
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
 

@@ -53,7 +53,7 @@ def check_unknown(b: Batch) -> None:
     where a program begins like that (printers, routers) or where it leads the new tool over the
     part before its length holds (CAM programs without rapids write G1 there); elsewhere it is
     refused. All that is left is counted, and said."""
-    if not np.count_nonzero(~(b.known & b.start_known)):
+    if b.every or not np.count_nonzero(~(b.known & b.start_known)):
         return
     lost = ~b.known & ~b.m.alone
     feeds = lost & (b.m.code != RAPID)
@@ -280,9 +280,12 @@ def at_stop(b: Batch) -> np.ndarray:
 def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction,
     mm."""
-    free = b.free[b.motion]
-    counts = (b.correctable & free).take(b.c.at, axis=0)
-    correction = np.where(counts, np.abs(b.exact - b.end_nominal).take(b.c.at, axis=0), 0.0)
+    free = b.moved
+    correction = np.abs(b.exact - b.end_nominal)
+    if b.fixed:
+        correction = correction.take(b.c.at, axis=0)
+    if not b.every:
+        correction = np.where((b.correctable & free).take(b.c.at, axis=0), correction, 0.0)
     largest = b.machine.limits.max_correction
     most = float(correction.max(initial=0.0))
     low, high = b.c.travel

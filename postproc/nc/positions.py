@@ -250,7 +250,8 @@ class _Axis:
             event[block[goes & (at(self.b.held("motion"), block) != 0)]] = 0
         since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
         p.changed[self.row] = since[block]
-        p.end_changed[self.row] = since[-1]
+        if self.b.n:
+            p.end_changed[self.row] = since[-1]
         return lost & taken
 
     def write(self, p: Places, block: np.ndarray) -> None:
