@@ -50,7 +50,7 @@ def may_bend(
     end of a table where it is held beyond (`clamped`), or product terms."""
     result = machine.bounds.bends(start, target, slack)
     # each begins where the last one ends
-    onward = not np.count_nonzero(start[:, 1:] != target[:, :-1])
+    onward = start.shape[1] < 2 or not np.count_nonzero(start[:, 1:] != target[:, :-1])
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         if onward:

@@ -209,9 +209,9 @@ class Bounds:
         """(N,) mm: how far products can bend the deviation of straight motions away from its chord;
         way (A, N) mm and degrees. It goes with the square of the length: cut in n parts, n * n
         times less."""
-        result, size = np.zeros(way.shape[1]), np.abs(way)
-        for i, j, twist in self._quarters:
-            result = result + twist * (size[i] * size[j])
+        size = np.abs(way)
+        parts = [twist * (size[i] * size[j]) for i, j, twist in self._quarters]
+        result: np.ndarray = sum(parts[1:], parts[0]) if parts else np.zeros(way.shape[1])
         if self.machine.chain.rotary:
             result = result + self._turning(way) / 8
         return result
