@@ -293,8 +293,7 @@ def columns(
     code = b.dialect.kind[np.maximum(motion, 0)]
     if np.count_nonzero(b.foreign):
         code[b.foreign[block]] = FOREIGN
-    mode = b.held("feed mode")
-    inverse = spread(at(mode, block), len(block)) == 930
+    inverse = spread(at(b.held("feed mode"), block), len(block)) == INVERSE
     if np.count_nonzero(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if chr(UNTOLD) in b.places:
@@ -383,5 +382,5 @@ def tool_in_use(b: Batch) -> int:
     return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
-NO_HEAT = np.zeros((0, 0), np.int64)
+NO_HEAT, INVERSE = np.zeros((0, 0), np.int64), np.array(930)  # without axes: postproc.units
 CENTRES = {c: (c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": ("R",)}

@@ -315,7 +315,7 @@ def _mantissa(
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
     eight = np.ndarray(len(byte), EIGHT_BYTES, byte.tobytes() + bytes(8), strides=(1,))
     digits = whole + decimals
-    before = BELOW.take(np.where(pointed, whole, ALL), mode="clip")
+    before = BELOW.take(whole, mode="clip")  # without a point these are all that count
     text = eight[begin]  # `take` would write them all out first
     value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
     long = (digits + pointed > ALL).nonzero()[0]
