@@ -15,7 +15,6 @@ import numpy as np
 from postproc.machine.chain import LINEAR, XYZ, along
 from postproc.machine.stated import Stated
 
-ONE = np.array(1.0)
 FARTHEST = 1e5  # mm: travels that are stated without end
 
 
@@ -218,7 +217,7 @@ class Bounds:
 
     def bends(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
         """(M,) bool: straight motions (A, M) that must be cut in more than one of `parts`."""
-        result: np.ndarray = np.sqrt(self.bend(target - start) / slack) > ONE
+        result: np.ndarray = self.bend(target - start) > slack
         return result
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:

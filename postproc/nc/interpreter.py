@@ -339,20 +339,20 @@ def columns(
         renamed=renamed,
         arcs=arcs,
         reasons=b.reasons,
-        sent=places.sent,
-        changed=places.changed,
         holes=holes_of(b, b.cycle, block),
         presets=b.presets,
-        heat=NO_HEAT,
-        spells=no_spells(),
         **beside_columns(b, block),
-        stop=stop_column(b, block),
-        relative=spread(at(b.held("distance"), block), len(block)) == 910,
         length=length,
+        relative=spread(at(b.held("distance"), block), len(block)) == RELATIVE_WORDS,
+        sent=places.sent,
+        changed=places.changed,
+        stop=stop_column(b, block),
         whole=whole,
         lead=lead,
         space=spread(int(b.frame.space is not None), len(block)),
         spaces=[None, b.frame.space],
+        heat=NO_HEAT,
+        spells=no_spells(),
     )
     return refuse_beside(b, motions)
 
@@ -362,8 +362,8 @@ def next_state(b: Batch, places: Places) -> ModalState:
         codes=b.after(), position=places.end_position, known=known_behind(b, places.end_known),
         tool=b.tool_after, feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1],
         zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, changed=places.end_changed,
-        offsets=b.offsets, cycle=b.cycle.after if b.cycle else None, beside=b.beside,
-        tool_number=tool_in_use(b), next_tool=b.next_tool, loose=b.loose,
+        cycle=b.cycle.after if b.cycle else None, beside=b.beside, tool_number=tool_in_use(b),
+        next_tool=b.next_tool, loose=b.loose, offsets=b.offsets,
     )  # fmt: skip
 
 
@@ -382,5 +382,6 @@ def tool_in_use(b: Batch) -> int:
     return int(b.words.mantissa[called[-1]]) if len(called) else b.state.next_tool
 
 
-NO_HEAT, INVERSE = np.zeros((0, 0), np.int64), np.array(930)  # without axes: postproc.units
+NO_HEAT = np.zeros((0, 0), np.int64)
+INVERSE, RELATIVE_WORDS = np.array(930), np.array(910)  # without axes: postproc.units
 CENTRES = {c: (c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": ("R",)}
