@@ -18,7 +18,7 @@ from postproc.motions import CUTS, FEED, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm, in_ticks
 
 TICKS, ONE = np.array(float(TICKS_PER_MM)), np.array(1.0)  # without axes: postproc.units
-NO_HOLES = np.zeros(0, np.int64)
+NONE: np.ndarray = np.zeros(0, np.int64)  # no strokes
 
 
 def _leashed(kept: int, own: int, most: int) -> int:
@@ -81,7 +81,7 @@ class Batch(Columns):
         self.known_before = self.of(self.start_known)
         if not self.undivided:
             self.known_before = self.known_before | (t0 > 0)
-        self.hole, self.reached = NO_HOLES, self.end_nominal
+        self.hole, self.reached = NONE, self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
             self.hole = motion.searchsorted(m.holes.motion)
             self.reached = self.end_nominal.copy()
@@ -193,7 +193,7 @@ class Batch(Columns):
         correction = self.exact - self.end_nominal
         whole = np.rint(correction * TICKS / step.astype(float)).astype(np.int64) * step
         nominal_ticks = self.of(m.target)
-        inner = (~self.last).nonzero()[0] if not self.undivided else ()
+        inner = NONE if self.undivided else (~self.last).nonzero()[0]
         if len(inner):
             nominal_ticks = np.where(self.last, nominal_ticks, in_ticks(self.end_nominal))
         self.nominal_end = nominal_ticks

@@ -144,13 +144,15 @@ def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
         may &= b.free[motion] & b.known_before[straight]
     if b.inside:
         may &= cutter.margin(b, motion) < np.inf
-    chosen = straight[may]
+    chosen: np.ndarray = straight[may]
     if b.c.ramped or not len(chosen):
         return chosen
     begin, end = b.begin_nominal, b.end_nominal
     if len(chosen) < len(b.motion):
         begin, end = begin.take(chosen, axis=1), end.take(chosen, axis=1)
-    return chosen[nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")]
+    bends = nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")
+    chosen = chosen[bends]
+    return chosen
 
 
 def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:

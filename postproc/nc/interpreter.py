@@ -19,7 +19,7 @@ from postproc.errors import BlockFault, Notice
 from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import AxisWords, Batch, written_codes
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
@@ -113,7 +113,10 @@ class Interpreter(Control):
         coordinates begins one."""
         if state.ended:
             return [0, words.blocks]
-        place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
+        place: np.ndarray = NO_WORDS
+        letters_there = words.letter.tobytes()
+        if b"G" in letters_there or KEYWORD_LETTER in letters_there:
+            place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
         switches = tip_codes(self.dialect, self.setup)
         letters = self.dialect.shifts_at_once
         if not len(place) and not letters and not switches:
