@@ -150,7 +150,7 @@ class _Axis:
             own = w.letter[place] == ord(self.letter)
             self.is_inc = np.where(own, self.is_inc, w.letter[place] < ABSOLUTE)
             self._rescale(self._distances())
-        self.added = np.count_nonzero(self.is_inc)
+        self.added = int(np.count_nonzero(self.is_inc))
 
     def _distances(self) -> np.ndarray:
         """(B,) bool: where its word is a distance, or would be."""
