@@ -14,7 +14,7 @@ from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.machine.tip import TipMachine
-from postproc.motions import CUTS, FEED, FREE, HOLE, RAPID, Motions
+from postproc.motions import CUTS, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm, in_ticks
 
 TICKS, ONE = np.array(float(TICKS_PER_MM)), np.array(1.0)  # without axes: postproc.units
@@ -104,19 +104,7 @@ class Batch(Columns):
         if self.inside:
             self.cutting &= self.of(m.cutter) == FREE
         self.correctable = self.of(self.places.rows)  # (A, S) axes whose correction can be told
-        self.left = self.of(m.changed)
-        if np.count_nonzero(self.left) or not self.every:
-            self.left = ~(free & self.correctable) | self.of(m.changed & (m.code == RAPID))
-            self.left &= self.of(m.word < 0)  # no rapid brings an axis back from a tool change
-        # So does everything where the nominal path does not move at all.
-        rests = ~np.logical_or.reduce(self.travel, axis=0)
-        if np.count_nonzero(rests):
-            rests &= (self.t1 - t0 == 1.0) & (code <= FEED) & free & self.sure
-            self.left = self.left | rests & self.of(m.start_known & m.target_known).all(axis=0)
-        if len(m.holes):  # the cycle brings the axis back to where it was
-            self.left = self.left.copy()
-            self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
-            self.left[:, self.hole[~m.holes.place]] = True
+        self.left = self.left_alone()
 
     def _travel(self) -> None:
         """`travel` (A, S) ticks, 0 where an end is not known; `forget` (A, S): axes that come from

@@ -221,8 +221,7 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     if np.count_nonzero(wrong):
         decimals = _resolved(whole, decimals)
         digits = whole + decimals
-        if spelled and not code.isascii():
-            digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
+        digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
         wrong = (digits < NEXT) | (digits > LONGEST)
 
     end = is_end[:-3].nonzero()[0]
