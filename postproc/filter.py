@@ -53,10 +53,6 @@ OWN_OUTPUT = (
 def _portions(text: bytes) -> Iterator[bytes]:
     """Whole lines, all at once or, where there are many arcs, fewer: an arc takes many samples, and
     memory shall stay flat."""
-    if len(text) <= MOST_ARCS:  # one byte each at least
-        if text:
-            yield text
-        return
     # `in` is ten times as fast as `count`
     letters = (b"I", b"J", b"K", b"R", b"i", b"j", b"k", b"r")
     arcs = max(text.count(letter) if letter in text else 0 for letter in letters)
@@ -193,6 +189,8 @@ class Filter:
                 raise self._error(self._rest, *TOO_LONG)
             return b""
         text, self._rest = self._rest + data[:end], data[end:]
+        if len(text) <= MOST_ARCS:  # one byte each at least
+            return self._lines(text)
         return self._handled(partial(self._lines, part) for part in _portions(text))
 
     def finish(self) -> bytes:

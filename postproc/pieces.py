@@ -7,6 +7,8 @@ import numpy as np
 from postproc.motions import FEED
 from postproc.records import columns, names
 
+LINES = np.array(FEED, np.int8)  # without axes: postproc.units
+
 
 @columns
 class Pieces:
@@ -40,11 +42,14 @@ class Pieces:
         return len(self.motion)
 
 
+# stroke (P,) and order within it (P,), the pieces
+Packed = tuple[tuple[np.ndarray, np.ndarray], Pieces]
+
+
 def without_rests(pieces: Pieces) -> Pieces:
     """The same without straight pieces of no length, unless a motion has nothing else: turning a
     slide round can bring it to the very place where a short motion ends."""
-    rest = (pieces.start == pieces.end).all(axis=0)
-    rest &= pieces.code <= FEED
+    rest = np.logical_and.reduce(pieces.start == pieces.end, axis=0) & (pieces.code <= LINES)
     if not np.count_nonzero(rest):
         return pieces
     first = np.concatenate([[True], pieces.motion[1:] != pieces.motion[:-1]])
@@ -55,19 +60,19 @@ def without_rests(pieces: Pieces) -> Pieces:
     return Pieces(**{f: getattr(pieces, f).take(keep, axis=-1) for f in fields})
 
 
-def in_order(parts: list[tuple[np.ndarray, Pieces]]) -> Pieces:
-    """Join sets of pieces; each comes with a (P, 2) key of stroke and order within it."""
+def in_order(parts: list[Packed]) -> Pieces:
+    """Join sets of pieces."""
     if len(parts) == 1:
-        stroke, place = parts[0][0].T
+        stroke, place = parts[0][0]
+        if len(stroke) < 2:
+            return parts[0][1]
         step = stroke[1:] - stroke[:-1]
         # straight strokes come in order already
-        if len(stroke) < 2 or not np.count_nonzero(
-            (step < 0) | ((step == 0) & (place[1:] <= place[:-1]))
-        ):
+        if not np.count_nonzero((step < 0) | ((step == 0) & (place[1:] <= place[:-1]))):
             return parts[0][1]
-    key = np.concatenate([k for k, _ in parts])
+    stroke, place = (np.concatenate(keys) for keys in zip(*(k for k, _ in parts), strict=True))
     # one sort of nearly sorted numbers; orders within a stroke go from -2 to 2^30
-    order = ((key[:, 0] << 32) + key[:, 1]).argsort(kind="stable")
+    order = ((stroke << 32) + place).argsort(kind="stable")
     fields = names(Pieces)
     joined = {
         f: np.concatenate([getattr(p, f) for _, p in parts], axis=-1).take(order, axis=-1)

@@ -46,6 +46,7 @@ def _with(cls: Class, more: dict[str, Any]) -> Class:
         "__init__": _init,
         "__dataclass_fields__": _Fields(cls),
         "_names": names,
+        "_order": tuple(names),
         "_defaults": getattr(cls, "_defaults", {}) | defaults,
         "_makers": getattr(cls, "_makers", {}) | makers,
     }
@@ -81,7 +82,7 @@ class _Fields:
 
 
 def _init(self: Any, *values: Any, **named: Any) -> None:
-    if not values and named.keys() == self._names:  # as most come
+    if not values and tuple(named) == self._order:  # as most come
         SET(self, "__dict__", named)
         return
     given = len(values) + len(named)

@@ -12,6 +12,7 @@ import pytest
 from postproc.compensate import Options, nodes
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
+from postproc.machine.tables import MANY, AxisTable
 from postproc.nc import dialects
 from tests.reference.evaluate import residual
 from tests.reference.machine import Machine as Reference
@@ -240,3 +241,17 @@ def test_an_axis_that_rests_moves_for_more_than_half_its_share(tmp_path, um, mov
     x = f"X_mm,EZX_um\n-10,0\n0,0\n100,{um}\n400,{um}\n"
     out = corrected(machine(tmp_path / "m", x), "G21 G90\nG1 X0 Z0 F500\nX300\nM2\n", 1.0 * UM)
     assert (f"X300Z-{um * UM:.5f}" in out) is moves and ("Z-" in out) is moves
+
+
+@pytest.mark.parametrize(
+    "nodes", [np.arange(5.0) * 25, np.array([0.0, 25, 50, 75, 90]), np.array([0.0, 1, 40, 41, 99])]
+)
+def test_the_interval_of_a_place_does_not_depend_on_how_many_are_asked_for(nodes):
+    """Evenly spaced nodes, all but the last, and uneven ones; at nodes, between, and beyond."""
+    table = AxisTable("X", nodes, np.zeros((6, 5)), np.zeros((6, 5)))
+    place = np.concatenate([nodes, nodes[:-1] + np.diff(nodes) / 3, [-5.0, 120.0]])
+    many = np.tile(place, MANY)
+    alone = [int(table.interval(place[k : k + 1])[0]) for k in range(len(place))]
+    assert table.interval(many)[: len(place)].tolist() == alone
+    assert table.place(place)[0].tolist() == alone
+    assert alone == np.clip(np.searchsorted(nodes, place, side="right") - 1, 0, 3).tolist()

@@ -62,6 +62,8 @@ CASES = [
     Case("G1 W1. Z3.", "Z and its increment", 1, "W1."),
     Case("G0 G1 X20.", "two codes of the modal group 'motion'", 1, "G1", LINUXCNC),
     Case("G1 X9999999.", "beyond 1e+06 mm", 1, "X9999999."),
+    Case("G1 Z1000000.0000001", "beyond 1e+06 mm", 1, "Z1000000.0000001"),
+    Case("T1 M6\nG1 X F10", "the letter X has no number", 2, "X", LINUXCNC),
     # arcs
     Case("G3 X40. Z30. I0. K10. F100", "the arc misses its own end point by", by_map=MAP),
     Case("G3 X40. Z30. I0. K10. F100", "the arc misses its own end point by", 1, "", LINUXCNC, MAP),

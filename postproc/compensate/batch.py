@@ -14,10 +14,11 @@ from postproc.compensate.columns import Columns
 from postproc.compensate.increments import increments, rounded
 from postproc.compensate.inverse import command
 from postproc.machine.tip import TipMachine
-from postproc.motions import CUTS, FEED, FREE, HOLE, RAPID, Motions
+from postproc.motions import CUTS, FREE, HOLE, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm, in_ticks
 
-TICKS = np.array(float(TICKS_PER_MM))  # without axes: postproc.units
+TICKS, ONE = np.array(float(TICKS_PER_MM)), np.array(1.0)  # without axes: postproc.units
+NONE: np.ndarray = np.zeros(0, np.int64)  # no strokes
 
 
 def _leashed(kept: int, own: int, most: int) -> int:
@@ -66,11 +67,10 @@ class Batch(Columns):
             self.motion, self.t0, self.t1 = turning.within(self.motion, self.t0, self.t1, self.span)
         motion, t0, t1 = self.motion, self.t0, self.t1
         self.undivided = motion is whole[0]
+        self.last = t1 == ONE
         if self.undivided:
-            self.last = np.ones(len(m), bool)
             self.begin_nominal, self.end_nominal = in_mm(m.start), in_mm(m.target)
         else:
-            self.last = t1 == 1.0
             self.begin_nominal = self.nominal(motion, t0)
             self.end_nominal = self.nominal(motion, t1)
         self.code = code = self.of(m.code)
@@ -81,9 +81,9 @@ class Batch(Columns):
         self.known_before = self.of(self.start_known)
         if not self.undivided:
             self.known_before = self.known_before | (t0 > 0)
-        self.hole = motion.searchsorted(m.holes.motion)
-        self.reached = self.end_nominal
+        self.hole, self.reached = NONE, self.end_nominal
         if len(m.holes):  # a hole asks for its place at the middle of its depth
+            self.hole = motion.searchsorted(m.holes.motion)
             self.reached = self.end_nominal.copy()
             middle = (m.holes.level + m.holes.bottom) / 2 / TICKS_PER_MM
             self.reached[m.holes.axis, self.hole] = middle
@@ -97,23 +97,14 @@ class Batch(Columns):
         self.sure_after = free & (code != HOLE) if len(m.holes) else free
         self.sure = np.empty(len(motion), bool)
         self.sure[:1], self.sure[1:] = self.carry.sure, self.sure_after[:-1]
-        if np.count_nonzero(self.jumps):
+        if self.leaps:
             self.sure &= ~self.jumps.any(axis=0)
         # Strokes before which lost motion may be taken up.
         self.cutting = free & CUTS.take(code)
         if self.inside:
             self.cutting &= self.of(m.cutter) == FREE
         self.correctable = self.of(self.places.rows)  # (A, S) axes whose correction can be told
-        self.left = ~(free & self.correctable) | self.of(m.changed & (m.code == RAPID))
-        self.left &= self.of(m.word < 0)  # no rapid brings an axis back from a tool change
-        # So does everything where the nominal path does not move at all.
-        rests = ~self.travel.any(axis=0)
-        if np.count_nonzero(rests):
-            rests &= (self.t1 - t0 == 1.0) & (code <= FEED) & free & self.sure
-            self.left |= rests & self.of(m.start_known & m.target_known).all(axis=0)
-        if len(m.holes):  # the cycle brings the axis back to where it was
-            self.left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
-            self.left[:, self.hole[~m.holes.place]] = True
+        self.left = self.left_alone()
 
     def _travel(self) -> None:
         """`travel` (A, S) ticks, 0 where an end is not known; `forget` (A, S): axes that come from
@@ -124,12 +115,11 @@ class Batch(Columns):
         if len(parts):
             way = self.end_nominal.take(parts, axis=1) - self.begin_nominal.take(parts, axis=1)
             travel[:, parts] = in_ticks(way)
-        sure = self.of(m.start_known & m.target_known)
-        self.forget = ~sure
-        if np.count_nonzero(self.forget):
-            travel = np.where(sure, travel, 0)
-            self.forget &= self.of(m.target_known & (m.word >= 0))
-        self.travel = travel
+        self.travel, self.forget = travel, self.of(self.places.wanting)
+        if not self.places.every:
+            sure = self.of(m.start_known & m.target_known)
+            self.travel = np.where(sure, travel, 0)
+            self.forget = ~sure & self.of(m.target_known & (m.word >= 0))
 
     def approach(self) -> None:
         """`weight_begin`, `weight_end` (A, S): sides of approach, -1 to +1, and `exact` (A, S) mm:
@@ -191,7 +181,7 @@ class Batch(Columns):
         correction = self.exact - self.end_nominal
         whole = np.rint(correction * TICKS / step.astype(float)).astype(np.int64) * step
         nominal_ticks = self.of(m.target)
-        inner = (~self.last).nonzero()[0]
+        inner = NONE if self.undivided else (~self.last).nonzero()[0]
         if len(inner):
             nominal_ticks = np.where(self.last, nominal_ticks, in_ticks(self.end_nominal))
         self.nominal_end = nominal_ticks
@@ -203,12 +193,11 @@ class Batch(Columns):
             self.end[on, inner] = self.grid(inner, self.end_nominal.take(inner, axis=1))[self.fixed]
         for row in self.fixed:
             self.end[row, self.last] = nominal_ticks[row, self.last]
-        untold = ~(self.correctable & free)
-        if np.count_nonzero(untold):
-            self.end = np.where(untold, nominal_ticks, self.end)
+        if not self.every:
+            self.end = np.where(self.correctable & free, self.end, nominal_ticks)
         self.before = np.empty_like(self.end)
         self.before[:, 0], self.before[:, 1:] = self.carry.issued, self.end[:, :-1]
-        if np.count_nonzero(self.jumped):
+        if self.leaps:
             self.before = np.where(self.jumps, self.of(m.start), self.before)
 
     def starts(self) -> None:
@@ -229,16 +218,18 @@ class Batch(Columns):
             self.turning &= ~self.sure & (self.t0 == 0) & (self.c.mode == "mean")
         else:
             self.turning &= self.flipped.any(axis=0) | ~self.sure
-        self.wanted = np.zeros(self.end.shape, np.int64)
+        self.wanted = self.before
         which = self.turning.nonzero()[0]
-        if len(which):
-            exact = command(
-                self.machine,
-                self.begin_nominal.take(which, axis=1),
-                self.weight_begin.take(which, axis=1),
-                self.motion[which],
-            )
-            self.wanted[:, which] = self.grid(which, exact)
+        if not len(which):
+            return
+        exact = command(
+            self.machine,
+            self.begin_nominal.take(which, axis=1),
+            self.weight_begin.take(which, axis=1),
+            self.motion[which],
+        )
+        self.wanted = np.zeros(self.end.shape, np.int64)
+        self.wanted[:, which] = self.grid(which, exact)
         for row in self.fixed:
             self.wanted[row] = self.before[row]
         self.wanted = np.where(self.correctable, self.wanted, self.before)
@@ -249,9 +240,11 @@ class Batch(Columns):
         correction has changed by more than half the tolerance. Sets `begin` (A, S), where each
         stroke is begun, and the final `before` and `end`."""
         free, known = self.moved, self.known_before
-        held = (self.travel == 0).any(axis=1)
+        held = np.logical_or.reduce(self.travel == 0, axis=1)
         self.leash = cutter.leash(self) if self.inside else None
-        unknown = np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
+        unknown = not self.every and (
+            np.count_nonzero(~known) or np.count_nonzero(~self.correctable)
+        )
         moved = np.count_nonzero(self.turning) or np.count_nonzero(self.left)
         if not (unknown or moved or held[self.rows].any() or self.leash is not None):
             self.begin = self.before

@@ -14,7 +14,7 @@ from postproc.compensate.arcs import points
 from postproc.compensate.known import known
 from postproc.compensate.settings import Carry, Settings
 from postproc.errors import Notice
-from postproc.motions import Motions
+from postproc.motions import FEED, RAPID, Motions
 from postproc.units import TICKS_PER_MM, in_mm
 
 
@@ -69,9 +69,12 @@ class Columns:
         self.places = known(self.machine, motions)
         self.known, self.start_known = self.places.end, self.places.start
         # motions whose end is corrected
-        self.free = self.known & ~motions.alone & ~self.places.idle
+        self.free = self.known & ~(motions.alone | self.places.idle)
         # (A, N) G28 has taken the axis elsewhere meanwhile
         self.jumped = motions.sent & motions.start_known
+        self.leaps = np.count_nonzero(self.jumped) > 0
+        # every place is known, and every motion corrected
+        self.every = self.places.every and np.count_nonzero(self.free) == len(motions)
         # (N,) ticks commanded at the bottom of a hole
         self.bottom = np.zeros(len(motions), np.int64)
 
@@ -104,6 +107,24 @@ class Columns:
                 m.arcs, self.arc_start, self.arc_target, self.arc_of[motion[on_arc]], t[on_arc]
             )
         return result
+
+    def left_alone(self) -> np.ndarray:
+        """(A, S) bool: axes that stay where they were sent last: in a motion that is left as it is
+        and does not name them, and where the nominal path does not move at all."""
+        m, free = self.m, self.moved
+        left = self.of(m.changed)
+        if np.count_nonzero(left) or not self.every:
+            left = ~(free & self.correctable) | self.of(m.changed & (m.code == RAPID))
+            left &= self.of(m.word < 0)  # no rapid brings an axis back from a tool change
+        rests = ~np.logical_or.reduce(self.travel, axis=0)
+        if np.count_nonzero(rests):
+            rests &= (self.t1 - self.t0 == 1.0) & (self.code <= FEED) & free & self.sure
+            left = left | rests & self.of(m.start_known & m.target_known).all(axis=0)
+        if len(m.holes):  # the cycle brings the axis back to where it was
+            left = left.copy()
+            left[m.holes.axis[m.holes.initial], self.hole[m.holes.initial]] = True
+            left[:, self.hole[~m.holes.place]] = True
+        return left
 
     def weight(self, stroke: np.ndarray, nominal: np.ndarray) -> np.ndarray:
         """(A, K) side of approach at places along strokes."""

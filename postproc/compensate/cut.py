@@ -12,12 +12,12 @@ from postproc.compensate.batch import Batch, written_centre
 from postproc.compensate.increments import increments, rounded
 from postproc.errors import MotionFault
 from postproc.motions import CLOCKWISE, COUNTER, FEED, FREE, RAPID, THREAD
-from postproc.pieces import Pieces
+from postproc.pieces import Packed, Pieces
 from postproc.records import names
 from postproc.units import TICKS_PER_MM
 
-Packed = tuple[np.ndarray, Pieces]  # (n, 2) stroke and order within it, the pieces
 Cuts = tuple[np.ndarray, np.ndarray, np.ndarray]  # stroke (K,), share (K,), command (A, K) mm
+NO_TIMES, FEEDS = np.zeros(0), np.array(FEED, np.int8)  # without axes: postproc.units
 
 
 def take_ups(b: Batch) -> Packed | None:
@@ -55,57 +55,50 @@ def pack(
     end: np.ndarray,
     share: np.ndarray,
     nominal: np.ndarray,
-    take_up: bool | np.ndarray = False,
+    take_up: bool = False,
     arc: np.ndarray | None = None,
     centre: np.ndarray | None = None,
     radius: np.ndarray | None = None,
 ) -> Packed:
-    n = len(stroke)
+    n, motion = len(stroke), b.motion[stroke]
+    arc_of, turns = np.empty(n, np.int64), np.empty(n, bool)
+    arc_of.fill(-1)
+    turns.fill(take_up)
     pieces = Pieces(
-        motion=b.motion[stroke],
+        motion=motion,
         code=np.asarray(code, np.int8),
         start=start,
         end=end,
         share=share,
-        arc=np.full(n, -1) if arc is None else arc,
+        arc=arc_of if arc is None else arc,
         centre=np.zeros((2, n), np.int64) if centre is None else centre,
         radius=np.zeros(n, np.int64) if radius is None else radius,
         nominal=nominal,
-        take_up=np.full(n, take_up),
-        corrected=b.free[b.motion[stroke]],
-        bottom=b.bottom[b.motion[stroke]],
+        take_up=turns,
+        corrected=b.free[motion],
+        bottom=b.bottom[motion],
     )
-    return np.array((stroke, order)).T, pieces
+    return (stroke, order), pieces
 
 
 def straight_pieces(b: Batch) -> Packed | None:
     """Straight strokes: whole, or cut where the map asks for it."""
     m, motion = b.m, b.motion
-    code = m.code[motion]
-    straight = (((code != CLOCKWISE) & (code != COUNTER)) | ~b.free[motion]).nonzero()[0]
+    if len(m.arcs):
+        straight = (((b.code != CLOCKWISE) & (b.code != COUNTER)) | ~b.moved).nonzero()[0]
+    else:
+        straight = np.arange(len(motion))
     if not len(straight):
         return None
-    may = (code[straight] == FEED) | (b.options.cut_rapids & (code[straight] == RAPID))
-    may |= (code[straight] == THREAD) & ~m.whole[motion[straight]]
-    may &= b.free[motion[straight]] & b.known_before[straight]
-    if b.inside:
-        may &= cutter.margin(b, motion[straight]) < np.inf
-    chosen = straight[may]
-    if not np.count_nonzero(b.c.reach):
-        begin, end = b.begin_nominal.take(chosen, axis=1), b.end_nominal.take(chosen, axis=1)
-        chosen = chosen[nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")]
-    owner, t, exact = _cuts(b, chosen)
-    if not len(owner) and len(straight) == len(motion):
-        return pack(
-            b, straight, np.zeros(len(straight), np.int64), code, b.begin, b.end, b.t1 - b.t0,
-            b.nominal_end,
-        )  # fmt: skip
+    chosen = _may_be_cut(b, straight)
+    owner, t, exact = _cuts(b, chosen) if len(chosen) else (chosen, NO_TIMES, b.exact)
     if not len(owner):
-        return pack(
-            b, straight, np.zeros(len(straight), np.int64), code[straight],
-            b.begin.take(straight, axis=1), b.end.take(straight, axis=1), (b.t1 - b.t0)[straight],
-            b.nominal_end.take(straight, axis=1),
-        )  # fmt: skip
+        parts = [b.begin, b.end, b.nominal_end, b.t1 - b.t0, b.code]
+        if len(straight) < len(motion):
+            parts = [column.take(straight, axis=-1) for column in parts]
+        start, end, nominal, share, code = parts
+        none = np.zeros(len(straight), np.int64)
+        return pack(b, straight, none, code, start, end, share, nominal)
     # Cuts come before the end of their own stroke; both are in order already.
     cut = chosen[owner]
     of = np.searchsorted(straight, cut)
@@ -139,6 +132,29 @@ def straight_pieces(b: Batch) -> Packed | None:
     )
 
 
+def _may_be_cut(b: Batch, straight: np.ndarray) -> np.ndarray:
+    """(K,) those of straight strokes that can bend and may be cut."""
+    code, motion = b.code.take(straight), b.motion.take(straight)
+    may = code == FEEDS
+    if b.options.cut_rapids:
+        may |= code == RAPID
+    if np.count_nonzero(may) < len(may):
+        may |= (code == THREAD) & ~b.m.whole[motion]
+    if not b.every:
+        may &= b.free[motion] & b.known_before[straight]
+    if b.inside:
+        may &= cutter.margin(b, motion) < np.inf
+    chosen: np.ndarray = straight[may]
+    if b.c.ramped or not len(chosen):
+        return chosen
+    begin, end = b.begin_nominal, b.end_nominal
+    if len(chosen) < len(b.motion):
+        begin, end = begin.take(chosen, axis=1), end.take(chosen, axis=1)
+    bends = nodes.may_bend(b.machine, begin, end, b.c.slack, b.c.outside == "clamp")
+    chosen = chosen[bends]
+    return chosen
+
+
 def _of_motion(b: Batch, stroke: np.ndarray, t: np.ndarray) -> np.ndarray:
     """(K,) t of whole motions, of t of strokes."""
     t0, t1 = b.t0[stroke], b.t1[stroke]
@@ -158,8 +174,6 @@ def _starts(b: Batch, stroke: np.ndarray, first: np.ndarray, end: np.ndarray) ->
 def _cuts(b: Batch, chosen: np.ndarray) -> Cuts:
     """(K,) index into chosen, (K,) t, (A, K) exact command mm of every cut inside the chosen
     strokes."""
-    if not len(chosen):
-        return np.zeros(0, np.int64), np.zeros(0), np.zeros((len(b.machine.axes), 0))
     start, target = b.begin_nominal.take(chosen, axis=1), b.end_nominal.take(chosen, axis=1)
     beside = cutter.centre(b, chosen, np.ones(len(chosen))) if b.reads_beside else 0.0
     owner, t, axis = nodes.candidates(b.machine, start + beside, target + beside, b.c.slack)
@@ -343,5 +357,5 @@ def arc_pieces(b: Batch) -> Packed | None:
     if none.any():
         fields = names(Pieces)
         pieces = Pieces(**{f: getattr(pieces, f)[..., ~none] for f in fields})
-        key = key[~none]
+        key = key[0][~none], key[1][~none]
     return key, pieces

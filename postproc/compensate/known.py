@@ -20,13 +20,14 @@ class Known:
     """end, start (N,): whether all that matters is known at a motion's end, at its start. rows (A,
     N): whether an axis' correction can be told at the end. idle (N,): whether nothing can change,
     so that unknown places do not matter. wanting (A, N): axes whose place is not known at the end,
-    and needed."""
+    and needed. every: whether all places are known."""
 
     end: np.ndarray
     start: np.ndarray
     rows: np.ndarray
     idle: np.ndarray
     wanting: np.ndarray
+    every: bool = False
 
 
 def known(machine: Machine, m: Motions) -> Known:
@@ -34,10 +35,11 @@ def known(machine: Machine, m: Motions) -> Known:
     chained = list(machine.chained)
     shape = m.target_known.shape
     both = m.target_known & m.start_known
-    if np.count_nonzero(both) == both.size or both[chained].all():
+    every = np.count_nonzero(both) == both.size
+    if every or both[chained].all():
         no = np.zeros(shape, bool)
         yes = ~no
-        return Known(end=yes[0], start=yes[0], rows=yes, idle=no[0], wanting=no)
+        return Known(end=yes[0], start=yes[0], rows=yes, idle=no[0], wanting=no, every=every)
     needs = machine.depends.astype(np.int64)
     moved = (m.word >= 0) | (m.target != m.start) | (m.sent & m.start_known)
     for axes in (m.arcs.first, m.arcs.second):

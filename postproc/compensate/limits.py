@@ -6,12 +6,13 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.compensate.batch import Batch
+from postproc.compensate.settings import EDGE
 from postproc.errors import MotionFault, Notice
 from postproc.machine.chain import ROTARY
 from postproc.machine.polar import NEAREST, PolarMachine
 from postproc.machine.tip import TipMachine
 from postproc.motions import COUNTER, FEED, RAPID
-from postproc.units import TICKS_PER_MM, UM
+from postproc.units import TICKS_PER_MM, UM, in_mm
 
 LOOKS = 9  # places on a motion at which the slides that hold the tip are looked at
 UNKNOWN = (
@@ -23,7 +24,6 @@ AT_STOP = (
     "motions left as they are, since an axis stands at the end of its travel and its correction"
     " leads beyond: {0}"
 )
-EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
 
 
 def refuse(b: Batch) -> None:
@@ -53,7 +53,7 @@ def check_unknown(b: Batch) -> None:
     where a program begins like that (printers, routers) or where it leads the new tool over the
     part before its length holds (CAM programs without rapids write G1 there); elsewhere it is
     refused. All that is left is counted, and said."""
-    if not np.count_nonzero(~(b.known & b.start_known)):
+    if b.every or not np.count_nonzero(~(b.known & b.start_known)):
         return
     lost = ~b.known & ~b.m.alone
     feeds = lost & (b.m.code != RAPID)
@@ -87,6 +87,10 @@ def check_inside(b: Batch) -> None:
     _check_arcs(b)
     if b.c.outside == "clamp":
         return
+    lowest, highest = b.c.covered
+    outside = (b.end_nominal < lowest) | (b.end_nominal > highest)
+    if not (np.count_nonzero(outside) or len(b.m.arcs)):
+        return
     free = b.free[b.motion]
     for row, letter in enumerate(b.machine.letters):
         ranges = b.machine.ranges.get(letter)
@@ -94,10 +98,7 @@ def check_inside(b: Batch) -> None:
             continue
         first, last = ranges
         low, high = first - EDGE, last + EDGE
-        value = b.end_nominal[row]
-        bad = (value < low) | (value > high)
-        if not (np.count_nonzero(bad) or len(b.m.arcs)):
-            continue
+        value, bad = b.end_nominal[row], outside[row]
         bad &= b.m.target_known[row, b.motion] & free
         if len(b.m.arcs):
             extent = _arc_extent(b, row, first)
@@ -280,14 +281,19 @@ def at_stop(b: Batch) -> np.ndarray:
 def check_limits(b: Batch) -> float:
     """Corrections and corrected ends must stay within their limits. Returns the largest correction,
     mm."""
-    free = b.free[b.motion]
-    counts = (b.correctable & free).take(b.c.at, axis=0)
-    correction = np.where(counts, np.abs(b.exact - b.end_nominal).take(b.c.at, axis=0), 0.0)
+    free = b.moved
+    correction = np.abs(b.exact - b.end_nominal)
+    if b.fixed:
+        correction = correction.take(b.c.at, axis=0)
+    if not b.every:
+        correction = np.where((b.correctable & free).take(b.c.at, axis=0), correction, 0.0)
     largest = b.machine.limits.max_correction
     most = float(correction.max(initial=0.0))
     low, high = b.c.travel
-    value = b.end.take(b.c.at, axis=0) / TICKS_PER_MM
-    beyond = ((value < low - EDGE) | (value > high + EDGE)) & free
+    value = in_mm(b.end.take(b.c.at, axis=0))
+    beyond = (value < low) | (value > high)
+    if not b.every:
+        beyond &= free
     if most <= largest and not np.count_nonzero(beyond):
         return most
     over = np.flatnonzero((correction > largest).any(axis=0))

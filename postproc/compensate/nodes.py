@@ -50,14 +50,14 @@ def may_bend(
     end of a table where it is held beyond (`clamped`), or product terms."""
     result = machine.bounds.bends(start, target, slack)
     # each begins where the last one ends
-    onward = not np.count_nonzero(start[:, 1:] != target[:, :-1])
+    onward = start.shape[1] > 1 and not np.count_nonzero(start[:, 1:] != target[:, :-1])
     for letter, table in machine.every_table:
         row = machine.letters.index(letter)
         if onward:
-            interval = table.place(np.concatenate([start[row, :1], target[row]]))[0]
+            interval = table.interval(np.concatenate([start[row, :1], target[row]]))
             result = result | (interval[:-1] != interval[1:])
         else:
-            result |= table.place(start[row])[0] != table.place(target[row])[0]
+            result = result | (table.interval(start[row]) != table.interval(target[row]))
         if clamped:  # held beyond the ends, it bends there
             for end in (table.nodes[0], table.nodes[-1]):
                 result |= (start[row] < end) != (target[row] < end)

@@ -17,6 +17,8 @@ from postproc.units import TICKS_PER_MM
 HOLE_TOLERANCE = 0.005
 # of the tolerance, which whole steps of heat may leave, and heat within one spell (heat/follow.py)
 HEAT_SHARE = 1 / 4
+EDGE = 1e-6  # mm: how far outside a table or a travel counts as on its end
+BESIDE = np.array([-EDGE, EDGE]).reshape(2, 1, 1)
 
 
 @record
@@ -139,7 +141,11 @@ class Settings:
         self.fixed = [i for i in range(len(machine.axes)) if i not in self.rows]
         # (R, 1) mm, lowest and highest place of each corrected axis
         travel = np.array([machine.axes[machine.letters[i]].travel for i in self.rows])
-        self.travel = travel.reshape(-1, 2).T[:, :, None]
+        self.travel = travel.reshape(-1, 2).T[:, :, None] + BESIDE
+        # (A, 1) mm, lowest and highest place of each axis that its tables cover
+        all_of = (-np.inf, np.inf)
+        covered = np.array([machine.ranges.get(x, all_of) for x in machine.letters])
+        self.covered = covered.reshape(-1, 2).T[:, :, None] + BESIDE
         self._directions()
 
     def allowed(self, grid: np.ndarray) -> np.ndarray:

@@ -60,11 +60,11 @@ class Course:
             sense = np.where(b.jumps | led, np.sign(b.turns), sense)
             given = given | led
         self.sense, self.given = sense.take(self.rows, axis=0), given.take(self.rows, axis=0)
-        stays = ~b.of(m.target_known) | b.left
+        stays = b.left if b.every else ~b.of(m.target_known) | b.left
         # Where forward lies beyond reverse an axis turns by being led beyond its place and back,
         # which no rapid does.
         if np.count_nonzero(b.c.overshoots):
-            stays |= (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
+            stays = stays | (b.travel == 0) & (b.code == RAPID) & b.c.overshoots[:, None]
         self.stays = stays.take(self.rows, axis=0) & ~self.given
 
     def _begin(self) -> Sides:
@@ -91,7 +91,10 @@ class Course:
         """Two (T, S): the side that the nominal motion of a stroke gives by itself, and whether it
         gives one."""
         moves = (np.abs(self.travel) > self.band[:, None]) & ~self.stays
-        return np.where(self.given, self.sense, np.sign(self.travel)), moves | self.given
+        way = np.sign(self.travel)
+        if not np.count_nonzero(self.given):
+            return way, moves
+        return np.where(self.given, self.sense, way), moves | self.given
 
     def spread(self, side: np.ndarray) -> np.ndarray:
         """(A, K) float sides of all axes."""
@@ -186,7 +189,7 @@ class Course:
         side, middle = self.bear()
         off = side != led
         open_ = off.any(axis=0) if np.count_nonzero(off) else np.zeros(0, bool)
-        open_ = open_ | _behind(open_)
+        open_ = open_ | _behind(open_) if len(open_) else open_
         while np.count_nonzero(open_):
             self._decide(open_.nonzero()[0], side, middle)
             found, now = self.bear()

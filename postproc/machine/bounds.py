@@ -15,7 +15,6 @@ import numpy as np
 from postproc.machine.chain import LINEAR, XYZ, along
 from postproc.machine.stated import Stated
 
-ONE = np.array(1.0)
 FARTHEST = 1e5  # mm: travels that are stated without end
 
 
@@ -209,16 +208,16 @@ class Bounds:
         """(N,) mm: how far products can bend the deviation of straight motions away from its chord;
         way (A, N) mm and degrees. It goes with the square of the length: cut in n parts, n * n
         times less."""
-        result, size = np.zeros(way.shape[1]), np.abs(way)
-        for i, j, twist in self._quarters:
-            result = result + twist * (size[i] * size[j])
+        size = np.abs(way)
+        parts = [twist * (size[i] * size[j]) for i, j, twist in self._quarters]
+        result: np.ndarray = sum(parts[1:], parts[0]) if parts else np.zeros(way.shape[1])
         if self.machine.chain.rotary:
             result = result + self._turning(way) / 8
         return result
 
     def bends(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:
         """(M,) bool: straight motions (A, M) that must be cut in more than one of `parts`."""
-        result: np.ndarray = np.sqrt(self.bend(target - start) / slack) > ONE
+        result: np.ndarray = self.bend(target - start) > slack
         return result
 
     def parts(self, start: np.ndarray, target: np.ndarray, slack: float) -> np.ndarray:

@@ -66,10 +66,7 @@ class Machine(Stated):
             if letter not in XYZ:  # no slide makes up for it, so its own motion is wanted as it is
                 continue
             own = XYZ.index(letter)
-            for table in [
-                *self.added.get(letter, ()),
-                *([self.tables[letter]] if letter in self.tables else []),
-            ]:
+            for table in self._playing[letter]:
                 result[k] -= 2 * table.half_of(own, position[row])
             for grid in self.grids_of[letter]:
                 result[k] -= 2 * grid.half_of(
@@ -150,8 +147,11 @@ class Machine(Stated):
         """Axis to its position, and to its deviations there, or those that count along one."""
         q = dict(zip(self.letters, position, strict=True))
         s = dict(zip(self.letters, approach, strict=True))
-        each = {x: self._parts(x, q, s, direction) for x in self.chain.axes}
-        return q, {x: part for x, part in each.items() if part is not None}
+        each = {}
+        for x in self.chain.axes:
+            if (part := self._parts(x, q, s, direction)) is not None:
+                each[x] = part
+        return q, each
 
     def _parts(self, letter: str, q: Columns, s: Columns, direction: int | None) -> Parts | None:
         """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
@@ -178,6 +178,15 @@ class Machine(Stated):
                 *self.added.get(x, ()),
             ]
             for x, a in self.axes.items()
+        }
+
+    @cached_property
+    def _playing(self) -> dict[str, list[AxisTable]]:
+        """Slide to its tables that say how much play it has."""
+        every = {x: [*self.added.get(x, ()), self.tables.get(x)] for x in self.letters if x in XYZ}
+        return {
+            x: [t for t in tables if t is not None and np.any(t.half[XYZ.index(x)])]
+            for x, tables in every.items()
         }
 
     @cached_property

@@ -143,6 +143,13 @@ class AxisTable:
         share /= wide
         return interval, share
 
+    def interval(self, position: np.ndarray) -> np.ndarray:
+        """(N,) index of the node below each position, as of `place`, without the share."""
+        if self.step or (len(position) >= MANY and self._nearly):
+            return self.place(position)[0]
+        inner: np.ndarray = self._uneven[2]
+        return inner.searchsorted(position, side="right")
+
     @cached_property
     def _nearly(self) -> float:
         """Intervals per mm where all are of one width but for a shorter last one, else 0."""

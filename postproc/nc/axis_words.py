@@ -10,19 +10,25 @@ from postproc.nc.numbers import INSERT_WORD, MOST_DECIMALS, POWERS
 from postproc.nc.writing import Writing
 
 INSERT_CODE = 1
+NOUGHT, MOST = np.array(0), np.array(MOST_DECIMALS)  # without axes: postproc.units
+NO_MOTIONS = np.zeros(0, np.int64)
 
 
 def motion_codes(b: Writing) -> None:
     """Name the motion code where the output's differs from the program's."""
     p, m = b.p, b.m
-    first_code, last_code = p.code[b.first], p.code[b.final].astype(np.int64)
-    last_code[last_code == FOREIGN] = -1  # what it leaves in force is the program's own affair
-    before = np.empty_like(last_code)
+    first_code, last_code = p.code[b.first], p.code[b.final]
+    before = np.empty(len(m), np.int64)
     before[0], before[1:] = b.state.code, last_code[:-1]
+    before[before == FOREIGN] = -1  # what it leaves in force is the program's own affair
     # the program named its code anew since
-    before = np.where(m.renamed | (before < 0), m.code, before)
-    explicit, followed = m.code_word >= 0, m.code != FOREIGN
-    change = (explicit & (first_code != m.code) & followed).nonzero()[0]
+    anew = m.renamed | (before < NOUGHT)
+    if np.count_nonzero(anew):
+        before = np.where(anew, m.code, before)
+    explicit, differs = m.code_word >= NOUGHT, first_code != m.code
+    change: np.ndarray = NO_MOTIONS
+    if np.count_nonzero(differs):
+        change = (explicit & differs & (m.code != FOREIGN)).nonzero()[0]
     if len(change):
         word = m.code_word[change]
         b.splice.texts(
@@ -32,7 +38,10 @@ def motion_codes(b: Writing) -> None:
             [b"%d" % c for c in (first_code + b.above)[change]],
         )
         b.touched[change] = True
-    insert = (~explicit & (first_code != before) & followed).nonzero()[0]
+    unnamed = first_code != before
+    if np.count_nonzero(unnamed):
+        unnamed &= (m.code != FOREIGN) & ~explicit
+    insert = unnamed.nonzero()[0]
     if len(insert):
         texts = [
             b"G%d" % c + (b" " if s else b"")
@@ -41,10 +50,9 @@ def motion_codes(b: Writing) -> None:
         b.splice.texts(b.head[insert], b.head[insert], np.full(len(insert), INSERT_CODE), texts)
         b.touched[insert] = True
     # Pieces behind the first name their code when it differs from the piece before.
-    code = p.code.astype(np.int64)
-    if b.dialect.modal_motion and not b.klartext:
+    if len(p) > len(m) and b.dialect.modal_motion and not b.klartext:
         # L is a radius beside G102 and G103 alone
-        b.names_code &= begins(code) | ((b.above[p.motion] > 0) & (p.arc >= 0))
+        b.names_code &= begins(p.code) | ((b.above[p.motion] > 0) & (p.arc >= 0))
 
 
 def last_code(b: Writing) -> int:
@@ -70,19 +78,21 @@ def _enough(b: Writing, row: int, piece: np.ndarray, decimals: np.ndarray) -> np
 
 def axis_words(b: Writing) -> None:
     m, p = b.m, b.p
-    first = b.begin
-    starts, ends = p.start.take(first, axis=1), p.end.take(first, axis=1)
-    suspect = (ends != m.target) | (m.incremental & (starts != m.start))
-    followed = ~m.alone
-    named = m.word >= 0
-    suspect &= named & followed
+    first, starts, ends = b.begin, p.start, p.end
+    if len(p) > len(m):
+        starts, ends = starts.take(first, axis=1), ends.take(first, axis=1)
+    suspect, named = ends != m.target, m.word >= NOUGHT
+    if np.count_nonzero(m.incremental):
+        suspect |= m.incremental & (starts != m.start)
+    suspect = suspect & named & ~m.alone
     # In blocks of their own, and put into the motion's where it does not name an axis that
     # moves.
-    missing = ~named & (ends != starts) & m.target_known
-    missing &= followed & (m.code != FOREIGN) & p.corrected[first]
+    missing = (ends != starts) & ~named
+    if np.count_nonzero(missing):
+        missing &= m.target_known & ~m.alone & (m.code != FOREIGN) & p.corrected[first]
     if len(m.holes):
         missing[m.holes.axis, m.holes.motion] = False
-    added = (~b.first).nonzero()[0]
+    added = (~b.first).nonzero()[0] if len(p) > len(m) else NO_MOTIONS
     at = suspect.T.ravel().nonzero()[0]  # in the order of the text, nearly
     motion = at // len(suspect)
     _rewrite(b, motion, at - motion * len(suspect))
@@ -99,7 +109,7 @@ def _rewrite(b: Writing, motion: np.ndarray, row: np.ndarray) -> None:
     """Change the numbers of words (K,) that stand in the text."""
     word = cells(b.m.word, row, motion)
     own = b.w.decimals.take(word)
-    decimals = np.minimum(np.maximum(cells(b.m.places, row, motion), own), MOST_DECIMALS)
+    decimals = np.minimum(np.maximum(cells(b.m.places, row, motion), own), MOST)
     value = b.value(row, b.begin[motion], decimals)
     differs = value != b.stands(word, decimals)
     b.renumber(word, value, decimals, differs)

@@ -24,7 +24,7 @@ LETTERS = [np.array(c, np.uint8) for c in ANY]  # without axes: postproc.units
 # not a group of the tables: the last of G0 to G3, which a canned cycle leaves as it is
 UNDER = "under cycles"
 # ticks, and decimals that are exact in ticks; without axes: postproc.units
-LARGEST_WORD, EXACT = np.array(LARGEST_WORD_MM * TICKS_PER_MM), np.array(9)
+LARGEST_WORD, EXACT = np.array(int(LARGEST_WORD_MM) * TICKS_PER_MM), np.array(9)
 AxisWords = dict[str, tuple[np.ndarray, np.ndarray]]  # axis to its words, its incremental words
 NO_WORDS = np.zeros(0, np.int64)
 NO_WORDS.flags.writeable = False
@@ -55,9 +55,11 @@ def _scales(inch: bool, least: float) -> tuple[np.int64, np.int64]:
 
 
 @lru_cache
-def _last_digit(scale: int) -> np.ndarray:
-    """(10,) ticks of the last digit of a word with 0 to 9 decimals; `scale` ticks a unit."""
-    return scale // POWERS[:10]
+def _last_digit(scale: int) -> tuple[np.ndarray, np.ndarray]:
+    """(10,) ticks of the last digit of a word with 0 to 9 decimals, `scale` ticks a unit, and (10,)
+    the largest of all its digits as one number."""
+    digit = scale // POWERS[:10]
+    return digit, LARGEST_WORD // np.maximum(digit, 1)
 
 
 class Batch:
@@ -196,24 +198,21 @@ class Batch:
         mantissa, decimals = self.words.mantissa[place], self.words.decimals[place]
         # one unit for all: look the ticks of a last digit up by the number of decimals
         if scale.size == 1:
-            per = _last_digit(scale.item()).take(decimals, mode="clip")
+            digit, largest = _last_digit(scale.item())
+            per, most = (table.take(decimals, mode="clip") for table in (digit, largest))
         else:
             per = scale // POWERS[np.minimum(decimals, 9)]
-        size = np.abs(mantissa.astype(float)) * per.astype(float)
-        far = (size > LARGEST_WORD).nonzero()[0]
-        if len(far):
-            far = far[np.minimum(decimals[far], 9) == decimals[far]]
-        if len(far):
-            text = self.words.text[
-                self.words.start[place[far[0]]] : self.words.stop[place[far[0]]]
-            ].decode("ascii", "replace")
+            most = LARGEST_WORD // np.maximum(per, 1)
+        far, fine = np.abs(mantissa) > most, decimals > EXACT
+        for word in place[far & ~fine] if np.count_nonzero(far) else ():
+            text = self.words.text[self.words.start[word] : self.words.stop[word]]
             raise self.fault(
-                place[far[0]],
-                f"{text} is beyond {LARGEST_WORD_MM:g} mm",
+                word,
+                f"{text.decode('ascii', 'replace')} is beyond {LARGEST_WORD_MM:g} mm",
                 "is a decimal point missing?",
             )
         value: np.ndarray = mantissa * per
-        for i in (decimals > EXACT).nonzero()[0]:
+        for i in fine.nonzero()[0] if np.count_nonzero(fine) else ():
             over = 10 ** int(decimals[i])
             unit = int(scale.ravel()[0] if scale.size == 1 else scale[i])
             value[i] = (2 * int(mantissa[i]) * unit + over) // (2 * over)

@@ -19,7 +19,7 @@ from postproc.errors import BlockFault, Notice
 from postproc.motions import FOREIGN, Motions, join, no_motions, no_spells
 from postproc.nc import face, frames
 from postproc.nc.arcs import Circle, arcs_of
-from postproc.nc.batch import AxisWords, Batch, written_codes
+from postproc.nc.batch import NO_WORDS, AxisWords, Batch, written_codes
 from postproc.nc.beside import beside_columns
 from postproc.nc.beside_refusals import refuse_beside
 from postproc.nc.columns import at, hold_last_float, named_since, one_of, spread
@@ -114,7 +114,10 @@ class Interpreter(Control):
         coordinates begins one."""
         if state.ended:
             return [0, words.blocks]
-        place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
+        place: np.ndarray = NO_WORDS
+        letters_there = words.letter.tobytes()
+        if b"G" in letters_there or KEYWORD_LETTER in letters_there:
+            place = ((words.letter == ord("G")) | (words.letter == KEYWORD_LETTER)).nonzero()[0]
         switches = tip_codes(self.dialect, self.setup)
         letters = self.dialect.shifts_at_once
         if not len(place) and not letters and not switches:
@@ -295,8 +298,7 @@ def columns(
     code = b.dialect.kind[np.maximum(motion, 0)]
     if np.count_nonzero(b.foreign):
         code[b.foreign[block]] = FOREIGN
-    mode = b.held("feed mode")
-    inverse = spread(at(mode, block), len(block)) == 930
+    inverse = spread(at(b.held("feed mode"), block), len(block)) == INVERSE
     if np.count_nonzero(inverse):
         slow = inverse & (feed_word[block] < 0) & (motion != 0) & ~b.foreign[block]
         if chr(UNTOLD) in b.places:
@@ -342,21 +344,21 @@ def columns(
         renamed=renamed,
         arcs=arcs,
         reasons=b.reasons,
-        sent=places.sent,
-        changed=places.changed,
         holes=holes_of(b, b.cycle, block),
         presets=b.presets,
-        heat=NO_HEAT,
-        spells=no_spells(),
         **beside_columns(b, block),
-        stop=stop_column(b, block),
-        relative=spread(at(b.held("distance"), block), len(block)) == 910,
         length=length,
+        relative=spread(at(b.held("distance"), block), len(block)) == RELATIVE_WORDS,
+        sent=places.sent,
+        changed=places.changed,
+        stop=stop_column(b, block),
         whole=whole,
         lead=lead,
         spaced=spaced_column(b, block, code),
         space=spread(int(b.frame.space is not None), len(block)),
         spaces=[None, b.frame.space],
+        heat=NO_HEAT,
+        spells=no_spells(),
     )
     return refuse_beside(b, motions)
 
@@ -366,8 +368,8 @@ def next_state(b: Batch, places: Places) -> ModalState:
         codes=b.after(), position=places.end_position, known=known_behind(b, places.end_known),
         tool=b.tool_after, feed=b.feed, ended=b.ended, renamed=b.renamed, origin=b.offset[:, -1],
         zero_known=b.zero_known, frame=b.frame, sent=places.end_sent, changed=places.end_changed,
-        offsets=b.offsets, cycle=b.cycle.after if b.cycle else None, beside=b.beside,
-        tool_number=tool_in_use(b), next_tool=b.next_tool, loose=b.loose,
+        cycle=b.cycle.after if b.cycle else None, beside=b.beside, tool_number=tool_in_use(b),
+        next_tool=b.next_tool, loose=b.loose, offsets=b.offsets,
     )  # fmt: skip
 
 
@@ -387,4 +389,5 @@ def tool_in_use(b: Batch) -> int:
 
 
 NO_HEAT = np.zeros((0, 0), np.int64)
+INVERSE, RELATIVE_WORDS = np.array(930), np.array(910)  # without axes: postproc.units
 CENTRES = {c: (c, spelled(ABSOLUTE, c), spelled(RELATIVE, c)) for c in "IJK"} | {"R": ("R",)}

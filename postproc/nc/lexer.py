@@ -215,10 +215,14 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     after = after + pointed
     stop = mark[after]
     whole = point - begin  # without a point that is where the number stops
-    decimals = _resolved(whole, stop - point - pointed)
+    decimals = stop - point - pointed
     digits = whole + decimals
-    if spelled and not code.isascii():
+    wrong = (digits < NEXT) | (digits > LONGEST)
+    if np.count_nonzero(wrong):
+        decimals = _resolved(whole, decimals)
+        digits = whole + decimals
         digits = np.where(NEEDS_NUMBER[byte[here]], digits, np.maximum(digits, 1))
+        wrong = (digits < NEXT) | (digits > LONGEST)
 
     end = is_end[:-3].nonzero()[0]
     end_at = mark[end]
@@ -228,7 +232,6 @@ def lex(text: bytes, grammar: Grammar, drop: bool = False) -> Words:
     skip = first_kind == SLASHES
 
     fault = None
-    wrong = (digits < NEXT) | (digits > LONGEST)
     # Every letter, sign, point and slash that stands where it may is a mark of its own.
     right = len(first) + len(end) + np.count_nonzero(signed)
     right += np.count_nonzero(pointed) + np.count_nonzero(skip)
@@ -315,7 +318,7 @@ def _mantissa(
     # Eight bytes from every place on, as one integer each: the first digit lies lowest.
     eight = np.ndarray(len(byte), EIGHT_BYTES, byte.tobytes() + bytes(8), strides=(1,))
     digits = whole + decimals
-    before = BELOW.take(np.where(pointed, whole, ALL), mode="clip")
+    before = BELOW.take(whole, mode="clip")  # without a point these are all that count
     text = eight[begin]  # `take` would write them all out first
     value = _digits((text & before) | ((text >> EIGHT) & ~before), digits)
     long = (digits + pointed > ALL).nonzero()[0]

@@ -15,6 +15,8 @@ from postproc.nc.references import away as sent_away
 from postproc.nc.state import UNSAID
 from postproc.records import mutable, replace
 
+NEXT = np.array(1)  # without axes: postproc.units
+
 
 @mutable
 class Places:
@@ -45,6 +47,7 @@ class Places:
 def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
     """Work out (A, N) start, target, what is known, and the words' scales, at the moving blocks."""
     p, shared = _nowhere(b, len(block)), _Shared(b)
+    earlier = block - NEXT
     idle = not (len(block) or shared.moves_without_words)
     for letter, row in b.rows.items():
         if idle and not any(map(len, axis_words[letter])):
@@ -53,7 +56,7 @@ def position(b: Batch, block: np.ndarray, axis_words: AxisWords) -> Places:
         axis.read(*axis_words[letter])
         axis.travel()
         axis.leave(p, block)
-        axis.write(p, block)
+        axis.write(p, block, earlier)
     return p
 
 
@@ -135,16 +138,19 @@ class _Axis:
             place = place[~self.cycle.mask[w.block[place]]]
         self.place, self.by = place, w.block[place]
         self.relative = self.distance == 910
-        self.some_relative = np.count_nonzero(self.relative)
+        self.some_relative = self.relative is not False and np.count_nonzero(self.relative) > 0
         if self.some_relative:
             self.is_inc = at(self.relative, self.by) & ~b.machine[self.by]
         else:
             self.is_inc = np.zeros(len(self.by), bool)
+        self.added = 0
+        if not (self.some_relative or self.shared.spelled or len(increment)):
+            return
         if self.shared.spelled or len(increment):
             own = w.letter[place] == ord(self.letter)
             self.is_inc = np.where(own, self.is_inc, w.letter[place] < ABSOLUTE)
             self._rescale(self._distances())
-        self.added = np.count_nonzero(self.is_inc)
+        self.added = int(np.count_nonzero(self.is_inc))
 
     def _distances(self) -> np.ndarray:
         """(B,) bool: where its word is a distance, or would be."""
@@ -162,13 +168,13 @@ class _Axis:
         """Set `position` (B,) behind each block and `named` (B,), whether the block says it."""
         n = self.b.n
         self.named = np.zeros(n, bool)
+        self.named[self.by] = ~self.is_inc
         self.due = _due(self) if self.b.dialect.increments_travel_shifts else None
         if not (len(self.by) or self.cycle):
             self.position = np.empty(n, np.int64)
             self.position.fill(self.stood)
             return
         here, set_to, run = self._read_values()
-        self.named[here] = True
         if len(here) == n and not self.cycle:  # every block says the place: nothing is held
             self.position = set_to
             return
@@ -250,12 +256,14 @@ class _Axis:
             event[block[goes & (at(self.b.held("motion"), block) != 0)]] = 0
         since = hold_last(event, int(self.shared.changed[self.row])).astype(bool)
         p.changed[self.row] = since[block]
-        p.end_changed[self.row] = since[-1]
+        if self.b.n:
+            p.end_changed[self.row] = since[-1]
         return lost & taken
 
-    def write(self, p: Places, block: np.ndarray) -> None:
-        """Fill the axis' row of `p` at the moving blocks."""
-        row, n, earlier = self.row, self.b.n, block - 1
+    def write(self, p: Places, block: np.ndarray, earlier: np.ndarray) -> None:
+        """Fill the axis' row of `p` at the moving blocks, behind which stand the blocks
+        `earlier`."""
+        row, n = self.row, self.b.n
         p.target[row], p.start[row] = self.position[block], self.position[earlier]
         if self.known is None:
             p.start_known[row] = p.target_known[row] = True
@@ -264,9 +272,11 @@ class _Axis:
         if len(block) and block[0] == 0:  # there is no block before the first
             p.start[row, 0], p.start_known[row, 0] = self.stood, self.was_known
         if len(self.by):
-            word = np.empty(n, np.int64)
-            word.fill(-1)
-            word[self.by] = self.place
+            word = self.place
+            if len(self.by) < n:
+                word = np.empty(n, np.int64)
+                word.fill(-1)
+                word[self.by] = self.place
             p.word[row] = word[block]
         if self.added or self.some_relative:
             inc = self._distances()
