@@ -148,4 +148,5 @@ class Dictionary:
 
     def of_pairs(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(P,) products of pairs of columns."""
-        return np.asarray(np.einsum("pn,pn->p", self.d.T[first], self.d.T[second]))
+        d = self.d.T
+        return np.array([d[i] @ d[k] for i, k in zip(first, second, strict=True)], float)

@@ -39,6 +39,7 @@ LINE = 25.0  # times the power around: an oscillation, no noise
 # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom
 # does so too)
 TAIL = 4.0
+CACHED = 1 << 18  # bytes that are filtered at once: so many stay near the processor
 
 
 @dataclass
@@ -94,10 +95,15 @@ class Unit:
         scaled: np.ndarray = columns / (self.r if columns.ndim == 1 else self.r[:, None])
         if not len(self.ar):
             return scaled
-        result = scaled.copy()
-        for k, a in enumerate(self.ar, 1):
-            result[k:] -= a * scaled[:-k]
-        result /= np.sqrt(self.innovation)
+        result = np.empty_like(scaled)
+        step = max(1, CACHED // (scaled[:1].nbytes + 1))
+        for begin in range(0, len(scaled), step):
+            block = result[begin : begin + step]
+            block[:] = scaled[begin : begin + step]
+            for k, a in enumerate(self.ar, 1):
+                first = min(max(k - begin, 0), len(block))
+                block[first:] -= a * scaled[begin + first - k : begin + len(block) - k]
+            block /= np.sqrt(self.innovation)
         for edge in self.edges[:-1]:  # of the first of a passage nothing is foretold
             first = slice(edge, edge + len(self.ar))
             result[first] = scaled[first]

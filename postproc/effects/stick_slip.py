@@ -92,10 +92,15 @@ def columns(
     lag = -state.approach[axis] * creeps(state, axis, fastest_mm_s)
     if period_mm <= 0:
         return along(axis, 0.5 * lag)
-    driven_on = np.abs(state.velocity[axis]) * slip_ms * 1e-3
-    way = ways(state, axis) % (period_mm + driven_on)
-    let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
-    tooth = np.nanmean(np.minimum(way / period_mm, let_go), axis=0) - 0.5
+    creep = np.flatnonzero(lag)
+    driven_on = np.abs(state.velocity[axis][creep]) * slip_ms * 1e-3
+    way = ways(state, axis)[:, creep] % (period_mm + driven_on)
+    height = way / period_mm
+    if slip_ms:
+        let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
+        height = np.minimum(height, let_go)
+    tooth = np.zeros(len(lag))
+    tooth[creep] = np.nanmean(height, axis=0) - 0.5
     return along(axis, tooth * lag, lag)
 
 
