@@ -92,7 +92,8 @@ class Dictionary:
                 new.append(own)
         if new:
             self.columns = np.concatenate(numbers)
-            self._put(self.unit.whitened(np.concatenate(new, axis=1)))
+            wide = np.empty((len(self.unit), at - len(self.dy)), order="F")
+            self._put(self.unit.whitened(np.concatenate(new, axis=1, out=wide)))
 
     def _put(self, new: np.ndarray) -> None:
         self._d.add(new)

@@ -31,6 +31,8 @@ And it may hold
 - RESTING: True where it moves the tool along an axis that does not move itself, too;
 - LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it
   is simulated, never fitted;
+- ALONG: True where it moves the tool along its axis alone, and a row alone tells by how much: only
+  rows that see the axis are asked;
 - WALLS: True where an effect that goes with time changes what lies between the two walls of a
   feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
@@ -71,6 +73,7 @@ XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
+AT_ONCE = 1 << 15  # samples whose waves are worked out at once: they stay near the processor
 SETTLES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # ms: position gains of 500 to 16 per s
 # component, axis, nodes mm, mm towards plus and minus
 Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
@@ -324,9 +327,16 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     samples = state.inside.get(name)
     if samples is None:
         samples = (state.time if name == "time" else state.position[name])[None]
-    known = np.isfinite(samples)
-    angle, many = 2 * np.pi * per_unit * samples, np.count_nonzero(known, axis=0)
-    return [np.where(known, wave(angle), 0.0).sum(axis=0) / many for wave in (np.cos, np.sin)]
+    result = [np.empty(samples.shape[1]) for _ in range(2)]
+    step = max(1, AT_ONCE // len(samples))
+    for begin in range(0, samples.shape[1], step):
+        own = slice(begin, begin + step)
+        known = np.isfinite(samples[:, own])
+        angle = np.where(known, 2 * np.pi * per_unit * samples[:, own], 0.0)
+        many = np.count_nonzero(known, axis=0)
+        for value, wave in zip(result, (np.cos, np.sin), strict=True):
+            value[own] = np.where(known, wave(angle), 0.0).sum(axis=0) / many
+    return result
 
 
 def amplitude_and_phase(coefficients: np.ndarray) -> dict[str, float]:

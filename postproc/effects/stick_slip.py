@@ -31,6 +31,7 @@ WITHIN = (-0.1, 1.1)
 # What sticks lags. The drive's stiffness bounds by how much (unverified).
 PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("distance", "velocity", "approach"), ("tool", "scale")
 TEXT = (
     "The slide sticks and jumps at low feed. "
