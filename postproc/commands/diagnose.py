@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import io
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -59,7 +60,8 @@ def run(options: argparse.Namespace) -> int:
     try:
         for source in sources:
             progress(f"reading {source.name}")
-            read.append(formats.read(source, options=lenient))
+            # a copy, with which its text goes: beside a long recording that is a lot
+            read.append(formats.read(replace(source), options=lenient))
         left = corrected(read, options.compensated)
         found = diagnose(
             read,

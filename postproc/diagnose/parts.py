@@ -97,7 +97,7 @@ class Part:
         self.groups = [  # a part of the whole, not a second copy
             replace(g, columns=b[:, i:j]) for g, (i, j) in zip(groups, pairwise(edges), strict=True)
         ]
-        self.b = unit.whitened(b[use])
+        self.b = unit.whitened(b if use.all() else b[use])
         self.z = unit.whitened(shared[unit.rows])
         self.y = unit.whitened(y[unit.rows])
         self.bb, self.by = self.b.T @ self.b, self.b.T @ self.y
