@@ -118,13 +118,18 @@ class Dictionary:
             known = self._crossed[k] = np.concatenate([known, new], axis=1)
         return known
 
-    def products(self, raw: np.ndarray, shown: tuple[int, ...]) -> Products | None:
-        """Of columns raw (n, K) that are not in the dictionary; None: they do not show here."""
+    def products(
+        self, raw: np.ndarray, shown: tuple[int, ...], use: np.ndarray
+    ) -> Products | None:
+        """Of columns raw (n, K) that are not in the dictionary; None: they do not show here. use:
+        numbers of the own columns that are asked for, in order; of the others nothing is said."""
         if not raw.any():
             return None
         x = self.unit.whitened(raw)
         shared = [self.z.T @ x, *(self.d[:, self.where[c]].T @ x for c in shown)]
-        return Products(self.b.T @ x, np.concatenate(shared), x.T @ x, x.T @ self.y)
+        own, last = np.zeros((self.b.shape[1], x.shape[1])), int(use.max(initial=-1)) + 1
+        own[:last] = self.b[:, :last].T @ x
+        return Products(own, np.concatenate(shared), x.T @ x, x.T @ self.y)
 
     def own_beside(
         self, numbers: tuple[int, ...], width: list[int], shown: tuple[int, ...]
