@@ -31,8 +31,7 @@ And it may hold
 - RESTING: True where it moves the tool along an axis that does not move itself, too;
 - LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it
   is simulated, never fitted;
-- ALONG: True where it moves the tool along its axis alone, and a row alone tells by how much: only
-  rows that see the axis are asked;
+- ALONG: True where it is along its axis and told by each row alone: rows that see it are asked;
 - WALLS: True where an effect that goes with time changes what lies between the two walls of a
   feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
@@ -134,8 +133,7 @@ class State:
 def along(axis: str, *values: np.ndarray) -> np.ndarray:
     """(K, 3, N) mm of values (N,) um along one axis."""
     result = np.zeros((len(values), 3, len(values[0])))
-    for k, value in enumerate(values):
-        result[k, XYZ.index(axis)] = value * UM
+    result[:, XYZ.index(axis)] = np.stack(values) * UM
     return result
 
 
@@ -324,19 +322,11 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     """(N,) cosine and sine, so many a mm of the place of an axis or a second of the "time", as rows
     that are means of samples show them: the samples of an instrument are moments, so waves shorter
     than their distance are in a mean too."""
-    samples = state.inside.get(name)
-    if samples is None:
-        samples = (state.time if name == "time" else state.position[name])[None]
-    result = [np.empty(samples.shape[1]) for _ in range(2)]
-    step = max(1, AT_ONCE // len(samples))
-    for begin in range(0, samples.shape[1], step):
-        own = slice(begin, begin + step)
-        known = np.isfinite(samples[:, own])
-        angle = np.where(known, 2 * np.pi * per_unit * samples[:, own], 0.0)
-        many = np.count_nonzero(known, axis=0)
-        for value, wave in zip(result, (np.cos, np.sin), strict=True):
-            value[own] = np.where(known, wave(angle), 0.0).sum(axis=0) / many
-    return result
+    own = state.time if name == "time" else state.position[name]
+    angle = 2 * np.pi * per_unit * state.inside.get(name, own[None])
+    parts = np.array_split(angle, 1 + angle.size // AT_ONCE, axis=1)
+    waves = [[np.nanmean(wave(part), axis=0) for part in parts] for wave in (np.cos, np.sin)]
+    return [np.concatenate(one) for one in waves]
 
 
 def amplitude_and_phase(coefficients: np.ndarray) -> dict[str, float]:
