@@ -46,7 +46,8 @@ def answer(folder: Path) -> tuple[str, dict | None, list[tuple[str, int]], float
         scores = [
             (f.block.key, int(min(f.score, 1e9))) for f in d.findings if f.status == "accepted"
         ]
-        return folder.name, report.as_json(d, [s.sha256 for s in sources]), scores, time.process_time() - began, ""
+        said = report.as_json(d, [s.sha256 for s in sources])
+        return folder.name, said, scores, time.process_time() - began, ""
     except Exception:
         return folder.name, None, [], time.process_time() - began, traceback.format_exc()
 
