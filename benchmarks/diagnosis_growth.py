@@ -78,7 +78,9 @@ def lines(
 def main() -> None:
     argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     start, _ = _used([sys.executable, "-c", "import postproc.diagnose.analysis"])
-    print(f"start-up {start:.2f} s\n\n| | number | CPU s | peak MB | power |\n|---|---|---|---|---|")
+    print(
+        f"start-up {start:.2f} s\n\n| | number | CPU s | peak MB | power |\n|---|---|---|---|---|"
+    )
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         traces = []
@@ -89,15 +91,15 @@ def main() -> None:
             (
                 number,
                 [
-                    recorded(folder / f"e{number}{test[:3]}{test[-1]}.csv", test, 1, EFFECTS[:number])
+                    recorded(
+                        folder / f"e{number}{test[:3]}{test[-1]}.csv", test, 1, EFFECTS[:number]
+                    )
                     for test in TESTS
                 ],
             )
             for number in (0, 1, 2, 4)
         ]
-        circles = [
-            recorded(folder / f"c{k}.csv", "ballbar:XZ", k, EFFECTS[:2]) for k in range(8)
-        ]
+        circles = [recorded(folder / f"c{k}.csv", "ballbar:XZ", k, EFFECTS[:2]) for k in range(8)]
         several = [(number, circles[:number]) for number in RECORDINGS]
         for name, cases in (("samples", traces), ("effects", hidden), ("recordings", several)):
             for row in lines(name, cases, start):

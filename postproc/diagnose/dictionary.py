@@ -118,9 +118,7 @@ class Dictionary:
             known = self._crossed[k] = np.concatenate([known, new], axis=1)
         return known
 
-    def products(
-        self, raw: np.ndarray, shown: tuple[int, ...], use: np.ndarray
-    ) -> Products | None:
+    def products(self, raw: np.ndarray, shown: tuple[int, ...], use: np.ndarray) -> Products | None:
         """Of columns raw (n, K) that are not in the dictionary; None: they do not show here. use:
         numbers of the own columns that are asked for, in order; of the others nothing is said."""
         if not raw.any():

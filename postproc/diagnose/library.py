@@ -145,9 +145,7 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
     return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)
 
 
-def _read_along(
-    rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]
-) -> np.ndarray:
+def _read_along(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: of an effect that is along its axis and of each row by itself, from the rows that
     see that axis."""
     own, state = rows.along(axis)
