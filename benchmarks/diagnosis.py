@@ -40,16 +40,14 @@ def answer(folder: Path) -> tuple[str, dict | None, list[tuple[str, int]], float
     try:
         files = sorted(folder.glob("r*.csv"))
         options = recordings.ReadingOptions(strict=False)
-        data = [f.read_bytes() for f in files]
-        read = [
-            recordings.read(recordings.Source(str(f), d), options=options)
-            for f, d in zip(files, data, strict=True)
-        ]
+        sources = [recordings.Source(str(f), f.read_bytes()) for f in files]
+        read = [recordings.read(source, options=options) for source in sources]
         d = diagnose(read, read_machine(folder / "machine"))
         scores = [
             (f.block.key, int(min(f.score, 1e9))) for f in d.findings if f.status == "accepted"
         ]
-        return folder.name, report.as_json(d, data), scores, time.process_time() - began, ""
+        said = report.as_json(d, [s.sha256 for s in sources])
+        return folder.name, said, scores, time.process_time() - began, ""
     except Exception:
         return folder.name, None, [], time.process_time() - began, traceback.format_exc()
 

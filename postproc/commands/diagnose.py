@@ -53,13 +53,14 @@ def run(options: argparse.Namespace) -> int:
     if options.write_machine:
         standing.kept(options.write_machine, options.force)
     sources = [_source(path) for path in options.recordings]
+    digests = {source.name: source.sha256 for source in sources}
     lenient = formats.ReadingOptions(strict=False)
     progress = _Progress(options.quiet)
     read = []
     try:
-        for source in sources:
-            progress(f"reading {source.name}")
-            read.append(formats.read(source, options=lenient))
+        while sources:  # none is kept: beside the rows of a long one its text is a lot
+            progress(f"reading {sources[0].name}")
+            read.append(formats.read(sources.pop(0), options=lenient))
         left = corrected(read, options.compensated)
         found = diagnose(
             read,
@@ -68,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
         )
     finally:
         progress("")  # a refusal has its line to itself
-    answer = report.of_sources(found, sources)
+    answer = report.of_files(found, digests)
     _write_files(options, found, progress)
     if options.json:
         as_json.put(options.json, answer)

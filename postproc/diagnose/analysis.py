@@ -263,20 +263,25 @@ def _learned(
     most = [MOST * float(np.median(unit.r)) for unit in units]
     told = [_without_processes(groups, {"place", "turn"}) for groups in own]
     for _ in range(ROUNDS):
-        evidence = Evidence(y, units, told, shared, train)
-        on = frozenset(
-            (k, kind)
-            for k, p in enumerate(evidence.parts)
-            for kind in ("place", "turn")
-            if p.processes[kind].any()
-        )
-        said = shares(evidence, evidence.learn((), None, on, STEPS))
-        left = y - sum((v for name, v in said.items() if name != "noise"), np.zeros(len(y)))
+        left = _unexplained(Evidence(y, units, told, shared, train))
         for unit, at_most in zip(units, most, strict=True):
             noise.learned(
                 unit, left[unit.rows], rows.rounding[unit.rows], train[unit.rows], at_most
             )
     return Evidence(y, units, own, shared, train)
+
+
+def _unexplained(evidence: Evidence) -> np.ndarray:
+    """(N,) mm: what zeros, set-ups, wander and what comes back leave of the readings."""
+    on = frozenset(
+        (k, kind)
+        for k, p in enumerate(evidence.parts)
+        for kind in ("place", "turn")
+        if p.processes[kind].any()
+    )
+    said = shares(evidence, evidence.learn((), None, on, STEPS))
+    explained = sum((v for name, v in said.items() if name != "noise"), np.zeros(len(evidence.y)))
+    return np.asarray(evidence.y - explained)
 
 
 def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list[locate.Place]:

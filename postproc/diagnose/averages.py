@@ -10,7 +10,9 @@ import numpy as np
 Columns = dict[str, Any]  # (N,) arrays of a signal by name, (K, N) paths; "sees" is a word
 
 MOST_ROWS = 5000  # per signal: traces are averaged down to it
-MOST_INSIDE = 64  # samples of a row whose places are kept
+# samples of a row whose places are kept: a wave with less than two of them a period leaves no more
+# than 2 / (pi 32), 2 % of its size, in the mean over the row
+MOST_INSIDE = 32
 LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
 
 
@@ -91,12 +93,13 @@ def _inside(columns: Columns, edges: np.ndarray, size: np.ndarray) -> dict[str, 
     distances."""
     stride = np.maximum(1, -(-size // MOST_INSIDE))
     number = np.arange(int(np.max(-(-size // stride), initial=1)))[:, None] * stride
-    index = np.minimum(edges + number, len(columns["y"]) - 1)
+    # in the middle of those that each stands for
+    index = np.minimum(edges + number + (stride - 1) // 2, len(columns["y"]) - 1)
     names = {"time": "time"} | {
         n.removesuffix(" position"): n for n in columns if n.endswith(" position")
     }
     return {
-        short: np.where(number < size, columns[name][index], np.nan)
+        short: np.where(number + (stride - 1) // 2 < size, columns[name][index], np.nan)
         for short, name in names.items()
     }
 

@@ -92,7 +92,8 @@ class Dictionary:
                 new.append(own)
         if new:
             self.columns = np.concatenate(numbers)
-            self._put(self.unit.whitened(np.concatenate(new, axis=1)))
+            wide = np.empty((len(self.unit), at - len(self.dy)), order="F")
+            self._put(self.unit.whitened(np.concatenate(new, axis=1, out=wide)))
 
     def _put(self, new: np.ndarray) -> None:
         self._d.add(new)
@@ -117,13 +118,16 @@ class Dictionary:
             known = self._crossed[k] = np.concatenate([known, new], axis=1)
         return known
 
-    def products(self, raw: np.ndarray, shown: tuple[int, ...]) -> Products | None:
-        """Of columns raw (n, K) that are not in the dictionary; None: they do not show here."""
+    def products(self, raw: np.ndarray, shown: tuple[int, ...], use: np.ndarray) -> Products | None:
+        """Of columns raw (n, K) that are not in the dictionary; None: they do not show here. use:
+        numbers of the own columns that are asked for, in order; of the others nothing is said."""
         if not raw.any():
             return None
         x = self.unit.whitened(raw)
         shared = [self.z.T @ x, *(self.d[:, self.where[c]].T @ x for c in shown)]
-        return Products(self.b.T @ x, np.concatenate(shared), x.T @ x, x.T @ self.y)
+        own, last = np.zeros((self.b.shape[1], x.shape[1])), int(use.max(initial=-1)) + 1
+        own[:last] = self.b[:, :last].T @ x
+        return Products(own, np.concatenate(shared), x.T @ x, x.T @ self.y)
 
     def own_beside(
         self, numbers: tuple[int, ...], width: list[int], shown: tuple[int, ...]
@@ -148,4 +152,5 @@ class Dictionary:
 
     def of_pairs(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """(P,) products of pairs of columns."""
-        return np.asarray(np.einsum("pn,pn->p", self.d.T[first], self.d.T[second]))
+        d = self.d.T
+        return np.array([d[i] @ d[k] for i, k in zip(first, second, strict=True)], float)

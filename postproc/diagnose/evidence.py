@@ -346,7 +346,7 @@ class Evidence:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
         the fit taken out, but for one of its members."""
         found = [
-            part.dictionary.products(columns[part.unit.rows], old.shown)
+            part.dictionary.products(columns[part.unit.rows], old.shown, old.use)
             for part, old in zip(self.parts, fit.parts, strict=True)
         ]
         return self._beside(fit, found, columns.shape[1], but)

@@ -32,11 +32,10 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
         )
         variance = old.sigma2 * part.whole.r**2
         for g in np.unique(part.of[use]):
-            which = part.of[use] == g
-            kind = part.kinds[g]
-            result.setdefault(kind, np.zeros(n))[own] += part.raw[:, use[which]] @ mean[which]
+            columns, kind = part.groups[g].columns, part.kinds[g]
+            result.setdefault(kind, np.zeros(n))[own] += columns @ mean[part.of[use] == g]
             if kind in ("wander", "run"):
-                variance = variance + old.sd[g] ** 2 * (part.raw[:, use[which]] ** 2).sum(axis=1)
+                variance = variance + old.sd[g] ** 2 * np.einsum("ij,ij->i", columns, columns)
         result["noise"][own] = np.sqrt(variance)
     return result
 

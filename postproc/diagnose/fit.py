@@ -29,10 +29,8 @@ class Projector:
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """P D for (N,) or (N, K)."""
-        weighted = columns * (self.w if columns.ndim == 1 else self.w[:, None])
-        result: np.ndarray = weighted - (self.u * self.w[:, None]) @ (
-            self.inner @ (self.u.T @ weighted)
-        )
+        result: np.ndarray = columns * (self.w if columns.ndim == 1 else self.w[:, None])
+        result -= (self.u * self.w[:, None]) @ (self.inner @ (self.u.T @ result))
         return result
 
     def nuisance(self, y: np.ndarray) -> np.ndarray:

@@ -129,6 +129,8 @@ def apart(rows: Rows, pair: str) -> bool:
 
 def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
     """(N, K) mm: the columns of an effect as the readings show them."""
+    if getattr(module, "ALONG", False) and not rows.other:
+        return _read_along(rows, module, axis, shape)
     value = module.columns(rows.state, axis, **shape)
     seen = visible(rows, module)
     if value.ndim == 2:
@@ -141,6 +143,17 @@ def read(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> 
         value = value.copy()
         value[:, :, part] -= module.columns(there, axis, **shape)
     return np.where(seen[:, None], np.einsum("kin,ni->nk", value, rows.direction), 0.0)
+
+
+def _read_along(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
+    """(N, K) mm: of an effect that is along its axis and of each row by itself, from the rows that
+    see that axis."""
+    own, state = rows.along(axis)
+    number = XYZ.index(axis)
+    value = module.columns(state, axis, **shape)[:, number] * rows.direction[own, number]
+    result = np.zeros((len(rows), len(value)))
+    result[own] = np.where(visible(rows, module)[own], value, 0.0).T
+    return result
 
 
 def axes_of(rows: Rows, module: ModuleType) -> list[str]:

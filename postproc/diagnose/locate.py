@@ -23,6 +23,7 @@ Scanned = tuple[np.ndarray, float, np.ndarray]  # rows, score, the highest of ea
 CELLS = 12
 TARGETS = 30  # places of their own: no more of them than that are each a cell
 DRAWS = 199
+PARTS = 8  # of rows and of draws: of all at once every copy takes as much memory as they do
 SIGNIFICANT = 0.01
 OWN = 0.9  # of the reading is taken along one axis: it is that axis'
 FAR = 0.1  # of what the farthest axis goes: it moves
@@ -93,9 +94,13 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     rng = np.random.default_rng(99)
     y = rows.residual
     left = y - projector.nuisance(y)
-    draws = (u * np.where(free, 0.0, prior)) @ rng.normal(size=(len(prior), DRAWS))
-    draws += sigma[:, None] * rng.normal(size=(len(y), DRAWS))
-    evidence = projector(np.concatenate([y[:, None], draws], axis=1))
+    evidence = np.empty((len(y), 1 + DRAWS))
+    evidence[:, 0], draws = y, evidence[:, 1:]
+    draws[:] = (u * np.where(free, 0.0, prior)) @ rng.normal(size=(len(prior), DRAWS))
+    for part, sd in zip(np.array_split(draws, PARTS), np.array_split(sigma, PARTS), strict=True):
+        part += sd[:, None] * rng.normal(size=part.shape)
+    for part in np.array_split(evidence, PARTS, axis=1):
+        part[:] = projector(part)
     looked = [_looked(rows, projector, evidence, int(k)) for k in np.unique(rows.signal)]
     # features of a part are one test: the largest of all of them
     nulls: dict[int, np.ndarray] = {}

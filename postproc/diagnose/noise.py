@@ -39,6 +39,7 @@ LINE = 25.0  # times the power around: an oscillation, no noise
 # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom
 # does so too)
 TAIL = 4.0
+CACHED = 1 << 18  # bytes that are filtered at once: so many stay near the processor
 
 
 @dataclass
@@ -91,16 +92,23 @@ class Unit:
     def whitened(self, columns: np.ndarray) -> np.ndarray:
         """(n,) or (n, K): divided by the standard deviation and, within passages, less what the
         samples before foretell."""
-        scaled: np.ndarray = columns / (self.r if columns.ndim == 1 else self.r[:, None])
-        if not len(self.ar):
-            return scaled
-        result = scaled.copy()
-        for k, a in enumerate(self.ar, 1):
-            result[k:] -= a * scaled[:-k]
-        result /= np.sqrt(self.innovation)
-        for edge in self.edges[:-1]:  # of the first of a passage nothing is foretold
-            first = slice(edge, edge + len(self.ar))
-            result[first] = scaled[first]
+        result: np.ndarray = columns / (self.r if columns.ndim == 1 else self.r[:, None])
+        order = len(self.ar)
+        if not order:
+            return result
+        # of the first of a passage nothing is foretold
+        free = np.unique(np.add.outer(self.edges[:-1], np.arange(order)))
+        free = free[free < len(result)]
+        first, step = result[free], max(order, CACHED // (result[:1].nbytes + 1))
+        for begin in reversed(range(0, len(result), step)):  # in place: those before are not yet
+            before = max(begin - order, 0)
+            scaled = result[before : begin + step].copy()
+            block = result[begin : begin + step]
+            for k, a in enumerate(self.ar, 1):
+                late = max(k - begin, 0)
+                block[late:] -= a * scaled[begin - before + late - k : max(len(scaled) - k, 0)]
+            block /= np.sqrt(self.innovation)
+        result[free] = first
         return result
 
 

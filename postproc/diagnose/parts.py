@@ -3,7 +3,8 @@ its own columns taken out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,6 @@ class Part:
         self.whole = whole
         unit = self.unit = whole.pick(keep)
         self.use = use = keep[whole.rows]
-        self.groups = groups
         self.kinds = [g.kind for g in groups]
         width = [g.columns.shape[1] for g in groups]
         self.of = np.repeat(np.arange(len(groups)), width)
@@ -93,7 +93,11 @@ class Part:
             else np.zeros((len(unit), 0))
         )
         self.raw = b
-        self.b = unit.whitened(b[use])
+        edges = np.cumsum([0, *width])
+        self.groups = [  # a part of the whole, not a second copy
+            replace(g, columns=b[:, i:j]) for g, (i, j) in zip(groups, pairwise(edges), strict=True)
+        ]
+        self.b = unit.whitened(b if use.all() else b[use])
         self.z = unit.whitened(shared[unit.rows])
         self.y = unit.whitened(y[unit.rows])
         self.bb, self.by = self.b.T @ self.b, self.b.T @ self.y

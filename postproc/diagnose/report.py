@@ -3,7 +3,6 @@ prose for a person, machine_effects for a machine's file."""
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator
 from typing import Any
 
@@ -13,28 +12,26 @@ from postproc.diagnose.experiments import showing
 from postproc.diagnose.locate import Place
 from postproc.diagnose.prose import as_text as as_text
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, rounded, scaled, shown
-from postproc.recordings import Source
 
 FORMAT = "gcomp-diagnosis/1"
 MAP = ("from", "to", "approach", "readings", "residual_um", "u_um")
 
 
-def of_sources(d: Diagnosis, sources: list[Source]) -> dict[str, Any]:
-    """The contract's document of what was read from these, after the faults that reading found
-    have been added to the diagnosis."""
+def of_files(d: Diagnosis, digests: dict[str, str]) -> dict[str, Any]:
+    """The contract's document of what was read from these files, after the faults that reading
+    found have been added to the diagnosis. digests: SHA-256 of each, by its name."""
     d.faults += [(i, f.line, f.message, 0.0) for i, r in enumerate(d.recordings) for f in r.faults]
-    data = {s.name: s.data for s in sources}
-    return as_json(d, [data[r.file] for r in d.recordings])
+    return as_json(d, [digests[r.file] for r in d.recordings])
 
 
-def as_json(d: Diagnosis, data: list[bytes]) -> dict[str, Any]:
-    """The contract's document. data: the bytes of the recordings."""
+def as_json(d: Diagnosis, digests: list[str]) -> dict[str, Any]:
+    """The contract's document. digests: SHA-256 of the recordings."""
     return {
         "format": FORMAT,
         "machine": d.machine.name,
         "recordings": [
-            {"file": r.file, "sha256": hashlib.sha256(raw).hexdigest(), "rows": len(r)}
-            for r, raw in zip(d.recordings, data, strict=True)
+            {"file": r.file, "sha256": digest, "rows": len(r)}
+            for r, digest in zip(d.recordings, digests, strict=True)
         ],
         "verdict": d.verdict,
         "mismatch": [_mismatch(d, place) for place in d.places],

@@ -11,6 +11,7 @@ import numpy as np
 
 MOST_DIGITS = 6  # significant digits that are still a rounding worth to be looked for
 FEW = 3  # values: fewer tell no rounding, an axis that stands at 205 mm may be known to 0.1 um
+HEAD = 1000  # values that are looked at first: most are told by them
 COARSE = 2e-3  # mm: finer rounding is lost in what else scatters
 
 
@@ -18,27 +19,36 @@ def step(values: np.ndarray) -> np.ndarray:
     """(N,) by how much each value is rounded, in its unit; 0 where values have more than six
     significant digits."""
     known = np.abs(values[np.isfinite(values) & (values != 0)])
-    if len(np.unique(known)) < FEW:
+    if len(np.unique(known[:HEAD])) < FEW and len(np.unique(known)) < FEW:
         return np.zeros(len(values))
     for digits in range(1, MOST_DIGITS + 1):
-        scale = 10.0 ** (np.floor(np.log10(known) + 1e-12) - digits + 1)
-        if np.all(np.abs(known / scale - np.round(known / scale)) < 1e-6):
+        if _has_digits(known[:HEAD], digits) and _has_digits(known, digits):
             size = np.maximum(np.abs(values), known.min())
             by_digits = 10.0 ** (np.floor(np.log10(size) + 1e-12) - digits + 1)
             step: np.ndarray = np.maximum(by_digits, _decimals(known))
             return step
-    return (
-        np.full(len(values), _decimals(known)) if _decimals(known) > 1e-6 else np.zeros(len(values))
-    )
+    unit = _decimals(known)
+    return np.full(len(values), unit if unit > 1e-6 else 0.0)
+
+
+def _has_digits(known: np.ndarray, digits: int) -> bool:
+    """Whether no value has more significant digits."""
+    scale = 10.0 ** (np.floor(np.log10(known) + 1e-12) - digits + 1)
+    return bool(np.all(np.abs(known / scale - np.round(known / scale)) < 1e-6))
 
 
 def _decimals(known: np.ndarray) -> float:
     """The power of ten that all values are multiples of; 0 where there is none down to 1e-6."""
     for power in range(1, -7, -1):
         unit = 10.0**power
-        if np.all(np.abs(known / unit - np.round(known / unit)) < 1e-6 * max(1.0, 1e-6 / unit)):
+        if _multiples(known[:HEAD], unit) and _multiples(known, unit):
             return unit
     return 0.0
+
+
+def _multiples(known: np.ndarray, unit: float) -> bool:
+    off = np.abs(known / unit - np.round(known / unit))
+    return bool(np.all(off < 1e-6 * max(1.0, 1e-6 / unit)))
 
 
 def noise(commanded: np.ndarray, actual: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from postproc.effects import State
+from postproc.machine.chain import XYZ
 
 ENTERS = 0.2  # of a reading
 
@@ -64,6 +65,18 @@ class Rows:
             if kind in self._of_kind:
                 result |= self._of_kind[kind]
         return result
+
+    @cached_property
+    def _along(self) -> dict[str, tuple[np.ndarray, State]]:
+        return {}
+
+    def along(self, axis: str) -> tuple[np.ndarray, State]:
+        """(M,) numbers of the rows whose reading has a part along an axis, and their state."""
+        if axis not in self._along:
+            own = np.flatnonzero(self.direction[:, XYZ.index(axis)])
+            state = self.state if len(own) == len(self) else pick_state(self.state, own)
+            self._along[axis] = own, state
+        return self._along[axis]
 
     def pick(self, which: np.ndarray) -> Rows:
         """Some of the rows."""

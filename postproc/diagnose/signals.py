@@ -280,22 +280,19 @@ def _trace(recording: Recording, machine: Machine) -> Iterator[Signal]:
         _motion(columns, x, recording.position(x), columns["time"], columns["run"], speed)
     # How lost motion stood at the start is a nuisance parameter (nuisances.py).
     moving = [x for x in letters if np.ptp(recording.position(x)) > 0]
-    known = ~_changing(columns, moving, columns["run"])
+    known = np.flatnonzero(~_changing(columns, moving, columns["run"]))
+    for name in list(columns):  # one by one: of a long trace all of them twice is a lot
+        columns[name] = columns[name][known]
     for x in letters:
-        y = recording.columns[f"{x}_act_mm"] - recording.position(x)
-        direction = np.zeros((len(recording), 3))
-        direction[:, XYZ.index(x)] = 1.0
-        coarse = rounding.noise(recording.position(x), recording.columns[f"{x}_act_mm"])
-        one = columns | {
-            "rounding": coarse,
-            "y": y,
-            "dense": np.ones(len(y)),
-            "direction": direction,
-            "sees": "scale" if scale else "tool",
-        }
-        one = {name: v[known] if isinstance(v, np.ndarray) else v for name, v in one.items()}
-        same = rounding.alike(recording.position(x)[known], coarse[known])
-        yield f"{x}_act_mm", averaged(together(one, same) if same.any() else one)
+        commanded, actual = recording.position(x)[known], recording.columns[f"{x}_act_mm"][known]
+        coarse = rounding.noise(recording.position(x), recording.columns[f"{x}_act_mm"])[known]
+        one = columns | {"rounding": coarse, "y": actual - commanded}
+        same = rounding.alike(commanded, coarse)
+        rows = averaged(together(one, same) if same.any() else one)
+        rows["direction"] = np.zeros((len(rows["y"]), 3))
+        rows["direction"][:, XYZ.index(x)] = 1.0
+        rows |= {"dense": np.ones(len(rows["y"])), "sees": "scale" if scale else "tool"}
+        yield f"{x}_act_mm", rows
 
 
 def _changing(columns: Columns, letters: list[str], run: np.ndarray) -> np.ndarray:

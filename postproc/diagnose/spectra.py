@@ -31,6 +31,7 @@ FEWEST_SWINGS = 3.0  # of a passage: fewer are a curve
 LONGEST, FEWEST_ROWS = 2.0, 32  # mm: a slide's way from jump to jump; rows that creep
 FINE = 4  # bins per period of the highest frequency
 MOST_BINS = 1 << 17
+PER_TURN = 1000  # bins: sums over them are right to 1e-5, (pi / PER_TURN)^2 / 6 at the most
 
 
 def in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) -> list[float]:
@@ -252,19 +253,37 @@ def _polished(
 ) -> float:
     """The frequency near this one at which the sums over (time or place, readings, power) of all
     parts are largest."""
+    turned = [(*_turned(t, w, frequency, within), p) for t, w, p in parts]
+    start = frequency
     for _ in range(3):
         tried = frequency + within * np.linspace(-1.0, 1.0, 9)
         value = np.zeros(len(tried))
-        for t, w, p in parts:
+        for t, wave, p in turned:
             # from one frequency to the next every reading turns by the same: no new sines
-            wave = w * np.exp(-2j * np.pi * tried[0] * (t - t[0]))
-            turn = np.exp(-2j * np.pi * (tried[1] - tried[0]) * (t - t[0]))
+            now = wave * np.exp(-2j * np.pi * (tried[0] - start) * t)
+            turn = np.exp(-2j * np.pi * (tried[1] - tried[0]) * t)
             for k in range(len(tried)):
-                value[k] += abs(wave.sum()) ** 2 / p
-                wave *= turn
+                value[k] += abs(now.sum()) ** 2 / p
+                now *= turn
         frequency = float(tried[int(np.argmax(value))])
         within /= 4
     return frequency
+
+
+def _turned(
+    t: np.ndarray, w: np.ndarray, frequency: float, within: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(M,) and (M,): readings w at t, turned back by a frequency; of very many their sums over
+    bins at their middles, in which no frequency that differs by up to twice `within` turns by more
+    than 1 / PER_TURN."""
+    wave = w * np.exp(-2j * np.pi * frequency * (t - t[0]))
+    bins = int(np.ptp(t) * 2 * within * PER_TURN) + 1
+    if len(t) < 2 * bins:
+        return t - t[0], wave
+    size = np.ptp(t) / bins
+    index = np.minimum(((t - t.min()) / max(size, 1e-30)).astype(int), bins - 1)
+    sums = np.bincount(index, wave.real, bins) + 1j * np.bincount(index, wave.imag, bins)
+    return t.min() - t[0] + (np.arange(bins) + 0.5) * size, sums
 
 
 def _best(frequencies: np.ndarray, value: np.ndarray, apart: float) -> list[float]:

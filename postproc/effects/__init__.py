@@ -31,6 +31,7 @@ And it may hold
 - RESTING: True where it moves the tool along an axis that does not move itself, too;
 - LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it
   is simulated, never fitted;
+- ALONG: True where it is along its axis and told by each row alone: rows that see it are asked;
 - WALLS: True where an effect that goes with time changes what lies between the two walls of a
   feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
@@ -71,6 +72,7 @@ XYZ = "XYZ"
 FASTEST = 1000.0  # mm/s
 ENDLESS = 1e6  # mm: a way after which nothing from before is remembered
 DEEPEST = 16  # ways between turns that a drive remembers, one inside the other
+AT_ONCE = 1 << 15  # samples whose waves are worked out at once: they stay near the processor
 SETTLES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)  # ms: position gains of 500 to 16 per s
 # component, axis, nodes mm, mm towards plus and minus
 Table = tuple[str, str, np.ndarray, np.ndarray, np.ndarray]
@@ -131,8 +133,7 @@ class State:
 def along(axis: str, *values: np.ndarray) -> np.ndarray:
     """(K, 3, N) mm of values (N,) um along one axis."""
     result = np.zeros((len(values), 3, len(values[0])))
-    for k, value in enumerate(values):
-        result[k, XYZ.index(axis)] = value * UM
+    result[:, XYZ.index(axis)] = np.stack(values) * UM
     return result
 
 
@@ -321,12 +322,11 @@ def waves_of(state: State, name: str, per_unit: float) -> list[np.ndarray]:
     """(N,) cosine and sine, so many a mm of the place of an axis or a second of the "time", as rows
     that are means of samples show them: the samples of an instrument are moments, so waves shorter
     than their distance are in a mean too."""
-    samples = state.inside.get(name)
-    if samples is None:
-        samples = (state.time if name == "time" else state.position[name])[None]
-    known = np.isfinite(samples)
-    angle, many = 2 * np.pi * per_unit * samples, np.count_nonzero(known, axis=0)
-    return [np.where(known, wave(angle), 0.0).sum(axis=0) / many for wave in (np.cos, np.sin)]
+    own = state.time if name == "time" else state.position[name]
+    angle = 2 * np.pi * per_unit * state.inside.get(name, own[None])
+    parts = np.array_split(angle, 1 + angle.size // AT_ONCE, axis=1)
+    waves = [[np.nanmean(wave(part), axis=0) for part in parts] for wave in (np.cos, np.sin)]
+    return [np.concatenate(one) for one in waves]
 
 
 def amplitude_and_phase(coefficients: np.ndarray) -> dict[str, float]:

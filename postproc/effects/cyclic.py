@@ -58,6 +58,7 @@ PLACES = 8
 TURNS = 3.0  # of the screw: fewer are a curve
 CONTINUOUS = {"period_mm": (0.0, 1e4)}
 KIND, USE, PER = "machine", "compensate", "axis"
+ALONG = True
 NEEDS, SEES = ("position",), ("tool", "part")
 TEXT = (
     "The position swings once per turn of the screw or per period of the scale. "

@@ -40,6 +40,7 @@ __all__ = [  # the same shape, seen elsewhere
 # (unverified).
 PLAUSIBLE = {"amplitude_um": (0.0, 100.0)}  # beyond, it is something else
 KIND, USE, PER = "instrument", "recording", "axis"
+ALONG = True
 SEES = ("scale",)
 TEXT = (
     "The encoder's signal is periodic in the position. "

@@ -31,6 +31,7 @@ WITHIN = (-0.1, 1.1)
 # What sticks lags. The drive's stiffness bounds by how much (unverified).
 PLAUSIBLE = {"size_um": (0.0, 500.0)}  # beyond, it is something else
 KIND, USE, PER = "machine", "simulate", "axis"
+ALONG = True
 NEEDS, SEES = ("distance", "velocity", "approach"), ("tool", "scale")
 TEXT = (
     "The slide sticks and jumps at low feed. "
@@ -92,10 +93,15 @@ def columns(
     lag = -state.approach[axis] * creeps(state, axis, fastest_mm_s)
     if period_mm <= 0:
         return along(axis, 0.5 * lag)
-    driven_on = np.abs(state.velocity[axis]) * slip_ms * 1e-3
-    way = ways(state, axis) % (period_mm + driven_on)
-    let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
-    tooth = np.nanmean(np.minimum(way / period_mm, let_go), axis=0) - 0.5
+    creep = np.flatnonzero(lag)
+    driven_on = np.abs(state.velocity[axis][creep]) * slip_ms * 1e-3
+    way = ways(state, axis)[:, creep] % (period_mm + driven_on)
+    height = way / period_mm
+    if slip_ms:
+        let_go = (period_mm + driven_on - way) / np.maximum(driven_on, STILL)
+        height = np.minimum(height, let_go)
+    tooth = np.zeros(len(lag))
+    tooth[creep] = np.nanmean(height, axis=0) - 0.5
     return along(axis, tooth * lag, lag)
 
 

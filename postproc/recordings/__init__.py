@@ -10,6 +10,7 @@ an option that must be given, or a notice that says what was taken.
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import pkgutil
 from collections.abc import Iterable
@@ -41,6 +42,11 @@ class Source:
 
     name: str
     data: bytes
+
+    @property
+    def sha256(self) -> str:
+        """Of the bytes, in hexadecimal digits."""
+        return hashlib.sha256(self.data).hexdigest()
 
     @cached_property
     def text(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from scipy.interpolate import RegularGridInterpolator
 
 from postproc import effects
+from postproc.diagnose.rows import pick_state
 from postproc.effects import State
 
 ROOT = Path(__file__).parents[2].parent / "shared"
@@ -102,6 +104,18 @@ def test_columns_are_vectors_row_by_row(name):
         assert np.linalg.matrix_rank(value.reshape(len(value), -1)) == len(value), (
             "two columns say the same"
         )
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if getattr(effects.load(n), "ALONG", False)])
+def test_what_is_along_its_axis_is_told_by_each_row_alone(name):
+    module = effects.load(name)
+    inside = {x: p + RNG.uniform(0, 2, (5, N)) for x, p in STATE.position.items()}
+    state = replace(STATE, inside=inside, width=np.zeros(N))
+    some = np.array([7, 2, 3])
+    columns = module.columns(state, "Y", **FOUND[name])
+    assert not columns[:, [0, 2]].any()
+    of_some = module.columns(pick_state(state, some), "Y", **FOUND[name])
+    assert of_some == pytest.approx(columns[..., some], abs=1e-15)
 
 
 @pytest.mark.parametrize("name", NAMES)

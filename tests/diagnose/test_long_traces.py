@@ -11,7 +11,8 @@ import pytest
 
 from postproc import recordings
 from postproc.cli import main
-from postproc.diagnose import averages
+from postproc.diagnose import averages, noise, rounding, spectra
+from postproc.effects import State, waves_of
 from postproc.recordings import _columns
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -93,6 +94,62 @@ def test_rows_after_a_turn_are_short_and_the_mean_stays():
             k : k + 30
         ].max() <= width
     assert set(averaged["channel T_air_C"]) == {20.0}
+
+
+def test_places_kept_of_a_row_stand_in_the_middle_of_what_they_stand_for():
+    n = 1_000_000
+    x = np.arange(n) * 0.01
+    columns = {
+        "y": np.zeros(n),
+        "time": np.arange(n) * 1e-3,
+        "run": np.ones(n),
+        "line": np.arange(n),
+        "X position": x,
+        "X approach": np.ones(n),
+    }
+    averaged = averages.averaged(columns)
+    inside = averaged["inside"]["X"]
+    assert len(inside) <= averages.MOST_INSIDE and (averaged["width"] > 0.098).all()
+    # the mean of 100 samples, told by every fourth of them, is off by half a sample
+    assert np.nanmean(inside, axis=0) == pytest.approx(averaged["X position"], abs=0.006)
+    wave = np.add.reduceat(np.cos(2 * np.pi * x / 3.0), np.arange(0, n, 100)) / 100
+    state = State({"X": averaged["X position"]}, {}, {}, inside={"X": inside})
+    assert waves_of(state, "X", 1 / 3.0)[0] == pytest.approx(wave, abs=0.012)
+
+
+def test_whitening_in_blocks_takes_out_what_the_samples_before_foretell():
+    """As the recurrence says it, over the ends of blocks; the first of a passage as they are."""
+    n, ar = 9000, np.array([0.5, -0.2, 0.1])
+    columns = np.random.default_rng(5).normal(size=(n, 9))
+    unit = noise.Unit(
+        np.arange(n), "tool", True, np.array([0, 4000, n]), np.arange(n) * 1.0, np.full(n, 2.0)
+    )
+    unit.ar, unit.innovation = ar, 0.25
+    assert columns.nbytes > 2 * noise.CACHED
+    wanted = columns / 2.0
+    scaled = wanted.copy()
+    for k in [*range(3, 4000), *range(4003, n)]:
+        wanted[k] = (scaled[k] - ar @ scaled[k - 3 : k][::-1]) / 0.5
+    assert unit.whitened(columns) == pytest.approx(wanted, abs=1e-12)
+    assert unit.whitened(columns[:, 0]) == pytest.approx(wanted[:, 0], abs=1e-12)
+
+
+def test_a_period_is_polished_alike_from_few_samples_and_from_very_many():
+    frequency, found = 0.2137, []
+    for n in (1500, 60_000):
+        t = np.linspace(0.0, 300.0, n)
+        wave = np.cos(2 * np.pi * frequency * t + 0.7)
+        found.append(spectra._polished(0.2145, 0.7 / 300, [(t, wave, 1.0)]))
+    assert len(spectra._turned(t, wave, 0.2145, 0.7 / 300)[0]) < 1500
+    assert found[0] == pytest.approx(found[1], abs=1e-9)
+    assert found[0] == pytest.approx(frequency, abs=0.02 / 300)
+
+
+def test_a_value_that_stands_late_in_a_log_tells_its_rounding():
+    place = np.round(np.linspace(10.0, 99.0, 5000), 1)
+    assert np.all(rounding.step(place) == 0.1)
+    place[4000] += 0.003
+    assert np.all(rounding.step(place) == pytest.approx(0.001))
 
 
 def test_single_samples_tell_the_noise_of_a_row():

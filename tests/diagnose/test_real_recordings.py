@@ -54,7 +54,7 @@ def test_every_axis_of_the_mill_lags_by_8_ms():
     assert set(seen) == {"X", "Y", "Z"}
     for value, low, high in seen.values():
         assert value == approx(8.1, abs=0.6) and low < 8.1 < high
-    names = {e["effect"] for e in report.as_json(found(MILL), [b""] * 6)["effects"]}
+    names = {e["effect"] for e in report.as_json(found(MILL), [""] * 6)["effects"]}
     assert names == {"servo_lag", "coulomb_friction", "viscous_friction"}
 
 

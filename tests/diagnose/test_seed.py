@@ -37,7 +37,7 @@ def grinder(paths):
 
 @pytest.fixture(scope="module")
 def told(grinder) -> dict:
-    return json.loads(json.dumps(report.as_json(grinder, [b""] * len(experiment.READINGS))))
+    return json.loads(json.dumps(report.as_json(grinder, [""] * len(experiment.READINGS))))
 
 
 def effects(told: dict) -> dict[str, dict]:
@@ -135,7 +135,7 @@ def test_nothing_is_said_of_times_that_were_not_recorded(told):
 
 def test_the_oversized_tool_is_named_from_walls(paths):
     d = diagnosed([paths["parts"]], "mill")
-    found = effects(report.as_json(d, [b""]))
+    found = effects(report.as_json(d, [""]))
     assert set(found) == {"tool_size:"}
     size = found["tool_size:"]["parameters"]["diameter_um"]
     low, high = size["ci95"]
