@@ -15,6 +15,7 @@ from postproc.diagnose.library import FOUND, Block
 from postproc.diagnose.parts import surprise
 from postproc.diagnose.prior import plausible
 from postproc.diagnose.sets import Sets
+from postproc.diagnose.spectra import SHORTEST
 from postproc.effects import UM
 from postproc.effects.step_loss import MOMENTS
 
@@ -128,6 +129,39 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
         best, most = _likeliest(sets, fit, best, most, shapes)
         within /= (TRIED - 1) / 2
     return best
+
+
+def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
+    """mm: other periods of a wave that explain the readings as well, shortest first: targets at even
+    distances show a wave of the frequency f and one of k / distance +- f alike (aliasing). fit:
+    without the wave; enough: by how much less probable they may be, as twice a logarithm; a period
+    may have any scale (Jeffreys' prior)."""
+    shown = np.any(block.columns != 0, axis=1)
+    period = dict(block.shape).get("period_mm", 0.0)
+    if not period or not shown.any() or np.any(sets.rows.state.passage[shown] >= 0):
+        return []
+    place = sets.rows.state.position[block.axis]
+    tried = {0.0}
+    for signal in np.unique(sets.rows.signal[shown]):
+        stand = np.unique(np.round(place[shown & (sets.rows.signal == signal)], 2))
+        if len(stand) < 2:
+            continue
+        gap = float(np.median(np.diff(stand)))
+        fold = np.arange(0, int(gap / SHORTEST) + 2) / gap
+        tried |= {float(f) for f in np.abs(np.concatenate([fold + 1 / period, fold - 1 / period]))}
+    apart = WITHIN / max(float(np.ptp(place[shown])), 1e-9)
+    near = [
+        f for f in sorted(tried) if 3 * apart < f <= 1 / SHORTEST and abs(f - 1 / period) > apart
+    ]
+    made = [at(sets, block, {**dict(block.shape), "period_mm": 1 / f}) for f in near]
+    same = [b for b in made if b is not None and b.columns.shape == block.columns.shape]
+    own, *others = worths(sets, fit, [block, *same])
+    periods = [dict(b.shape)["period_mm"] for b in same]
+    return sorted(
+        p
+        for p, worth in zip(periods, others, strict=True)
+        if worth + 2 * np.log(p / period) > own - enough
+    )
 
 
 def _moment(sets: Sets, fit: Fit, block: Block) -> Block:
