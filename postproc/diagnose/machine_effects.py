@@ -94,8 +94,8 @@ def _not_sure(f: Finding) -> str:
         )
     if f.aliases:
         return (
-            f"its period is one of {len(f.aliases) + 1}, between targets each would correct"
-            " otherwise; measure at targets at uneven distances"
+            f"its period is one of {len(f.aliases) + 1} that these targets show alike, and each"
+            " corrects otherwise between them; measure at uneven distances"
         )
     if not _sized(f):
         return "none of its sizes is told from zero; record again with more readings"

@@ -188,6 +188,8 @@ def next_steps(d: Diagnosis, written: str = "") -> list[str]:
         steps.append("see to what DOUBT says and record again.")
     if any(f.equivalent for f in accepted):
         steps.append("run the test that tells the names apart before anything is changed.")
+    if uneven := [words.named(f.block.key) for f in accepted if f.aliases]:
+        steps.append(f"measure {', '.join(uneven)} at targets at uneven distances (ISO 230-2).")
     if at_fault := [words.named(f.block.key) for f in accepted if f.block.module.KIND != "machine"]:
         steps.append(
             f"correct the recording for {', '.join(at_fault)}, or record again without it; leave"
