@@ -33,7 +33,7 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     wave."""
     block = sets.blocks[k]
     if "t_s" in dict(block.shape):
-        return _numbered(sets, k, _moment(sets, fit, block)) if len(block.shape) == 1 else k
+        return _numbered(sets, k, _moments(sets, fit, block))
     periodic = block.name in FOUND and dict(block.shape).get("period_mm") != 0
     k = _numbered(sets, k, (_nearby if periodic else _between)(sets, fit, block))
     plain = sets.blocks[k]
@@ -164,18 +164,23 @@ def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
     )
 
 
-def _moment(sets: Sets, fit: Fit, block: Block) -> Block:
-    """The block at the likeliest moment between two readings near its own: a long recording has
-    more of them than the grid."""
+def _moments(sets: Sets, fit: Fit, block: Block) -> Block:
+    """The block at the likeliest moments between two readings near its own, one after the other: a
+    long recording has more of them than the grid."""
     times = np.unique(sets.rows.state.time)
     middle = (times[1:] + times[:-1]) / 2
     best, (most,) = block, worths(sets, fit, [block])
-    for stride in (8, 1):
-        near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
-        tried = range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride)
-        moments = [float(middle[k]) for k in tried]
-        shapes = [{"t_s": t} for t in moments if library.between_readings(sets.rows, t)]
-        best, most = _likeliest(sets, fit, best, most, shapes)
+    for name in (name for name in MOMENTS if name in dict(block.shape)):
+        for stride in (8, 1):
+            near = int(np.searchsorted(middle, dict(best.shape)[name]))
+            last = min(len(middle), near + 8 * stride + 1)
+            moments = [float(middle[k]) for k in range(max(0, near - 8 * stride), last, stride)]
+            shapes = [
+                {**dict(best.shape), name: t}
+                for t in moments
+                if library.between_readings(sets.rows, t)
+            ]
+            best, most = _likeliest(sets, fit, best, most, shapes)
     return best
 
 
