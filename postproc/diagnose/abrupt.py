@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.diagnose import telegraph
+from postproc.diagnose import jumps
 from postproc.diagnose.explained import shares
+from postproc.diagnose.jumps import WINDOW
 from postproc.diagnose.sets import Found, Sets
-from postproc.diagnose.telegraph import MANY, WINDOW
+from postproc.diagnose.telegraph import MANY
 from postproc.effects.step_loss import MOMENTS
 
 NAME = "step_loss"
@@ -69,7 +70,7 @@ def _others(
     for own in _signals(sets, shown):
         through = any(time[own[0]] < t < time[own[-1]] for t in moments)
         if through and len(own) > 3 * WINDOW:
-            number = max(number, int(np.count_nonzero(telegraph.changes(left[own])[1] > least)))
+            number = max(number, int(np.count_nonzero(jumps.changes(left[own])[1] > least)))
     return number
 
 

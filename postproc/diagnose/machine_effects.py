@@ -43,7 +43,10 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
     sure = [
         f
         for f in able
-        if f.foretells and not f.aliases and _sized(f) and all(_same_use(f, name) for name in f.equivalent)
+        if f.foretells
+        and not f.aliases
+        and _sized(f)
+        and all(_same_use(f, name) for name in f.equivalent)
     ]
     out = [f for f in able if f.block.key not in accept and f not in sure]
     return [f for f in able if f not in out], out

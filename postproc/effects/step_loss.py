@@ -45,9 +45,9 @@ def sensible(
     third_um: float | np.ndarray = 0.0,
     **moments: float,
 ) -> np.ndarray:
-    """Whether they are more than an instrument's own, of one order of size, and all go one way: what
-    jumps to and fro is as well an instrument that switches. um, each a number or an array; a bool of that
-    shape."""
+    """Whether they are more than an instrument's own, of one order of size, and all go one way:
+    what jumps to and fro is as well an instrument that switches. um, each a number or an array; a
+    bool of that shape."""
     jumps = np.stack(np.broadcast_arrays(jump_um, second_um, third_um))
     there = jumps != 0
     one_way = np.abs(np.sign(jumps).sum(axis=0)) == there.sum(axis=0)

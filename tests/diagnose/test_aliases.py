@@ -1,5 +1,5 @@
-"""Waves at targets at even distances: other periods look the same there, and none of them goes into a
-machine unasked. The readings are written out here by hand."""
+"""Waves at targets at even distances: other periods look the same there, and none of them goes
+into a machine unasked. The readings are written out here by hand."""
 
 from __future__ import annotations
 
@@ -63,7 +63,10 @@ def test_even_targets_show_several_periods_alike(tmp_path, capsys):
     assert holds(wave, PERIOD)
     assert main(["diagnose", str(tmp_path / "r.csv"), "--machine", str(tmp_path / "machine")]) == 0
     text = capsys.readouterr().out
-    assert "The targets stand at even distances and show these periods alike: " in text and "20.82 mm" in text
+    assert (
+        "The targets stand at even distances and show these periods alike: " in text
+        and "20.82 mm" in text
+    )
     assert "cyclic:X is NOT written: its period is one of" in said
     assert "[[effect]]" not in machine
 
