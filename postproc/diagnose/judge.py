@@ -208,8 +208,8 @@ def _scattered(
 
 
 def _located(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
-    """The same of units of targets in which a region departs by more than all draws of the noise do,
-    and still does beside the names. What a trace or a circle wanders by within a second is not
+    """The same of units of targets in which a region departs by more than all draws of the noise
+    do, and still does beside the names. What a trace or a circle wanders by within a second is not
     among these draws."""
     unit_of = np.full(len(d.rows), -1)
     for unit, part in enumerate(sets.evidence.parts):

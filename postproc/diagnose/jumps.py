@@ -29,8 +29,8 @@ def difference(y: np.ndarray) -> np.ndarray:
 
 
 def without(y: np.ndarray) -> np.ndarray:
-    """y (n,) with a few clear jumps taken out, each by the medians on either side: a level that jumps
-    is no noise. As it is where there are more of them, or none."""
+    """y (n,) with a few clear jumps taken out, each by the medians on either side: a level that
+    jumps is no noise. As it is where there are more of them, or none."""
     at, size = changes(y)
     if not len(at):
         return y
