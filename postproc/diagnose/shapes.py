@@ -133,9 +133,9 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
 
 def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
     """mm: other periods of a wave that explain the readings as well, shortest first: targets at
-    even distances show a wave of the frequency f and one of k / distance +- f alike (aliasing). fit:
-    without the wave; enough: by how much less probable they may be, as twice a logarithm; a period
-    may have any scale (Jeffreys' prior)."""
+    even distances show a wave of the frequency f and one of k / distance +- f alike (aliasing).
+    fit: without the wave; enough: by how much less probable they may be, as twice a logarithm; a
+    period may have any scale (Jeffreys' prior)."""
     shown = np.any(block.columns != 0, axis=1)
     period = dict(block.shape).get("period_mm", 0.0)
     if not period or not shown.any() or np.any(sets.rows.state.passage[shown] >= 0):
