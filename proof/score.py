@@ -19,6 +19,8 @@ OF_BEAM = {"cosine"}  # of a beam along which several axes move it is of none of
 # medians of these are stated
 VALUES = {"backlash": "size_um", "cyclic": "amplitude_um", "servo_lag": "tau_ms"}
 NARROWEST = 1e-9  # of the value: an interval that narrow is none
+# The contract says that two axes lag differently, not which of them is taken from which.
+UNSIGNED = {"delta_tau_ms"}
 
 
 def kept(found: dict[str, Any]) -> str:
@@ -131,6 +133,8 @@ def _parameters(outcome: Outcome, truth: dict[str, Any], effect: dict[str, Any])
         if VALUES.get(truth["effect"]) == name:
             outcome.errors.append((truth["effect"], abs(found["value"] - value) / abs(value)))
         low, high = sorted(found.get("ci95") or (0.0, 0.0))
+        if name in UNSIGNED and value * found["value"] < 0:
+            value = -value
         if high - low > NARROWEST * abs(value):
             outcome.inside.append(bool(low <= value <= high))
 

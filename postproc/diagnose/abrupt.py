@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.diagnose import telegraph
+from postproc.diagnose import jumps
 from postproc.diagnose.explained import shares
+from postproc.diagnose.jumps import WINDOW
 from postproc.diagnose.sets import Found, Sets
-from postproc.diagnose.telegraph import MANY, WINDOW
+from postproc.diagnose.telegraph import MANY
+from postproc.effects.step_loss import MOMENTS
 
 NAME = "step_loss"
 # times the noise of the readings around it: the step that these show; times what was named
@@ -36,7 +38,9 @@ def borne_out(sets: Sets, state: Found, k: int) -> bool:
         if not (sure > SHOWN and LEAST < times / size < MOST):
             return False
     least = COMPARABLE * 1e-3 * float(np.abs(sizes).min())
-    return _others(sets, left, np.any(columns != 0, axis=1), least) + len(sizes) < MANY
+    shape = dict(sets.blocks[k].shape)
+    moments = [shape[name] for name in MOMENTS if name in shape]
+    return _others(sets, left, np.any(columns != 0, axis=1), moments, least) + len(sizes) < MANY
 
 
 def _step(
@@ -57,13 +61,16 @@ def _step(
     return (along / square, abs(along) / np.sqrt(square)) if square else (0.0, 0.0)
 
 
-def _others(sets: Sets, left: np.ndarray, shown: np.ndarray, least: float) -> int:
-    """How often that signal of those where a jump shows that does so most changes by more than
-    `least` (mm) in what is left."""
-    number = 0
+def _others(
+    sets: Sets, left: np.ndarray, shown: np.ndarray, moments: list[float], least: float
+) -> int:
+    """How often that signal of those that were read before and behind a jump (moments, s) that does
+    so most changes by more than `least` (mm) in what is left."""
+    number, time = 0, sets.rows.state.time
     for own in _signals(sets, shown):
-        if len(own) > 3 * WINDOW:
-            number = max(number, int(np.count_nonzero(telegraph.changes(left[own])[1] > least)))
+        through = any(time[own[0]] < t < time[own[-1]] for t in moments)
+        if through and len(own) > 3 * WINDOW:
+            number = max(number, int(np.count_nonzero(jumps.changes(left[own])[1] > least)))
     return number
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,7 @@ from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.assembly import of
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.explained import scatter, shares
+from postproc.diagnose.jumps import without
 from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
@@ -262,8 +264,9 @@ def _learned(
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
     told = [_without_processes(groups, {"place", "turn"}) for groups in own]
+    plain = _without_jumps(y, units)
     for _ in range(ROUNDS):
-        left = _unexplained(Evidence(y, units, told, shared, train))
+        left = _unexplained(Evidence(plain, units, told, shared, train))
         for unit, at_most in zip(units, most, strict=True):
             noise.learned(
                 unit, left[unit.rows], rows.rounding[unit.rows], train[unit.rows], at_most
@@ -282,6 +285,16 @@ def _unexplained(evidence: Evidence) -> np.ndarray:
     said = shares(evidence, evidence.learn((), None, on, STEPS))
     explained = sum((v for name, v in said.items() if name != "noise"), np.zeros(len(evidence.y)))
     return np.asarray(evidence.y - explained)
+
+
+def _without_jumps(y: np.ndarray, units: list[Unit]) -> np.ndarray:
+    """(N,) mm: readings y without the few clear jumps of samples in motion: a level that changes at
+    once is neither noise nor wander."""
+    plain = y.copy()
+    for unit in units:
+        for a, b in pairwise(unit.edges if unit.dense else ()):
+            plain[unit.rows[a:b]] = without(y[unit.rows[a:b]])
+    return plain
 
 
 def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list[locate.Place]:

@@ -23,7 +23,7 @@ ANOTHER = 0.5
 class Finding:
     """One accepted effect. names: how probable it and each name that explains the readings as well
     is, by what the readings tell and what is believed beforehand, if it is one of these; they sum
-    to 1."""
+    to 1. aliases: mm, other periods that targets at even distances show alike."""
 
     block: Block
     value: dict[str, float]
@@ -37,6 +37,7 @@ class Finding:
     next_test: str = ""
     foretells: bool = True  # whether a curve says what targets read that took no part in its fit
     names: dict[str, float] = field(default_factory=dict)
+    aliases: list[float] = field(default_factory=list)
 
 
 @dataclass

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.diagnose import intervals, shared_jump, unrecorded
+from postproc.diagnose import intervals, shapes, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
 from postproc.diagnose.library import Block
 from postproc.diagnose.rows import Rows
@@ -66,6 +66,10 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     rest = sets.without(state, k)
     scores = sets.scores(rest)
     named, ci = intervals.of(sets, state, k, scores)
+    periods = shapes.aliases(sets, rest.fit, block, LIKELY)
+    if periods:
+        low, high = ci["period_mm"]
+        ci["period_mm"] = (min(low, *periods), max(high, *periods))
     own = sets.worth(state, k)
     children = sorted(search.children(rest, SETS, state), key=lambda child: child.score)
     others = {sets.blocks[c.added_to(rest)].key: c for c in children}  # the best of each name
@@ -89,7 +93,15 @@ def of_member(search: Search, state: Found, k: int) -> Finding:
     power, along = sets.evidence.beside(state.fit, block.columns, but=k)
     fall = float(along @ np.linalg.pinv(power, rcond=1e-9, hermitian=True) @ along)
     return Finding(
-        block, named, ci, contribution, own, fall, alike, names=probable(block.key, less)
+        block,
+        named,
+        ci,
+        contribution,
+        own,
+        fall,
+        alike,
+        names=probable(block.key, less),
+        aliases=periods,
     )
 
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import chdtrc
 
-from postproc.diagnose import telegraph
-from postproc.diagnose.answer import Diagnosis, Finding
+from postproc.diagnose import locate, telegraph
+from postproc.diagnose.answer import Diagnosis, Finding, floor
 from postproc.diagnose.explained import shares, white
 from postproc.diagnose.noise import FEW, Unit, spread, step
 from postproc.diagnose.nuisances import PROCESSES
@@ -29,6 +29,7 @@ DIVISIONS = 12.0**0.5
 # lags and fewest readings of a test of white noise; one recording in a million fails it by chance
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
 Said = dict[str, np.ndarray]
+CLEAR = 1 / (locate.DRAWS + 1)  # chance of a region: none of the draws departs as far
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment
 
@@ -44,6 +45,7 @@ def judged(d: Diagnosis, sets: Sets, state: Found) -> Unknown | None:
     rest = sets.evidence.y - sum(value for kind, value in said.items() if kind != "noise")
     found = [*_left(d, sets, state, said), *_unforetold(d, sets)]
     found += [*_autocorrelated(sets, state, said, rest), *_scattered(d, sets, said, rest)]
+    found += _located(d, sets)
     left = sorted(found, reverse=True)
     parts = [part.whole.rows for part in sets.evidence.parts]
     for f in d.findings:
@@ -201,6 +203,28 @@ def _scattered(
         rms = spread(rest[own])
         worth = max(least, UNFORETOLD * sure, OF_EXPLAINED * _size(said["effects"][own]))
         if not part.unit.dense and len(own) >= FEW and rms > worth:
+            found.append((rms / least, rms, unit))
+    return found
+
+
+def _located(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
+    """The same of units of targets in which a region departs by more than all draws of the noise
+    do, and still does beside the names. What a trace or a circle wanders by within a second is not
+    among these draws."""
+    unit_of = np.full(len(d.rows), -1)
+    for unit, part in enumerate(sets.evidence.parts):
+        if not part.unit.dense:
+            unit_of[part.whole.rows] = unit
+    found = []
+    for place in d.places:
+        own = np.flatnonzero(locate.inside(place, d.rows))
+        unit = int(unit_of[own[0]]) if len(own) else -1
+        if unit < 0 or place.p > CLEAR or len(own) < FEWEST:
+            continue
+        square = float(np.mean(d.after[own] ** 2)) - float(np.median(floor(d)[own])) ** 2
+        rms, least = float(np.sqrt(max(square, 0.0))), _least(sets.evidence.parts[unit].unit)
+        explained = float(np.std((d.before - d.after)[own]))
+        if rms > max(least, OF_EXPLAINED * explained):
             found.append((rms / least, rms, unit))
     return found
 

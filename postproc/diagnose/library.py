@@ -12,7 +12,7 @@ from types import ModuleType
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import spectra, telegraph
+from postproc.diagnose import jumps, spectra
 from postproc.diagnose.rows import Rows, second_place
 from postproc.machine.chain import XYZ
 
@@ -288,7 +288,7 @@ def _steps_moving(rows: Rows) -> list[float]:
         for signal in np.unique(rows.signal[here]):
             own = here[rows.signal[here] == signal]
             own = own[np.argsort(rows.state.time[own], kind="stable")]
-            at, size = telegraph.changes(rows.residual[own])
+            at, size = jumps.changes(rows.residual[own])
             scale = max(float(np.median(size)), 1e-9) if len(size) else 1.0
             t = rows.state.time[own]
             abrupt += [(-s / scale, (t[k - 1] + t[k]) / 2) for k, s in zip(at, size, strict=True)]

@@ -43,7 +43,10 @@ def written(d: Diagnosis, accept: tuple[str, ...]) -> tuple[list[Finding], list[
     sure = [
         f
         for f in able
-        if f.foretells and _sized(f) and all(_same_use(f, name) for name in f.equivalent)
+        if f.foretells
+        and not f.aliases
+        and _sized(f)
+        and all(_same_use(f, name) for name in f.equivalent)
     ]
     out = [f for f in able if f.block.key not in accept and f not in sure]
     return [f for f in able if f not in out], out
@@ -91,6 +94,11 @@ def _not_sure(f: Finding) -> str:
         return (
             "its curve does not foretell targets that are left out of its fit; measure at more"
             " targets"
+        )
+    if f.aliases:
+        return (
+            f"its period is one of {len(f.aliases) + 1} that these targets show alike, and each"
+            " corrects otherwise between them; measure at uneven distances"
         )
     if not _sized(f):
         return "none of its sizes is told from zero; record again with more readings"

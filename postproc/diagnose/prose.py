@@ -13,6 +13,7 @@ from postproc.diagnose.locate import Place
 from postproc.diagnose.summary import UM, fit_of, middle, next_test, rms, scaled
 
 SHOWN, WHERE = 5, 3  # rows of a kind, and regions
+PERIODS = 6  # that are written out
 NO_HELP = 0.95  # of what is there: what a map takes off is nothing
 
 
@@ -50,6 +51,8 @@ def _finding_lines(d: Diagnosis, f: Finding) -> list[str]:
         lines.append(f"  {': '.join(part for part in (said, meaning) if part)}")
     lines.append(f"  {worth(d, f)}")
     lines.append(f"  {f.text or f.block.module.TEXT}")
+    if f.aliases:
+        lines.append(f"  {aliased(f)}")
     if f.equivalent:
         lines.append(
             "  These readings are explained as well by:"
@@ -57,6 +60,17 @@ def _finding_lines(d: Diagnosis, f: Finding) -> list[str]:
         )
         lines.append(f"  To tell them apart: {next_test(d, f)}")
     return lines
+
+
+def aliased(f: Finding) -> str:
+    """That the targets stand too evenly for a period to be told, and the way out."""
+    said = [f"{p:.4g}" for p in sorted(f.aliases, reverse=True)[:PERIODS]]
+    more = len(f.aliases) - len(said)
+    periods = " mm, ".join(said) + " mm" + (f" and {more} more" if more else "")
+    return (
+        f"The targets stand at even distances and show these periods alike: {periods}. Measure at"
+        " uneven distances (ISO 230-2) to tell them apart."
+    )
 
 
 def kind(f: Finding) -> str:
@@ -174,6 +188,8 @@ def next_steps(d: Diagnosis, written: str = "") -> list[str]:
         steps.append("see to what DOUBT says and record again.")
     if any(f.equivalent for f in accepted):
         steps.append("run the test that tells the names apart before anything is changed.")
+    if uneven := [words.named(f.block.key) for f in accepted if f.aliases]:
+        steps.append(f"measure {', '.join(uneven)} at targets at uneven distances (ISO 230-2).")
     if at_fault := [words.named(f.block.key) for f in accepted if f.block.module.KIND != "machine"]:
         steps.append(
             f"correct the recording for {', '.join(at_fault)}, or record again without it; leave"

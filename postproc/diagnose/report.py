@@ -122,6 +122,7 @@ def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
         },
         "equivalent": f.equivalent,
         "names": {name: rounded(p, 3) for name, p in f.names.items()},
+        **({"aliases_mm": [rounded(p, 6) for p in f.aliases]} if f.aliases else {}),
         "next_test": next_test(d, f),
         "text": f.text or module.TEXT,
     }

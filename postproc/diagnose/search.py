@@ -96,8 +96,12 @@ class Search:
 
         def worth(state: Found) -> float:
             own = self.sets.at_own_form(state)
-            return self.sets.worth_of(
-                self.sets.evidence.learn(own.fit.chosen, own.fit, own.fit.on, RENEWED, least)
+            # its form is another by some of that, or none
+            return max(
+                self.sets.worth_of(
+                    self.sets.evidence.learn(chosen, own.fit, own.fit.on, RENEWED, least)
+                )
+                for chosen in {own.fit.chosen, own.members}
             )
 
         found = [(worth(state), state) for state in {state.key: state for state in states}.values()]

@@ -15,6 +15,7 @@ from postproc.diagnose.library import FOUND, Block
 from postproc.diagnose.parts import surprise
 from postproc.diagnose.prior import plausible
 from postproc.diagnose.sets import Sets
+from postproc.diagnose.spectra import SHORTEST
 from postproc.effects import UM
 from postproc.effects.step_loss import MOMENTS
 
@@ -32,7 +33,7 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     wave."""
     block = sets.blocks[k]
     if "t_s" in dict(block.shape):
-        return _numbered(sets, k, _moment(sets, fit, block)) if len(block.shape) == 1 else k
+        return _numbered(sets, k, _moments(sets, fit, block))
     periodic = block.name in FOUND and dict(block.shape).get("period_mm") != 0
     k = _numbered(sets, k, (_nearby if periodic else _between)(sets, fit, block))
     plain = sets.blocks[k]
@@ -130,18 +131,56 @@ def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
     return best
 
 
-def _moment(sets: Sets, fit: Fit, block: Block) -> Block:
-    """The block at the likeliest moment between two readings near its own: a long recording has
-    more of them than the grid."""
+def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
+    """mm: other periods of a wave that explain the readings as well, shortest first: targets at
+    even distances show a wave of the frequency f and one of k / distance +- f alike (aliasing).
+    fit: without the wave; enough: by how much less probable they may be, as twice a logarithm; a
+    period may have any scale (Jeffreys' prior)."""
+    shown = np.any(block.columns != 0, axis=1)
+    period = dict(block.shape).get("period_mm", 0.0)
+    if not period or not shown.any() or np.any(sets.rows.state.passage[shown] >= 0):
+        return []
+    place = sets.rows.state.position[block.axis]
+    tried = {0.0}
+    for signal in np.unique(sets.rows.signal[shown]):
+        stand = np.unique(np.round(place[shown & (sets.rows.signal == signal)], 2))
+        if len(stand) < 2:
+            continue
+        gap = float(np.median(np.diff(stand)))
+        fold = np.arange(0, int(gap / SHORTEST) + 2) / gap
+        tried |= {float(f) for f in np.abs(np.concatenate([fold + 1 / period, fold - 1 / period]))}
+    apart = WITHIN / max(float(np.ptp(place[shown])), 1e-9)
+    near = [
+        f for f in sorted(tried) if 3 * apart < f <= 1 / SHORTEST and abs(f - 1 / period) > apart
+    ]
+    made = [at(sets, block, {**dict(block.shape), "period_mm": 1 / f}) for f in near]
+    same = [b for b in made if b is not None and b.columns.shape == block.columns.shape]
+    own, *others = worths(sets, fit, [block, *same])
+    periods = [dict(b.shape)["period_mm"] for b in same]
+    return sorted(
+        p
+        for p, worth in zip(periods, others, strict=True)
+        if worth + 2 * np.log(p / period) > own - enough
+    )
+
+
+def _moments(sets: Sets, fit: Fit, block: Block) -> Block:
+    """The block at the likeliest moments between two readings near its own, one after the other: a
+    long recording has more of them than the grid."""
     times = np.unique(sets.rows.state.time)
     middle = (times[1:] + times[:-1]) / 2
     best, (most,) = block, worths(sets, fit, [block])
-    for stride in (8, 1):
-        near = int(np.searchsorted(middle, dict(best.shape)["t_s"]))
-        tried = range(max(0, near - 8 * stride), min(len(middle), near + 8 * stride + 1), stride)
-        moments = [float(middle[k]) for k in tried]
-        shapes = [{"t_s": t} for t in moments if library.between_readings(sets.rows, t)]
-        best, most = _likeliest(sets, fit, best, most, shapes)
+    for name in (name for name in MOMENTS if name in dict(block.shape)):
+        for stride in (8, 1):
+            near = int(np.searchsorted(middle, dict(best.shape)[name]))
+            last = min(len(middle), near + 8 * stride + 1)
+            moments = [float(middle[k]) for k in range(max(0, near - 8 * stride), last, stride)]
+            shapes = [
+                {**dict(best.shape), name: t}
+                for t in moments
+                if library.between_readings(sets.rows, t)
+            ]
+            best, most = _likeliest(sets, fit, best, most, shapes)
     return best
 
 

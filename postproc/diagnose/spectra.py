@@ -154,7 +154,8 @@ def _between_targets(
             for f in np.array_split(frequencies, 1 + len(frequencies) * len(w) // AT_ONCE)
         ]
     )
-    best = int(np.argmax(fall))
+    # periods have a scale of any length (Jeffreys' prior): of aliases the longest
+    best = int(np.argmax(fall - 2 * np.log(frequencies)))
     left = max(1.0 - fall[best] / float(y @ y), 0.0)
     if span * (frequencies[-1] - frequencies[0]) * left ** (free / 2) > BY_CHANCE:
         return []

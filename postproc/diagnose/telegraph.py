@@ -15,13 +15,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median_filter
+from scipy.ndimage import maximum_filter1d
 
+from postproc.diagnose.jumps import CLEAR, WINDOW, changes, difference
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.rows import Rows
 
-WINDOW = 8  # samples on either side of a change
-CLEAR, NOISE = 6.0, 3.0  # times what such medians differ by elsewhere; times the white noise
+NOISE = 3.0  # times the white noise
 FEWEST = 3  # changes: there and back once may be a step that was lost and found
 MANY = 4  # changes between more levels than two: a drive that loses steps more often is not run on
 BACK = 0.25  # of them go the rarer way: what is lost again and again goes one way
@@ -86,7 +86,7 @@ def _steps_of(rows: Rows, unit: Unit) -> tuple[np.ndarray, np.ndarray]:
     if not unit.dense or n < 8 * WINDOW:
         return none
     at = _changes(y, NOISE * float(np.median(unit.r)))
-    at = at[np.abs(_steps(y, at)) > np.abs(_jump(y)[at]) / 2]  # what drifts back was no level
+    at = at[np.abs(_steps(y, at)) > np.abs(difference(y)[at]) / 2]  # what drifts back was no level
     if not len(at) or np.mean(_near_turns(rows, unit)[at]) > MOST_NEAR or _driven(rows, unit, at):
         return none
     size = _steps(y, at)
@@ -100,7 +100,7 @@ def _driven(rows: Rows, unit: Unit, at: np.ndarray) -> bool:
         own = values[unit.rows]
         if not np.isfinite(own).all() or np.ptp(own) == 0:
             continue
-        jump = np.abs(_jump(own))
+        jump = np.abs(difference(own))
         near = maximum_filter1d(jump, WINDOW)[at]
         if np.mean(near > max(CLEAR * MAD * float(np.median(jump)), 0.1 * np.ptp(own))) > 0.5:
             return True
@@ -153,26 +153,8 @@ def _levels(rows: Rows, unit: Unit, fewest: int) -> np.ndarray | None:
 def _changes(y: np.ndarray, least: float) -> np.ndarray:
     """Numbers of the first readings behind abrupt changes of y (n,) by at least so much."""
     at, size = changes(y)
-    usual = MAD * float(np.median(np.abs(_jump(y))))
+    usual = MAD * float(np.median(np.abs(difference(y))))
     return at[size >= max(CLEAR * usual, least, 1e-9)]
-
-
-def changes(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers (C,) of the first readings behind the largest change of y (n,) within a window, and
-    by how much the medians before and behind differ."""
-    size = np.abs(_jump(y))
-    # of medians that are alike the one with the step itself
-    sharp = size + 1e-6 * np.abs(np.diff(y, prepend=y[0]))
-    at = np.flatnonzero((size > 0) & (sharp == maximum_filter1d(sharp, 2 * WINDOW + 1)))
-    return at, size[at]
-
-
-def _jump(y: np.ndarray) -> np.ndarray:
-    """(n,) median of y from each reading on less that of those before it."""
-    before = median_filter(y, WINDOW, origin=WINDOW // 2 - 1, mode="nearest")  # of k-7 to k
-    jump = np.zeros(len(y))
-    jump[1:-WINDOW] = before[WINDOW:-1] - before[: -WINDOW - 1]
-    return jump
 
 
 def _steps(y: np.ndarray, at: np.ndarray) -> np.ndarray:
