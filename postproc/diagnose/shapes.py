@@ -136,24 +136,9 @@ def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
     even distances show a wave of the frequency f and one of k / distance +- f alike (aliasing).
     fit: without the wave; enough: by how much less probable they may be, as twice a logarithm; a
     period may have any scale (Jeffreys' prior)."""
-    shown = np.any(block.columns != 0, axis=1)
     period = dict(block.shape).get("period_mm", 0.0)
-    if not period or not shown.any() or np.any(sets.rows.state.passage[shown] >= 0):
-        return []
-    place = sets.rows.state.position[block.axis]
-    tried = {0.0}
-    for signal in np.unique(sets.rows.signal[shown]):
-        stand = np.unique(np.round(place[shown & (sets.rows.signal == signal)], 2))
-        if len(stand) < 2:
-            continue
-        gap = float(np.median(np.diff(stand)))
-        fold = np.arange(0, int(gap / SHORTEST) + 2) / gap
-        tried |= {float(f) for f in np.abs(np.concatenate([fold + 1 / period, fold - 1 / period]))}
-    apart = WITHIN / max(float(np.ptp(place[shown])), 1e-9)
-    near = [
-        f for f in sorted(tried) if 3 * apart < f <= 1 / SHORTEST and abs(f - 1 / period) > apart
-    ]
-    made = [at(sets, block, {**dict(block.shape), "period_mm": 1 / f}) for f in near]
+    folded = _folded(sets, block, 1 / period) if period else []
+    made = [at(sets, block, {**dict(block.shape), "period_mm": 1 / f}) for f in folded]
     same = [b for b in made if b is not None and b.columns.shape == block.columns.shape]
     own, *others = worths(sets, fit, [block, *same])
     periods = [dict(b.shape)["period_mm"] for b in same]
@@ -162,6 +147,26 @@ def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
         for p, worth in zip(periods, others, strict=True)
         if worth + 2 * np.log(p / period) > own - enough
     )
+
+
+def _folded(sets: Sets, block: Block, frequency: float) -> list[float]:
+    """1/mm: frequencies of which targets at the usual distance of a signal show no other wave than
+    at this one. None of samples in motion."""
+    rows = sets.rows
+    shown = np.any(block.columns != 0, axis=1)
+    if not shown.any() or np.any(rows.state.passage[shown] >= 0):
+        return []
+    place = rows.state.position[block.axis]
+    tried: set[float] = set()
+    for signal in np.unique(rows.signal[shown]):
+        stand = np.unique(np.round(place[shown & (rows.signal == signal)], 2))
+        gap = float(np.median(np.diff(stand))) if len(stand) > 1 else np.inf
+        fold = np.arange(int(gap / SHORTEST) + 2 if gap < np.inf else 0) / gap
+        tried |= set(np.abs(np.concatenate([fold + frequency, fold - frequency])).tolist())
+    apart = WITHIN / max(float(np.ptp(place[shown])), 1e-9)
+    return [
+        f for f in sorted(tried) if 3 * apart < f <= 1 / SHORTEST and abs(f - frequency) > apart
+    ]
 
 
 def _moments(sets: Sets, fit: Fit, block: Block) -> Block:
