@@ -264,7 +264,7 @@ def _learned(
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
     told = [_without_processes(groups, {"place", "turn"}) for groups in own]
-    plain = _without_jumps(y, units)
+    plain = _without_jumps(y, rows, units)
     for _ in range(ROUNDS):
         left = _unexplained(Evidence(plain, units, told, shared, train))
         for unit, at_most in zip(units, most, strict=True):
@@ -287,13 +287,16 @@ def _unexplained(evidence: Evidence) -> np.ndarray:
     return np.asarray(evidence.y - explained)
 
 
-def _without_jumps(y: np.ndarray, units: list[Unit]) -> np.ndarray:
+def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
     """(N,) mm: readings y without the few clear jumps of samples in motion: a level that changes at
-    once is neither noise nor wander."""
+    once is neither noise nor wander. What changes where an axis turns is the machine's."""
     plain = y.copy()
     for unit in units:
-        for a, b in pairwise(unit.edges if unit.dense else ()):
-            plain[unit.rows[a:b]] = without(y[unit.rows[a:b]])
+        if not unit.dense:
+            continue
+        turns = telegraph.near_turns(rows, unit)
+        for a, b in pairwise(unit.edges):
+            plain[unit.rows[a:b]] = without(y[unit.rows[a:b]], turns[a:b])
     return plain
 
 

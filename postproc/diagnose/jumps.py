@@ -28,14 +28,16 @@ def difference(y: np.ndarray) -> np.ndarray:
     return jump
 
 
-def without(y: np.ndarray) -> np.ndarray:
+def without(y: np.ndarray, kept: np.ndarray) -> np.ndarray:
     """y (n,) with a few clear jumps taken out, each by the medians on either side: a level that
-    jumps is no noise. As it is where there are more of them, or none."""
+    jumps is no noise. As it is where there are more of them, or none. kept (n,) bool: where a
+    jump is another's."""
     at, size = changes(y)
     if not len(at):
         return y
     clear = at[size > CLEAR * np.median(size)]
     clear = clear[np.diff(clear, prepend=-WINDOW - 1) > WINDOW]  # of two alike the first
+    clear = clear[~kept[clear]]
     if not 0 < len(clear) <= FEW:
         return y
     steps = np.zeros(len(y))

@@ -87,7 +87,7 @@ def _steps_of(rows: Rows, unit: Unit) -> tuple[np.ndarray, np.ndarray]:
         return none
     at = _changes(y, NOISE * float(np.median(unit.r)))
     at = at[np.abs(_steps(y, at)) > np.abs(difference(y)[at]) / 2]  # what drifts back was no level
-    if not len(at) or np.mean(_near_turns(rows, unit)[at]) > MOST_NEAR or _driven(rows, unit, at):
+    if not len(at) or np.mean(near_turns(rows, unit)[at]) > MOST_NEAR or _driven(rows, unit, at):
         return none
     size = _steps(y, at)
     return none if _at_places(rows, unit, at, size > 0) else (at, size)
@@ -138,7 +138,7 @@ def _levels(rows: Rows, unit: Unit, fewest: int) -> np.ndarray | None:
     if not unit.dense or n < 8 * WINDOW:
         return None
     at = _lasting(y, _changes(y, NOISE * float(np.median(unit.r))))
-    if len(at) < fewest or np.mean(_near_turns(rows, unit)[at]) > MOST_NEAR:
+    if len(at) < fewest or np.mean(near_turns(rows, unit)[at]) > MOST_NEAR:
         return None
     size = _steps(y, at)
     usual = float(np.median(np.abs(size)))
@@ -170,7 +170,7 @@ def _lasting(y: np.ndarray, at: np.ndarray) -> np.ndarray:
     return at[size > np.median(size) / 2] if len(at) else at
 
 
-def _near_turns(rows: Rows, unit: Unit) -> np.ndarray:
+def near_turns(rows: Rows, unit: Unit) -> np.ndarray:
     """(n,) bool: near a turn, a start or a stop of an axis, or the end of a passage."""
     n, near = len(unit), np.zeros(len(unit), bool)
     events = set(unit.edges[1:-1].tolist())
