@@ -66,7 +66,7 @@ def test_a_set_that_says_the_same_stands_in_for_one_that_can_not_be(next_best, c
 
         @staticmethod
         def worth_of(fit):
-            return worth[fit]
+            return worth.get(fit, -np.inf)
 
         @staticmethod
         def fits(fit, k):

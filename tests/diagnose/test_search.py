@@ -165,3 +165,33 @@ def test_several_jumps_are_looked_for_among_those_to_one_side(second, named):
     )
     found = shapes._jumps(cast(Any, sets), cast(Any, None), (0, 1, 2, 3, 4), 59)
     assert (found == [1, 3]) == named
+
+
+def test_a_name_of_exactly_its_form_is_not_charged_for_an_error_of_it():
+    """A process explains 90; a name 80 with terms for an error of its form and 99 without them."""
+    worth = {("forms",): 80.0, (LAG,): 99.0, (): 90.0}
+
+    class Sets:
+        evidence = SimpleNamespace(learn=lambda chosen, *_: chosen)
+
+        @staticmethod
+        def at_own_form(state: Any) -> Any:
+            return state
+
+        @staticmethod
+        def worth_of(chosen: Any) -> float:
+            return worth[chosen]
+
+        @staticmethod
+        def fits(fit: Any, k: int) -> bool:
+            return True
+
+    def state(members: tuple[int, ...], chosen: tuple, on: frozenset) -> Any:
+        fit = SimpleNamespace(chosen=chosen, on=on)
+        return SimpleNamespace(
+            key=(members, on), members=members, score=0.0, least=np.zeros(1), fit=fit
+        )
+
+    named = state((LAG,), ("forms",), frozenset())
+    process = state((), (), frozenset({(0, "lever")}))
+    assert Search(cast(Any, Sets()))._likeliest([process, named]) is named
