@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from postproc.diagnose import abrupt, shapes
-from postproc.diagnose.evidence import Fit
+from postproc.diagnose.evidence import Fit, On
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
 from postproc.diagnose.prior import plausible
@@ -89,27 +89,36 @@ class Search:
         )[:LOOKED_AT]
         return self._dropped(self._likeliest([*ends, *best]))
 
+    # Whole: the rules by which sets are held against one another, in order.
     def _likeliest(self, states: list[Found]) -> Found:
         """Of several sets, all at the same error of form: the largest that any of them has. What
         many explain a little better than one does is that one of another form."""
         least = np.max([self.sets.at_own_form(state).least for state in states], axis=0)
 
-        def worth(state: Found) -> float:
+        def worths(state: Found) -> tuple[float, float]:
+            """With terms for an error of form, and the larger of that and without them."""
             own = self.sets.at_own_form(state)
-            # its form is another by some of that, or none
-            return max(
+            each = [
                 self.sets.worth_of(
                     self.sets.evidence.learn(chosen, own.fit, own.fit.on, RENEWED, least)
                 )
-                for chosen in {own.fit.chosen, own.members}
-            )
+                for chosen in dict.fromkeys((own.fit.chosen, own.members))
+            ]
+            return each[0], max(each)
 
-        found = [(worth(state), state) for state in {state.key: state for state in states}.values()]
-        most, best = max(found, key=lambda one: one[0])
+        of_key = {state.key: state for state in states}
+        worth = {key: worths(state) for key, state in of_key.items()}
+        found = [(worth[key][0], state) for key, state in of_key.items()]
+        most = max(w for w, _ in found)
         if any(w > most - ALIKE and self._plausible(s) for w, s in found):
             # what says the same stands in for a size that can not be
             found = [(w, s) for w, s in found if self._plausible(s)]
-            most, best = max(found, key=lambda one: one[0])
+        # A process has no form to be wrong: against others of them a name may have exactly its own.
+        beside: dict[On, tuple[float, Found]] = {}
+        for one in found:
+            on = one[1].fit.on
+            beside[on] = max(beside.get(on, one), one, key=lambda one: one[0])
+        most, best = max(beside.values(), key=lambda one: worth[one[1].key][1])
         # Names that the errors of form do not part are parted as they fit.
         size, on = len(best.members), best.fit.on
         alike = [

@@ -18,7 +18,7 @@ MOMENTS = ("t_s", "second_s", "third_s")
 # um: instruments jump by less (a fringe miscounted, a probe that settles), and no full step is so
 # short
 SMALLEST = 1.5
-# of the largest: a smaller one is another's (a stepping motor loses whole multiples of four steps)
+# of the largest: others may be as small (a stepping motor loses whole multiples of four steps)
 SHARE = 1 / 3
 KIND, USE, PER = "machine", "simulate", "axis"
 NEEDS, SEES = ("time",), ("tool", "scale")
@@ -45,15 +45,16 @@ def sensible(
     third_um: float | np.ndarray = 0.0,
     **moments: float,
 ) -> np.ndarray:
-    """Whether they are more than an instrument's own, of one order of size, and all go one way:
-    what jumps to and fro is as well an instrument that switches. um, each a number or an array; a
-    bool of that shape."""
+    """Whether they are more than an instrument's own, or beside such a one not much smaller than
+    it, and all go one way: what jumps to and fro is as well an instrument that switches. um, each
+    a number or an array; a bool of that shape."""
     jumps = np.stack(np.broadcast_arrays(jump_um, second_um, third_um))
     there = jumps != 0
     one_way = np.abs(np.sign(jumps).sum(axis=0)) == there.sum(axis=0)
     smallest = np.where(there, np.abs(jumps), np.inf).min(axis=0)
     largest = np.abs(jumps).max(axis=0)
-    return np.asarray(one_way & (largest >= SMALLEST) & (smallest >= SHARE * largest))
+    enough = np.minimum(SMALLEST, SHARE * largest)
+    return np.asarray(one_way & (largest >= SMALLEST) & (smallest >= enough))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

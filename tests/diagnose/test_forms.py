@@ -61,6 +61,8 @@ def test_lost_steps_are_named_where_each_is_large_and_all_go_one_way():
     assert step_loss.sensible(jump_um=-2.0, second_um=-3.0, second_s=7.0)
     assert not step_loss.sensible(jump_um=1.2)
     assert not step_loss.sensible(jump_um=4.0, second_um=0.3, second_s=7.0)
+    assert step_loss.sensible(jump_um=3.0, second_um=1.1, second_s=7.0)
+    assert step_loss.sensible(jump_um=9.0, second_um=1.6, second_s=7.0)
     assert not step_loss.sensible(jump_um=4.0, second_um=-3.0, second_s=7.0)
     many = np.array([[-2.0, 1.2, 4.0, 4.0], [-3.0, 0.0, 0.3, -3.0]])
     assert step_loss.sensible(*many).tolist() == [True, False, False, False]
