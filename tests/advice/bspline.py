@@ -15,7 +15,7 @@ def spline(before: str, after: str, then: str = "", **options) -> Case:
 
 
 ALL = [
-    spline("G90 G17|" + POINTS + " Z5 F9", LED + POINTS, how={"start": NOWHERE}),
+    spline("G90 G17 G0 Z5|" + POINTS, LED + POINTS, how={"start": NOWHERE}),
     spline(
         "G90 G0 X100 Y100 Z0 A0 C0|BSPLINE X110 C10 F9",
         "G90 G0 X100 Y100 Z0 A0 C0|G1 X105 C5 F9|X110 C10",

@@ -26,7 +26,6 @@ NO_CASE: dict[str, str] = {
     "* in an arc": ELSEWHERE,
     "* is an axis, not a string": ELSEWHERE,
     "* is expected here": ADVICE,
-    "* within *": ELSEWHERE,
     "G16 in G90 without *, behind a pole set in G91": ELSEWHERE,
     "X is a diameter within *": ELSEWHERE,
     "a comment is opened and not closed in its line, or opened twice": ELSEWHERE,
