@@ -138,6 +138,8 @@ def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
     period may have any scale (Jeffreys' prior)."""
     period = dict(block.shape).get("period_mm", 0.0)
     folded = _folded(sets, block, 1 / period) if period else []
+    if not folded:
+        return []
     made = [at(sets, block, {**dict(block.shape), "period_mm": 1 / f}) for f in folded]
     same = [b for b in made if b is not None and b.columns.shape == block.columns.shape]
     own, *others = worths(sets, fit, [block, *same])
