@@ -128,7 +128,8 @@ def _prove(b: Batch, course: Course, stroke: np.ndarray) -> None:
             if own[i] <= allowed[i]:
                 still = course.side[:, window[i, :1]]
                 parts = {**_parts(b, points, wanted, sides, still), "knots": float(knots[i])}
-            raise _fault(b, int(b.motion[stroke[i]]), parts, left)
+            known = bool(course.spaced[max(last[i] - REACH, 0) : last[i] + 1].all())
+            raise _fault(b, int(b.motion[stroke[i]]), parts, left, known)
 
 
 def _ways(b: Batch, course: Course, window: np.ndarray) -> list[list[np.ndarray]]:
@@ -255,6 +256,8 @@ def _turns(way: np.ndarray, length: np.ndarray) -> np.ndarray:
     return sine
 
 
+WRITE_OUT = "--expand writes it out as straight lines"  # or says why it does not
+TELL_KNOTS = "let the CAM program write a uniform one, PL alike in each of its blocks"
 SAYS = {  # what the largest part is for, and the way out
     "off": (
         "it begins where no motion was corrected before",
@@ -264,24 +267,27 @@ SAYS = {  # what the largest part is for, and the way out
         "a slide turns back within it or at its start, and no block can take its lost motion up"
         " there",
         "where it turns at the start, lead up to it in the direction of its first leg; elsewhere"
-        " let the CAM program write lines and arcs, or leave lost motion to the control"
-        " (--reversal mean)",
+        " lines and arcs, or leave lost motion to the control (--reversal mean)",
     ),
     "bend": (
         "the map bends between its control points",
-        "let the CAM program write more of them, or lines and arcs",
+        "more of them, or lines and arcs",
     ),
     "knots": (
         "the control spaces its knots by the control points, which are corrected",
-        "let the CAM program write PL in each of its blocks, more control points, or lines and"
-        " arcs",
+        "more control points, or lines and arcs",
     ),
 }
 
 
-def _fault(b: Batch, motion: int, parts: dict[str, float], left: float) -> MotionFault:
-    """left: mm."""
-    why, out = SAYS[max(parts, key=lambda x: parts[x])]
+def _fault(
+    b: Batch, motion: int, parts: dict[str, float], left: float, known: bool
+) -> MotionFault:
+    """left: mm. known: whether its blocks say the intervals of its knots."""
+    part = max(parts, key=lambda x: parts[x])
+    why, out = SAYS[part]
+    if part != "off":
+        out = f"{WRITE_OUT if known else TELL_KNOTS}; or {out}"
     return MotionFault(
         motion,
         f"a B-spline whose curve may stay off by {left / UM:.1f} um (tolerance"
