@@ -257,7 +257,7 @@ def _turns(way: np.ndarray, length: np.ndarray) -> np.ndarray:
 
 
 WRITE_OUT = "--expand writes it out as straight lines"  # or says why it does not
-TELL_KNOTS = "let the CAM program write a uniform one, PL alike in each of its blocks"
+MAKE_UNIFORM = "let the CAM program write a uniform one, PL alike in each of its blocks"
 SAYS = {  # what the largest part is for, and the way out
     "off": (
         "it begins where no motion was corrected before",
@@ -275,19 +275,18 @@ SAYS = {  # what the largest part is for, and the way out
     ),
     "knots": (
         "the control spaces its knots by the control points, which are corrected",
-        "more control points, or lines and arcs",
+        "let the CAM program write PL in each of its blocks, more control points, or lines and"
+        " arcs",
     ),
 }
 
 
-def _fault(
-    b: Batch, motion: int, parts: dict[str, float], left: float, known: bool
-) -> MotionFault:
+def _fault(b: Batch, motion: int, parts: dict[str, float], left: float, known: bool) -> MotionFault:
     """left: mm. known: whether its blocks say the intervals of its knots."""
     part = max(parts, key=lambda x: parts[x])
     why, out = SAYS[part]
-    if part != "off":
-        out = f"{WRITE_OUT if known else TELL_KNOTS}; or {out}"
+    if part in ("play", "bend"):
+        out = f"{WRITE_OUT if known else MAKE_UNIFORM}; or {out}"
     return MotionFault(
         motion,
         f"a B-spline whose curve may stay off by {left / UM:.1f} um (tolerance"

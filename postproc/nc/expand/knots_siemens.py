@@ -3,15 +3,16 @@
 Siemens, "NC programming" 12/2019, page 594, and "5-axis machining", page 99: the points of the
 blocks are those of the control polygon, the one before is where the axes stand; SD is the degree, 3
 where it is not written; PW a weight of 0 to 3, of which 1 attracts neither more nor less; PL the
-"parameter interval length", the distance between two knots. How the intervals are counted among the
-blocks is not published. That the path goes on from where the axes stand to the last point,
+"parameter interval length", the distance between two knots. How the intervals are counted among
+the blocks is not published. That the path goes on from where the axes stand to the last point,
 whatever the polygon, leaves no other knots at the ends than degree + 1 equal ones: n points behind
 the first have n + 1 - degree intervals between, and degree - 1 of n values of PL are left over.
-Which, programs that make such blocks differ about (the first interval with the first block, or with
-the second one: CATIA, "NURBS Formats in APT Output"). So every run of values is looked at, and
+Which, programs that write such blocks differ about (the first interval with the first block, or,
+CATIA, "NURBS Formats in APT Output", with the second one). So every run of values is looked at, and
 those that would jump are none; a spline is followed where all the others say the same knots, as
-equal values do, and values of 0 that fill up both ends. Taken for granted is that the values follow
-one another as the intervals do, and that a block without PW, and the first point, have the weight 1.
+equal values do, and values of 0 that fill up both ends. Taken for granted is that values follow one
+another as the intervals do, and that points whose blocks say no PW, and the first, have the weight
+1.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ ENDS = (2, 17, 30)
 QUIET = ("motion", "distance", "path")
 ALIKE = 1e-9  # of intervals against their sum
 OPEN = (
-    "let the CAM program write a uniform one, PL alike in each of its blocks, for those it has leave"
-    " open where an interval belongs"
+    "let the CAM program write a uniform one, PL alike in each of its blocks: those that it has"
+    " leave open to which block an interval belongs"
 )
 NO_POINTS = np.zeros((0, 3))
 
@@ -76,11 +77,17 @@ class KnownKnots:
         if not held:
             return []
         self.scene.forget()
-        found = self._written(held)
-        if isinstance(found, list):
-            return self._told(found)
-        self.kept |= {(line.file, line.source): found for line, _ in held}
-        return self._told([line for line, _ in held])
+        count = max((k for k, (_, block) in enumerate(held, 1) if self._is_point(block)), default=0)
+        found = self._written(held[:count]) if count else []
+        if isinstance(found, str):
+            self.kept |= {(line.file, line.source): found for line, _ in held[:count]}
+            found = [line for line, _ in held[:count]]
+        return self._told([*found, *(line for line, _ in held[count:])])
+
+    def _is_point(self, block: Block) -> bool:
+        """Whether its axis words are a control point."""
+        own = any(w.letter in self.tracker.setup.axes for w in block.words)
+        return own and all(self.scene.group_of(c) in QUIET for c in block.codes)
 
     def _told(self, lines: list[Line]) -> list[Line]:
         for line in lines:
@@ -94,7 +101,7 @@ class KnownKnots:
             return polygon
         rows, poles = polygon
         points = [held[row][1] for row in rows]
-        degree = _degree(points)
+        degree = _degree([block for _, block in held])
         if degree is None or len(points) < degree:
             return "write one degree, SD=2 or SD=3, and as many control points as it at least"
         weights = _weights(points)
@@ -114,14 +121,15 @@ class KnownKnots:
         stand."""
         scene, state = self.scene, self.tracker.state
         if any(self._strange(block, not k) for k, (_, block) in enumerate(held)):
-            return "let its blocks hold nothing but control points, PL and PW, the first F and M too"
+            return "let its blocks hold control points, PL and PW alone, the first one F and M too"
         text = b"".join(line.text + b"\n" for line, _ in held)
         words = lex(text, scene.dialect.grammar, self.tracker.setup.block_delete)
         try:
             motions, behind, _ = self.tracker.interpreter.run(words, state)
         except BlockFault:
             return "correct what its blocks say"
-        if words.fault or state.origin is None or not np.array_equal(state.origin, behind.origin):
+        before, after = state.origin, behind.origin
+        if words.fault or before is None or after is None or not np.array_equal(before, after):
             return "correct what its blocks say"
         if scene.code("feed mode") == 930 or not self._followed(motions):
             return "let nothing but X Y Z move in it, under G94 and from a known place"
@@ -206,9 +214,9 @@ def _jumps(run: np.ndarray, degree: int) -> bool:
     return max(map(len, rows)) >= degree
 
 
-def _degree(points: list[Block]) -> int | None:
+def _degree(blocks: list[Block]) -> int | None:
     """What SD says; None: no degree, or several."""
-    found = {value for block in points if (value := block.get("SD")) is not None} or {DEGREE}
+    found = {value for block in blocks if (value := block.get("SD")) is not None} or {DEGREE}
     return int(found.pop()) if len(found) == 1 and found <= set(DEGREES) else None
 
 
