@@ -258,6 +258,16 @@ def test_the_bound_of_knots_holds_for_any_spacing(seed):
         assert away(two[:, ::8], one) <= most + 1e-5
 
 
+def test_the_bound_of_knots_looks_at_one_span_at_a_time():
+    """Where it turns by a right angle the legs are 1 mm, before they are 20: 1e-3 more of one leg
+    is worth 1e-3 / 4 * 3 * 1 mm, not 20 times that."""
+    way = np.array([[20.0, 20, 20, 1, 1, 1, 0], [0.0, 0, 0, 0, 0, 0, 1], np.zeros(7)])
+    wanted = np.concatenate([np.zeros((3, 1)), np.cumsum(way, axis=1)], axis=1)
+    written = wanted + [[0, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02], [0.0] * 8, [0.0] * 8]
+    course = Course(wanted=wanted, written=written, side=0 * wanted, spaced=np.zeros(8, bool))
+    assert splines._knots(course, np.arange(1, 8)) == pytest.approx([0.0] * 6 + [0.75e-3])
+
+
 def test_a_kink_of_the_map_between_control_points():
     """EYX rises by 1e-3 behind X 50: a mean of X 40 and X 60 misses Y by 5 um, a mean of points
     1 mm apart by 0.25 um."""

@@ -27,7 +27,7 @@ sine of the largest turn. By chord length the curve moves by a tenth of that or 
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 
@@ -233,27 +233,27 @@ def _knots(course: Course, last: np.ndarray) -> np.ndarray:
     length, new = (np.linalg.norm(x, axis=0) for x in (way, np.diff(course.written, axis=1)))
     ratio = np.divide(new, length, out=np.full_like(new, np.nan), where=length > 0)
     legs = np.maximum(last[:, None] - 1 - np.arange(REACH), 0)
-    about = legs[:, : BESIDE + DEGREE]
     least = np.nanmin(ratio[legs], axis=1, initial=np.inf)
     most = np.nanmax(ratio[legs], axis=1, initial=0.0)
     spread = np.where(most > 0, most / np.maximum(least, 1e-9) - 1.0, 0.0)
-    sine = _turns(way, length)[about].max(axis=1)
     levels = DEGREE * (DEGREE - 1) / 2
-    moved = spread / 4 * levels * length[about].max(axis=1) * sine
+    moved = spread / 4 * levels * _aside(way, length)[legs[:, : BESIDE + 1]].max(axis=1)
     return np.where(course.spaced[legs + 1].all(axis=1), 0.0, moved)
 
 
-def _turns(way: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """(L,) sine of the largest angle between each leg and the DEGREE - 1 before it, 1 beyond a
-    right one."""
+def _aside(way: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """(L,) mm: of the DEGREE legs that end with each one the longest, times the sine of the largest
+    angle between two of them, 1 beyond a right one."""
+    before = np.maximum(np.arange(len(length))[:, None] - np.arange(DEGREE), 0)
     sine = np.zeros(len(length))
-    for k in range(1, DEGREE):
-        one, two = way[:, k:], way[:, :-k]
-        size = length[k:] * length[:-k]
-        cosine = np.divide((one * two).sum(axis=0), size, out=np.ones_like(size), where=size > 0)
+    for one, two in combinations(before.T, 2):
+        size = length[one] * length[two]
+        along = (way[:, one] * way[:, two]).sum(axis=0)
+        cosine = np.divide(along, size, out=np.ones_like(size), where=size > 0)
         angle = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
-        sine[k:] = np.maximum(sine[k:], np.where(cosine > 0, angle, 1.0))
-    return sine
+        sine = np.maximum(sine, np.where(cosine > 0, angle, 1.0))
+    found: np.ndarray = length[before].max(axis=1) * sine
+    return found
 
 
 WRITE_OUT = "--expand writes it out as straight lines"  # or says why it does not
