@@ -120,8 +120,14 @@ def _by_source(error: ProgramError, written: Written) -> ProgramError:
     out, why."""
     if error.place is not None and error.place.line:
         line, file = written.source(error.place.line)
-        why = written.splines.kept.get((file, line), "")
-        error.advice = error.advice.replace(WRITE_OUT, f"to have it written out, {why}")
+        unsure = written.splines.kept.get((file, line))
+        if unsure and WRITE_OUT in error.advice:
+            error = ProgramError(
+                f"a B-spline that is not written out, because {unsure.why}, and not corrected as"
+                f" it is: {error.message.partition(': ')[2]}",
+                error.advice.replace(WRITE_OUT, unsure.out),
+                error.place,
+            )
         _at(error, written, line, file)
     return error
 

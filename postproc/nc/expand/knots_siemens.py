@@ -41,11 +41,18 @@ ENDS = (2, 17, 30)
 # groups whose codes may stand in the first block; in the others the motion code alone
 QUIET = ("motion", "distance", "path")
 ALIKE = 1e-9  # of intervals against their sum
-OPEN = (
-    "let the CAM program write a uniform one, PL alike in each of its blocks: those that it has"
-    " leave open to which block an interval belongs"
-)
 NO_POINTS = np.zeros((0, 3))
+
+
+class Unsure(Exception):
+    """Why a spline is not written out, and the way out."""
+
+    def __init__(self, why: str, out: str):
+        super().__init__(why)
+        self.why, self.out = why, out
+
+
+UNREAD = Unsure("what its blocks say is not followed", "correct it")
 
 
 class KnownKnots:
@@ -57,7 +64,7 @@ class KnownKnots:
         self.scene.tolerance = tolerance
         self.number = code_number(WORD)
         self.held: list[tuple[Line, Block]] = []
-        self.kept: dict[tuple[str, int], str] = {}
+        self.kept: dict[tuple[str, int], Unsure] = {}
 
     def take(self, line: Line) -> list[Line]:
         """The lines that can leave now."""
@@ -78,11 +85,13 @@ class KnownKnots:
             return []
         self.scene.forget()
         count = max((k for k, (_, block) in enumerate(held, 1) if self._is_point(block)), default=0)
-        found = self._written(held[:count]) if count else []
-        if isinstance(found, str):
-            self.kept |= {(line.file, line.source): found for line, _ in held[:count]}
-            found = [line for line, _ in held[:count]]
-        return self._told([*found, *(line for line, _ in held[count:])])
+        plain = [line for line, _ in held]
+        try:
+            if count:
+                plain[:count] = self._written(held[:count])
+        except Unsure as reason:
+            self.kept |= {(line.file, line.source): reason for line in plain[:count]}
+        return self._told(plain)
 
     def _is_point(self, block: Block) -> bool:
         """Whether its axis words are a control point."""
@@ -94,50 +103,57 @@ class KnownKnots:
             self.tracker.take(line.text, line)
         return lines
 
-    def _written(self, held: list[tuple[Line, Block]]) -> list[Line] | str:
-        """The lines of a spline, or why it is not known."""
-        polygon = self._polygon(held)
-        if isinstance(polygon, str):
-            return polygon
-        rows, poles = polygon
+    def _written(self, held: list[tuple[Line, Block]]) -> list[Line]:
+        """The lines of a spline. Raises Unsure."""
+        rows, poles = self._polygon(held)
         points = [held[row][1] for row in rows]
         degree = _degree([block for _, block in held])
-        if degree is None or len(points) < degree:
-            return "write one degree, SD=2 or SD=3, and as many control points as it at least"
         weights = _weights(points)
-        if weights is None:
-            return "write PW in each of its blocks, above 0 up to 3, or in none"
         steps = intervals([block.get("PL") for block in points], degree)
         if steps is None:
-            return OPEN
+            raise Unsure(
+                "its PL leave open where its knots are",
+                "let the CAM program write a uniform one, PL alike in each of its blocks",
+            )
         inner = np.concatenate([[0.0], np.cumsum(steps)])
         knots = np.concatenate([np.zeros(degree), inner, np.full(degree, inner[-1])])
         curve = Curve(poles, weights, knots, degree + 1)
         spans = curve.spans(self.scene.tolerance, poles.shape[1])
         return self._lines(held, dict(zip(rows[degree - 1 :], spans, strict=True)))
 
-    def _polygon(self, held: list[tuple[Line, Block]]) -> tuple[list[int], np.ndarray] | str:
+    def _polygon(self, held: list[tuple[Line, Block]]) -> tuple[list[int], np.ndarray]:
         """The number of each point's line, and the poles (K, 3) in mm, the first where the axes
-        stand."""
-        scene, state = self.scene, self.tracker.state
+        stand. Raises Unsure."""
         if any(self._strange(block, not k) for k, (_, block) in enumerate(held)):
-            return "let its blocks hold control points, PL and PW alone, the first one F and M too"
-        text = b"".join(line.text + b"\n" for line, _ in held)
-        words = lex(text, scene.dialect.grammar, self.tracker.setup.block_delete)
-        try:
-            motions, behind, _ = self.tracker.interpreter.run(words, state)
-        except BlockFault:
-            return "correct what its blocks say"
-        before, after = state.origin, behind.origin
-        if words.fault or before is None or after is None or not np.array_equal(before, after):
-            return "correct what its blocks say"
-        if scene.code("feed mode") == 930 or not self._followed(motions):
-            return "let nothing but X Y Z move in it, under G94 and from a known place"
+            raise Unsure(
+                "its blocks hold more than control points, PL and PW",
+                "let none but its first block hold F, S, M, G90 or G91, and no other word",
+            )
+        motions, lines = self._motions([line for line, _ in held])
+        if self.scene.code("feed mode") == 930 or not self._followed(motions):
+            raise Unsure(
+                "it begins at an unknown place, or more than X Y Z moves in it, or under G93",
+                "write it under G94, and move X Y Z alone to an absolute position before",
+            )
         used = [k for k, x in enumerate(self.tracker.setup.axes) if x in AXES]
         ticks = np.column_stack([motions.start[used, :1], motions.target[used]])
         if (np.diff(ticks, axis=1) == 0).all(axis=0).any():
-            return "write no control point twice"
-        return words.line[motions.block].tolist(), ticks.T / TICKS_PER_MM
+            raise Unsure("a control point stands twice, or where the axes are", "write it once")
+        return lines, ticks.T / TICKS_PER_MM
+
+    def _motions(self, lines: list[Line]) -> tuple[Motions, list[int]]:
+        """What the blocks of a spline are to the filter, and the number of each one's line. Raises
+        Unsure."""
+        text = b"".join(line.text + b"\n" for line in lines)
+        setup, state = self.tracker.setup, self.tracker.state
+        words = lex(text, self.scene.dialect.grammar, setup.block_delete)
+        if words.fault or state.origin is None:
+            raise UNREAD
+        try:
+            motions = self.tracker.interpreter.run(words, state)[0]
+        except BlockFault:
+            raise UNREAD from None
+        return motions, words.line[motions.block].tolist()
 
     def _strange(self, block: Block, first: bool) -> bool:
         """Whether more stands in a block than a control point, and in the first one what switches
@@ -196,6 +212,8 @@ def intervals(written: list[float | None], degree: int) -> np.ndarray | None:
     them, as shares of their sum; None: they leave it open."""
     lengths = np.array([np.nan if x is None else x for x in written])
     count = len(lengths) + 1 - degree
+    if count < 1:
+        return None
     runs = np.array([lengths[k : k + count] for k in range(degree)])
     if not (lengths >= 0).all():
         return None
@@ -214,17 +232,22 @@ def _jumps(run: np.ndarray, degree: int) -> bool:
     return max(map(len, rows)) >= degree
 
 
-def _degree(blocks: list[Block]) -> int | None:
-    """What SD says; None: no degree, or several."""
+def _degree(blocks: list[Block]) -> int:
+    """What SD says. Raises Unsure."""
     found = {value for block in blocks if (value := block.get("SD")) is not None} or {DEGREE}
-    return int(found.pop()) if len(found) == 1 and found <= set(DEGREES) else None
+    if len(found) > 1 or not found <= set(DEGREES):
+        raise Unsure("its degree SD is not 2 or 3", "write SD=2 or SD=3 once")
+    return int(found.pop())
 
 
-def _weights(points: list[Block]) -> np.ndarray | None:
-    """(K,) of all points, the first one's is 1; None: not all blocks say theirs."""
+def _weights(points: list[Block]) -> np.ndarray:
+    """(K,) of all points, the first one's is 1. Raises Unsure where not all blocks say theirs."""
     found = [value for block in points if (value := block.get("PW")) is not None]
     if not found:
         return np.ones(len(points) + 1)
     if len(found) < len(points) or not all(0 < value <= HEAVIEST for value in found):
-        return None
+        raise Unsure(
+            "PW stands in some of its blocks alone, or is not above 0 up to 3",
+            "write PW in each of its blocks, or in none",
+        )
     return np.array([1.0, *found])
