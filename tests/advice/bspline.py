@@ -28,6 +28,8 @@ ALL = [
     spline(LED + TURNS, LED + TURNS, also=WRITE),
     spline(LED + OPEN, LED + OPEN, "is not written out, because its PL leave open", also=WRITE),
     spline(LED + OPEN, LED + TURNS, how=WRITE),
+    spline(LED + "ASPLINE X6 Y6|X7 Y8|X8 Y9", LED + POINTS),
+    spline(LED + "CSPLINE X6 Y6|X7 Y8|X8 Y9", LED + "G1 X6 Y6|X7 Y8|X8 Y9"),
     spline(LED + POINTS + " RND=1", LED + POINTS),
     spline(TIP + "BSPLINE X101 Y101 F9", TIP + "G1 X101 Y101 F9", how=FIVE),
     spline(LED + "G41 X5.5|" + POINTS, LED + "G40 X5.5|" + POINTS),
