@@ -122,11 +122,11 @@ def _by_source(error: ProgramError, written: Written) -> ProgramError:
         line, file = written.source(error.place.line)
         unsure = written.splines.kept.get((file, line))
         if unsure and WRITE_OUT in error.advice:
-            why, way = error.message.partition(": ")[2], error.advice.removeprefix(WRITE_OUT)
+            why, way = error.message.partition(": ")[2], error.advice.removeprefix(f"{WRITE_OUT}; ")
             error = ProgramError(
                 f"a B-spline that is not written out, because {unsure.why}, and not corrected as"
                 f" it is, because {why}",
-                f"{unsure.out}{way}",
+                f"{unsure.out}; {way}",
                 error.place,
             )
         _at(error, written, line, file)
