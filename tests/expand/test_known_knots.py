@@ -193,7 +193,8 @@ POLYGON = "BSPLINE X10 Y10 PL=1|X20 Y0 PL=1|X30 Y5 PL=1|X40 Y0 PL=1"
         (POLYGON.replace("|X20", "|/X20"), "more than control points"),
         (POLYGON.replace("|X20", "|SUPA X20"), "more than control points"),
         (POLYGON.replace("|X40", "|TRANS X9|X40"), "more than control points"),
-        ("G93|" + POLYGON.replace("X10", "F3 X10"), "under G93"),
+        ("G93|" + POLYGON.replace("X10", "F3 X10"), "G93 or DIAM90"),
+        ("DIAM90|" + POLYGON, "G93 or DIAM90"),
     ],
 )
 def test_a_spline_that_leaves_a_doubt_stays(polygon, why):
@@ -201,7 +202,9 @@ def test_a_spline_that_leaves_a_doubt_stays(polygon, why):
     assert "|".join(lines) == START + polygon + "|G1 X0"
     reasons = {reason.why for reason in written.splines.kept.values()}
     assert len(reasons) == 1 and why in reasons.pop()
-    assert len(written.splines.kept) == polygon.count("|") + 1 - polygon.startswith("G93")
+    assert len(written.splines.kept) == polygon.count("|") + 1 - polygon.startswith(
+        ("G93", "DIAM90")
+    )
 
 
 def test_without_known_start_it_stays():

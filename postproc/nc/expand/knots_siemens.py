@@ -130,9 +130,10 @@ class KnownKnots:
                 "let none but its first block hold F, S, M, G90 or G91, and no other word",
             )
         motions, lines = self._motions([line for line, _ in held])
-        if self.scene.code("feed mode") == 930 or not self._followed(motions):
+        scene = self.scene
+        if scene.code("feed mode") == 930 or scene.diameter_in_g90 or not self._followed(motions):
             raise Unsure(
-                "it begins at an unknown place, or more than X Y Z moves in it, or under G93",
+                "it begins at an unknown place, or other axes move too, or G93 or DIAM90 is on",
                 "write it under G94, and move X Y Z alone to an absolute position before",
             )
         used = [k for k, x in enumerate(self.tracker.setup.axes) if x in AXES]
