@@ -207,6 +207,17 @@ def test_a_spline_that_leaves_a_doubt_stays(polygon, why):
     )
 
 
+@pytest.mark.parametrize("delete", [True, False])
+@pytest.mark.parametrize("block", ["/G1 X5", "/X5"])
+def test_a_block_that_may_be_stepped_over_ends_no_spline(block, delete):
+    """With block delete on "/G1 X5" is no block: what comes behind it is a control point."""
+    program = START + POLYGON.replace("|X40", f"|{block}|X40") + "|G1 X0"
+    lines, written = written_out(program, block_delete=delete)
+    assert "|".join(lines) == program and len(written.splines.kept) == 5
+    lines, _ = written_out(START + "/" + POLYGON + "|G1 X0", block_delete=True)
+    assert "X20 Y0 PL=1" in lines
+
+
 def test_without_known_start_it_stays():
     program = "G90 G54 G1 F9 SUPA X5|" + POLYGON
     setup = Setup(axes=("X", "Y"), least_increment={"X": 1e-4, "Y": 1e-4}, offsets={"G54": {}})

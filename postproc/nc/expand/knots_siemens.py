@@ -68,15 +68,19 @@ class KnownKnots:
 
     def take(self, line: Line) -> list[Line]:
         """The lines that can leave now."""
-        begins = bool(BEGINS.search(line.text.partition(b";")[0]))
-        if not self.held and not begins:
+        if not self.held and not (BEGINS.search(line.text) and self._begins(line)):
             return self._told([line])
         block = Block.of(line.text, self.scene.dialect.grammar)
         motions = self.scene.own_codes(block, "motion")
-        if all(c == self.number for c in motions) and not set(ENDS) & set(block.m_codes()):
+        goes_on = all(c == self.number for c in motions) and not set(ENDS) & set(block.m_codes())
+        if goes_on or block.skip:  # the operator's switch says whether that one ends it
             self.held.append((line, block))
             return []
         return [*self.finish(), *self._told([line])]
+
+    def _begins(self, line: Line) -> bool:
+        """Whether the control reads BSPLINE there."""
+        return not self.scene.passes(line.text) and bool(BEGINS.search(line.text.split(b";")[0]))
 
     def finish(self) -> list[Line]:
         """What is still held where the program ends."""
