@@ -7,12 +7,12 @@ where it is not written; PW a weight of 0 to 3, of which 1 attracts neither more
 the blocks is not published. That the path goes on from where the axes stand to the last point,
 whatever the polygon, leaves no other knots at the ends than degree + 1 equal ones: n points behind
 the first have n + 1 - degree intervals between, and degree - 1 of n values of PL are left over.
-Which, programs that write such blocks differ about (the first interval with the first block, or,
-CATIA, "NURBS Formats in APT Output", with the second one). So every run of values is looked at, and
-those that would jump are none; a spline is followed where all the others say the same knots, as
-equal values do, and values of 0 that fill up both ends. Taken for granted is that values follow one
-another as the intervals do, and that points whose blocks say no PW, and the first, have the weight
-1.
+Which, programs that write such blocks differ about: the first interval stands with the first block
+(genua, polysplinecurve.cpp), or with the second one (DK in CATIA, "NURBS Formats in APT Output").
+So every run of values is looked at, and those that would jump are none; a spline is followed where
+all the others say the same knots, as equal values do, and values of 0 that fill up both ends. Taken
+for granted is that values follow one another as the intervals do, and that points whose blocks say
+no PW, and the first, have the weight 1.
 """
 
 from __future__ import annotations
