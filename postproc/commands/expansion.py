@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from postproc import intake, ports
+from postproc.compensate.splines import WRITE_OUT
 from postproc.errors import GcompError, Notice, Place, ProgramError, UsageError
 from postproc.nc.codes import IF_IT_IS
 
@@ -115,9 +116,20 @@ def _portions(written: Written) -> Iterator[bytes]:
 
 
 def _by_source(error: ProgramError, written: Written) -> ProgramError:
-    """The same error at the line that was written by hand."""
+    """The same error at the line that was written by hand, and of a B-spline that was not written
+    out, why."""
     if error.place is not None and error.place.line:
-        _at(error, written, *written.source(error.place.line))
+        line, file = written.source(error.place.line)
+        unsure = written.splines.kept.get((file, line))
+        if unsure and WRITE_OUT in error.advice:
+            why, way = error.message.partition(": ")[2], error.advice.removeprefix(f"{WRITE_OUT}; ")
+            error = ProgramError(
+                f"a B-spline that is not written out, because {unsure.why}, and not corrected as"
+                f" it is, because {why}",
+                f"{unsure.out}; {way}",
+                error.place,
+            )
+        _at(error, written, line, file)
     return error
 
 

@@ -22,12 +22,13 @@ the control polygon near them do, as by chord length, centripetally or evenly (T
 two points of the level before. There a changes by d / 4 at most, along the last level's leg on the
 curve's own tangent; the legs of level r are as long as r legs of the polygon, in the cone of their
 directions. Beside the tangent that is, to first order in d, d / 4 * (1 + 2) * the longest leg * the
-sine of the largest turn. By chord length the curve moves by a tenth of that or less.
+sine of the largest turn. By chord length the curve moves by a tenth of that or less; intervals and
+weights that take it to nine tenths exist (tests/test_bspline.py).
 """
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 
@@ -128,7 +129,8 @@ def _prove(b: Batch, course: Course, stroke: np.ndarray) -> None:
             if own[i] <= allowed[i]:
                 still = course.side[:, window[i, :1]]
                 parts = {**_parts(b, points, wanted, sides, still), "knots": float(knots[i])}
-            raise _fault(b, int(b.motion[stroke[i]]), parts, left)
+            known = bool(course.spaced[max(last[i] - REACH, 0) : last[i] + 1].all())
+            raise _fault(b, int(b.motion[stroke[i]]), parts, left, known)
 
 
 def _ways(b: Batch, course: Course, window: np.ndarray) -> list[list[np.ndarray]]:
@@ -232,29 +234,31 @@ def _knots(course: Course, last: np.ndarray) -> np.ndarray:
     length, new = (np.linalg.norm(x, axis=0) for x in (way, np.diff(course.written, axis=1)))
     ratio = np.divide(new, length, out=np.full_like(new, np.nan), where=length > 0)
     legs = np.maximum(last[:, None] - 1 - np.arange(REACH), 0)
-    about = legs[:, : BESIDE + DEGREE]
     least = np.nanmin(ratio[legs], axis=1, initial=np.inf)
     most = np.nanmax(ratio[legs], axis=1, initial=0.0)
     spread = np.where(most > 0, most / np.maximum(least, 1e-9) - 1.0, 0.0)
-    sine = _turns(way, length)[about].max(axis=1)
     levels = DEGREE * (DEGREE - 1) / 2
-    moved = spread / 4 * levels * length[about].max(axis=1) * sine
+    moved = spread / 4 * levels * _aside(way, length)[legs[:, : BESIDE + 1]].max(axis=1)
     return np.where(course.spaced[legs + 1].all(axis=1), 0.0, moved)
 
 
-def _turns(way: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """(L,) sine of the largest angle between each leg and the DEGREE - 1 before it, 1 beyond a
-    right one."""
+def _aside(way: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """(L,) mm: of the DEGREE legs that end with each one the longest, times the sine of the largest
+    angle between two of them, 1 beyond a right one."""
+    before = np.maximum(np.arange(len(length))[:, None] - np.arange(DEGREE), 0)
     sine = np.zeros(len(length))
-    for k in range(1, DEGREE):
-        one, two = way[:, k:], way[:, :-k]
-        size = length[k:] * length[:-k]
-        cosine = np.divide((one * two).sum(axis=0), size, out=np.ones_like(size), where=size > 0)
+    for one, two in combinations(before.T, 2):
+        size = length[one] * length[two]
+        along = (way[:, one] * way[:, two]).sum(axis=0)
+        cosine = np.divide(along, size, out=np.ones_like(size), where=size > 0)
         angle = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
-        sine[k:] = np.maximum(sine[k:], np.where(cosine > 0, angle, 1.0))
-    return sine
+        sine = np.maximum(sine, np.where(cosine > 0, angle, 1.0))
+    found: np.ndarray = length[before].max(axis=1) * sine
+    return found
 
 
+WRITE_OUT = "--expand writes it out as straight lines"  # or says why it does not
+MAKE_UNIFORM = "let the CAM program write a uniform one, PL alike in each of its blocks"
 SAYS = {  # what the largest part is for, and the way out
     "off": (
         "it begins where no motion was corrected before",
@@ -264,12 +268,11 @@ SAYS = {  # what the largest part is for, and the way out
         "a slide turns back within it or at its start, and no block can take its lost motion up"
         " there",
         "where it turns at the start, lead up to it in the direction of its first leg; elsewhere"
-        " let the CAM program write lines and arcs, or leave lost motion to the control"
-        " (--reversal mean)",
+        " lines and arcs, or leave lost motion to the control (--reversal mean)",
     ),
     "bend": (
         "the map bends between its control points",
-        "let the CAM program write more of them, or lines and arcs",
+        "more of them, or lines and arcs",
     ),
     "knots": (
         "the control spaces its knots by the control points, which are corrected",
@@ -279,9 +282,12 @@ SAYS = {  # what the largest part is for, and the way out
 }
 
 
-def _fault(b: Batch, motion: int, parts: dict[str, float], left: float) -> MotionFault:
-    """left: mm."""
-    why, out = SAYS[max(parts, key=lambda x: parts[x])]
+def _fault(b: Batch, motion: int, parts: dict[str, float], left: float, known: bool) -> MotionFault:
+    """left: mm. known: whether its blocks say the intervals of its knots."""
+    part = max(parts, key=lambda x: parts[x])
+    why, out = SAYS[part]
+    if part in ("play", "bend"):
+        out = f"{WRITE_OUT if known else MAKE_UNIFORM}; or {out}"
     return MotionFault(
         motion,
         f"a B-spline whose curve may stay off by {left / UM:.1f} um (tolerance"

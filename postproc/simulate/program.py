@@ -187,7 +187,7 @@ class Reader:
             (
                 motions.code == SPLINE,
                 "a B-spline is not simulated: where its knots are, the control knows",
-                "write it as lines or arcs",
+                "write lines or arcs, or PL alike in each of its blocks and --expand",
             ),
             (
                 motions.space > 0,

@@ -41,12 +41,11 @@ class Curve:
     def points(self, tolerance: float, straight: int) -> np.ndarray:
         """(M, D) ends of lines behind the first pole. The lines leave the curve by `tolerance` at
         most, in its first `straight` coordinates; what is behind these is carried along."""
-        ends = [
-            end
-            for piece in self.beziers()
-            for end in _ends(piece, tolerance, straight, MOST_HALVINGS)
-        ]
-        return np.array([end[:-1] / end[-1] for end in ends])
+        return np.concatenate(self.spans(tolerance, straight))
+
+    def spans(self, tolerance: float, straight: int) -> list[np.ndarray]:
+        """The same between each two of its knots."""
+        return [lines_of(piece, tolerance, straight) for piece in self.beziers()]
 
 
 def lines_of(piece: np.ndarray, tolerance: float, straight: int) -> np.ndarray:

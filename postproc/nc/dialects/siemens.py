@@ -126,10 +126,16 @@ DIALECT = Dialect(
             {
                 "INVCW": "involute",
                 "INVCCW": "involute",
-                "ASPLINE": "Akima spline",
-                "CSPLINE": "cubic spline",
             },
             refuses=codes.CURVE,
+        ),
+        *rows(
+            "motion",
+            {"ASPLINE": "Akima spline", "CSPLINE": "cubic spline"},
+            refuses=(
+                "how it runs between its points, the control alone knows: let the CAM program write"
+                " lines and arcs, or BSPLINE with PL"
+            ),
         ),
         *rows("motion", {"BSPLINE": "B spline"}, does="spline"),
         *rows("motion", {"POLY": "polynomial"}, refuses=codes.SPLINE),

@@ -11,6 +11,7 @@ from postproc.errors import Notice
 from postproc.motions import Motions
 from postproc.nc.cycles.scene import CHORD_MM
 from postproc.nc.expand import Limits, Line, Program
+from postproc.nc.expand.knots_siemens import WORD, KnownKnots
 from postproc.nc.expand.resolve import Resolver
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.interpreter import Interpreter
@@ -42,6 +43,7 @@ class Written:
     ):
         self.program, self.limits, self.keeps, self.tolerance = program, limits, keeps, tolerance
         self.tracker = Tracker(interpreter)
+        self.splines = KnownKnots(Tracker(interpreter), tolerance)
         self.notices: list[Notice] = []  # by the lines that were written by hand
         self.newline = b"\r\n" if b"\r\n" in program.text[:10_000] else b"\n"
         self._sources, self._files = array("L"), array("H")
@@ -49,6 +51,29 @@ class Written:
         self._texts: dict[str, list[bytes]] = {}
 
     def __iter__(self) -> Iterator[bytes]:
+        waiting: list[bytes] = []
+        for line in self._without_splines():
+            self._note(line)
+            waiting.append(line.text)
+            if len(waiting) >= LINES_AT_ONCE:
+                yield self.newline.join(waiting) + self.newline
+                waiting.clear()
+        if waiting:
+            yield self.newline.join(waiting) + (
+                self.newline if self.program.text.endswith(b"\n") else b""
+            )
+
+    def _without_splines(self) -> Iterator[Line]:
+        """The plain lines, in which B-splines whose knots are known are straight lines."""
+        if not any(code.word == WORD for code in self.tracker.dialect.codes):
+            yield from self._resolved()
+            return
+        for line in self._resolved():
+            yield from self.splines.take(line)
+        yield from self.splines.finish()
+
+    def _resolved(self) -> Iterator[Line]:
+        """The plain lines without cycles and frames."""
         resolver = Resolver(self.program, self.tracker, keeps=self.keeps, tolerance=self.tolerance)
         resolver.scene.notices = self.notices
         language = self.tracker.dialect.language
@@ -57,21 +82,9 @@ class Written:
             if language
             else self._plain()
         )
-        waiting: list[bytes] = []
         for line in source:
-            for plain in resolver.take(line):
-                self._note(plain)
-                waiting.append(plain.text)
-            if len(waiting) >= LINES_AT_ONCE:
-                yield self.newline.join(waiting) + self.newline
-                waiting.clear()
-        for plain in resolver.finish():
-            self._note(plain)
-            waiting.append(plain.text)
-        if waiting:
-            yield self.newline.join(waiting) + (
-                self.newline if self.program.text.endswith(b"\n") else b""
-            )
+            yield from resolver.take(line)
+        yield from resolver.finish()
 
     def _plain(self) -> Iterator[Line]:
         """The lines of a program whose control has no language."""
