@@ -19,6 +19,7 @@ from reference.evaluate import residual
 from reference.machine import Machine as Reference
 
 from postproc.compensate import Options
+from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -245,3 +246,9 @@ def test_no_piece_of_a_line_is_too_short_to_tell_anything(tmp_path):
     spare = filter_.compensator.chord / 2 / machine.bounds.kink
     assert spare > 0.03
     assert min(shortest) > spare - 0.02
+
+
+def test_an_arc_that_leaves_the_travel_is_refused_before_it_is_cut(growth):
+    """Both ends lie inside; on the way X would go to 950 mm."""
+    with pytest.raises(ProgramError, match="the arc leads to X = 9.*beyond the travel of X"):
+        corrected(growth, "G21 G90 G17\nG0 X450 Y500\nG2 X450 Y-500 I0 J-500 F100\n")

@@ -109,6 +109,14 @@ def test_heat_by_hand(tmp_path):
     assert m.at_temperatures({"Z": 20.0, "work": 20.0}).is_zero and not m.is_zero
 
 
+def test_of_heat_that_is_not_stated_there_is_none(tmp_path):
+    """Scale and part without a figure grow by nothing, from a fixed point at zero."""
+    lathe = HEAD.format(chain="w-b-Z-X-t") + X + Z
+    growth = machine(tmp_path, lathe + "heat = {}\n").axes["Z"].expansion
+    assert (growth.scale, growth.work, growth.fixed) == (0.0, 0.0, 0.0)
+    assert (growth.scale_at, growth.work_at) == (20.0, 20.0)
+
+
 # -- arms ------------------------------------------------------------------------------------------
 
 

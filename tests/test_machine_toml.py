@@ -122,6 +122,12 @@ REFUSED = {
         ("'home' is not a number",),
     ),
     "velocity no number": ("10000.0", '"fast"', '"fast"', ("'fast' is not a number",)),
+    "one axis of an effect of two": (
+        'name = "backlash"\naxis = "X"\nsize_um = 9.0',
+        'name = "squareness"\naxis = "X"\nurad = 9.0',
+        'axis = "X"',
+        ("'X' is not a pair of linear axes, like XZ, of the machine",),
+    ),
     "axis of no machine": ("[axes.X]", "[axes.D]", "[axes.D]", ("X Y Z A B C",)),
     "diameter no list": ('["X"]', '"X"', "diameter", ("list axes",)),
     "diameter of no axis": ('["X"]', '["Y"]', "diameter", ("'Y'", "axes of the machine")),
