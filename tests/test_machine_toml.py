@@ -246,6 +246,12 @@ def test_machine_toml_is_refused_with_its_line(tmp_path, name):
     check(error, tmp_path / "machine.toml", line_of(toml, where), says)
 
 
+@pytest.mark.parametrize("least", [0.000001, 0.1])
+def test_the_finest_and_the_coarsest_increment_are_taken(tmp_path, least):
+    text = TOML.replace("0.0001", f"{least:f}")
+    assert read_machine(folder(tmp_path, text)).axes["X"].least_increment == least
+
+
 @pytest.mark.parametrize("section", ["tool", "limits", "squareness", "offsets", "axes", "effect"])
 def test_a_section_that_is_a_number_is_refused(tmp_path, section):
     lines = TOML.splitlines(keepends=True)
