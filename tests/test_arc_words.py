@@ -252,3 +252,13 @@ def test_an_arc_that_leaves_the_travel_is_refused_before_it_is_cut(growth):
     """Both ends lie inside; on the way X would go to 950 mm."""
     with pytest.raises(ProgramError, match="the arc leads to X = 9.*beyond the travel of X"):
         corrected(growth, "G21 G90 G17\nG0 X450 Y500\nG2 X450 Y-500 I0 J-500 F100\n")
+
+
+def test_a_new_zero_in_a_line_that_comes_alone_is_as_in_a_whole_program(shift):
+    """G92 names where the tool stands, 20 um beside the place; streamed, its line is a batch without
+    a motion."""
+    text = b"G21 G90 G17\nG0 X10 Y10 Z0\nG92 X0 Y0\nG1 X5 Y5 F100\n"
+    whole, lines = (filter_of(shift) for _ in range(2))
+    by_line = b"".join(lines.feed(line) for line in text.splitlines(keepends=True))
+    assert by_line + lines.finish() == whole.feed(text) + whole.finish()
+    assert b"G92 X-0.0200 Y-0.0200" in by_line
