@@ -2,6 +2,7 @@
 nobody thought of."""
 
 import os
+import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -9,9 +10,14 @@ from hypothesis import HealthCheck, settings
 # As the command line does, before numpy is loaded: with two threads for each of two workers the
 # diagnosis' tests took 2.2 times as long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Each worker, and each command that a test starts, loads what was compiled once: 14 s of a worker
+# that collects the tests, 0.2 s of each command.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 from postproc.errors import GcompError
 from tests import slow_tests
+
+sys.dont_write_bytecode = False
 
 MOST_LINES = 4  # where and what, the line, the columns, the way out
 
@@ -23,29 +29,27 @@ settings.register_profile("new", derandomize=False, **CALM)
 settings.load_profile("new" if os.environ.get("GCOMP_FUZZ") else "same")
 
 
-WAITING = "tests/streaming/"  # two thirds of its time it waits for receivers and clocks
-
-
 @pytest.hookimpl(optionalhook=True)  # without pytest-xdist nobody asks
 def pytest_xdist_auto_num_workers(config):
     """One more than there are processors: one of them waits."""
     return (os.cpu_count() or 1) + 1
 
 
+def pytest_configure(config):
+    if hasattr(config.option, "loadscopereorder"):
+        # else pytest-xdist begins with the files of most tests, and ends with the longest tests
+        config.option.loadscopereorder = False
+
+
 def pytest_collection_modifyitems(items):
-    """Files that wait are spread evenly among those that count, so that no processor is idle.
-    The slow ones are marked."""
+    """The slow ones are marked, and the files put in order."""
     slow = slow_tests.listed()
+    files: dict[str, list[pytest.Item]] = {}
     for item in items:
         if slow_tests.name_of(item.nodeid) in slow:
             item.add_marker("slow")
-    files: dict[str, list[pytest.Item]] = {}
-    for item in items:
-        files.setdefault(item.nodeid.split("::")[0], []).append(item)
-    waiting = [name for name in files if name.startswith(WAITING)]
-    others = [name for name in files if not name.startswith(WAITING)]
-    place = {name: (k + 0.5) / len(row) for row in (waiting, others) for k, name in enumerate(row)}
-    items[:] = [item for name in sorted(files, key=place.__getitem__) for item in files[name]]
+        files.setdefault(slow_tests.file_of(item.nodeid), []).append(item)
+    items[:] = [item for name in slow_tests.in_order(files) for item in files[name]]
 
 
 @pytest.fixture(autouse=True)

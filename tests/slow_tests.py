@@ -1,4 +1,5 @@
-"""Which tests are slow: `pytest -m "not slow"` leaves out those that slow.txt names.
+"""Which tests are slow: `pytest -m "not slow"` leaves out those that slow.txt names, each with its
+seconds.
 
     pytest --junitxml=FILE && python -m tests.slow_tests FILE
 
@@ -11,15 +12,18 @@ from __future__ import annotations
 import sys
 import xml.etree.ElementTree as ET
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 
 LIST = Path(__file__).with_name("slow.txt")
 SHARE = 0.06  # of the time of all tests
+WAITING = "tests/streaming/"  # two thirds of its time it waits for receivers and clocks
 
 
-def listed() -> frozenset[str]:
-    """tests/test_x.py::test_y of each."""
-    return frozenset(LIST.read_text().split())
+def listed() -> dict[str, float]:
+    """tests/test_x.py::test_y of each, and its seconds."""
+    rows = map(str.split, LIST.read_text().splitlines())
+    return {name: float(seconds) for name, seconds in rows}
 
 
 def name_of(nodeid: str) -> str:
@@ -27,8 +31,30 @@ def name_of(nodeid: str) -> str:
     return nodeid.partition("[")[0]
 
 
-def slowest(report: Path) -> list[str]:
-    """The names, in order, of the slowest functions of a report of all tests, in JUnit's XML."""
+def file_of(nodeid: str) -> str:
+    return nodeid.partition("::")[0]
+
+
+def in_order(files: Iterable[str]) -> list[str]:
+    """Files that take longest come first, so that all processors end together; those that wait are
+    spread evenly among those that count, so that none is idle."""
+    seconds = dict.fromkeys(files, 1.0)
+    for name, took in listed().items():
+        if file_of(name) in seconds:
+            seconds[file_of(name)] += took
+    place: dict[str, float] = {}  # the share of the time of its kind that is over when it begins
+    for waits in (True, False):
+        row = [name for name in seconds if name.startswith(WAITING) == waits]
+        total, before = sum(seconds[name] for name in row), 0.0
+        for name in sorted(row, key=seconds.__getitem__, reverse=True):
+            place[name] = before / total
+            before += seconds[name]
+    return sorted(place, key=place.__getitem__)
+
+
+def slowest(report: Path) -> dict[str, float]:
+    """The names, in order, of the slowest functions of a report of all tests, in JUnit's XML, and
+    the seconds of each."""
     took: Counter[str] = Counter()
     for case in ET.parse(report).iter("testcase"):
         file = case.attrib["classname"].replace(".", "/") + ".py"
@@ -40,8 +66,9 @@ def slowest(report: Path) -> list[str]:
             break
         names.append(name)
         left -= seconds
-    return sorted(names)
+    return {name: took[name] for name in sorted(names)}
 
 
 if __name__ == "__main__":
-    LIST.write_text("\n".join(slowest(Path(sys.argv[1]))) + "\n")
+    rows = slowest(Path(sys.argv[1])).items()
+    LIST.write_text("".join(f"{name} {seconds:.1f}\n" for name, seconds in rows))

@@ -19,6 +19,7 @@ from reference.evaluate import residual
 from reference.machine import Machine as Reference
 
 from postproc.compensate import Options
+from postproc.errors import ProgramError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.nc import dialects
@@ -245,3 +246,26 @@ def test_no_piece_of_a_line_is_too_short_to_tell_anything(tmp_path):
     spare = filter_.compensator.chord / 2 / machine.bounds.kink
     assert spare > 0.03
     assert min(shortest) > spare - 0.02
+
+
+def test_an_arc_that_leaves_the_travel_is_refused_before_it_is_cut(growth):
+    """Both ends lie inside; on the way X would go to 950 mm."""
+    with pytest.raises(ProgramError, match="the arc leads to X = 9.*beyond the travel of X"):
+        corrected(growth, "G21 G90 G17\nG0 X450 Y500\nG2 X450 Y-500 I0 J-500 F100\n")
+
+
+def test_a_new_zero_in_a_line_that_comes_alone_is_as_in_a_whole_program(shift):
+    """G92 names where the tool stands, 20 um beside the place; streamed, its line is a batch
+    without a motion."""
+    text = b"G21 G90 G17\nG0 X10 Y10 Z0\nG92 X0 Y0\nG1 X5 Y5 F100\n"
+    whole, lines = (filter_of(shift) for _ in range(2))
+    by_line = b"".join(lines.feed(line) for line in text.splitlines(keepends=True))
+    assert by_line + lines.finish() == whole.feed(text) + whole.finish()
+    assert b"G92 X-0.0200 Y-0.0200" in by_line
+
+
+def test_of_the_tolerance_only_what_axes_round_together_is_kept(growth):
+    """Half a least increment of 0.1 um in one axis comes on top; the three together miss by up to
+    sqrt(3) halves, and the rest of it, 0.04 um of 1 um, is not there for the path."""
+    inner = filter_of(growth, tolerance=0.001).compensator.inner
+    assert inner == pytest.approx(0.001 - (math.sqrt(3) - 1) * 0.00005, rel=1e-9)

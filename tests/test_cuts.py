@@ -255,3 +255,13 @@ def test_the_interval_of_a_place_does_not_depend_on_how_many_are_asked_for(nodes
     assert table.interval(many)[: len(place)].tolist() == alone
     assert table.place(place)[0].tolist() == alone
     assert alone == np.clip(np.searchsorted(nodes, place, side="right") - 1, 0, 3).tolist()
+
+
+def test_of_places_that_are_as_good_as_one_a_cut_is_made_at_one():
+    """Closer than a millionth of the motion: the first stays, at the end of a motion the end."""
+    owner = np.array([1, 0, 0, 0, 0, 0, 1])
+    t = np.array([0.0, 1.0, 0.5, 0.0, 0.5 + 1e-7, 1.0 - 1e-7, 1.0])
+    order = nodes.tidy(owner, t)
+    assert [(int(owner[k]), float(t[k])) for k in order] == [
+        (0, 0.0), (0, 0.5), (0, 1.0), (1, 0.0), (1, 1.0),
+    ]  # fmt: skip

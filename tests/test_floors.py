@@ -218,6 +218,24 @@ def test_the_slow_tests_are_named_as_they_are():
         assert re.search(rf"^def {function}\(", (root / file).read_text(), re.MULTILINE), name
 
 
+def test_files_begin_by_their_time(request):
+    """The longest first, so that no processor is left with one at the end; those that wait lie
+    among the others by their share. pytest-xdist keeps this order."""
+    seconds: dict[str, float] = {}
+    for name, took in slow_tests.listed().items():
+        file = slow_tests.file_of(name)
+        seconds[file] = seconds.get(file, 0.0) + took
+    order = slow_tests.in_order(sorted(seconds))
+    waiting = [f for f in order if f.startswith(slow_tests.WAITING)]
+    others = [f for f in order if f not in waiting]
+    for row in (waiting, others):
+        took = [round(seconds[f], 1) for f in row]
+        assert took == sorted(took, reverse=True)
+    half = order[: order.index(waiting[len(waiting) // 2])]
+    assert 0.3 < sum(seconds[f] for f in half) / sum(seconds.values()) < 0.9
+    assert not getattr(request.config.option, "loadscopereorder", False)
+
+
 def needed(tree: ast.Module, known: dict[str, Path]) -> set[str]:
     """Modules of the package that a module imports, in its functions and for annotations too."""
     found = set()

@@ -4,6 +4,7 @@ measured point was fixed."""
 from __future__ import annotations
 
 import random
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from postproc.errors import GcompError, MachineError
 from postproc.filter import Filter, setup_of
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
+from postproc.machine.plausibility import implausible
 from postproc.nc import dialects
 from postproc.verify import Verifier
 
@@ -92,6 +94,39 @@ def test_a_faulty_table_of_two_axes_is_refused(tmp_path, text, line, why):
     assert f"g.csv:{line}:" in str(told.value)
 
 
+def test_no_cell_between_nodes_is_steeper_than_its_bound(tmp_path):
+    """Tables that are steep in one cell and flat in the next, of lines and angles, with squareness
+    and arms: the deviation changes by no more than the bound of the cell says."""
+    tables = {
+        "x": "X_mm,EXX_um,EBX_urad\n-200,0,0\n-100,50,0\n0,50,90\n150,0,90\n200,0,0\n",
+        "z": "Z_mm,EXZ_um,EBZ_urad\n-200,0,10\n-50,0,10\n-40,40,10\n200,40,-60\n",
+    }
+    text = HEAD.format(chain="w-b-Z-X-t")
+    for axis in (X, Z):
+        text += axis + f'table = "{axis[6].lower()}.csv"\n'
+    m = machine(tmp_path, text, **tables)
+    rng = np.random.default_rng(1)
+    place = rng.uniform(-200, 200, (2, 3000))
+    for row, letter in enumerate(m.letters):
+        nodes, slopes = m.bounds.cells[letter]
+        beside = place.copy()
+        beside[row] += 1e-4
+        moved = m.deviation(beside, np.zeros_like(place)) - m.deviation(place, np.zeros_like(place))
+        steep = np.linalg.norm(moved, axis=0) / 1e-4
+        cell = np.searchsorted(nodes, place[row])
+        whole = cell == np.searchsorted(nodes, beside[row])
+        assert (steep <= slopes[cell] + m.bounds.even + 1e-9)[whole].all()
+        assert max(slopes) > 4 * min(slopes), "which tells a steep cell from a flat one"
+
+
+def test_a_corner_that_will_be_refused_is_named_by_its_slides(tmp_path):
+    """How far C is turned says nothing of it."""
+    text = HEAD.format(chain="w-C-b-Z-X-t") + C + Z + X + 'table = "x.csv"\n'
+    m = machine(tmp_path, text, x="X_mm,EXX_um\n-200,0\n200,900\n")
+    (said,) = (line for line in implausible(m) if "refuses it" in line)
+    assert re.match(r"at (X200 Z-?200|Z-?200 X200) the correction of X is 0\.900 mm", said)
+
+
 # -- heat ------------------------------------------------------------------------------------------
 
 
@@ -107,6 +142,14 @@ def test_heat_by_hand(tmp_path):
     assert deviation(m, Z=50)["Z"] == 0.0
     assert deviation(m.at_temperatures({"Z": 20.0}), Z=150)["Z"] == approx(-0.0023, abs=1e-12)
     assert m.at_temperatures({"Z": 20.0, "work": 20.0}).is_zero and not m.is_zero
+
+
+def test_of_heat_that_is_not_stated_there_is_none(tmp_path):
+    """Scale and part without a figure grow by nothing, from a fixed point at zero."""
+    lathe = HEAD.format(chain="w-b-Z-X-t") + X + Z
+    growth = machine(tmp_path, lathe + "heat = {}\n").axes["Z"].expansion
+    assert (growth.scale, growth.work, growth.fixed) == (0.0, 0.0, 0.0)
+    assert (growth.scale_at, growth.work_at) == (20.0, 20.0)
 
 
 # -- arms ------------------------------------------------------------------------------------------

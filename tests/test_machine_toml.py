@@ -122,6 +122,12 @@ REFUSED = {
         ("'home' is not a number",),
     ),
     "velocity no number": ("10000.0", '"fast"', '"fast"', ("'fast' is not a number",)),
+    "one axis of an effect of two": (
+        'name = "backlash"\naxis = "X"\nsize_um = 9.0',
+        'name = "squareness"\naxis = "X"\nurad = 9.0',
+        'axis = "X"',
+        ("'X' is not a pair of linear axes, like XZ, of the machine",),
+    ),
     "axis of no machine": ("[axes.X]", "[axes.D]", "[axes.D]", ("X Y Z A B C",)),
     "diameter no list": ('["X"]', '"X"', "diameter", ("list axes",)),
     "diameter of no axis": ('["X"]', '["Y"]', "diameter", ("'Y'", "axes of the machine")),
@@ -238,6 +244,12 @@ def test_machine_toml_is_refused_with_its_line(tmp_path, name):
     toml = swap(TOML, old, new)
     error = refusal(folder(tmp_path, toml=toml))
     check(error, tmp_path / "machine.toml", line_of(toml, where), says)
+
+
+@pytest.mark.parametrize("least", [0.000001, 0.1])
+def test_the_finest_and_the_coarsest_increment_are_taken(tmp_path, least):
+    text = TOML.replace("0.0001", f"{least:f}")
+    assert read_machine(folder(tmp_path, text)).axes["X"].least_increment == least
 
 
 @pytest.mark.parametrize("section", ["tool", "limits", "squareness", "offsets", "axes", "effect"])

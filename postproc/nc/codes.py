@@ -9,6 +9,8 @@ dialects share are in postproc.nc.rows.
 
 from __future__ import annotations
 
+from functools import cache
+
 from postproc.records import record
 
 
@@ -92,6 +94,7 @@ QUIET_KEYS = ("words",)
 DOES = (*FRAME_KEYS, *CYCLE_KEYS, *CUTTER_KEYS, *STAY_KEYS, *SPLINE_KEYS, *QUIET_KEYS)
 
 
+@cache
 def code_number(word: str) -> int:
     """The number of a code as it is written: "G54.1" is 541."""
     if word[1:].replace(".", "").isdigit():

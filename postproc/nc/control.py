@@ -9,7 +9,7 @@ import numpy as np
 from postproc.errors import GcompError
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import ABSOLUTE, AXES, RELATIVE
-from postproc.nc.state import Setup, ticks_of
+from postproc.nc.state import Setup
 from postproc.units import TICKS_PER_MM
 
 # Haas, G110 to G129: G154 P1 to P20 (mill operator's manual 96-8210, "G110-G129", "G154")
@@ -23,9 +23,8 @@ def spelled(how: int, letter: str) -> str:
 
 
 class Control:
-    """rows: axis letter to its row; increment_rows: U and its kin likewise; offset_ticks: by name,
-    the work offsets that no program sets; letters: those that a program may use; spellings: axis,
-    its letters for a place, its letters for an increment."""
+    """rows: axis letter to its row; increment_rows: U and its kin likewise; letters: those that a
+    program may use; spellings: axis, its letters for a place, its letters for an increment."""
 
     def __init__(self, dialect: Dialect, setup: Setup):
         setup = _with_own_names(dialect, setup)
@@ -40,8 +39,6 @@ class Control:
         self.increment_rows = {
             u: self.rows[x] for u, x in dialect.increments.items() if x in self.rows
         }
-        # of the offsets that no program sets
-        self.offset_ticks = {name: ticks_of(setup, at) for name, at in setup.offsets.items()}
         self.letters = (
             set(PARAMETERS + "IJKR")
             | set(self.rows)

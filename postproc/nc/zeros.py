@@ -169,8 +169,7 @@ def offset_of(b: Batch, name: str, where: bool | np.ndarray) -> np.ndarray:
         number = b.because(*ask_for(b, name, "tool" if name.startswith("T") else "work"))
         b.reason = np.where(where, number, b.reason)
         return np.zeros((len(b.rows), 1), np.int64)
-    own = name not in b.offsets and name in b.control.offset_ticks
-    shift = (b.control.offset_ticks[name] if own else ticks_of(b.setup, place))[:, None]
+    shift = ticks_of(b.setup, place)[:, None]
     return shift if everywhere else shift * where
 
 

@@ -447,7 +447,7 @@ class Sender:
 
     def _held(self, news: str, status: events.Status, now: float) -> None:
         """A hold, or its end, that was not ordered; or an order that was lost."""
-        self._idle_since, self._rests, self._moved = None, 0, now
+        self._moved = now
         if news == holds.AGAIN:
             # it was lost on the way, or while EEPROM was written
             self.out.urgent += self.protocol.urgent("hold")

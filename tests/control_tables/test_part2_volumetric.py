@@ -19,6 +19,7 @@ from postproc.machine.chain import Chain
 from postproc.machine.file import read_machine
 from postproc.machine.model import Machine
 from postproc.machine.tables import AxisTable, GridTable
+from postproc.machine.volumetric import VolumetricMap
 from postproc.recordings import Source
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -301,3 +302,13 @@ def test_a_two_axis_machine_is_written_for_etalon():
     p = np.random.default_rng(4).uniform(0, 160, (2, 100))
     read = back(etalon, m)
     assert read.deviation(p, 0 * p) == approx(m.deviation(p, 0 * p), abs=NANOMETRE)
+
+
+def test_the_mean_of_both_directions_holds_for_grids_too():
+    """By hand: 4 um one way and 2 um the other are 3 um either way."""
+    both = np.full((6, 2, 2), 0.004), np.full((6, 2, 2), 0.002)
+    grid = GridTable("X", "Z", np.array([0.0, 1.0]), np.array([0.0, 1.0]), *both)
+    found = VolumetricMap({}, (grid,)).one_way()
+    assert not found.two_way
+    for values in (found.grids[0].forward, found.grids[0].reverse):
+        assert values == pytest.approx(np.full((6, 2, 2), 0.003))

@@ -4,6 +4,7 @@ is left."""
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,21 @@ def answer(files: list[str], machine: str, folder: Path, *more: str) -> dict:
     return diagnosed(files, machine, folder / "answer.json", *more)
 
 
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """By an effect: recordings of a machine that has it, what they tell, and the folder with the
+    machine that was written and with what is left. Each is made once and stays as it is."""
+
+    @cache
+    def of(effect: str) -> tuple[list[str], dict, Path]:
+        folder = tmp_path_factory.mktemp("found")
+        files = simulate(folder, (effect,))
+        written = "--write-machine", str(folder / "found"), "--residuals", str(folder / "r.csv")
+        return files, answer(files, STUDER, folder, *written), folder
+
+    return of
+
+
 def accepted(told: dict) -> list[tuple[str, str]]:
     return [(e["effect"], e["axis"]) for e in told["effects"] if e["status"] == "accepted"]
 
@@ -51,34 +67,25 @@ def accepted(told: dict) -> list[tuple[str, str]]:
     ],
 )
 def test_one_effect_is_found_and_then_nothing_is_left(
-    tmp_path, effect, name, axis, parameter, value
+    tmp_path, found, effect, name, axis, parameter, value
 ):
-    files = simulate(tmp_path, (effect,))
-    told = answer(
-        files,
-        STUDER,
-        tmp_path,
-        "--write-machine",
-        str(tmp_path / "found"),
-        "--residuals",
-        str(tmp_path / "r.csv"),
-    )
+    files, told, folder = found(effect)
     assert told["verdict"] == "left-out-physics"
-    found = told["effects"][0]
-    names = [f"{found['effect']}:{found['axis']}", *found["equivalent"]]
+    first = told["effects"][0]
+    names = [f"{first['effect']}:{first['axis']}", *first["equivalent"]]
     assert f"{name}:{axis}" in names
-    if found["effect"] == name and found["axis"] == axis:
-        low, high = found["parameters"][parameter]["ci95"]
+    if first["effect"] == name and first["axis"] == axis:
+        low, high = first["parameters"][parameter]["ci95"]
         assert low - 0.02 * abs(value) <= value <= high + 0.02 * abs(value)
     fit = told["fit"]
     assert fit["rms_after_um"] < 1.3 * fit["noise_floor_um"] < fit["rms_before_um"]
     assert 0.90 <= fit["coverage95"]
     assert told["mismatch"] and all(m["p_value"] <= 0.01 for m in told["mismatch"])
-    lines = (tmp_path / "r.csv").read_text().splitlines()
+    lines = (folder / "r.csv").read_text().splitlines()
     assert lines[0] == "recording,row,signal,measured_um,before_um,after_um,held_out"
     after = np.array([float(line.split(",")[5]) for line in lines[1:] if line.endswith(",1")])
     assert np.sqrt(np.mean(after**2)) == pytest.approx(fit["rms_after_um"], rel=1e-3)
-    again = answer(files, str(tmp_path / "found"), tmp_path)
+    again = answer(files, str(folder / "found"), tmp_path)
     assert again["verdict"] == "nothing-left-out"
 
 
@@ -113,18 +120,12 @@ def test_an_instrument_never_reaches_the_machine(tmp_path):
     assert written == ["backlash"]
 
 
-def test_the_written_effect_has_its_interval(tmp_path):
+def test_the_written_effect_has_its_interval(found):
     """Half of the 95 % interval stands beside the size, where it was fitted; the play over which it
     is taken up was not."""
-    told = answer(
-        simulate(tmp_path, ("backlash:Z:size_um=7",)),
-        STUDER,
-        tmp_path,
-        "--write-machine",
-        str(tmp_path / "found"),
-    )
+    _, told, folder = found("backlash:Z:size_um=7")
     low, high = told["effects"][0]["parameters"]["size_um"]["ci95"]
-    (term,) = read_machine(tmp_path / "found").effects
+    (term,) = read_machine(folder / "found").effects
     assert [(one.name, one.parameters) for one in term.spread] == [
         ("size_um", {"size_um": pytest.approx((high - low) / 2, rel=0.02)})
     ]
@@ -163,9 +164,9 @@ def test_what_even_targets_hide_is_said(tmp_path):
     assert all(v["why"] and v["next_test"] for v in told["not_visible"])
 
 
-def test_the_order_of_files_does_not_matter(tmp_path):
-    files = simulate(tmp_path, ("backlash:Z:size_um=7",))
-    one, other = (answer(order, STUDER, tmp_path) for order in (files, files[::-1]))
+def test_the_order_of_files_does_not_matter(tmp_path, found):
+    files, one, _ = found("backlash:Z:size_um=7")
+    other = answer(files[::-1], STUDER, tmp_path)
     assert accepted(one) == accepted(other)
     sizes = [told["effects"][0]["parameters"]["size_um"]["value"] for told in (one, other)]
     assert sizes[0] == pytest.approx(sizes[1], rel=1e-3)

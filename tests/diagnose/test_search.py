@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from postproc.diagnose import search as search_module
 from postproc.diagnose import shapes
 from postproc.diagnose.library import Block
 from postproc.diagnose.search import Search
@@ -195,3 +196,24 @@ def test_a_name_of_exactly_its_form_is_not_charged_for_an_error_of_it():
     named = state((LAG,), ("forms",), frozenset())
     process = state((), (), frozenset({(0, "lever")}))
     assert Search(cast(Any, Sets()))._likeliest([process, named]) is named
+
+
+@pytest.mark.parametrize("middle, least", [(10.0, 19.2), (-10.0, search_module.LEAST)])
+def test_a_member_must_be_worth_more_than_noise_reaches_in_one_of_a_hundred(
+    monkeypatch, middle, least
+):
+    """Of a Gumbel distribution at m with a scale of 2 the hundredth part lies beyond m - 2 ln(-ln
+    0.99) = m + 9.2; two blocks of other prices, of which the first is the better one in each null.
+    Never less than the odds that are asked for anyway."""
+    n, cost = search_module.NULLS, np.array([3.0, 5.0])
+    best = middle - 2.0 * np.log(-np.log((np.arange(n) + 0.5) / n))
+    worth = np.stack([best + cost[0], best - 1.0 + cost[1]])
+    monkeypatch.setattr(search_module, "drawn", lambda evidence, fit, rng, nulls: nulls)
+    sets = SimpleNamespace(
+        null=lambda: SimpleNamespace(fit=None),
+        evidence=SimpleNamespace(scan=lambda fit, draws: (worth[:, :draws], None, None)),
+        cost=cost,
+    )
+    search = Search(cast(Any, sets))
+    search.calibrate(np.random.default_rng(1))
+    assert search.least == pytest.approx(least, abs=0.5)

@@ -6,11 +6,14 @@ import csv
 import io
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from postproc.cli import main
+from postproc.diagnose import judge
 
 STUDER = Path(__file__).resolve().parents[2] / "machines" / "studer-s36"
 
@@ -45,3 +48,16 @@ def test_a_run_that_nothing_foretells(tmp_path, size_um, verdict):
     assert not [e for e in answer["effects"] if e["status"] == "accepted"]
     assert answer["verdict"] == verdict
     assert (answer["unknown"] is None) == (size_um == 0.0)
+
+
+@pytest.mark.parametrize("count, told", [(0, 0), (judge.FEWEST - 1, 0), (judge.FEWEST, 1)])
+def test_a_few_readings_that_took_no_part_say_nothing(monkeypatch, count, told):
+    """20 um off where the noise is 1 um: of five readings it may be chance."""
+    rows = np.arange(10)
+    off, noise = np.full(10, 20.0), np.ones(10)
+    d = SimpleNamespace(held=rows < count, after=off, before=off, noise=noise)
+    part = SimpleNamespace(whole=SimpleNamespace(rows=rows))
+    monkeypatch.setattr(judge, "_least", lambda unit: 2.0)
+    sets = SimpleNamespace(evidence=SimpleNamespace(parts=[part]))
+    found = judge._unforetold(cast(Any, d), cast(Any, sets))
+    assert found == [(10.0, 20.0, 0)] * told

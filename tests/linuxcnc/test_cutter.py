@@ -206,6 +206,22 @@ def test_any_cut_of_the_input_gives_the_same_bytes(name):
         assert corrected(text, tools, machine, pieces=pieces)[0] == whole
 
 
+@pytest.mark.parametrize("side", ["G41", "G42"])
+def test_the_map_is_read_at_the_driven_point_of_a_large_nose(side):
+    """X errs by 1 um a mm, and the driven point of a nose of 8 mm lies 8 mm in X and Z from its
+    centre (orientation 2): read on the other side of the centre, X would be 16 um off."""
+    mill = machines()["one way"]
+    table = mill.axes["X"].table
+    steep = np.zeros_like(table.forward)
+    steep[0] = 1e-3 * table.nodes
+    axis = replace(mill.axes["X"], table=replace(table, forward=steep, reverse=steep))
+    machine = replace(mill, axes={**mill.axes, "X": axis})
+    text = f"G21 G90 G18 G54\nG0 X60 Z5\n{side} D6 G1 X20 Z2 F200\nZ-60\nX60\nG40 X80 Z5\nM2\n"
+    _, verifier, _ = corrected(text, {6: {"D": 16.0, "Q": 2}}, machine)
+    assert verifier.passed
+    assert verifier.centre.corrected.deviation < 0.010, "16 um more with the nose on the other side"
+
+
 @pytest.mark.parametrize("name", REFUSED)
 def test_what_linuxcnc_refuses_is_refused_or_left(name):
     """A motion behind the faulty block, that a correction would depend on, is refused; without one

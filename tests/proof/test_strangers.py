@@ -166,9 +166,9 @@ def test_effects_scale():
 @pytest.mark.parametrize("tier", TIERS)
 def test_cases(tier, family):
     for k in range(6):
-        check_case(make("test", tier, k, family), tier)
-    a, b = make("d", tier, 1, family), make("d", tier, 1, family)
-    assert a == b
+        case = make("test", tier, k, family)
+        check_case(case, tier)
+    assert make("test", tier, 5, family) == case
 
 
 def test_files_parse_as_toml_and_csv():

@@ -41,6 +41,8 @@ class Link:
         """4 x 4 of this axis with its errors times `scale`."""
         if self.letter in UNIT:
             way = UNIT[self.letter] * self.q
+            if scale == 0.0:
+                return translation(way)
             nominal = translation((rotation(scale * self.lean) @ np.append(way, 1.0))[:3])
             # The point about which it was measured, in the frame in which the errors act.
             own = self.fixed_to or self.side
@@ -56,6 +58,8 @@ class Link:
             @ rotation(np.radians(self.q) * TURN[self.letter])
             @ translation(-self.centre)
         )
+        if scale == 0.0:
+            return about
         beside = (
             translation(scale * self.shift)
             @ translation(self.centre)

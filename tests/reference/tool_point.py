@@ -49,14 +49,27 @@ class Truth:
     def rotary(self) -> list[str]:
         return [x for x in self.axes if x in "ABC"]
 
-    def links(self, pose: dict[str, float], sense: dict[str, float] | None = None) -> list[Link]:
+    def links(
+        self,
+        pose: dict[str, float],
+        sense: dict[str, float] | None = None,
+        nominal: bool = False,
+    ) -> list[Link]:
+        """One per axis; nominal: without its errors, which nobody asks for then."""
         carried = self.chain.split("-").index("b") - 1
         found = []
         for k, x in enumerate(self.axes):
             nodes, mean, half = self.table[x]
             turn = (sense or {}).get(x, 0.0)
-            value = np.array(
-                [np.interp(pose[x], nodes, m + turn * h) for m, h in zip(mean, half, strict=True)]
+            value = (
+                np.zeros(6)
+                if nominal
+                else np.array(
+                    [
+                        np.interp(pose[x], nodes, m + turn * h)
+                        for m, h in zip(mean, half, strict=True)
+                    ]
+                )
             )
             found.append(
                 Link(
@@ -75,7 +88,7 @@ class Truth:
 
     def nominal(self, pose: dict[str, float], length: float = 0.0) -> np.ndarray:
         """(3,) mm of the tip in the part."""
-        return tip(self.links(pose), self.tool - [0, 0, length], 0.0)
+        return tip(self.links(pose, nominal=True), self.tool - [0, 0, length], 0.0)
 
     def actual(
         self, pose: dict[str, float], length: float, sense: dict[str, float] | None = None
@@ -86,7 +99,7 @@ class Truth:
     def axis(self, pose: dict[str, float], scale: float) -> np.ndarray:
         """(3,) direction of the tool in the part."""
         chain = np.eye(4)
-        for link in self.links(pose):
+        for link in self.links(pose, nominal=scale == 0.0):
             chain = chain @ link.motion(scale)
         return chain[:3, 2]
 

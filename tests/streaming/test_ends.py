@@ -68,10 +68,21 @@ def test_a_button_at_the_machine_is_no_answer_to_a_question_of_gcomp():
     assert seen[0] == seen[1] and seen[0][:2] == (HELD, True) and seen[0][2] < 41
 
 
-@pytest.mark.parametrize("times, done", [(1, False), (2, True)])
-def test_one_report_of_rest_is_not_the_end(times, done):
+IDLE, BUTTON = b"Idle", b"Hold:0"  # the second by a button at the machine
+
+
+@pytest.mark.parametrize(
+    "states, done",
+    [
+        ([IDLE], False),
+        ([IDLE, IDLE], True),
+        ([IDLE, BUTTON, IDLE, IDLE], False),  # the first report behind a hold ends the hold
+        ([IDLE, BUTTON, IDLE, IDLE, IDLE], True),
+    ],
+)
+def test_one_report_of_rest_is_not_the_end(states, done):
     """A report may have been on its way before the last motion began: two, asked for behind the
-    last answer."""
+    last answer, and behind a hold two again."""
     sender = new_sender(GrblModel())
     sender.give([WireLine(1, 1, 0, b"G1X1F600")])
     sender.end()
@@ -81,13 +92,14 @@ def test_one_report_of_rest_is_not_the_end(times, done):
         pass
     sender.receive(b"ok\r\n", 0.01)
     reports = 0
-    while reports < times and now < 5.0:
+    while reports < len(states) and now < 5.0:
         now = round(now + 0.02, 3)
         sender.tick(now)
         if b"?" in sender.urgent_out() and now > 0.5:
-            sender.receive(b"<Idle|MPos:1.000,0.000,0.000|FS:0,0>\r\n", now + 0.005)
+            report = b"<%s|MPos:1.000,0.000,0.000|FS:0,0>\r\n" % states[reports]
+            sender.receive(report, now + 0.005)
             reports += 1
-    assert reports == times and (sender.outcome is not None) == done
+    assert reports == len(states) and (sender.outcome is not None) == done
 
 
 def emptied(sender: Sender) -> bytes:
@@ -157,3 +169,18 @@ def test_a_check_says_nothing_of_where_the_tool_is():
     sender.lost("the port was closed", 0.3)
     assert sender.outcome.last_certain == 1
     assert (sender.outcome.at, sender.outcome.unsure) == (None, None)
+
+
+def test_a_job_that_breaks_off_says_where_the_tool_is_and_what_may_not_be_over():
+    """The last report lies on the second line's path, and that line was not answered."""
+    sender = new_sender(GrblModel())
+    lines = [WireLine(k, k, 0, b"G1X%d" % k, (k, 0.0, 0.0)) for k in (1, 2)]
+    sender.give(lines)
+    sender.tick(0.0)
+    emptied(sender)
+    sender.receive(b"ok\r\n<Run|MPos:1.500,0.000,0.000|FS:600,0>\r\n", 0.2)
+    sender.lost("the port was closed", 0.3)
+    assert sender.outcome.last_certain == 1
+    assert (sender.outcome.at, sender.outcome.unsure) == (lines[1], lines[0])
+    assert f"the tool is in {lines[1].where()}, by its last report" in sender.outcome.text()
+    assert f"surely over is all before {lines[0].where()}" in sender.outcome.text()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import re
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -356,6 +356,7 @@ def names() -> list[str]:
     return sorted(x.stem.replace("_", "-") for x in here.glob("*.py") if x.stem != "__init__")
 
 
+@lru_cache
 def load(name: str) -> Dialect:
     """The dialect called `name`. Raises UsageError with the names that there are."""
     if name not in names():
@@ -372,8 +373,7 @@ def _grammar(dialect: Dialect) -> Grammar:
         numbers = "|".join(map(str, dialect.g_takes))
         ignores += (head + rf"(G[ \t]*0*(?:{numbers}))(?![0-9.])[^;{dialect.block_end}\n]*",)
     if dialect.m_takes:
-        text = "|".join(map(str, dialect.m_text))
-        if text:
+        if text := "|".join(map(str, dialect.m_text)):
             ignores += (head + rf"(M[ \t]*0*(?:{text}))(?![0-9])[^;\n]*",)
         rest = r"[^;\n]" if dialect.one_command else r"(?![GM][ \t]*[0-9])[^;\n]"
         ignores += (head + rf"(M[ \t]*[0-9]+(?:\.[0-9]+)?)(?:{rest})*",)
