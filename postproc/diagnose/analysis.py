@@ -33,10 +33,10 @@ from postproc.diagnose import (
 )
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.assembly import of
+from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.explained import scatter, shares
 from postproc.diagnose.jumps import without
-from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows

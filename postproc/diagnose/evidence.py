@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from postproc.diagnose.block import Block
 from postproc.diagnose.dictionary import Products
 from postproc.diagnose.factors import factors, likeliest_size
 from postproc.diagnose.layout import Layout, square
-from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.parts import (
@@ -42,6 +42,7 @@ MAP_SURE, MAP_MOST = 60.0, 3.0
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 NOTHING = 1e-12  # mm: of what is not there
+AT_ONCE = 32  # blocks: of all of them every copy on the way takes as much memory as they do
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
@@ -106,7 +107,7 @@ class Evidence:
         begin = len(self.blocks)
         for b in blocks:
             self.first.append(self.width)
-            self.width += b.columns.shape[1]
+            self.width += b.width
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
         peak = [b.largest for b in blocks]
@@ -114,8 +115,11 @@ class Evidence:
             [self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)]
         )
         self.fixed |= set(numbers) if sd else set()
-        for part in self.parts:
-            part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
+        for some in (numbers[i : i + AT_ONCE] for i in range(0, len(numbers), AT_ONCE)):
+            for part in self.parts:
+                part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in some])
+            for k in some:
+                self.blocks[k].let_go()
         self._index()
         return numbers
 
@@ -123,7 +127,7 @@ class Evidence:
         """Pairs of columns of one block, and what each unit's own products of them are."""
         done = self._indexed
         pairs = [
-            np.stack(np.triu_indices(b.columns.shape[1])) + self.first[done + k]
+            np.stack(np.triu_indices(b.width)) + self.first[done + k]
             for k, b in enumerate(self.blocks[done:])
         ]
         self._indexed = len(self.blocks)
@@ -138,7 +142,12 @@ class Evidence:
             here = np.flatnonzero(at[first] >= 0)
             one, other = at[first[here]], at[second[here]]
             # blocks are only ever added behind
-            fresh = begin + here, one, other, part.dictionary.of_pairs(one, other)
+            fresh = (
+                begin + here,
+                one,
+                other,
+                part.dictionary.of_pairs(range(done, len(self.blocks))),
+            )
             here, one, other, own = map(
                 np.concatenate, zip(self._pairs[number], fresh, strict=True)
             )
@@ -149,10 +158,7 @@ class Evidence:
         if not chosen:
             return np.zeros(0, int)
         return np.concatenate(
-            [
-                np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1])
-                for k in chosen
-            ]
+            [np.arange(self.first[k], self.first[k] + self.blocks[k].width) for k in chosen]
         )
 
     # -- a set of blocks ---------------------------------------------------------------------------
@@ -182,7 +188,7 @@ class Evidence:
         touched = []
         for k, part in enumerate(self.parts):
             old = like.parts[k] if like else None
-            same = old and old.shown == shown[k] and old.asked.kinds == kinds[k]
+            same = old and old.shown == shown[k] and old.asked.own.kinds == kinds[k]
             if old and same and old.sigma2 >= least[k]:
                 parts.append(old)
                 continue
@@ -203,6 +209,8 @@ class Evidence:
                 )
                 parts[k] = self.parts[k].reduced(parts[k].asked, sigma2, sd)
             fit = self._joined(layout, on, shared, scale, parts, touched, kept)
+        for k in touched:
+            fit.parts[k].let_go()
         return fit
 
     def _first_scale(self, like: Fit, k: int) -> float:
@@ -213,7 +221,7 @@ class Evidence:
         return likeliest_size(*self.among(like, (k,)), self.slab[self.columns_of((k,))])
 
     def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
-        width = np.array([self.blocks[k].columns.shape[1] for k in chosen], int)
+        width = np.array([self.blocks[k].width for k in chosen], int)
         at: list[slice | np.ndarray] = [
             slice(None) if old.shown == chosen else self.shared_at(k, chosen, old.shown)
             for k, old in enumerate(parts)
@@ -226,7 +234,7 @@ class Evidence:
         z = self.shared.shape[1]
         found, at = [np.arange(z)], z
         for c in chosen:
-            width = self.blocks[c].columns.shape[1]
+            width = self.blocks[c].width
             if c in shown:
                 found.append(np.arange(at, at + width))
             at += width
@@ -307,40 +315,45 @@ class Evidence:
             at = self.shared_at(k, fit.chosen, old.shown)
             words = part.dictionary
             self._beside_dictionary(k, old)
-            hy, y_f, y_d = old.hy[:, None], old.asked.fy[:, None], words.dy[:, None]
+            y_f, y_d = old.along[:, None], old.yd[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate(
-                    [part.z.T @ white, *(words.d[:, words.where[c]].T @ white for c in old.shown)]
+                    [part.z.T @ white, *(words.of[c].T @ white for c in old.shown)]
                 )
-                y_d = words.d.T @ white
-            fy[at] += y_f / s2 - old.hf.T @ hy
-            dy[words.columns] += y_d / s2 - old.hd.T @ hy
+                y_f = y_f / s2 - old.hf.T @ hy
+                y_d = words.along(white) / s2 - self._half(k, old, 0).T @ hy
+            fy[at] += y_f
+            dy[words.columns] += y_d
             fd[np.ix_(at, words.columns)] += old.fd
             dd[self._pairs[k][0]] += old.dd
         if f:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
-        widths = np.array([b.columns.shape[1] for b in self.blocks], int)
+        widths = np.array([b.width for b in self.blocks], int)
         scores, coefficients, spread = factors(widths, self.slab, dy, dd)
         return (scores[:, 0], coefficients, spread) if draws is None else (scores, None, None)
 
     def _beside_dictionary(self, k: int, old: Reduced) -> None:
         """Set a unit's products with the dictionary, as far as they are not known."""
         words, s2 = self.parts[k].dictionary, old.sigma2
-        known = old.hd.shape[1]
+        known = len(old.yd)
         if known == len(words.columns):
             return
-        new = solved(old.root, words.bd[:, known:][old.use] / s2)
+        new = self._half(k, old, known)
         crossed = [words.zd[:, known:], *(words.crossed(c)[:, known:] for c in old.shown)]
-        old.hd = np.concatenate([old.hd, new], axis=1)
         old.fd = np.concatenate([old.fd, np.concatenate(crossed) / s2 - old.hf.T @ new], axis=1)
+        old.yd = np.append(old.yd, words.dy[known:] / s2 - new.T @ old.hy)
         _, i, j, own = (column[len(old.dd) :] for column in self._pairs[k])
-        by_column = old.hd.T
-        inside = np.einsum("pq,pq->p", by_column[i], by_column[j])
+        by_column = new.T
+        inside = np.einsum("pq,pq->p", by_column[i - known], by_column[j - known])
         old.dd = np.concatenate([old.dd, own / s2 - inside])
+
+    def _half(self, k: int, old: Reduced, known: int) -> np.ndarray:
+        """(q, K): root^-1 B'D/sigma2 of a unit's columns D behind the known ones."""
+        return solved(old.root, self.parts[k].dictionary.bd[:, known:][old.use] / old.sigma2)
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
@@ -353,7 +366,7 @@ class Evidence:
 
     def among(self, fit: Fit, numbers: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
         """The same of the columns of blocks of the dictionary, whose products are known."""
-        width = [self.blocks[k].columns.shape[1] for k in numbers]
+        width = [self.blocks[k].width for k in numbers]
         found = [
             part.dictionary.own_beside(numbers, width, old.shown)
             for part, old in zip(self.parts, fit.parts, strict=True)

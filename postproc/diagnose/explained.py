@@ -22,7 +22,7 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
     result["effects"] = np.zeros(n)
     at = z
     for k in fit.chosen:
-        w = evidence.blocks[k].columns.shape[1]
+        w = evidence.blocks[k].width
         result["effects"] += evidence.blocks[k].columns @ fit.mean[at : at + w]
         at += w
     for k, (part, old) in enumerate(zip(evidence.parts, fit.parts, strict=True)):
