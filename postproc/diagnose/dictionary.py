@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from itertools import combinations_with_replacement
 from typing import NamedTuple
 
@@ -13,8 +12,14 @@ from postproc.diagnose.noise import Unit
 ROOM = 1.5  # times what is there: so that few of the columns that come later ask for a copy of all
 
 
-def _pairs(many: int) -> Iterable[tuple[int, int]]:
-    return combinations_with_replacement(range(many), 2)
+class Pairs(NamedTuple):
+    """Of columns of one block that show in a unit: number (P,) of each pair among all, first,
+    second (P,) where they stand here, product (P,)."""
+
+    number: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    product: np.ndarray
 
 
 class Products(NamedTuple):
@@ -53,17 +58,20 @@ class Growing:
 
 
 class Dictionary:
-    """Blocks that show in a unit. b (n, q), z (n, f), y (n,): its own columns, those that it
-    shares, and its readings, whitened. columns (K,): numbers of the columns that show; of: of a
-    block its columns (n, w), whitened; where: which of all here they are; bd (q, K), zd (f, K), dy
-    (K,): products with b, z and y."""
+    """Columns of blocks that show in a unit; what is zero in all of its readings is not kept. b (n,
+    q), z (n, f), y (n,): its own columns, those that it shares, and its readings, whitened. columns
+    (K,): numbers of the columns that show; of: of a block those (n, w), whitened; which (w,): of
+    all of the block's they are; where: of all here; bd (q, K), zd (f, K), dy (K,): products with b,
+    z and y."""
 
     def __init__(self, unit: Unit, b: np.ndarray, z: np.ndarray, y: np.ndarray):
         self.unit, self.b, self.z, self.y = unit, b, z, y
         self.columns = np.zeros(0, int)
         self.of: dict[int, np.ndarray] = {}
+        self.which: dict[int, np.ndarray] = {}
         self.where: dict[int, slice] = {}
         self.dy = np.zeros(0)
+        self.pairs = Pairs(*(np.zeros(0, int),) * 3, np.zeros(0))
         self._pieces: list[np.ndarray] = []  # (n, any) of some blocks each, never moved
         self._bd, self._zd = Growing(b.shape[1]), Growing(z.shape[1])
         self._crossed: dict[int, np.ndarray] = {}
@@ -83,10 +91,11 @@ class Dictionary:
         at, new, numbers = len(self.columns), {}, [self.columns]
         for number, first, columns in blocks:
             own = columns[self.unit.rows]
-            if own.any():
-                self.where[number] = slice(at, at := at + own.shape[1])
-                numbers.append(np.arange(first, first + own.shape[1]))
-                new[number] = own
+            shows = np.flatnonzero(own.any(axis=0))
+            if len(shows):
+                self.which[number], self.where[number] = shows, slice(at, at := at + len(shows))
+                numbers.append(first + shows)
+                new[number] = own[:, shows]
         if new:
             self.columns = np.concatenate(numbers)
             wide = np.empty((len(self.unit), at - len(self.dy)), order="F")
@@ -112,7 +121,7 @@ class Dictionary:
 
     def crossed(self, k: int) -> np.ndarray:
         """(w, K) products of a block's columns with all of the dictionary that show here."""
-        known = self._crossed.get(k, np.zeros((self.where[k].stop - self.where[k].start, 0)))
+        known = self._crossed.get(k, np.zeros((len(self.which[k]), 0)))
         new, at = [known], 0
         for piece in self._pieces:
             if at >= known.shape[1]:  # a piece is known as a whole, or not at all
@@ -147,16 +156,18 @@ class Dictionary:
         self, numbers: tuple[int, ...], width: list[int], shown: tuple[int, ...]
     ) -> Products | None:
         """The same of blocks of the dictionary, `width` columns each."""
-        shows = [k in self.where for k in numbers]
-        if not any(shows):
-            return None
-        here = np.repeat(shows, width)
         showing = tuple(k for k in numbers if k in self.where)
+        if not showing:
+            return None
+        begin = np.cumsum(width) - width
+        here = np.concatenate(
+            [b + self.which[k] for b, k in zip(begin, numbers, strict=True) if k in self.which]
+        )
         at = self.at(showing)
         if numbers not in self._within:
             self._within[numbers] = self.within(showing)
         shared = np.concatenate([self.zd[:, at], *(self.crossed(c)[:, at] for c in shown)])
-        own, many = self.b.shape[1], len(here)
+        own, many = self.b.shape[1], sum(width)
         empty = [np.zeros((n, many)) for n in (own, len(shared), many)]
         result = Products(empty[0], empty[1], empty[2], np.zeros(many))
         result.own[:, here], result.shared[:, here] = self.bd[:, at], shared
@@ -164,8 +175,23 @@ class Dictionary:
         result.along[here] = self.dy[at]
         return result
 
-    def of_pairs(self, numbers: Iterable[int]) -> np.ndarray:
-        """(P,) products of the pairs of columns of each of some blocks, as far as they show here:
-        the upper triangle row by row."""
+    def index(self, numbers: list[int], pairs: np.ndarray, before: int) -> None:
+        """Let in the pairs of columns of each of some blocks, of which pairs (2, P) are the numbers
+        of the columns, the upper triangle row by row, and which stand behind so many pairs. The
+        blocks are the last ones that there are."""
+        at = np.full(int(pairs.max()) + 1, -1)
+        at[self.columns] = np.arange(len(self.columns))
+        here = np.flatnonzero((at[pairs] >= 0).all(axis=0))
         own = [self.of[k] for k in numbers if k in self.of]
-        return np.array([d[:, i] @ d[:, j] for d in own for i, j in _pairs(d.shape[1])], float)
+        products = [
+            d[:, i] @ d[:, j]
+            for d in own
+            for i, j in combinations_with_replacement(range(d.shape[1]), 2)
+        ]
+        first, second = at[pairs[:, here]]
+        self.pairs = Pairs(
+            np.append(self.pairs.number, before + here),
+            np.append(self.pairs.first, first),
+            np.append(self.pairs.second, second),
+            np.append(self.pairs.product, products),
+        )

@@ -28,7 +28,7 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
     for k, (part, old) in enumerate(zip(evidence.parts, fit.parts, strict=True)):
         own, use = part.whole.rows, old.use
         mean = inverted(old.root).T @ (
-            old.hy - old.hf @ fit.mean[evidence.shared_at(k, fit.chosen, old.shown)]
+            old.hy - old.hf @ fit.mean[evidence.shared_at(k, fit.chosen)]
         )
         variance = old.sigma2 * part.whole.r**2
         for g in np.unique(part.of[use]):

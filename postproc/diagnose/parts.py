@@ -3,10 +3,10 @@ its own columns taken out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
@@ -18,6 +18,7 @@ from postproc.diagnose.nuisances import PROCESSES, Group
 SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
 MOST_WHITE = 6.0  # times the white noise that neighbours and repeats show: more is no noise
 LEAST = 1e-3  # of a usual standard deviation
+RECENT = 4  # sets whose products with the dictionary are kept: few are asked for later again
 
 
 @dataclass(frozen=True)
@@ -51,12 +52,11 @@ class Asked:
     fy: np.ndarray
 
 
-@dataclass
+@dataclass(eq=False)  # one is not another: what is kept of it is found by itself
 class Reduced:
     """One unit with its own columns taken out. asked: of which set; sigma2 (1: as its white noise
     was found), sd of each group; hf (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along
-    (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence. fd, yd, dd: F'C^-1D, y'C^-1D,
-    and D'C^-1D of pairs, of so many columns D of the dictionary as were asked for."""
+    (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence."""
 
     asked: Asked
     sigma2: float
@@ -66,12 +66,6 @@ class Reduced:
     inside: np.ndarray
     along: np.ndarray
     value: float
-    fd: np.ndarray = field(init=False)
-    yd: np.ndarray = field(init=False)
-    dd: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.fd, self.yd, self.dd = np.zeros((len(self.along), 0)), np.zeros(0), np.zeros(0)
 
     @cached_property
     def root(self) -> np.ndarray:
@@ -89,6 +83,15 @@ class Reduced:
     @property
     def use(self) -> np.ndarray:
         return self.asked.own.use
+
+
+class Beside(NamedTuple):
+    """The dictionary's columns D beside a unit as a set has it: fd (f, K) F'C^-1D, yd (K,) y'C^-1D,
+    dd (P,) D'C^-1D of pairs of columns of one block."""
+
+    fd: np.ndarray
+    yd: np.ndarray
+    dd: np.ndarray
 
 
 class Part:
@@ -129,6 +132,7 @@ class Part:
         }
         self.usually = ~np.any(list(self.processes.values()), axis=0)
         self._counted: dict[frozenset[str], Counted] = {}
+        self._beside: dict[Reduced, Beside] = {}  # the last ones, the last one last
 
     def counted(self, kinds: frozenset[str]) -> Counted:
         """Its own columns with those of some kinds of processes."""
@@ -174,6 +178,33 @@ class Part:
         result = Reduced(asked, sigma2, sd, hf, hy, inside, along, value)
         result.root = root
         return result
+
+    def beside(self, old: Reduced) -> Beside:
+        """All of the dictionary that shows here beside the unit as a set has it."""
+        words, s2, nothing = self.dictionary, old.sigma2, np.zeros(0)
+        done = self._beside.pop(old, Beside(np.zeros((len(old.along), 0)), nothing, nothing))
+        known = len(done.yd)
+        if known < len(words.columns):
+            new = self.half(old, known)
+            crossed = [words.zd[:, known:], *(words.crossed(c)[:, known:] for c in old.shown)]
+            fd = np.concatenate(crossed) / s2 - old.hf.T @ new
+            yd = words.dy[known:] / s2 - new.T @ old.hy
+            _, i, j, own = (column[len(done.dd) :] for column in words.pairs)
+            by_column = new.T
+            inside = np.einsum("pq,pq->p", by_column[i - known], by_column[j - known])
+            done = Beside(
+                np.concatenate([done.fd, fd], axis=1),
+                np.append(done.yd, yd),
+                np.append(done.dd, own / s2 - inside),
+            )
+        self._beside[old] = done
+        if len(self._beside) > RECENT:
+            del self._beside[next(iter(self._beside))]
+        return done
+
+    def half(self, old: Reduced, known: int = 0) -> np.ndarray:
+        """(q, K): root^-1 B'D/sigma2 of the columns D of the dictionary behind the known ones."""
+        return solved(old.root, self.dictionary.bd[:, known:][old.use] / old.sigma2)
 
     def renewed(
         self, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float
