@@ -42,7 +42,6 @@ MAP_SURE, MAP_MOST = 60.0, 3.0
 STEPS = 8
 SCALES = (0.03, 1000.0)  # of the usual size of an effect
 NOTHING = 1e-12  # mm: of what is not there
-AT_ONCE = 32  # blocks: of all of them every copy on the way takes as much memory as they do
 QUIETEST = 0.05  # of the variance of white noise as it was found first
 
 On = frozenset[tuple[int, str]]  # units that have a process of their own, and of what
@@ -100,8 +99,9 @@ class Evidence:
     # -- the dictionary ----------------------------------------------------------------------------
 
     def add(self, blocks: list[Block], sd: float = 0.0) -> list[int]:
-        """Let blocks in; their numbers. sd: stated standard deviation of each coefficient; 0:
-        learned, from that of which SLAB is how large it is where it is largest."""
+        """Let blocks in, which forget their columns then; their numbers. sd: stated standard
+        deviation of each coefficient; 0: learned, from that of which SLAB is how large it is where
+        it is largest."""
         if not blocks:
             return []
         begin, before = len(self.blocks), self.pairs.shape[1]
@@ -115,11 +115,10 @@ class Evidence:
             [self.slab, *(np.full(len(p), sd) if sd else SLAB / p for p in peak)]
         )
         self.fixed |= set(numbers) if sd else set()
-        for some in (numbers[i : i + AT_ONCE] for i in range(0, len(numbers), AT_ONCE)):
-            for part in self.parts:
-                part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in some])
-            for k in some:
-                self.blocks[k].let_go()
+        for part in self.parts:
+            part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
+        for block in blocks:
+            block.let_go()
         pairs = [np.stack(np.triu_indices(self.blocks[k].width)) + self.first[k] for k in numbers]
         self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
         for part in self.parts:

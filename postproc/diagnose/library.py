@@ -149,11 +149,10 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
 
 
 # Whole: the filters that every block of the dictionary passes, in order.
-def blocks(rows: Rows) -> list[Block]:
-    """The dictionary. Blocks that show nothing in these readings are left out."""
-    result: list[Block] = []
+def blocks(rows: Rows) -> Iterator[Block]:
+    """The dictionary, effect by effect. Blocks that show nothing in these readings are left out."""
     for name in effects.names():
-        module = effects.load(name)
+        module, result = effects.load(name), list[Block]()
         if not visible(rows, module).any():
             continue
         for axis in axes_of(rows, module):
@@ -177,7 +176,7 @@ def blocks(rows: Rows) -> list[Block]:
             for block, (_, columns) in zip(made, found, strict=True):
                 block.having(columns)
             result += made if axis else [b for b in made if not _of_one_axis(b, result)]
-    return result
+        yield from result
 
 
 def named(shape: dict[str, float]) -> tuple[tuple[str, float], ...]:

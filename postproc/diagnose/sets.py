@@ -7,8 +7,10 @@ terms by which it may differ, and no unit's noise is taken for less than that.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 
 import numpy as np
 
@@ -32,6 +34,7 @@ BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up 
 FORMED = 1e-3  # mm: the error of form of less is nothing
 TOLD = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
+AT_ONCE = 32  # blocks: the columns of all of them together take as much memory as they do whitened
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 
 
@@ -58,11 +61,13 @@ class Sets:
     """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a
     member."""
 
-    def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
+    def __init__(self, rows: Rows, evidence: Evidence, blocks: Iterable[Block]):
         self.rows, self.evidence = rows, evidence
         self.cost = np.zeros(0)
         self._number: dict[tuple[str, object], int] = {}  # of each name and shape
-        self.add(blocks)
+        rest = iter(blocks)
+        while some := list(islice(rest, AT_ONCE)):
+            self.add(some)
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[Key, Found] = {}
         self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
