@@ -120,7 +120,7 @@ def _said(table: rows.Rows, key: str) -> tuple[float, float, str]:
     q = q[:, size > 1e-9 * size.max(initial=1e-30)]
     y = table.residual * weight
     y = y - q @ (q.T @ y)
-    blocks = library.blocks(table) + library.found(
+    blocks = list(library.blocks(table)) + library.found(
         table, y / weight / SURE**2, np.full(len(table), SURE)
     )
     best: dict[str, float] = defaultdict(lambda: 0.0)

@@ -7,7 +7,7 @@ explains.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -33,10 +33,10 @@ from postproc.diagnose import (
 )
 from postproc.diagnose.answer import Diagnosis, Finding
 from postproc.diagnose.assembly import of
+from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import Evidence, Fit
 from postproc.diagnose.explained import scatter, shares
 from postproc.diagnose.jumps import without
-from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.rows import Rows
@@ -82,18 +82,17 @@ def diagnose(
     # left out of the fit judges the sizes.
     train = ~held if options.held_out else np.ones(len(rows), bool)
     jumps = _jumps(rows, units, train)
+    options.told("learning the noise")
+    evidence = _learned(rows, machine, units, train, jumps)
     options.told("building the dictionary")
-    blocks = _shown(library.blocks(rows), train)
-    if not blocks and not np.any(rows.sees == "part"):
+    search = Search(Sets(rows, evidence, _shown(library.blocks(rows), train)))
+    if not evidence.blocks and not np.any(rows.sees == "part"):
         raise RecordingError(
             f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and"
             " nothing that could drive one was recorded",
             "record at several places, from both sides; gcomp simulate --test writes such a"
             " program",
         )
-    options.told("learning the noise")
-    evidence = _learned(rows, machine, units, train, jumps)
-    search = Search(Sets(rows, evidence, blocks))
     options.told("calibrating")
     search.calibrate(np.random.default_rng(SEED))
     options.told("locating")
@@ -193,11 +192,11 @@ def _without_processes(groups: list[Group], but: set[str]) -> list[Group]:
     return [g for g in groups if g.kind not in nuisances.PROCESSES or g.kind in but]
 
 
-def _shown(blocks: list[Block], train: np.ndarray) -> list[Block]:
+def _shown(blocks: Iterable[Block], train: np.ndarray) -> Iterator[Block]:
     """Blocks all of whose columns show in the rows that take part; in all rows all of them do."""
-    if train.all():
-        return blocks
-    return [b for b in blocks if (np.abs(b.columns[train]).max(axis=0, initial=0.0) > 1e-9).all()]
+    for b in blocks:
+        if train.all() or (np.abs(b.columns[train]).max(axis=0, initial=0.0) > 1e-9).all():
+            yield b
 
 
 def _fixed(said: dict[str, np.ndarray]) -> np.ndarray:
@@ -303,22 +302,24 @@ def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
 def _places(rows: Rows, evidence: Evidence, fit: Fit, train: np.ndarray) -> list[locate.Place]:
     """Where measured and simulated differ, beside zeros, set-ups, the map's error and the slowest
     wander."""
-    own = np.flatnonzero(train)
-    columns, sd = [evidence.shared], [fit.shared[evidence.shared_of]]
+    own_of, sd = [], [fit.shared[evidence.shared_of]]
     for k, part in enumerate(evidence.parts):
         slow = [g for g, kind in enumerate(part.kinds) if kind == "wander"][:1]
         use = np.isin(part.of, slow) | (
             part.usually
             & ~np.isin(part.of, [g for g, kind in enumerate(part.kinds) if kind == "wander"])
         )
-        wide = np.zeros((len(rows), int(use.sum())))
-        wide[part.whole.rows] = part.raw[:, use]
-        columns.append(wide)
+        own_of.append((part.whole.rows, part.raw[:, use]))
         sd.append(fit.parts[k].sd[part.of[use]])
+    prior = np.concatenate(sd)
+    wide, at = np.zeros((len(rows), len(prior))), evidence.shared.shape[1]
+    wide[:, :at] = evidence.shared
+    for number, columns in own_of:
+        wide[number, at : (at := at + columns.shape[1])] = columns
     noise_of = shares(evidence, fit)["noise"]
-    return locate.regions(
-        rows.pick(own), noise_of[own], np.concatenate(columns, axis=1)[own], np.concatenate(sd)
-    )
+    if train.all():
+        return locate.regions(rows, noise_of, wide, prior)
+    return locate.regions(rows.pick(train), noise_of[train], wide[train], prior)
 
 
 def _notices(machine: Machine, fit: Fit, evidence: Evidence) -> list[str]:

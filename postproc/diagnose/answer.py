@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from postproc.diagnose import drive, locate
-from postproc.diagnose.library import Block
+from postproc.diagnose.block import Block
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.unknown import Unknown
 from postproc.machine.model import Machine

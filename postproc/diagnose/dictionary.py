@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from itertools import combinations_with_replacement
 from typing import NamedTuple
 
 import numpy as np
 
 from postproc.diagnose.noise import Unit
 
-AT_ONCE = 32  # blocks
 ROOM = 1.5  # times what is there: so that few of the columns that come later ask for a copy of all
+
+
+class Pairs(NamedTuple):
+    """Of columns of one block that show in a unit: number (P,) of each pair among all, first,
+    second (P,) where they stand here, product (P,)."""
+
+    number: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+    product: np.ndarray
 
 
 class Products(NamedTuple):
@@ -48,23 +58,24 @@ class Growing:
 
 
 class Dictionary:
-    """Blocks that show in a unit. b (n, q), z (n, f), y (n,): its own columns, those that it
-    shares, and its readings, whitened. columns (K,): numbers of the columns that show; where: of a
-    block to its columns here; bd (q, K), zd (f, K), dy (K,): products with b, z and y."""
+    """Columns of blocks that show in a unit; what is zero in all of its readings is not kept. b (n,
+    q), z (n, f), y (n,): its own columns, those that it shares, and its readings, whitened. columns
+    (K,): numbers of the columns that show; of: of a block those (n, w), whitened; which (w,): of
+    all of the block's they are; where: of all here; bd (q, K), zd (f, K), dy (K,): products with b,
+    z and y."""
 
     def __init__(self, unit: Unit, b: np.ndarray, z: np.ndarray, y: np.ndarray):
         self.unit, self.b, self.z, self.y = unit, b, z, y
         self.columns = np.zeros(0, int)
+        self.of: dict[int, np.ndarray] = {}
+        self.which: dict[int, np.ndarray] = {}
         self.where: dict[int, slice] = {}
         self.dy = np.zeros(0)
-        self._d = Growing(len(y))
+        self.pairs = Pairs(*(np.zeros(0, int),) * 3, np.zeros(0))
+        self._pieces: list[np.ndarray] = []  # (n, any) of some blocks each, never moved
         self._bd, self._zd = Growing(b.shape[1]), Growing(z.shape[1])
         self._crossed: dict[int, np.ndarray] = {}
         self._within: dict[tuple[int, ...], np.ndarray] = {}
-
-    @property
-    def d(self) -> np.ndarray:
-        return self._d.now
 
     @property
     def bd(self) -> np.ndarray:
@@ -76,27 +87,25 @@ class Dictionary:
 
     def add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
         """Those of some blocks that show in this unit: of each its number, that of its first
-        column, and its columns (N, K) of all rows. A few at a time: of all of them together every
-        copy on the way takes as much memory as they do."""
-        self._d.reserve(sum(columns.shape[1] for _, _, columns in blocks))
-        for begin in range(0, len(blocks), AT_ONCE):
-            self._add(blocks[begin : begin + AT_ONCE])
-
-    def _add(self, blocks: list[tuple[int, int, np.ndarray]]) -> None:
-        at, new, numbers = len(self.columns), [], [self.columns]
+        column, and its columns (N, K) of all rows."""
+        at, new, numbers = len(self.columns), {}, [self.columns]
         for number, first, columns in blocks:
             own = columns[self.unit.rows]
-            if own.any():
-                self.where[number] = slice(at, at := at + own.shape[1])
-                numbers.append(np.arange(first, first + own.shape[1]))
-                new.append(own)
+            shows = np.flatnonzero(own.any(axis=0))
+            if len(shows):
+                self.which[number], self.where[number] = shows, slice(at, at := at + len(shows))
+                numbers.append(first + shows)
+                new[number] = own[:, shows]
         if new:
             self.columns = np.concatenate(numbers)
             wide = np.empty((len(self.unit), at - len(self.dy)), order="F")
-            self._put(self.unit.whitened(np.concatenate(new, axis=1, out=wide)))
+            self._put(list(new), np.concatenate(list(new.values()), axis=1, out=wide))
 
-    def _put(self, new: np.ndarray) -> None:
-        self._d.add(new)
+    def _put(self, numbers: list[int], raw: np.ndarray) -> None:
+        new, begin = self.unit.whitened(raw), len(self.dy)
+        self._pieces.append(new)
+        for k in numbers:
+            self.of[k] = new[:, self.where[k].start - begin : self.where[k].stop - begin]
         self._bd.add(self.b.T @ new)
         self._zd.add(self.z.T @ new)
         self.dy = np.concatenate([self.dy, new.T @ self.y])
@@ -112,11 +121,25 @@ class Dictionary:
 
     def crossed(self, k: int) -> np.ndarray:
         """(w, K) products of a block's columns with all of the dictionary that show here."""
-        known = self._crossed.get(k, np.zeros((self.where[k].stop - self.where[k].start, 0)))
-        if known.shape[1] < self.d.shape[1]:
-            new = self.d[:, self.where[k]].T @ self.d[:, known.shape[1] :]
-            known = self._crossed[k] = np.concatenate([known, new], axis=1)
+        known = self._crossed.get(k, np.zeros((len(self.which[k]), 0)))
+        new, at = [known], 0
+        for piece in self._pieces:
+            if at >= known.shape[1]:  # a piece is known as a whole, or not at all
+                new.append(self.of[k].T @ piece)
+            at += piece.shape[1]
+        if len(new) > 1:
+            known = self._crossed[k] = np.concatenate(new, axis=1)
         return known
+
+    def along(self, white: np.ndarray) -> np.ndarray:
+        """(K, R) products of all columns with so many (n, R), whitened."""
+        none = np.zeros((0, white.shape[1]))
+        return np.concatenate([none, *(piece.T @ white for piece in self._pieces)])
+
+    def within(self, shown: tuple[int, ...]) -> np.ndarray:
+        """(K, K) products of the columns of blocks with each other."""
+        own = np.concatenate([np.zeros((0, len(self.y))), *(self.of[k].T for k in shown)])
+        return np.asarray(own @ own.T)
 
     def products(self, raw: np.ndarray, shown: tuple[int, ...], use: np.ndarray) -> Products | None:
         """Of columns raw (n, K) that are not in the dictionary; None: they do not show here. use:
@@ -124,7 +147,7 @@ class Dictionary:
         if not raw.any():
             return None
         x = self.unit.whitened(raw)
-        shared = [self.z.T @ x, *(self.d[:, self.where[c]].T @ x for c in shown)]
+        shared = [self.z.T @ x, *(self.of[c].T @ x for c in shown)]
         own, last = np.zeros((self.b.shape[1], x.shape[1])), int(use.max(initial=-1)) + 1
         own[:last] = self.b[:, :last].T @ x
         return Products(own, np.concatenate(shared), x.T @ x, x.T @ self.y)
@@ -133,16 +156,18 @@ class Dictionary:
         self, numbers: tuple[int, ...], width: list[int], shown: tuple[int, ...]
     ) -> Products | None:
         """The same of blocks of the dictionary, `width` columns each."""
-        shows = [k in self.where for k in numbers]
-        if not any(shows):
+        showing = tuple(k for k in numbers if k in self.where)
+        if not showing:
             return None
-        here = np.repeat(shows, width)
-        at = self.at(tuple(k for k in numbers if k in self.where))
+        begin = np.cumsum(width) - width
+        here = np.concatenate(
+            [b + self.which[k] for b, k in zip(begin, numbers, strict=True) if k in self.which]
+        )
+        at = self.at(showing)
         if numbers not in self._within:
-            own = self.d.T[at]
-            self._within[numbers] = own @ own.T
+            self._within[numbers] = self.within(showing)
         shared = np.concatenate([self.zd[:, at], *(self.crossed(c)[:, at] for c in shown)])
-        own, many = self.b.shape[1], len(here)
+        own, many = self.b.shape[1], sum(width)
         empty = [np.zeros((n, many)) for n in (own, len(shared), many)]
         result = Products(empty[0], empty[1], empty[2], np.zeros(many))
         result.own[:, here], result.shared[:, here] = self.bd[:, at], shared
@@ -150,7 +175,23 @@ class Dictionary:
         result.along[here] = self.dy[at]
         return result
 
-    def of_pairs(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """(P,) products of pairs of columns."""
-        d = self.d.T
-        return np.array([d[i] @ d[k] for i, k in zip(first, second, strict=True)], float)
+    def index(self, numbers: list[int], pairs: np.ndarray, before: int) -> None:
+        """Let in the pairs of columns of each of some blocks, of which pairs (2, P) are the numbers
+        of the columns, the upper triangle row by row, and which stand behind so many pairs. The
+        blocks are the last ones that there are."""
+        at = np.full(int(pairs.max()) + 1, -1)
+        at[self.columns] = np.arange(len(self.columns))
+        here = np.flatnonzero((at[pairs] >= 0).all(axis=0))
+        own = [self.of[k] for k in numbers if k in self.of]
+        products = [
+            d[:, i] @ d[:, j]
+            for d in own
+            for i, j in combinations_with_replacement(range(d.shape[1]), 2)
+        ]
+        first, second = at[pairs[:, here]]
+        self.pairs = Pairs(
+            np.append(self.pairs.number, before + here),
+            np.append(self.pairs.first, first),
+            np.append(self.pairs.second, second),
+            np.append(self.pairs.product, products),
+        )

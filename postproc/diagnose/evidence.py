@@ -18,10 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from postproc.diagnose.block import Block
 from postproc.diagnose.dictionary import Products
 from postproc.diagnose.factors import factors, likeliest_size
 from postproc.diagnose.layout import Layout, square
-from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, Group
 from postproc.diagnose.parts import (
@@ -95,18 +95,19 @@ class Evidence:
         self.width = 0
         self.slab = np.zeros(0)
         self.pairs = np.zeros((2, 0), int)  # columns of one block
-        self._indexed = 0
-        self._pairs: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
 
     # -- the dictionary ----------------------------------------------------------------------------
 
     def add(self, blocks: list[Block], sd: float = 0.0) -> list[int]:
-        """Let blocks in; their numbers. sd: stated standard deviation of each coefficient; 0:
-        learned, from that of which SLAB is how large it is where it is largest."""
-        begin = len(self.blocks)
+        """Let blocks in, which forget their columns then; their numbers. sd: stated standard
+        deviation of each coefficient; 0: learned, from that of which SLAB is how large it is where
+        it is largest."""
+        if not blocks:
+            return []
+        begin, before = len(self.blocks), self.pairs.shape[1]
         for b in blocks:
             self.first.append(self.width)
-            self.width += b.columns.shape[1]
+            self.width += b.width
         self.blocks = [*self.blocks, *blocks]
         numbers = list(range(begin, len(self.blocks)))
         peak = [b.largest for b in blocks]
@@ -116,43 +117,20 @@ class Evidence:
         self.fixed |= set(numbers) if sd else set()
         for part in self.parts:
             part.dictionary.add([(k, self.first[k], self.blocks[k].columns) for k in numbers])
-        self._index()
-        return numbers
-
-    def _index(self) -> None:
-        """Pairs of columns of one block, and what each unit's own products of them are."""
-        done = self._indexed
-        pairs = [
-            np.stack(np.triu_indices(b.columns.shape[1])) + self.first[done + k]
-            for k, b in enumerate(self.blocks[done:])
-        ]
-        self._indexed = len(self.blocks)
-        begin = self.pairs.shape[1]
+        for block in blocks:
+            block.let_go()
+        pairs = [np.stack(np.triu_indices(self.blocks[k].width)) + self.first[k] for k in numbers]
         self.pairs = np.concatenate([self.pairs, *pairs], axis=1)
-        first, second = self.pairs[:, begin:]
-        if not self._pairs:
-            self._pairs = [(np.zeros(0, int),) * 3 + (np.zeros(0),) for _ in self.parts]
-        for number, part in enumerate(self.parts):
-            at = np.full(self.width, -1)
-            at[part.dictionary.columns] = np.arange(len(part.dictionary.columns))
-            here = np.flatnonzero(at[first] >= 0)
-            one, other = at[first[here]], at[second[here]]
-            # blocks are only ever added behind
-            fresh = begin + here, one, other, part.dictionary.of_pairs(one, other)
-            here, one, other, own = map(
-                np.concatenate, zip(self._pairs[number], fresh, strict=True)
-            )
-            self._pairs[number] = here, one, other, own
+        for part in self.parts:
+            part.dictionary.index(numbers, self.pairs[:, before:], before)
+        return numbers
 
     def columns_of(self, chosen: tuple[int, ...]) -> np.ndarray:
         """Numbers of the columns of blocks."""
         if not chosen:
             return np.zeros(0, int)
         return np.concatenate(
-            [
-                np.arange(self.first[k], self.first[k] + self.blocks[k].columns.shape[1])
-                for k in chosen
-            ]
+            [np.arange(self.first[k], self.first[k] + self.blocks[k].width) for k in chosen]
         )
 
     # -- a set of blocks ---------------------------------------------------------------------------
@@ -182,7 +160,7 @@ class Evidence:
         touched = []
         for k, part in enumerate(self.parts):
             old = like.parts[k] if like else None
-            same = old and old.shown == shown[k] and old.asked.kinds == kinds[k]
+            same = old and old.shown == shown[k] and old.asked.own.kinds == kinds[k]
             if old and same and old.sigma2 >= least[k]:
                 parts.append(old)
                 continue
@@ -203,6 +181,8 @@ class Evidence:
                 )
                 parts[k] = self.parts[k].reduced(parts[k].asked, sigma2, sd)
             fit = self._joined(layout, on, shared, scale, parts, touched, kept)
+        for k in touched:
+            fit.parts[k].let_go()
         return fit
 
     def _first_scale(self, like: Fit, k: int) -> float:
@@ -213,23 +193,23 @@ class Evidence:
         return likeliest_size(*self.among(like, (k,)), self.slab[self.columns_of((k,))])
 
     def _layout(self, chosen: tuple[int, ...], parts: list[Reduced]) -> Layout:
-        width = np.array([self.blocks[k].columns.shape[1] for k in chosen], int)
+        width = np.array([self.blocks[k].width for k in chosen], int)
+        whole = len(self.shared_of) + int(width.sum())
         at: list[slice | np.ndarray] = [
-            slice(None) if old.shown == chosen else self.shared_at(k, chosen, old.shown)
+            slice(None) if len(old.along) == whole else self.shared_at(k, chosen)
             for k, old in enumerate(parts)
         ]
         slab, of = self.slab[self.columns_of(chosen)], np.repeat(np.arange(len(chosen)), width)
         return Layout(chosen, slab, of, width, at)
 
-    def shared_at(self, k: int, chosen: tuple[int, ...], shown: tuple[int, ...]) -> np.ndarray:
-        """Where the shared columns of a unit stand among all shared ones."""
-        z = self.shared.shape[1]
+    def shared_at(self, k: int, chosen: tuple[int, ...]) -> np.ndarray:
+        """Where the shared columns that show in a unit stand among all shared ones."""
+        z, which = self.shared.shape[1], self.parts[k].dictionary.which
         found, at = [np.arange(z)], z
         for c in chosen:
-            width = self.blocks[c].columns.shape[1]
-            if c in shown:
-                found.append(np.arange(at, at + width))
-            at += width
+            if c in which:
+                found.append(at + which[c])
+            at += self.blocks[c].width
         return np.concatenate(found)
 
     def _summed(
@@ -304,43 +284,28 @@ class Evidence:
         dy, dd = np.zeros((self.width, many)), np.zeros(len(self.pairs[0]))
         for k, (part, old) in enumerate(zip(self.parts, fit.parts, strict=True)):
             s2 = old.sigma2
-            at = self.shared_at(k, fit.chosen, old.shown)
-            words = part.dictionary
-            self._beside_dictionary(k, old)
-            hy, y_f, y_d = old.hy[:, None], old.asked.fy[:, None], words.dy[:, None]
+            at = self.shared_at(k, fit.chosen)
+            words, beside = part.dictionary, part.beside(old)
+            y_f, y_d = old.along[:, None], beside.yd[:, None]
             if draws is not None:
                 white = part.unit.whitened(draws[part.unit.rows])
                 hy = solved(old.root, (part.b.T @ white)[old.use] / s2)
                 y_f = np.concatenate(
-                    [part.z.T @ white, *(words.d[:, words.where[c]].T @ white for c in old.shown)]
+                    [part.z.T @ white, *(words.of[c].T @ white for c in old.shown)]
                 )
-                y_d = words.d.T @ white
-            fy[at] += y_f / s2 - old.hf.T @ hy
-            dy[words.columns] += y_d / s2 - old.hd.T @ hy
-            fd[np.ix_(at, words.columns)] += old.fd
-            dd[self._pairs[k][0]] += old.dd
+                y_f = y_f / s2 - old.hf.T @ hy
+                y_d = words.along(white) / s2 - part.half(old).T @ hy
+            fy[at] += y_f
+            dy[words.columns] += y_d
+            fd[np.ix_(at, words.columns)] += beside.fd
+            dd[words.pairs.number] += beside.dd
         if f:
             half_d, half_y = solved(fit.root, fd), solved(fit.root, fy)
             dy -= half_d.T @ half_y
             dd -= np.einsum("fp,fp->p", half_d[:, self.pairs[0]], half_d[:, self.pairs[1]])
-        widths = np.array([b.columns.shape[1] for b in self.blocks], int)
+        widths = np.array([b.width for b in self.blocks], int)
         scores, coefficients, spread = factors(widths, self.slab, dy, dd)
         return (scores[:, 0], coefficients, spread) if draws is None else (scores, None, None)
-
-    def _beside_dictionary(self, k: int, old: Reduced) -> None:
-        """Set a unit's products with the dictionary, as far as they are not known."""
-        words, s2 = self.parts[k].dictionary, old.sigma2
-        known = old.hd.shape[1]
-        if known == len(words.columns):
-            return
-        new = solved(old.root, words.bd[:, known:][old.use] / s2)
-        crossed = [words.zd[:, known:], *(words.crossed(c)[:, known:] for c in old.shown)]
-        old.hd = np.concatenate([old.hd, new], axis=1)
-        old.fd = np.concatenate([old.fd, np.concatenate(crossed) / s2 - old.hf.T @ new], axis=1)
-        _, i, j, own = (column[len(old.dd) :] for column in self._pairs[k])
-        by_column = old.hd.T
-        inside = np.einsum("pq,pq->p", by_column[i], by_column[j])
-        old.dd = np.concatenate([old.dd, own / s2 - inside])
 
     def beside(self, fit: Fit, columns: np.ndarray, but: int = -1) -> tuple[np.ndarray, np.ndarray]:
         """(K, K) X'PX and (K,) X'Py of columns X (N, K) that are not in the dictionary: all else of
@@ -353,7 +318,7 @@ class Evidence:
 
     def among(self, fit: Fit, numbers: tuple[int, ...]) -> tuple[np.ndarray, np.ndarray]:
         """The same of the columns of blocks of the dictionary, whose products are known."""
-        width = [self.blocks[k].columns.shape[1] for k in numbers]
+        width = [self.blocks[k].width for k in numbers]
         found = [
             part.dictionary.own_beside(numbers, width, old.shown)
             for part, old in zip(self.parts, fit.parts, strict=True)
@@ -368,7 +333,7 @@ class Evidence:
             root = self._root_without(fit, but)
         fy, fx, xx, xy = np.zeros(f), np.zeros((f, many)), np.zeros((many, many)), np.zeros(many)
         for k, (old, x) in enumerate(zip(fit.parts, found, strict=True)):
-            at, s2 = self.shared_at(k, fit.chosen, old.shown), old.sigma2
+            at, s2 = self.shared_at(k, fit.chosen), old.sigma2
             fy[at] += old.along
             if x is None:
                 continue

@@ -22,13 +22,13 @@ def shares(evidence: Evidence, fit: Fit) -> dict[str, np.ndarray]:
     result["effects"] = np.zeros(n)
     at = z
     for k in fit.chosen:
-        w = evidence.blocks[k].columns.shape[1]
+        w = evidence.blocks[k].width
         result["effects"] += evidence.blocks[k].columns @ fit.mean[at : at + w]
         at += w
     for k, (part, old) in enumerate(zip(evidence.parts, fit.parts, strict=True)):
         own, use = part.whole.rows, old.use
         mean = inverted(old.root).T @ (
-            old.hy - old.hf @ fit.mean[evidence.shared_at(k, fit.chosen, old.shown)]
+            old.hy - old.hf @ fit.mean[evidence.shared_at(k, fit.chosen)]
         )
         variance = old.sigma2 * part.whole.r**2
         for g in np.unique(part.of[use]):

@@ -9,7 +9,7 @@ import numpy as np
 
 from postproc.diagnose import intervals, shapes, shared_jump, unrecorded
 from postproc.diagnose.answer import Finding
-from postproc.diagnose.library import Block
+from postproc.diagnose.block import Block
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import MATERIAL, Found, Sets
@@ -46,7 +46,7 @@ def of_jump(
     )
     causes = shared_jump.causes(jump)
     return Finding(
-        Block(shared_jump, jump.axis, (), columns),
+        Block(shared_jump, jump.axis, (), lambda: columns),
         named,
         ci,
         contribution,
@@ -142,7 +142,7 @@ def limits(search: Search, state: Found) -> dict[str, float]:
         first = sets.evidence.first[k]
         slab = float(sets.evidence.slab[first])
         power = 1 / float(spread[first]) ** 2 - 1 / slab**2
-        peak = float(np.abs(block.columns[:, 0]).max(initial=0.0))
+        peak = float(block.largest[0])
         if power * slab**2 > TELLS:
             size = np.sqrt((wanted + sets.cost[k] + np.log1p(power * slab**2)) / power) * peak
             result[block.key] = min(result.get(block.key, np.inf), max(size, MATERIAL))

@@ -29,8 +29,9 @@ class Projector:
 
     def __call__(self, columns: np.ndarray) -> np.ndarray:
         """P D for (N,) or (N, K)."""
-        result: np.ndarray = columns * (self.w if columns.ndim == 1 else self.w[:, None])
-        result -= (self.u * self.w[:, None]) @ (self.inner @ (self.u.T @ result))
+        w = self.w if columns.ndim == 1 else self.w[:, None]
+        result: np.ndarray = columns * w
+        result -= w * (self.u @ (self.inner @ (self.u.T @ result)))
         return result
 
     def nuisance(self, y: np.ndarray) -> np.ndarray:

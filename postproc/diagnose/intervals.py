@@ -12,7 +12,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from postproc.diagnose.library import FOUND, Block, read
+from postproc.diagnose.block import Block
+from postproc.diagnose.library import FOUND, read
 from postproc.diagnose.sets import Found, Sets
 from postproc.diagnose.shapes import continuous
 
@@ -157,7 +158,7 @@ def _others(
             for name in named
             if name not in dict(other.shape)
         }
-        chosen = block.module.parameters(np.zeros(block.columns.shape[1]), dict(block.shape))
+        chosen = block.module.parameters(np.zeros(block.width), dict(block.shape))
         values = {name: fixed[name][0] if name in fixed else chosen[name] for name in named}
         result.append(
             (

@@ -4,8 +4,7 @@ enter linearly: blocks of columns as the readings would show them."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from functools import partial
 from itertools import combinations
 from types import ModuleType
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from postproc import effects
 from postproc.diagnose import jumps, spectra
+from postproc.diagnose.block import NOTHING, Block
 from postproc.diagnose.rows import Rows, second_place
 from postproc.machine.chain import XYZ
 
@@ -26,42 +26,11 @@ SIGNALS = {  # what an effect must be able to show in -> kinds of signals
 }
 MOST_STEPS, MOST_JUMPS, MOST_ABRUPT = 200, 60, 24
 PAUSE = 4.0  # times the usual wait between two readings: between two runs or recordings
-NOTHING = 1e-12  # mm
 NEVER = 1e5  # s: an axis that has not turned back
 FEWEST_BETWEEN = 6  # readings before, between and behind jumps: fewer are readings that are off
 SMOOTH, WAVE = 4, 0.2  # degree of a curve; share of a wave's squares that it must leave
 # (also) from the spectrum of what is left
 FOUND = ("cyclic", "encoder_cyclic", "stick_slip", "vibration")
-
-
-@dataclass(frozen=True)
-class Block:
-    """One way to explain: an effect, its axis, its shape, and the (N, K) mm that it would add to
-    the readings. siblings: shapes that it is one of; apart: of two axes, each of which shows by
-    itself."""
-
-    module: ModuleType
-    axis: str
-    shape: tuple[tuple[str, float], ...]
-    columns: np.ndarray
-    siblings: int = 1
-    apart: bool = False
-
-    @cached_property
-    def largest(self) -> np.ndarray:
-        """(K,) mm, at its largest reading."""
-        shown = np.abs(self.columns).max(axis=0, initial=0.0)
-        largest: np.ndarray = np.maximum(shown, NOTHING)
-        return largest
-
-    @cached_property
-    def name(self) -> str:
-        return self.module.__name__.rsplit(".", 1)[1]
-
-    @cached_property
-    def key(self) -> str:
-        """effect:axis, as the contract writes it."""
-        return f"{self.name}:{self.axis}"
 
 
 def visible(rows: Rows, module: ModuleType) -> np.ndarray:
@@ -180,11 +149,10 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
 
 
 # Whole: the filters that every block of the dictionary passes, in order.
-def blocks(rows: Rows) -> list[Block]:
-    """The dictionary. Blocks that show nothing in these readings are left out."""
-    result: list[Block] = []
+def blocks(rows: Rows) -> Iterator[Block]:
+    """The dictionary, effect by effect. Blocks that show nothing in these readings are left out."""
     for name in effects.names():
-        module = effects.load(name)
+        module, result = effects.load(name), list[Block]()
         if not visible(rows, module).any():
             continue
         for axis in axes_of(rows, module):
@@ -202,10 +170,18 @@ def blocks(rows: Rows) -> list[Block]:
             number = max(len(found), len(np.unique(rows.state.time)) if name == "step_loss" else 0)
             alone = module.PER == "pair" and "velocity" in module.NEEDS and apart(rows, axis)
             made = [
-                Block(module, axis, tuple(sorted(s.items())), c, number, alone) for s, c in found
+                Block(module, axis, named(s), partial(read, rows, module, axis, s), number, alone)
+                for s, _ in found
             ]
+            for block, (_, columns) in zip(made, found, strict=True):
+                block.having(columns)
             result += made if axis else [b for b in made if not _of_one_axis(b, result)]
-    return result
+        yield from result
+
+
+def named(shape: dict[str, float]) -> tuple[tuple[str, float], ...]:
+    """A shape as a block has it."""
+    return tuple(sorted(shape.items()))
 
 
 def looks_smooth(rows: Rows, axis: str, columns: np.ndarray) -> bool:
@@ -302,6 +278,12 @@ def swings(columns: np.ndarray) -> np.ndarray:
     return np.repeat(shows, 2)
 
 
+def _swinging(rows: Rows, module: ModuleType, axis: str, shape: dict[str, float]) -> np.ndarray:
+    """(N, K) mm: the columns of waves, as far as they show."""
+    columns = read(rows, module, axis, shape)
+    return columns[:, swings(columns)] if columns.shape[1] > 1 else columns
+
+
 def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
     """Blocks of what is periodic in what is left. weighted (N,): P y, what is left over the square
     of the noise."""
@@ -316,12 +298,10 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
                 continue
             along = rows.direction[:, XYZ.index(axis)] * seen
             for shape in _periodic(rows, module, axis, weighted * along, along**2 / sigma**2):
-                columns = read(rows, module, axis, shape)
-                if columns.shape[1] > 1:
-                    columns = columns[:, swings(columns)]
-                if columns.shape[1]:
-                    named = tuple(sorted(shape.items()))
-                    result.append(Block(module, axis, named, columns, spectra.TRIED))
+                make = partial(_swinging, rows, module, axis, shape)
+                block = Block(module, axis, named(shape), make, spectra.TRIED)
+                if block.width:
+                    result.append(block)
     return result
 
 

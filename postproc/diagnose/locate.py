@@ -96,7 +96,7 @@ def regions(rows: Rows, sigma: np.ndarray, u: np.ndarray, prior: np.ndarray) -> 
     left = y - projector.nuisance(y)
     evidence = np.empty((len(y), 1 + DRAWS))
     evidence[:, 0], draws = y, evidence[:, 1:]
-    draws[:] = (u * np.where(free, 0.0, prior)) @ rng.normal(size=(len(prior), DRAWS))
+    draws[:] = u @ (np.where(free, 0.0, prior)[:, None] * rng.normal(size=(len(prior), DRAWS)))
     for part, sd in zip(np.array_split(draws, PARTS), np.array_split(sigma, PARTS), strict=True):
         part += sd[:, None] * rng.normal(size=part.shape)
     for part in np.array_split(evidence, PARTS, axis=1):

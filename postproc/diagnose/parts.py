@@ -3,9 +3,10 @@ its own columns taken out."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dtrtri, dtrtrs
@@ -17,51 +18,63 @@ from postproc.diagnose.nuisances import PROCESSES, Group
 SURE = 1.0  # readings that a usual standard deviation counts as, when the readings' own is learned
 MOST_WHITE = 6.0  # times the white noise that neighbours and repeats show: more is no noise
 LEAST = 1e-3  # of a usual standard deviation
+RECENT = 4  # sets whose products with the dictionary are kept: few are asked for later again
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What one unit is asked for a set: the products that its sizes do not change. shown: blocks of
-    the set that show in it; kinds: of its processes; use (q,): own columns that count; of (q,):
-    group of each; learned: groups of them whose size is learned; bb (q, q), right (q, f + 1), ff
-    (f, f), fy (f,): B'B, B'F and B'y behind each other, F'F and F'y, of its own columns B, the
-    shared F and the readings y, whitened."""
+class Counted:
+    """The own columns B of a unit that count. kinds: of its processes; use (q,): their numbers; of
+    (q,): group of each; learned: groups of them whose size is learned; bb (q, q): B'B, whitened."""
 
-    shown: tuple[int, ...]
     kinds: frozenset[str]
     use: np.ndarray
     of: np.ndarray
     learned: np.ndarray
     bb: np.ndarray
+
+    def root(self, sigma2: float, sd: np.ndarray) -> np.ndarray:
+        """(q, q): Cholesky factor (lower) of 1/sd^2 + B'B/sigma2; sd: of each group."""
+        m = self.bb / sigma2
+        m[np.diag_indices(len(self.of))] += 1.0 / sd[self.of] ** 2
+        return cholesky(m)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What one unit is asked for a set: the products that its sizes do not change. shown: blocks of
+    the set that show in it; own: its own columns B; right (q, f + 1), ff (f, f), fy (f,): B'F and
+    B'y behind each other, F'F and F'y, of the shared columns F and the readings y, whitened."""
+
+    shown: tuple[int, ...]
+    own: Counted
     right: np.ndarray
     ff: np.ndarray
     fy: np.ndarray
 
 
-@dataclass
+@dataclass(eq=False)  # one is not another: what is kept of it is found by itself
 class Reduced:
     """One unit with its own columns taken out. asked: of which set; sigma2 (1: as its white noise
-    was found), sd of each group; root (q, q): Cholesky factor (lower) of 1/sd^2 + B'B/sigma2; hf
-    (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along (f,): F'C^-1F, F'C^-1y; value:
-    its part of twice the log evidence.
-    hd, fd, dd: the same of so many columns of the dictionary as were asked for."""
+    was found), sd of each group; hf (q, f), hy (q,): root^-1 B'F/sigma2, of y; inside (f, f), along
+    (f,): F'C^-1F, F'C^-1y; value: its part of twice the log evidence."""
 
     asked: Asked
     sigma2: float
     sd: np.ndarray
-    root: np.ndarray
     hf: np.ndarray
     hy: np.ndarray
     inside: np.ndarray
     along: np.ndarray
     value: float
-    hd: np.ndarray = field(init=False)
-    fd: np.ndarray = field(init=False)
-    dd: np.ndarray = field(init=False)
 
-    def __post_init__(self) -> None:
-        self.hd, self.fd = (np.zeros((n, 0), order="F") for n in self.hf.shape)
-        self.dd = np.zeros(0)
+    @cached_property
+    def root(self) -> np.ndarray:
+        """(q, q): Cholesky factor of its own columns' precision."""
+        return self.asked.own.root(self.sigma2, self.sd)
+
+    def let_go(self) -> None:
+        """Forget the root: of most sets it is not asked again, and it is made in no time."""
+        self.__dict__.pop("root", None)
 
     @property
     def shown(self) -> tuple[int, ...]:
@@ -69,7 +82,16 @@ class Reduced:
 
     @property
     def use(self) -> np.ndarray:
-        return self.asked.use
+        return self.asked.own.use
+
+
+class Beside(NamedTuple):
+    """The dictionary's columns D beside a unit as a set has it: fd (f, K) F'C^-1D, yd (K,) y'C^-1D,
+    dd (P,) D'C^-1D of pairs of columns of one block."""
+
+    fd: np.ndarray
+    yd: np.ndarray
+    dd: np.ndarray
 
 
 class Part:
@@ -109,17 +131,26 @@ class Part:
             for kind in PROCESSES
         }
         self.usually = ~np.any(list(self.processes.values()), axis=0)
+        self._counted: dict[frozenset[str], Counted] = {}
+        self._beside: dict[Reduced, Beside] = {}  # the last ones, the last one last
+
+    def counted(self, kinds: frozenset[str]) -> Counted:
+        """Its own columns with those of some kinds of processes."""
+        if kinds not in self._counted:
+            counts = self.usually
+            for kind in kinds:
+                counts = counts | self.processes[kind]
+            use = np.flatnonzero(counts)
+            of = self.of[use]
+            groups = np.flatnonzero(np.bincount(of))
+            learned = groups[self.learned[groups]]
+            self._counted[kinds] = Counted(kinds, use, of, learned, self.bb[np.ix_(use, use)])
+        return self._counted[kinds]
 
     def asked(self, shown: tuple[int, ...], kinds: frozenset[str]) -> Asked:
         """The products of a set; shown: blocks that show in this unit; kinds: of its processes."""
-        counts = self.usually
-        for kind in kinds:
-            counts = counts | self.processes[kind]
-        use = np.flatnonzero(counts)
-        of = self.of[use]
-        groups = np.flatnonzero(np.bincount(of))
-        words = self.dictionary
-        at, z = words.at(shown), len(self.zy)
+        own, words = self.counted(kinds), self.dictionary
+        use, at, z = own.use, words.at(shown), len(self.zy)
         right = np.empty((len(use), z + len(at) + 1), order="F")
         right[:, :z], right[:, z:-1], right[:, -1] = (
             self.bz[use],
@@ -127,59 +158,74 @@ class Part:
             self.by[use],
         )
         ff = np.empty((z + len(at), z + len(at)))
-        own = words.d.T[at]
-        ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, words.zd[:, at], own @ own.T
+        ff[:z, :z], ff[:z, z:], ff[z:, z:] = self.zz, words.zd[:, at], words.within(shown)
         ff[z:, :z] = ff[:z, z:].T
-        return Asked(
-            shown,
-            kinds,
-            use,
-            of,
-            groups[self.learned[groups]],
-            self.bb[np.ix_(use, use)],
-            right,
-            ff,
-            np.concatenate([self.zy, words.dy[at]]),
-        )
+        return Asked(shown, own, right, ff, np.concatenate([self.zy, words.dy[at]]))
 
     def reduced(self, asked: Asked, sigma2: float, sd: np.ndarray) -> Reduced:
         """The unit with its own columns taken out, at these sizes."""
-        m = asked.bb / sigma2
-        own = sd[asked.of]
-        m[np.diag_indices(len(own))] += 1.0 / own**2
-        root = cholesky(m)
+        own, root = sd[asked.own.of], asked.own.root(sigma2, sd)
         half = solved(root, asked.right / sigma2)
         hf, hy = half[:, :-1], half[:, -1]
         value = -len(self.y) * np.log(sigma2) - self.yy / sigma2 + float(hy @ hy)
         value -= 2.0 * float(np.log(root.diagonal()).sum() + np.log(own).sum())
-        free = asked.learned
+        free = asked.own.learned
         value -= float(
             np.sum(surprise(sd[free], self.usual[free]) + (2 * sd[free] / self.most[free]) ** 2)
         ) + float(surprise(np.sqrt(sigma2), 1.0))
         value -= float(sigma2) * (2 / MOST_WHITE) ** 2
         inside, along = asked.ff / sigma2 - hf.T @ hf, asked.fy / sigma2 - hf.T @ hy
-        return Reduced(asked, sigma2, sd, root, hf, hy, inside, along, value)
+        result = Reduced(asked, sigma2, sd, hf, hy, inside, along, value)
+        result.root = root
+        return result
+
+    def beside(self, old: Reduced) -> Beside:
+        """All of the dictionary that shows here beside the unit as a set has it."""
+        words, s2, nothing = self.dictionary, old.sigma2, np.zeros(0)
+        done = self._beside.pop(old, Beside(np.zeros((len(old.along), 0)), nothing, nothing))
+        known = len(done.yd)
+        if known < len(words.columns):
+            new = self.half(old, known)
+            crossed = [words.zd[:, known:], *(words.crossed(c)[:, known:] for c in old.shown)]
+            fd = np.concatenate(crossed) / s2 - old.hf.T @ new
+            yd = words.dy[known:] / s2 - new.T @ old.hy
+            _, i, j, own = (column[len(done.dd) :] for column in words.pairs)
+            by_column = new.T
+            inside = np.einsum("pq,pq->p", by_column[i - known], by_column[j - known])
+            done = Beside(
+                np.concatenate([done.fd, fd], axis=1),
+                np.append(done.yd, yd),
+                np.append(done.dd, own / s2 - inside),
+            )
+        self._beside[old] = done
+        if len(self._beside) > RECENT:
+            del self._beside[next(iter(self._beside))]
+        return done
+
+    def half(self, old: Reduced, known: int = 0) -> np.ndarray:
+        """(q, K): root^-1 B'D/sigma2 of the columns D of the dictionary behind the known ones."""
+        return solved(old.root, self.dictionary.bd[:, known:][old.use] / old.sigma2)
 
     def renewed(
         self, old: Reduced, mean: np.ndarray, covariance: np.ndarray, least: float
     ) -> tuple[float, np.ndarray]:
         """Its variance and standard deviations, by MacKay's fixed point. mean, covariance: of its
         shared coefficients."""
-        asked, sd = old.asked, old.sd.copy()
+        asked, counted, sd = old.asked, old.asked.own, old.sd.copy()
         inverse = inverted(old.root)
         own = inverse.T @ (old.hy - old.hf @ mean)
         along = inverse.T @ old.hf
         spread = np.einsum("ij,ij->j", inverse, inverse)
         spread += np.einsum("ij,ij->i", along @ covariance, along)
         many = len(self.groups)
-        of_group = np.bincount(asked.of, spread, many) / old.sd**2
-        dof = np.maximum(np.bincount(asked.of, minlength=many) - of_group, 0.0)
-        power, free = np.bincount(asked.of, own**2, many), asked.learned
+        of_group = np.bincount(counted.of, spread, many) / old.sd**2
+        dof = np.maximum(np.bincount(counted.of, minlength=many) - of_group, 0.0)
+        power, free = np.bincount(counted.of, own**2, many), counted.learned
         usual, most = self.usual[free], self.most[free]
         now = _size(power[free], dof[free], usual, most)
         sd[free] = np.clip(now, LEAST * usual, most)
         left = float(dof.sum()) + float(np.einsum("ij,ij->", covariance, old.inside))
-        e = self.yy - 2 * mean @ asked.fy + own @ (asked.bb @ own) + mean @ (asked.ff @ mean)
+        e = self.yy - 2 * mean @ asked.fy + own @ (counted.bb @ own) + mean @ (asked.ff @ mean)
         e += 2 * own @ (asked.right @ np.append(mean, -1.0))
         return float(np.clip((e + SURE) / max(len(self.y) - left + SURE, 1.0), least, 1e4)), sd
 

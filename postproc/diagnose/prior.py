@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.diagnose.library import Block
+from postproc.diagnose.block import Block
 
 ODDS = 8.0  # twice ln(55): of some 60 effects and axes a machine shows one or two
 APART = 7.0  # of two axes, where each shows by itself: one of them leads, or both lag

@@ -102,7 +102,7 @@ def _lines(d: Diagnosis, place: Place) -> tuple[int, int]:
 
 def _effect(d: Diagnosis, f: Finding) -> dict[str, Any]:
     module = f.block.module
-    pieces = f.block.columns.shape[1]
+    pieces = f.block.width
     return {
         "effect": f.block.name,
         "axis": f.block.axis or None,

@@ -289,7 +289,7 @@ class Search:
             if block.key in best or not self._allowed(self.sets.members(fit), k):
                 continue
             first = self.sets.evidence.first[k]
-            if plausible(block, coefficients[first : first + block.columns.shape[1]]):
+            if plausible(block, coefficients[first : first + block.width]):
                 best[block.key] = k
         return best
 

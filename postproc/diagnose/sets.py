@@ -7,13 +7,16 @@ terms by which it may differ, and no unit's noise is taken for less than that.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 
 import numpy as np
 
+from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
 from postproc.diagnose.explained import wandered
-from postproc.diagnose.library import Block
 from postproc.diagnose.parts import Part
 from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
@@ -31,6 +34,7 @@ BUILT_UP, AFTER_TURN = 5.0, (0.01, 0.05, 0.2)  # times that: while it builds up 
 FORMED = 1e-3  # mm: the error of form of less is nothing
 TOLD = 0.2  # of the white noise
 OPEN = 5e-3  # mm: a set-up that may be so far off is open
+AT_ONCE = 32  # blocks: the columns of all of them together take as much memory as they do whitened
 RENEWED = 3  # steps in which sizes are learned again beside a new member
 
 
@@ -57,11 +61,13 @@ class Sets:
     """The dictionary, and every set of it that was fitted: `seen`. cost: of each block as a
     member."""
 
-    def __init__(self, rows: Rows, evidence: Evidence, blocks: list[Block]):
+    def __init__(self, rows: Rows, evidence: Evidence, blocks: Iterable[Block]):
         self.rows, self.evidence = rows, evidence
         self.cost = np.zeros(0)
         self._number: dict[tuple[str, object], int] = {}  # of each name and shape
-        self.add(blocks)
+        rest = iter(blocks)
+        while some := list(islice(rest, AT_ONCE)):
+            self.add(some)
         self._open = [_open(part) for part in evidence.parts]
         self.seen: dict[Key, Found] = {}
         self._of_form: dict[int, int] = {}  # terms of an error of form to the member whose it is
@@ -149,31 +155,12 @@ class Sets:
         whose: list[int] = []
         for k in self.members(fit):
             block, value = self.blocks[k], self.value(fit, k)
-            part = block.columns @ value
-            if np.abs(part).max() < FORMED:
+            if np.abs(block.columns @ value).max() < FORMED:
                 continue
-            terms = [
-                part * np.clip(self.rows.state.share(x), -1.2, 1.2)
-                for x in block.axis
-                if x in self.rows.state.position
-            ]
-            t = self.rows.state.time
-            terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
-            terms.append(_later(self.rows, part))
-            for x in block.axis:
-                if x in self.rows.state.since:
-                    since = np.where(self.rows.state.passage >= 0, self.rows.state.since[x], np.inf)
-                    terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
-            columns = np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
             whose.append(k)
-            made.append(
-                Block(
-                    block.module,
-                    block.axis,
-                    (("form", float(len(self.blocks) + len(made))),),
-                    columns,
-                )
-            )
+            shape = (("form", float(len(self.blocks) + len(made))),)
+            terms = partial(_terms, self.rows, block, value)
+            made.append(Block(block.module, block.axis, shape, terms))
         self.cost = np.append(self.cost, np.full(len(made), np.inf))
         numbers = self.evidence.add(made, FORM_SD) if made else []
         self._of_form |= dict(zip(numbers, whose, strict=True))
@@ -202,7 +189,7 @@ class Sets:
         """Where a member's coefficients stand among the shared ones."""
         at = self.evidence.shared.shape[1]
         for other in fit.chosen:
-            width = self.blocks[other].columns.shape[1]
+            width = self.blocks[other].width
             if other == k:
                 return slice(at, at + width)
             at += width
@@ -247,7 +234,7 @@ class Sets:
             if k in self.evidence.fixed:
                 continue
             first = self.evidence.first[k]
-            value = coefficients[first : first + b.columns.shape[1]]
+            value = coefficients[first : first + b.width]
             scores[k] -= UNUSUAL * unusual(b, value)
             if scores[k] > 0 and not plausible(b, value):
                 scores[k] = -np.inf
@@ -257,6 +244,20 @@ class Sets:
 def form_of(block: Block) -> float:
     """Of what a block explains at most: by how much its form is wrong in single readings."""
     return float(getattr(block.module, "FORM", FORM))
+
+
+def _terms(rows: Rows, block: Block, value: np.ndarray) -> np.ndarray:
+    """(N, M) mm: by what a block at a size may be of another form than its own."""
+    part, state = block.columns @ value, rows.state
+    terms = [part * np.clip(state.share(x), -1.2, 1.2) for x in block.axis if x in state.position]
+    t = state.time
+    terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
+    terms.append(_later(rows, part))
+    for x in block.axis:
+        if x in state.since:
+            since = np.where(state.passage >= 0, state.since[x], np.inf)
+            terms += [BUILT_UP * part * np.exp(-since / tau) for tau in AFTER_TURN]
+    return np.stack([c for c in terms if np.abs(c).max() > 1e-9], axis=1)
 
 
 def _later(rows: Rows, part: np.ndarray) -> np.ndarray:

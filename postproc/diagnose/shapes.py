@@ -5,13 +5,15 @@ travel."""
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from postproc.diagnose import library
+from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import SLAB, Fit
 from postproc.diagnose.factors import TRIED as TRIED_SIZES
-from postproc.diagnose.library import FOUND, Block
+from postproc.diagnose.library import FOUND
 from postproc.diagnose.parts import surprise
 from postproc.diagnose.prior import plausible
 from postproc.diagnose.sets import Sets
@@ -60,7 +62,7 @@ def worths(sets: Sets, fit: Fit, blocks: list[Block]) -> list[float]:
     a, b = sets.evidence.beside(fit, np.concatenate([x.columns for x in blocks], axis=1))
     result, end = [], 0
     for block in blocks:
-        own = slice(end, end := end + block.columns.shape[1])
+        own = slice(end, end := end + block.width)
         result.append(_worth(block, a[own, own], b[own]))
     return result
 
@@ -85,7 +87,7 @@ def _likeliest(
     """A block in the likeliest of these shapes, and what it is worth; as it is where none of them
     is worth more."""
     found = [at(sets, best, shape) for shape in shapes]
-    tried = [b for b in found if b is not None and b.columns.shape == best.columns.shape]
+    tried = [b for b in found if b is not None and b.width == best.width]
     for block, now in zip(tried, worths(sets, fit, tried) if tried else [], strict=True):
         if now > most + ROUNDING:
             best, most = block, now
@@ -95,12 +97,13 @@ def _likeliest(
 def at(sets: Sets, block: Block, shape: dict[str, float]) -> Block | None:
     """The block in another shape; None where these readings do not show all of it, or a wave only
     as a curve."""
-    columns = library.read(sets.rows, block.module, block.axis, shape)
+    make = partial(library.read, sets.rows, block.module, block.axis, shape)
+    columns = make()
     if not (np.abs(columns).max(axis=0) > 1e-9).all():
         return None
     if "period_mm" in shape and library.looks_smooth(sets.rows, block.axis, columns[:, :2]):
         return None
-    return replace(block, shape=tuple(sorted(shape.items())), columns=columns)
+    return replace(block, shape=library.named(shape), make=make).having(columns)
 
 
 def _nearby(sets: Sets, fit: Fit, block: Block) -> Block:
@@ -141,7 +144,7 @@ def aliases(sets: Sets, fit: Fit, block: Block, enough: float) -> list[float]:
     if not folded:
         return []
     made = [at(sets, block, {**dict(block.shape), "period_mm": 1 / f}) for f in folded]
-    same = [b for b in made if b is not None and b.columns.shape == block.columns.shape]
+    same = [b for b in made if b is not None and b.width == block.width]
     own, *others = worths(sets, fit, [block, *same])
     periods = [dict(b.shape)["period_mm"] for b in same]
     return sorted(
@@ -214,7 +217,7 @@ def _jumps(sets: Sets, fit: Fit, own: tuple[int, ...], tried: int) -> list[int]:
     that no few readings are off; tried: moments that there are."""
     a, b = sets.evidence.among(fit, own)
     sensible = sets.blocks[own[0]].module.sensible
-    later = np.array([np.count_nonzero(sets.blocks[k].columns) for k in own])
+    later = np.array([sets.blocks[k].shown for k in own])
     picks = np.stack(np.triu_indices(len(later), 1), axis=1)
     chosen: list[int] = []
     now = -np.inf

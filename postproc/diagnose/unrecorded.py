@@ -8,7 +8,7 @@ import numpy as np
 
 from postproc import effects
 from postproc.diagnose import library
-from postproc.diagnose.library import Block
+from postproc.diagnose.block import Block
 from postproc.diagnose.rows import Rows
 from postproc.effects import structure_drift
 

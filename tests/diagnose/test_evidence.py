@@ -4,6 +4,7 @@ gives; rounding is no evidence."""
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from types import ModuleType, SimpleNamespace
 from typing import Any, cast
 
@@ -11,10 +12,10 @@ import numpy as np
 import pytest
 
 from postproc.diagnose import shapes
+from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import SLAB, Evidence
 from postproc.diagnose.explained import _colored
 from postproc.diagnose.factors import TRIED
-from postproc.diagnose.library import Block
 from postproc.diagnose.noise import Unit
 from postproc.diagnose.nuisances import FREE, WANDER, Group
 from postproc.diagnose.parts import surprise
@@ -38,7 +39,7 @@ def unit(rows: np.ndarray, ar: tuple[float, ...] = ()) -> Unit:
 
 
 def block(*columns: np.ndarray) -> Block:
-    return Block(ModuleType("some.effect"), "X", (), np.stack(columns, axis=1))
+    return Block(ModuleType("some.effect"), "X", (), partial(np.stack, columns, axis=1))
 
 
 def two_instruments(rng: np.random.Generator) -> tuple[Evidence, np.ndarray]:

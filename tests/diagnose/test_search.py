@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -11,7 +12,7 @@ import pytest
 
 from postproc.diagnose import search as search_module
 from postproc.diagnose import shapes
-from postproc.diagnose.library import Block
+from postproc.diagnose.block import Block
 from postproc.diagnose.search import Search
 from postproc.diagnose.sets import Found
 from postproc.effects import UM, load
@@ -74,7 +75,13 @@ class Dictionary(Scored):
 
     def __init__(self, *blocks: tuple[str, str, dict[str, float], bool]):
         self.blocks = [
-            Block(load(name), axis, tuple(sorted(shape.items())), np.zeros((1, 1)), apart=apart)
+            Block(
+                load(name),
+                axis,
+                tuple(sorted(shape.items())),
+                lambda: np.zeros((1, 1)),
+                apart=apart,
+            )
             for name, axis, shape, apart in blocks
         ]
 
@@ -137,8 +144,8 @@ def test_a_search_that_begins_again_does_not_look_for_the_same_shapes_again(monk
 
 def test_the_likeliest_of_some_shapes_is_taken_where_it_is_worth_more(monkeypatch):
     worth = {1.0: 5.0, 2.0: 9.0, 3.0: 7.0, 4.0: 11.0}
-    blocks = {t: Block(load("scale"), "X", (("t", t),), np.zeros((3, 1))) for t in worth}
-    blocks[4.0] = replace(blocks[4.0], columns=np.zeros((3, 2)))  # of more terms: another effect
+    blocks = {t: Block(load("scale"), "X", (("t", t),), lambda: np.zeros((3, 1))) for t in worth}
+    blocks[4.0] = replace(blocks[4.0], make=lambda: np.zeros((3, 2)))  # of more terms
     monkeypatch.setattr(shapes, "at", lambda sets, block, shape: blocks.get(shape["t"]))
     told = lambda sets, fit, tried: [worth[dict(b.shape)["t"]] for b in tried]  # noqa: E731
     monkeypatch.setattr(shapes, "worths", told)
@@ -159,7 +166,7 @@ def test_several_jumps_are_looked_for_among_those_to_one_side(second, named):
     products = precision * steps.T @ steps, precision * steps.T @ y
     sets = SimpleNamespace(
         blocks=[
-            Block(load("step_loss"), "X", (("t_s", t),), c[:, None])
+            Block(load("step_loss"), "X", (("t_s", t),), partial(np.reshape, c, (-1, 1)))
             for t, c in zip(moments, steps.T, strict=True)
         ],
         evidence=SimpleNamespace(among=lambda fit, own: products),
