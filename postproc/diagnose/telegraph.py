@@ -73,8 +73,9 @@ def steps(rows: Rows, units: list[Unit]) -> list[tuple[np.ndarray, float] | None
         if not several or not len(at) or len(together) < MANY or rarer < BACK * len(together):
             result.append(None)
             continue
-        behind = (np.arange(len(unit))[:, None] >= at).astype(float)
-        result.append((behind, float(np.median(np.abs(size)))))
+        number_of = np.searchsorted(at, np.arange(len(unit)), side="right")
+        between = (number_of[:, None] == np.arange(len(at) + 1)).astype(float)
+        result.append((between, float(np.median(np.abs(size)))))
     return result
 
 
