@@ -219,7 +219,8 @@ def _burst(sets: Sets, said: Said, rest: np.ndarray) -> list[tuple[float, float,
         off, least = np.abs(rest[part.unit.rows]), _least(part.unit)
         if len(off) < SERIES:
             continue
-        usual, most = spread(rest[part.unit.rows]), float(median_filter(off, IN_A_ROW).max())
+        usual = max(spread(rest[part.unit.rows]), step(sets.evidence.y[part.unit.rows]))
+        most = float(median_filter(off, IN_A_ROW).max())
         explained = float(np.abs(said["effects"][part.unit.rows]).max())
         if most > max(FAR_OFF * usual, least, OF_EXPLAINED * explained):
             found.append((most / least, most, unit))

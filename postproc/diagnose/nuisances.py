@@ -26,9 +26,6 @@ MAP_UM = 0.3
 LEAST_UM = 0.05  # um: what is stated to be exact was rounded, and lies between nodes
 COVERAGE = 2.0  # an expanded uncertainty U over a standard one
 DEGREES = range(1, 7)
-# of the share of each degree in the next: alignment and expansion, which are lines, are most of the
-# uncertainty of a measured axis (ISO/TR 230-9; the number is unverified)
-SMOOTHER = 0.7
 CENTRE = 0.1  # mm
 BAR = 0.01  # mm: by how much a bar may grow while it turns
 PART = 5e-4  # mm
@@ -278,12 +275,11 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
             enters = np.where(seen, rows.direction[:, along], 0.0)
             times = _stated(machine, x, along) / MAP_UM
             for degree in DEGREES:
-                share = SMOOTHER ** (degree - 1)
-                shape = enters * share * legendre(u, degree)
+                shape = enters * legendre(u, degree)
                 # features see the same map, at the two places of their walls
                 if along == XYZ.index(x):
                     walls = np.where(part, rows.direction[:, along], 0.0)
-                    shape = shape + share * walls * _between(rows, x, degree)
+                    shape = shape + walls * _between(rows, x, degree)
                 smooth.append(times * shape)
             if along != XYZ.index(x):
                 square.append(enters * rows.state.position[x])

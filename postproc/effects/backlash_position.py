@@ -32,6 +32,7 @@ OPTIONAL = {
     "wide_mm": 0.0,
 }
 WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
+CLEARLY = 0.5  # of what is lost elsewhere (unverified)
 SMALL = 0.02  # mm
 # As backlash; what differs along the travel is no more than the whole.
 PLAUSIBLE = {
@@ -132,6 +133,11 @@ def coefficients(
     values = shares[: int(degree) + 1] + ([worn_um] if wide_mm > 0 else [])
     shape = {"play_mm": play_mm, "degree": degree, "worn_mm": worn_mm, "wide_mm": wide_mm}
     return np.array(values), shape
+
+
+def sensible(b0_um: float, worn_um: float = 0.0, wide_mm: float = 0.0, **_: float) -> bool:
+    """Whether a worn stretch loses clearly more than the rest: else it is plain lost motion."""
+    return wide_mm <= 0 or abs(worn_um) > CLEARLY * abs(b0_um)
 
 
 def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:

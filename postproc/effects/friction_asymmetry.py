@@ -30,8 +30,6 @@ OPTIONAL = {"released": 0.0, "power": 1.0, "length_mm": 0.0}
 CONTINUOUS = {"tau_ms": (4.0, 600.0), "power": (0.3, 0.9), "length_mm": (0.01, 4.0)}
 PLAUSIBLE = reversal_spike.PLAUSIBLE | {"difference_um": (-500.0, 500.0)}
 UNLIKE = 0.15
-# of the mean excursion: either of the two may be a tenth of another form
-UNLIKE_SPIKES = 0.25
 # times the mean: friction opposes motion both ways, a weight that is not balanced pushes one way
 OPPOSES = 3.0
 POWERS = (1.0, 0.5)
@@ -92,7 +90,7 @@ def sensible(
     """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion
     in either of them."""
     if tau_ms > 0 or length_mm > 0:
-        return _size(difference_um, difference_slope_um) > UNLIKE_SPIKES * _size(size_um, slope_um)
+        return _size(difference_um, difference_slope_um) > UNLIKE * _size(size_um, slope_um)
     if released:
         return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
     opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)

@@ -112,7 +112,7 @@ def test_a_turn_is_read_in_small_steps(tmp_path):
 def test_a_step_shorter_than_an_overrun_is_not_overrun():
     place = np.array([50.0, 49.98, 49.9, 20.0, 45.0])
     side = np.array([1.0, -1.0, -1.0, -1.0, 1.0])
-    gone = signals._since_turn(place, side, np.full(5, 3.0))
+    gone = signals._since_turn(place, side, np.full(5, np.nan))
     assert gone[1:] == pytest.approx([0.02, 0.1, 30.0, 28.0])
 
 
