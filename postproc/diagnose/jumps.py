@@ -21,16 +21,11 @@ def changes(y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def difference(y: np.ndarray) -> np.ndarray:
-    """(n,) median of y from each reading on less that of those before it, beyond what y rises or
-    falls by on both sides of it: a slope is no jump, however steep (minmod of the differences one
-    window before and one behind)."""
+    """(n,) median of y from each reading on less that of those before it."""
     before = median_filter(y, WINDOW, origin=WINDOW // 2 - 1, mode="nearest")  # of k-7 to k
-    rise = np.zeros(len(y) + 2 * WINDOW)
-    rise[WINDOW + 1 : -2 * WINDOW] = before[WINDOW:-1] - before[: -WINDOW - 1]
-    jump, earlier, later = rise[WINDOW:-WINDOW], rise[: -2 * WINDOW], rise[2 * WINDOW :]
-    slope = np.where(np.abs(earlier) < np.abs(later), earlier, later) * (earlier * later > 0)
-    size = np.maximum(np.abs(jump) - np.maximum(np.sign(jump) * slope, 0), 0)
-    return np.asarray(np.sign(jump) * size)
+    jump = np.zeros(len(y))
+    jump[1:-WINDOW] = before[WINDOW:-1] - before[: -WINDOW - 1]
+    return jump
 
 
 def without(y: np.ndarray, kept: np.ndarray) -> np.ndarray:

@@ -113,8 +113,8 @@ def _touches(instrument: str) -> bool:
 
 def _overrun(recording: Recording) -> np.ndarray:
     """(N,) mm by which the target before was overrun where the axis turned: as usual, or less where
-    at the recorded feed there was no time for it; NaN where times or feeds do not tell. The rest at a target is the shortest time that no
-    way explains."""
+    at the recorded feed there was no time for it; NaN where times or feeds do not tell. The rest at
+    a target is the shortest time that no way explains."""
     result = np.full(len(recording), np.nan)
     time, feed = recording.columns.get("t_s"), recording.columns.get("feed_mm_min")
     if time is None or feed is None or feed.dtype == object or len(result) < 3:

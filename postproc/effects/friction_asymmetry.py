@@ -90,16 +90,11 @@ def sensible(
     """Alike in both directions it is a plain lag and a plain friction; and friction opposes motion
     in either of them."""
     if tau_ms > 0 or length_mm > 0:
-        return _size(difference_um, difference_slope_um) > UNLIKE * _size(size_um, slope_um)
+        return True
     if released:
         return UNLIKE * abs(size_um) < abs(difference_um) <= OPPOSES * abs(size_um)
     opposes = abs(slope_um) + LIKE_SLOPE * abs(size_um)
     return UNLIKE * abs(slope_um) < abs(difference_slope_um) <= OPPOSES * opposes
-
-
-def _size(height: float, slope: float) -> float:
-    """um: of an excursion (height + slope q) exp(-q), the root of its integrated square."""
-    return float(np.sqrt(max(height**2 / 2 + height * slope / 2 + slope**2 / 4, 0.0)))
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:

@@ -13,7 +13,6 @@ import pytest
 
 from postproc.cli import main
 from postproc.diagnose import signals, telegraph
-from postproc.effects import friction_asymmetry
 from tests.diagnose.test_workshop import HEAD, MACHINE
 
 LASER = '# quantity = "displacement"\n# sensitive = { X = 1.0 }\n'
@@ -186,12 +185,6 @@ def test_a_spike_of_a_loop_and_of_friction_that_builds_up(tmp_path):
     answer = answered(tmp_path, *circles(radial))
     assert names(answer)[0] == "reversal_spike:X"
     assert not any("friction_asymmetry" in name for name in names(answer))
-
-
-def test_an_excursion_that_is_alike_both_ways_is_no_asymmetry():
-    shape = {"tau_ms": 20.0, "released": 0.0, "length_mm": 0.0}
-    assert not friction_asymmetry.sensible(4.1, -1.4, 0.07, -0.5, **shape)
-    assert friction_asymmetry.sensible(4.1, -1.4, 2.0, 0.0, **shape)
 
 
 def test_a_hump_in_two_runs_only_is_unknown(tmp_path):
