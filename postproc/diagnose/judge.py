@@ -30,9 +30,9 @@ DIVISIONS = 12.0**0.5
 # lags and fewest readings of a test of white noise; one recording in a million fails it by chance
 LAGS, SERIES, BY_CHANCE = 8, 24, 1e-6
 Said = dict[str, np.ndarray]
-# readings of which most lie so many times their usual scatter off (291 signals of 120 nulls: 7.3 at
-# most where that is a um or more)
-IN_A_ROW, FAR_OFF = 7, 10.0
+# readings of which most lie so many times their usual scatter off (291 signals of 120 nulls: 6.8 at
+# most)
+IN_A_ROW, FAR_OFF = 15, 10.0
 CLEAR = 1 / (locate.DRAWS + 1)  # chance of a region: none of the draws departs as far
 NO_BETTER = 1.0  # of the squares without a name, in runs that took no part
 NOT_FORETOLD = ("vibration", "step_loss")  # in another run: its phase, its moment

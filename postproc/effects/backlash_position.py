@@ -32,7 +32,8 @@ OPTIONAL = {
     "wide_mm": 0.0,
 }
 WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
-CLEARLY = 0.5  # of what is lost elsewhere (unverified)
+# of what is lost elsewhere, more in a worn stretch; of that, with the other sign (unverified)
+CLEARLY, SLIGHTLY = 0.5, 0.2
 SMALL = 0.02  # mm
 # As backlash; what differs along the travel is no more than the whole.
 PLAUSIBLE = {
@@ -136,8 +137,9 @@ def coefficients(
 
 
 def sensible(b0_um: float, worn_um: float = 0.0, wide_mm: float = 0.0, **_: float) -> bool:
-    """Whether a worn stretch loses clearly more than the rest: else it is plain lost motion."""
-    return wide_mm <= 0 or abs(worn_um) > CLEARLY * abs(b0_um)
+    """Whether a worn stretch loses clearly more than the rest, and of the same sign: else it is
+    plain lost motion, or a curve."""
+    return wide_mm <= 0 or -SLIGHTLY * worn_um**2 < b0_um * worn_um < worn_um**2 / CLEARLY
 
 
 def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:

@@ -52,14 +52,23 @@ def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, f
     return [shape | {"length_mm": v} for v in BUILT_UP] if plain else []
 
 
+def of_loop(
+    state: State, axis: str, tau_ms: float, length_mm: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N,) what a loop leaves of a friction of 1 that turns round over a way, and the same as it
+    rises when the loop is of the second order."""
+    turned = -np.expm1(-np.minimum(state.distance[axis] / length_mm, 50.0)) - 0.5
+    friction = state.approach[axis] * turned
+    left = friction - followed(state, friction, tau_ms * 1e-3)
+    return left, followed(state, left, tau_ms * 1e-3)
+
+
 def columns(
     state: State, axis: str, tau_ms: float, rebounds: float = 0.0, length_mm: float = 0.0
 ) -> np.ndarray:
     if length_mm > 0 and tau_ms > 0:
-        turned = -np.expm1(-np.minimum(state.distance[axis] / length_mm, 50.0)) - 0.5
-        friction = state.approach[axis] * turned
-        left = friction - followed(state, friction, tau_ms * 1e-3)
-        return along(axis, -left, -followed(state, left, tau_ms * 1e-3))
+        left, late = of_loop(state, axis, tau_ms, length_mm)
+        return along(axis, -left, -late)
     if length_mm > 0:
         q = np.minimum(state.distance[axis] / length_mm, 50.0)
         fade = np.exp(-q) * state.approach[axis]
