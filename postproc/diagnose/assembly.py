@@ -112,6 +112,7 @@ def _joined(
         ),
         column("grain"),
         column("rounding"),
+        tuple(sorted({f for p in parts for f in p.get("fast_hz", ())})),
     )
     return replace(rows, known=predicted(rows, machine))
 
@@ -242,13 +243,7 @@ def _lines(parts: list[Columns], state: State, direction: np.ndarray) -> dict[st
         cell = np.clip((share * CELLS).astype(int), 0, CELLS - 1)
         found = ""
         for other, q in state.position.items():
-            # In one set-up: a beam that is aligned anew has an error of its own, which looks like
-            # that of another line.
-            apart = [
-                _apart(cell[state.file[own] == f], q[own][state.file[own] == f])
-                for f in np.unique(state.file[own])
-            ]
-            if other != x and any(apart):
+            if other != x and _apart(cell, q[own]):
                 found += other
         if found:
             result[x] = found

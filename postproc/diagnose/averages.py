@@ -6,6 +6,9 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from postproc.diagnose.noise_lines import LINE, SPECTRUM, around
 
 Columns = dict[str, Any]  # (N,) arrays of a signal by name, (K, N) paths; "sees" is a word
 
@@ -13,6 +16,9 @@ MOST_ROWS = 5000  # per signal: traces are averaged down to it
 # samples of a row whose places are kept: a wave with less than two of them a period leaves no more
 # than 2 / (pi 32), 2 % of its size, in the mean over the row
 MOST_INSIDE = 32
+MOST_SAMPLES = 1 << 20  # of a spectrum
+MOST_LINES = 3  # of a signal
+RESOLVED = 0.45  # of the rate of the rows: faster oscillations show in their samples alone
 LONG, MOST_OF_LONG = 50_000, 10_000  # samples from which on a trace is long, and its rows
 
 
@@ -85,7 +91,30 @@ def _means(columns: Columns, edges: np.ndarray) -> Columns:
             mean = np.add.reduceat(value, edges, axis=0)
             result[name] = mean / (size if value.ndim == 1 else size[:, None])
     result["inside"] = _inside(columns, edges, size)
+    if step > 0:
+        resolved = RESOLVED / (float(step) * float(np.median(size)))
+        result["fast_hz"] = fast_lines(columns["time"], columns["y"], float(step), resolved)
     return result
+
+
+def fast_lines(time: np.ndarray, y: np.ndarray, step_s: float, above_hz: float) -> list[float]:
+    """Hz: the strongest oscillations above a frequency, in samples y (n,) at times (n,) s."""
+    index = np.round((time - time.min()) / step_s).astype(int)
+    if index.max() > MOST_SAMPLES or len(y) < 4 * SPECTRUM:
+        return []
+    wide = 2 * int(1.0 / (above_hz * step_s)) + 1
+    rest = np.zeros(int(index.max()) + 1)
+    rest[index] = y - uniform_filter1d(y, wide, mode="nearest")
+    power = np.abs(np.fft.rfft(rest)) ** 2
+    frequency = np.fft.rfftfreq(len(rest), step_s)
+    line = (power > LINE * np.maximum(around(power), 1e-30)) & (frequency > above_hz)
+    line[1:-1] &= (power[1:-1] >= power[:-2]) & (power[1:-1] >= power[2:])
+    line[[0, -1]] = False
+    found = np.flatnonzero(line)
+    best = found[np.argsort(-power[found])][:MOST_LINES]
+    low, peak, high = (np.sqrt(power[best + k]) for k in (-1, 0, 1))
+    beyond = (high - low) / (2 * (2 * peak - low - high))  # the top of a parabola
+    return [float(f) for f in (best + beyond) * frequency[1]]
 
 
 def _inside(columns: Columns, edges: np.ndarray, size: np.ndarray) -> dict[str, np.ndarray]:

@@ -312,7 +312,7 @@ def _periodic(
     the axis, and the power of a wave, over the square of the noise."""
     name = module.__name__.rsplit(".", 1)[1]
     if name == "vibration":
-        peaks = spectra.in_time(rows, weighted, power)
+        peaks = [*spectra.in_time(rows, weighted, power), *rows.fast_hz]
         return [{"frequency_hz": f, "passages": 1.0} for f in peaks]
     if name != "stick_slip":
         return [

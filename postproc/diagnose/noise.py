@@ -18,6 +18,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter
 
+from postproc.diagnose.noise_lines import without_lines
 from postproc.diagnose.rows import Rows
 
 # mm, rad: resolution
@@ -35,7 +36,6 @@ CHANCE = 0.46  # of the logarithm: two standard deviations of a median of 31 abs
 # steps in the smallest gap between readings; of a step, how near a whole number of steps is
 MOST_PARTS, WHOLE = 4, 0.05
 ORDERS = (0, 1, 2, 4, 8)  # of the autoregression
-LINE = 25.0  # times the power around: an oscillation, no noise
 # standard deviations: beyond, a reading counts as less sure (Student's t with 5 degrees of freedom
 # does so too)
 TAIL = 4.0
@@ -333,7 +333,7 @@ def learned(
                 scaled[a:b] for a, b in pairwise(unit.edges) if b - a > 32 and train[a:b].all()
             ]
             unit.ar, unit.innovation, total = autoregression(
-                [_without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
+                [without_lines(np.clip(p, -4 * base, 4 * base)) for p in parts]
             )
             base = max(total, unit.floor)
     base = min(unit.shrunk(base), most)
@@ -379,21 +379,3 @@ def autoregression(parts: list[np.ndarray]) -> tuple[np.ndarray, float, float]:
         if cost < least - 1e-9:
             least, best = cost, (a, share)
     return *best, float(np.sqrt(covariance[0]))
-
-
-def _without_lines(values: np.ndarray) -> np.ndarray:
-    """What is left when the sharpest lines of the spectrum are taken out: an oscillation is no
-    noise."""
-    spectrum = np.fft.rfft(values)
-    power = np.abs(spectrum) ** 2
-    width = 31
-    if len(power) < 2 * width:
-        return values
-    around = np.array(
-        [np.median(power[max(0, k - width) : k + width + 1]) for k in range(0, len(power), width)]
-    )
-    level = np.repeat(around, width)[: len(power)]
-    line = power > LINE * np.maximum(level, 1e-30)
-    wide = line | np.concatenate([line[1:], [False]]) | np.concatenate([[False], line[:-1]])
-    spectrum[wide] *= np.sqrt(np.minimum(level[wide] / np.maximum(power[wide], 1e-30), 1.0))
-    return np.fft.irfft(spectrum, len(values))

@@ -278,9 +278,8 @@ def of_map(rows: Rows, machine: Machine) -> list[Group]:
                 shape = enters * legendre(u, degree)
                 # features see the same map, at the two places of their walls
                 if along == XYZ.index(x):
-                    shape = shape + np.where(part, rows.direction[:, along], 0.0) * _between(
-                        rows, x, degree
-                    )
+                    walls = np.where(part, rows.direction[:, along], 0.0)
+                    shape = shape + walls * _between(rows, x, degree)
                 smooth.append(times * shape)
             if along != XYZ.index(x):
                 square.append(enters * rows.state.position[x])

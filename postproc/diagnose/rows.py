@@ -27,7 +27,8 @@ class Rows:
     names of signals and files, and of which kind each recording is; other: axis to mm (N,), the
     second place of features, nan where it is not known, empty where no row is of a part; grain (N,)
     mm: what the noise of single samples leaves in an averaged row, 0 elsewhere; rounding (N,) mm:
-    what the log's own rounding gives."""
+    what the log's own rounding gives; fast_hz: oscillations that samples show and rows, which are
+    their averages, do not resolve."""
 
     y: np.ndarray
     known: np.ndarray
@@ -44,6 +45,7 @@ class Rows:
     other: dict[str, np.ndarray] = field(default_factory=dict)
     grain: np.ndarray = field(default_factory=lambda: np.zeros(0))
     rounding: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    fast_hz: tuple[float, ...] = ()
 
     def __len__(self) -> int:
         return len(self.y)

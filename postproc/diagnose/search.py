@@ -89,6 +89,25 @@ class Search:
         )[:LOOKED_AT]
         return self._dropped(self._likeliest([*ends, *best]))
 
+    def _exact(self, states: list[Found]) -> Found | None:
+        """The set that says it all: at the noise that it leaves none is better, and none gains by
+        terms for an error of its form. None where there is no such set."""
+        plain, formed = [], []
+        for state in states:
+            own = self.sets.at_own_form(state)
+            each = [
+                self.sets.worth_of(self.sets.evidence.learn(chosen, None, own.fit.on))
+                for chosen in (own.members, own.fit.chosen)
+            ]
+            plain.append(each[0])
+            formed.append(each[1] if own.members else -np.inf)
+        best = int(np.argmax(plain))
+        others = [w for k, w in enumerate(plain) if k != best]
+        most = max([*others, *formed], default=-np.inf)
+        state = states[best]
+        certain = state.members and plain[best] > most + self.least
+        return state if certain and self._plausible(state) else None
+
     # Whole: the rules by which sets are held against one another, in order.
     def _likeliest(self, states: list[Found]) -> Found:
         """Of several sets, all at the same error of form: the largest that any of them has. What
@@ -107,6 +126,8 @@ class Search:
             return each[0], max(each)
 
         of_key = {state.key: state for state in states}
+        if (exact := self._exact(list(of_key.values()))) is not None:
+            return exact
         worth = {key: worths(state) for key, state in of_key.items()}
         found = [(worth[key][0], state) for key, state in of_key.items()]
         most = max(w for w, _ in found)

@@ -17,6 +17,7 @@ import numpy as np
 from postproc.diagnose.block import Block
 from postproc.diagnose.evidence import QUIETEST, Evidence, Fit, On
 from postproc.diagnose.explained import wandered
+from postproc.diagnose.library import FOUND
 from postproc.diagnose.parts import Part
 from postproc.diagnose.prior import cost_of, plausible, unusual
 from postproc.diagnose.rows import Rows
@@ -252,7 +253,8 @@ def _terms(rows: Rows, block: Block, value: np.ndarray) -> np.ndarray:
     terms = [part * np.clip(state.share(x), -1.2, 1.2) for x in block.axis if x in state.position]
     t = state.time
     terms.append(part * (2 * (t - t.min()) / max(float(np.ptp(t)), 1e-9) - 1))
-    terms.append(_later(rows, part))
+    if block.name not in FOUND:  # a wave has its own phase
+        terms.append(_later(rows, part))
     for x in block.axis:
         if x in state.since:
             since = np.where(state.passage >= 0, state.since[x], np.inf)

@@ -113,9 +113,9 @@ def _touches(instrument: str) -> bool:
 
 def _overrun(recording: Recording) -> np.ndarray:
     """(N,) mm by which the target before was overrun where the axis turned: as usual, or less where
-    at the recorded feed there was no time for it. The rest at a target is the shortest time that no
-    way explains."""
-    result = np.full(len(recording), OVERRUN)
+    at the recorded feed there was no time for it; NaN where times or feeds do not tell. The rest at
+    a target is the shortest time that no way explains."""
+    result = np.full(len(recording), np.nan)
     time, feed = recording.columns.get("t_s"), recording.columns.get("feed_mm_min")
     if time is None or feed is None or feed.dtype == object or len(result) < 3:
         return result
@@ -139,13 +139,23 @@ def _since_turn(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray)
         step = abs(position[k] - position[k - 1])
         if approach[k] != approach[k - 1]:
             ahead = approach[k] * (position[k] - position[k - 1])
-            gone = step + OVERRUN if step < 1e-9 else step + overrun[k] if ahead >= 0 else OVERRUN
+            gone = max(ahead, 0.0) + _beyond(ahead, overrun[k])
         else:
             gone = gone + step
         result[k] = gone
     if np.ptp(position) < 1e-9:
         return np.full(len(position), FAR)
     return result
+
+
+def _beyond(ahead: float, overrun: float) -> float:
+    """mm beyond a target at which an axis turns. ahead mm: how far the next one lies in the new
+    direction; a step shorter than a usual overrun is made to read what the turn does; overrun mm:
+    what the time of the step says, NaN where it is not known."""
+    if ahead <= 1e-9:
+        return OVERRUN
+    usual = OVERRUN if ahead >= OVERRUN else 0.0
+    return usual if np.isnan(overrun) else overrun
 
 
 def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.ndarray) -> np.ndarray:
@@ -160,7 +170,7 @@ def _through_targets(position: np.ndarray, approach: np.ndarray, overrun: np.nda
     for k in range(int(known[0]) + 1, len(position)):
         new, step = np.sign(approach[k]), position[k] - position[k - 1]
         if new == -side:
-            beyond = side * (overrun[k] if new * step > 1e-9 else OVERRUN)
+            beyond = side * _beyond(new * step, overrun[k])
             begin.append(k)
             at.append((position[k - 1] if new * step >= 0 else position[k]) + beyond)
             side = new

@@ -56,9 +56,9 @@ def switching(rows: Rows, units: list[Unit], found: Sequence[object]) -> set[int
 
 
 def steps(rows: Rows, units: list[Unit]) -> list[tuple[np.ndarray, float] | None]:
-    """For each unit that levels() knows nothing of: (n, C) 0 before and 1 behind each change, and
-    mm, their usual size; None where the signals of its recording do not change many times
-    together, to and fro."""
+    """For each unit that levels() knows nothing of: (n, C + 1) 1 between two changes, and mm, their
+    usual size (about one zero: what jumps to and fro carries no slope away); None where the signals
+    of its recording do not change many times together, to and fro."""
     found = [
         _steps_of(rows, unit) if level is None else (np.zeros(0, int), np.zeros(0))
         for unit, level in zip(units, levels(rows, units), strict=True)
@@ -73,8 +73,9 @@ def steps(rows: Rows, units: list[Unit]) -> list[tuple[np.ndarray, float] | None
         if not several or not len(at) or len(together) < MANY or rarer < BACK * len(together):
             result.append(None)
             continue
-        behind = (np.arange(len(unit))[:, None] >= at).astype(float)
-        result.append((behind, float(np.median(np.abs(size)))))
+        number_of = np.searchsorted(at, np.arange(len(unit)), side="right")
+        between = (number_of[:, None] == np.arange(len(at) + 1)).astype(float)
+        result.append((between, float(np.median(np.abs(size)))))
     return result
 
 
@@ -119,8 +120,8 @@ def notices(rows: Rows, units: list[Unit]) -> list[str]:
     ] + [
         f"{Path(rows.files[rows.file[unit.rows[0]]]).name}:"
         f" {rows.signals[rows.signal[unit.rows[0]]]}"
-        f" jumps by about {step[1] * 1e3:.2g} um, {step[0].shape[1]} in all, away from turns and"
-        " from any one place, and the signals of this recording jump to and fro: burst noise of"
+        f" jumps by about {step[1] * 1e3:.2g} um, {step[0].shape[1] - 1} in all, away from turns"
+        " and from any one place, and the signals of this recording jump to and fro: burst noise of"
         " the instrument, taken out"
         for unit, step in zip(units, steps(rows, units), strict=True)
         if step is not None

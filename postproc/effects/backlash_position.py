@@ -1,5 +1,5 @@
-"""Reversal error that varies along the travel: a worn stretch of the screw, a preload that is not
-even."""
+"""Reversal error that varies along the travel: a worn stretch of the screw (where most parts are
+cut), a preload that is not even."""
 
 import numpy as np
 
@@ -14,7 +14,10 @@ PARAMETERS = {
     "b5_um": "um, share of its fifth",
     "b6_um": "um, share of its sixth",
     "play_mm": "mm, way after a turn over which it is taken up",
-    "degree": "1, 2 or 6, of the highest polynomial",
+    "degree": "1, 2 or 6, of the highest polynomial; 0 where one stretch is worn",
+    "worn_um": "um, by how much it is more in the middle of a worn stretch",
+    "worn_mm": "mm, how far that middle is from the low end of the travel",
+    "wide_mm": "mm, how wide the stretch is; 0, there is none",
 }
 OPTIONAL = {
     "b2_um": 0.0,
@@ -24,14 +27,22 @@ OPTIONAL = {
     "b6_um": 0.0,
     "play_mm": 0.0,
     "degree": 2.0,
+    "worn_um": 0.0,
+    "worn_mm": 0.0,
+    "wide_mm": 0.0,
 }
+WIDTHS, STEPS = (0.1, 0.2, 0.35), 12  # of the travel; places of a worn stretch along it
+# of what is lost elsewhere, more in a worn stretch; of that, with the other sign (unverified)
+CLEARLY, SLIGHTLY = 0.5, 0.2
 SMALL = 0.02  # mm
 # As backlash; what differs along the travel is no more than the whole.
 PLAUSIBLE = {
     "b0_um": (-1000.0, 2000.0),
     **{f"b{k}_um": (-1000.0, 1000.0) for k in range(1, 7)},
+    "worn_um": (-1000.0, 1000.0),
 }  # beyond, it is something else
-CONTINUOUS = {"play_mm": (0.001, 0.05)}  # mm, over which it is taken up
+# mm: over which it is taken up; where a worn stretch is, and how wide
+CONTINUOUS = {"play_mm": (0.001, 0.05), "worn_mm": (1.0, 20000.0), "wide_mm": (10.0, 5000.0)}
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool", "part")
 TEXT = (
@@ -43,30 +54,69 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     near = state.distance.get(axis)
     fine = near is not None and bool(np.any(near < SMALL))
-    return [
-        {"play_mm": v, "degree": d}
+    plain = {"worn_mm": 0.0, "wide_mm": 0.0}
+    curved = [
+        {"play_mm": v, "degree": d} | plain
         for v in ((0.0, 0.004, 0.008, 0.016) if fine else (0.0,))
         for d in (1.0, 2.0, 6.0)
     ]
+    return curved + [
+        {"play_mm": 0.0, "degree": 0.0, "worn_mm": at, "wide_mm": wide}
+        for at, wide in _stretches(state, axis)
+    ]
 
 
-def columns(state: State, axis: str, play_mm: float = 0.0, degree: float = 2.0) -> np.ndarray:
+def _stretches(state: State, axis: str) -> list[tuple[float, float]]:
+    """mm: middles and widths of stretches of which readings tell, within what they reach."""
+    low, high = state.travel[axis]
+    place = state.position[axis][state.approach[axis] != 0]
+    reached = (place.min(), place.max()) if len(place) else (high, low)
+    return [
+        (round(float(at - low), 3), round(wide * (high - low), 3))
+        for wide in WIDTHS
+        for at in np.linspace(low, high, STEPS + 1)
+        if reached[0] < at < reached[1]
+    ]
+
+
+def columns(
+    state: State,
+    axis: str,
+    play_mm: float = 0.0,
+    degree: float = 2.0,
+    worn_mm: float = 0.0,
+    wide_mm: float = 0.0,
+) -> np.ndarray:
     u = state.share(axis)
     half = -state.approach[axis] / 2 * lost_motion_share(state, axis, play_mm)
-    return along(axis, *(half * legendre(u, k) for k in range(int(degree) + 1)))
+    curves = [half * legendre(u, k) for k in range(int(degree) + 1)]
+    if wide_mm > 0:
+        curves.append(half * _worn(state.position[axis] - state.travel[axis][0], worn_mm, wide_mm))
+    return along(axis, *curves)
+
+
+def _worn(place: np.ndarray, middle: float, wide: float) -> np.ndarray:
+    """Share (N,) of the wear at places (N,) mm: flat in the middle, soft at its ends, half of it
+    there."""
+    share: np.ndarray = np.exp(-np.log(2.0) * ((place - middle) / (wide / 2)) ** 4)
+    return share
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
-    shares = [*(float(c) for c in coefficients), *[0.0] * 5][:7]
-    return {f"b{k}_um": c for k, c in enumerate(shares)} | {
-        "play_mm": shape["play_mm"],
-        "degree": shape["degree"],
-    }
+    values, worn = [float(c) for c in coefficients], 0.0
+    if shape.get("wide_mm", 0.0) > 0:
+        worn = values.pop()
+    shares = [*values, *[0.0] * 6][:7]
+    return (
+        {f"b{k}_um": c for k, c in enumerate(shares)}
+        | {"worn_um": worn, "worn_mm": 0.0, "wide_mm": 0.0}
+        | shape
+    )
 
 
 def coefficients(
     b0_um: float,
-    b1_um: float,
+    b1_um: float = 0.0,
     b2_um: float = 0.0,
     b3_um: float = 0.0,
     b4_um: float = 0.0,
@@ -74,10 +124,22 @@ def coefficients(
     b6_um: float = 0.0,
     play_mm: float = 0.0,
     degree: float = 2.0,
+    worn_um: float = 0.0,
+    worn_mm: float = 0.0,
+    wide_mm: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shares = [b0_um, b1_um, b2_um, b3_um, b4_um, b5_um, b6_um]
-    degree = max(degree, 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0)
-    return np.array(shares[: int(degree) + 1]), {"play_mm": play_mm, "degree": degree}
+    shown = 6.0 if any(shares[3:]) else 2.0 if b2_um else 1.0 if b1_um or wide_mm <= 0 else 0.0
+    degree = max(degree if wide_mm <= 0 else 0.0, shown)
+    values = shares[: int(degree) + 1] + ([worn_um] if wide_mm > 0 else [])
+    shape = {"play_mm": play_mm, "degree": degree, "worn_mm": worn_mm, "wide_mm": wide_mm}
+    return np.array(values), shape
+
+
+def sensible(b0_um: float, worn_um: float = 0.0, wide_mm: float = 0.0, **_: float) -> bool:
+    """Whether a worn stretch loses clearly more than the rest, and of the same sign: else it is
+    plain lost motion, or a curve."""
+    return wide_mm <= 0 or -SLIGHTLY * worn_um**2 < b0_um * worn_um < worn_um**2 / CLEARLY
 
 
 def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:
@@ -86,8 +148,15 @@ def ramp_mm(b0_um: float, play_mm: float = 0.0, **others: float) -> float:
 
 
 def tables(axis: str, travel: tuple[float, float], **named: float) -> list[Table]:
-    nodes = np.linspace(*travel, 121)
+    nodes = np.linspace(*travel, 121 if named.get("wide_mm", 0.0) <= 0 else 361)
     shares, _ = coefficients(**named)
     u = np.linspace(-1, 1, len(nodes))
-    half = sum((c * legendre(u, k) for k, c in enumerate(shares)), np.zeros(len(u))) * UM / 2
+    wide = named.get("wide_mm", 0.0)
+    worn = (
+        shares[-1] * _worn(nodes - travel[0], named["worn_mm"], wide)
+        if wide > 0
+        else np.zeros(len(u))
+    )
+    shares = shares[:-1] if wide > 0 else shares
+    half = sum((c * legendre(u, k) for k, c in enumerate(shares)), worn) * UM / 2
     return [(f"E{axis}", axis, nodes, -half, half)]

@@ -51,6 +51,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     return [*found, plain | {"released": 1.0}] if stands else found
 
 
+def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
+    """The same of friction that builds up over a way, in a loop."""
+    plain = shape["tau_ms"] > 0 and np.any(sampled(state))
+    return [shape | {"length_mm": v} for v in reversal_spike.BUILT_UP] if plain else []
+
+
 def columns(
     state: State,
     axis: str,
@@ -60,6 +66,9 @@ def columns(
     length_mm: float = 0.0,
 ) -> np.ndarray:
     s = state.approach[axis]
+    if length_mm > 0 and tau_ms > 0:
+        left, late = reversal_spike.of_loop(state, axis, tau_ms, length_mm)
+        return along(axis, -left, -late, -left * s, -late * s)
     if length_mm > 0:
         q = np.minimum(state.distance[axis] / length_mm, 50.0)
         fade = np.exp(-q)

@@ -22,8 +22,9 @@ PARAMETERS = {
         "parts that a new tool has cut when the walls of its first part are finished: 0, or half"
         " of one"
     ),
+    "every": "parts after which it is changed again, every time; 0: it is not",
 }
-OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0, "cut": 0.0}
+OPTIONAL = {"bores": 1.0, "worn_um": 0.0, "life": 0.0, "older": 0.0, "cut": 0.0, "every": 0.0}
 HALF = 0.5  # walls are finished, one with the other, when half of the part is cut
 # A worn flank of 0.6 mm (ISO 3685, uneven wear) at 7 degrees of clearance has set the edge back by
 # 74 um; a grinding wheel between two dressings by less.
@@ -52,10 +53,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     parts = np.unique(_channel(state, "part")[_channel(state, "wall") != 0])
     if len(parts) > 1:
         ways = (1.0, -1.0) if _channel(state, "bore").any() else (1.0,)
-        changes = (0.0, *map(float, parts[1:]))
+        changes = [(0.0, 0.0), *((float(p), 0.0) for p in parts[1:])]
+        # the first tool was new, and all cut the same number of parts
+        changes += [(float(parts[n]), float(n)) for n in range(SHORTEST, len(parts) // 2 + 1)]
         result += [
-            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c}
-            for p in changes
+            {"change": p, "bores": w, "life": 0.0, "older": 0.0, "cut": c, "every": n}
+            for p, n in changes
             for w in ways
             for c in (0.0, HALF)
         ]
@@ -63,7 +66,14 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     if most >= FEWEST_RUNS:
         lives = range(SHORTEST, most - AFTER + 1)
         result += [
-            {"change": 0.0, "bores": 1.0, "life": float(n), "older": old, "cut": 0.0}
+            {
+                "change": 0.0,
+                "bores": 1.0,
+                "life": float(n),
+                "older": old,
+                "cut": 0.0,
+                "every": 0.0,
+            }
             for n in lives
             for old in (0.0, 1.0)
         ]
@@ -85,7 +95,7 @@ def sensible(rate_um: float, start_um: float, worn_um: float, life: float, **_: 
 def beside(shape: dict[str, float]) -> dict[str, float] | None:
     """A tool that is never changed: what grows slowly has many names, a saw-tooth has one."""
     return (
-        {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0, "cut": 0.0}
+        {"change": 0.0, "bores": 1.0, "life": NEVER, "older": 0.0, "cut": 0.0, "every": 0.0}
         if 0 < shape.get("life", 0.0) < NEVER
         else None
     )
@@ -99,20 +109,23 @@ def columns(
     life: float = 0.0,
     older: float = 0.0,
     cut: float = 0.0,
+    every: float = 0.0,
 ) -> np.ndarray:
     if life > 0 and axis:
         age, quick, old = _of_runs(state, life)
         return along(axis, age, quick, old) if older else along(axis, age, quick)
     if not axis:  # of all axes alike: an edge that cuts on all sides
-        each = [columns(state, x, change, bores, life, older, cut) for x in state.position]
+        each = [columns(state, x, change, bores, life, older, cut, every) for x in state.position]
         return np.sum(each, axis=0)
     part, wall = _channel(state, "part"), _channel(state, "wall")
     wall = np.where(_channel(state, "bore") > 0, bores * wall, wall)
     known = part[wall != 0]
     first = float(known.min()) if len(known) else 0.0
-    gone = np.where((part >= change) & (change > 0), part - change, part - first) + cut
+    gone = np.where((part >= change) & (change > 0), part - change, part - first)
+    gone = (np.mod(gone, every) if every > 0 else gone) + cut
     parts = [wall * gone, wall * (1.0 - np.exp(-gone))]
-    return along(axis, *parts, wall * (part < change)) if change > 0 else along(axis, *parts)
+    before = change > 0 and every <= 0
+    return along(axis, *parts, wall * (part < change)) if before else along(axis, *parts)
 
 
 def _of_runs(state: State, life: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -148,7 +161,7 @@ def _channel(state: State, name: str) -> np.ndarray:
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     values = [*(float(c) for c in coefficients), 0.0][:3]
     named = dict(zip(("rate_um", "start_um", "worn_um"), values, strict=True))
-    return named | {"bores": 1.0, "life": 0.0, "older": 0.0, "cut": 0.0} | shape
+    return named | {"bores": 1.0, "life": 0.0, "older": 0.0, "cut": 0.0, "every": 0.0} | shape
 
 
 def coefficients(
@@ -160,12 +173,15 @@ def coefficients(
     life: float = 0.0,
     older: float = 0.0,
     cut: float = 0.0,
+    every: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
-    values = [rate_um, start_um, worn_um] if change > 0 or older else [rate_um, start_um]
+    first = (change > 0 and every <= 0) or older
+    values = [rate_um, start_um, worn_um] if first else [rate_um, start_um]
     return np.array(values), {
         "change": change,
         "bores": bores,
         "life": life,
         "older": older,
         "cut": cut,
+        "every": every,
     }

@@ -19,8 +19,13 @@ PARAMETERS = {
     "length_mm": "mm, distance over which it builds up",
     "grows_um": "um, by how much more it is at the high end of the travel than in the middle",
     "grows": "1, it differs along the travel; 0, it does not",
+    "spread": (
+        "1, it builds up over ways of all lengths between a fifth of that and five times it, as"
+        " asperities of many sizes let go; 0, over one"
+    ),
 }
-OPTIONAL = {"grows_um": 0.0, "grows": 0.0}
+OPTIONAL = {"grows_um": 0.0, "grows": 0.0, "spread": 0.0}
+SPREAD = (0.2, 0.45, 1.0, 2.25, 5.0)  # of the length: evenly in its logarithm
 # Twice the friction over the stiffness: 50 N on a belt of 100 N/mm are 1 mm, on a screw of 50 N/um
 # 2 um.
 PLAUSIBLE = {
@@ -44,9 +49,12 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     # Where every reading lies so far behind its turn that all is built up, what differs along the
     # travel is backlash_position.
     told = [v for v in lengths if near < BUILT_UP * v]
-    return [{"length_mm": v, "grows": 0.0} for v in lengths] + [
-        {"length_mm": v, "grows": 1.0} for v in told
-    ]
+    plain = [{"length_mm": v, "grows": 0.0, "spread": 0.0} for v in lengths]
+    return (
+        plain
+        + [{"length_mm": v, "grows": 1.0, "spread": 0.0} for v in told]
+        + [{"length_mm": v, "grows": 0.0, "spread": 1.0} for v in told]
+    )
 
 
 def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
@@ -54,28 +62,47 @@ def sensible(size_um: float, grows_um: float = 0.0, **_: float) -> bool:
     return abs(grows_um) <= size_um
 
 
-def columns(state: State, axis: str, length_mm: float, grows: float = 0.0) -> np.ndarray:
+def columns(
+    state: State, axis: str, length_mm: float, grows: float = 0.0, spread: float = 0.0
+) -> np.ndarray:
+    lengths = np.multiply(SPREAD if spread else (1.0,), length_mm)
     if axis in state.path:
         ways = state.path[axis]
-        each = np.sign(ways) * -np.expm1(-np.abs(ways) / length_mm)
+        each = np.sign(ways) * _built_up(np.abs(ways), lengths)
         wound = each[0] / 2 - each.sum(axis=0)
     else:  # the last turn alone
-        wound = -state.approach[axis] / 2 * (1 - 2 * np.exp(-state.distance[axis] / length_mm))
+        wound = -state.approach[axis] / 2 * (2 * _built_up(state.distance[axis], lengths) - 1)
     return along(axis, wound, *([wound * state.share(axis)] if grows else []))
+
+
+def _built_up(way: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Of a way (any shape, mm) the share that has built up, over all lengths (K,) mm alike."""
+    share: np.ndarray = np.mean([-np.expm1(-way / v) for v in lengths], axis=0)
+    return share
 
 
 def parameters(coefficients: np.ndarray, shape: dict[str, float]) -> dict[str, float]:
     grows_um = float(coefficients[1]) if len(coefficients) > 1 else 0.0
-    return {"size_um": float(coefficients[0]), "grows_um": grows_um, "grows": 0.0} | shape
+    return {
+        "size_um": float(coefficients[0]),
+        "grows_um": grows_um,
+        "grows": 0.0,
+        "spread": 0.0,
+    } | shape
 
 
 def coefficients(
-    size_um: float, length_mm: float, grows_um: float = 0.0, grows: float = 0.0
+    size_um: float,
+    length_mm: float,
+    grows_um: float = 0.0,
+    grows: float = 0.0,
+    spread: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     grown = grows or float(grows_um != 0.0)
     return np.array([size_um, grows_um] if grown else [size_um]), {
         "length_mm": length_mm,
         "grows": grown,
+        "spread": spread,
     }
 
 

@@ -71,7 +71,7 @@ def test_a_tool_only_loses():
     "shape", [{"life": 7.0, "older": 1.0}, {"life": 7.0, "older": 0.0}, {"life": 0.0}]
 )
 def test_wear_names_its_coefficients_and_takes_them_back(shape):
-    shape = {"change": 0.0, "bores": 1.0, "older": 0.0, "cut": 0.0} | shape
+    shape = {"change": 0.0, "bores": 1.0, "older": 0.0, "cut": 0.0, "every": 0.0} | shape
     values = np.array([3.0, 1.0, 2.0][: 3 if shape["older"] else 2])
     back, same = tool_wear.coefficients(**tool_wear.parameters(values, shape))
     assert np.array_equal(back, values) and same == shape
