@@ -14,7 +14,6 @@ import numpy as np
 
 from postproc.diagnose.block import Block
 from postproc.diagnose.library import FOUND, read
-from postproc.diagnose.prior import plausible
 from postproc.diagnose.sets import Found, Sets
 from postproc.diagnose.shapes import continuous
 
@@ -147,12 +146,15 @@ def _others(
         covariance = np.linalg.inv(power + np.diag(1 / slab**2))
         value = covariance @ along
         named = other.module.parameters(value, dict(other.shape))
-        if not plausible(other, value) or any(
+        if any(
             named[name] * chosen_now[name] < 0 for name in named if name not in dict(other.shape)
         ):
-            continue  # of another sign, or of a size that can not be, it is another story
+            continue  # of another sign it is another story
         by = _derivatives(other, value, [], np.sqrt(np.diag(covariance)))
         spread = {name: math.sqrt(max(float(d @ covariance @ d), 0.0)) for name, d in by.items()}
+        shown, mine = ({name for name, v in each.items() if v > 0} for each in (spread, sd))
+        if shown - mine and mine - shown:
+            continue  # of another form: its coefficients are of something else
         # What the shape states is a choice, no size: its interval is that of the chosen one.
         fixed = {
             name: (named[name], max(spread[name], sd[name]))

@@ -136,6 +136,11 @@ def coefficients(
     return np.array(values), shape
 
 
+def further_cost(axis: str, shape: dict[str, float]) -> float:
+    """A curve and a worn stretch are as likely, though there are many more places of the second."""
+    return 2 * float(np.log(2.0 if shape["wide_mm"] > 0 else 2.0 / (1 + STEPS)))
+
+
 def sensible(b0_um: float, worn_um: float = 0.0, wide_mm: float = 0.0, **_: float) -> bool:
     """Whether a worn stretch loses clearly more than the rest, and of the same sign: else it is
     plain lost motion, or a curve."""
