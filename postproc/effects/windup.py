@@ -106,11 +106,11 @@ def coefficients(
     }
 
 
-def ramp_mm(size_um: float, length_mm: float, **_: float) -> float:
-    """mm of travel after a turn over which a compensator takes it up: 3 lengths, when 0.9 of it has
-    come. Taken up at the turn it would be all there before the slide asks for it, and leave twice
-    what it leaves uncorrected."""
-    return 3.0 * length_mm
+def ramp_mm(size_um: float, length_mm: float, spread: float = 0.0, **_: float) -> float:
+    """mm of travel after a turn over which a compensator takes it up: 3 lengths, or 5 where it is
+    spread, when 0.9 of it has come. Taken up at the turn it would be all there before the slide
+    asks for it, and leave twice what it leaves uncorrected."""
+    return (5.0 if spread else 3.0) * length_mm
 
 
 def tables(

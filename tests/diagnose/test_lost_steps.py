@@ -3,14 +3,12 @@ later. The readings are written out here by hand."""
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from postproc.cli import main
-from tests.diagnose.test_workshop import HEAD, MACHINE
+from tests.diagnose.test_workshop import HEAD, diagnosed
 
 RATE, STROKES, FAST = 50.0, 6, 20.0  # Hz; there and back; mm/s
 JUMPS = ((12.13, -3.0), (14.55, -1.4), (31.07, -2.7))  # s, um
@@ -36,15 +34,8 @@ def log(start: float, noise_um: float, seed: int, kept: float = 0.0) -> str:
 
 
 def answered(folder: Path, *texts: str) -> list[dict]:
-    (folder / "machine").mkdir()
-    (folder / "machine" / "machine.toml").write_text(MACHINE)
-    words = []
-    for k, text in enumerate(texts):
-        words.append(str(folder / f"r{k}.csv"))
-        (folder / f"r{k}.csv").write_text(text)
-    words += ["--machine", str(folder / "machine"), "--json", str(folder / "a.json"), "--quiet"]
-    assert main(["diagnose", *words]) == 0
-    found: list[dict] = json.loads((folder / "a.json").read_text())["effects"]
+    """The effects that are accepted."""
+    found: list[dict] = diagnosed(folder, *texts)["effects"]
     return [e for e in found if e["status"] == "accepted"]
 
 

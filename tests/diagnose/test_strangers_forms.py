@@ -3,33 +3,17 @@ written out here by hand, and share nothing with it."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from postproc.cli import main
 from postproc.diagnose import signals, telegraph
-from tests.diagnose.test_workshop import HEAD, MACHINE
+from postproc.effects import windup
+from tests.diagnose.test_workshop import HEAD, diagnosed
 
 LASER = '# quantity = "displacement"\n# sensitive = { X = 1.0 }\n'
-
-
-def answered(folder: Path, *texts: str) -> dict:
-    """The answer to recordings together."""
-    (folder / "machine").mkdir()
-    (folder / "machine" / "machine.toml").write_text(MACHINE)
-    words = []
-    for k, text in enumerate(texts):
-        words.append(str(folder / f"r{k}.csv"))
-        (folder / f"r{k}.csv").write_text(text)
-    words += ["--machine", str(folder / "machine"), "--json", str(folder / "a.json"), "--quiet"]
-    assert main(["diagnose", *words]) == 0
-    answer: dict = json.loads((folder / "a.json").read_text())
-    return answer
 
 
 def names(answer: dict) -> list[str]:
@@ -58,7 +42,7 @@ def test_a_rotation_shows_on_two_lines_of_two_recordings(tmp_path):
         return lambda p, side, run: -y_mm * 7.5e-3 * np.tanh((p - 300.0) / 90.0)
 
     texts = [laser(off(50.0), 50.0, 1), laser(off(350.0), 350.0, 2)]
-    assert names(answered(tmp_path, *texts)) == ["abbe:X"]
+    assert names(diagnosed(tmp_path, *texts)) == ["abbe:X"]
 
 
 @pytest.mark.parametrize("middle,wide", [(330.0, 150.0), (200.0, 90.0)])
@@ -69,7 +53,7 @@ def test_a_worn_stretch_of_a_screw(tmp_path, middle, wide):
         edge = 1 / (1 + np.exp((abs(p - middle) - wide / 2) / 8.0))
         return -side / 2 * (1.5 + 8.0 * edge)
 
-    answer = answered(tmp_path, laser(off))
+    answer = diagnosed(tmp_path, laser(off))
     assert names(answer) == ["backlash_position:X"]
     value = {k: p["value"] for k, p in answer["effects"][0]["parameters"].items()}
     assert value["worn_mm"] == pytest.approx(middle, abs=15)
@@ -105,7 +89,15 @@ def test_a_turn_is_read_in_small_steps(tmp_path):
     ]
     head = HEAD.format("targets", "laser interferometer") + LASER
     text = head + "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_um\n" + "\n".join(rows) + "\n"
-    assert names(answered(tmp_path, text)) == ["windup:X"]
+    assert names(diagnosed(tmp_path, text)) == ["windup:X"]
+
+
+@pytest.mark.parametrize("spread,lengths", [(0.0, (1.0,)), (1.0, (0.2, 0.45, 1.0, 2.25, 5.0))])
+def test_a_compensator_takes_it_up_over_the_way_in_which_most_has_come(spread, lengths):
+    """0.9 or more of what builds up, by hand."""
+    ramp = windup.ramp_mm(size_um=5.0, length_mm=0.7, spread=spread)
+    share = np.mean([1 - np.exp(-ramp / (0.7 * v)) for v in lengths])
+    assert 0.9 <= share < 0.96
 
 
 def test_a_step_shorter_than_an_overrun_is_not_overrun():
@@ -127,7 +119,7 @@ def test_tools_that_are_changed_again_and_again(tmp_path):
             rows.append(f"F1,bore_diameter,X,32.000,{value:.4f},{part},{reading}")
     head = HEAD.format("features", "coordinate measuring machine")
     text = head + "feature,kind,axis,nominal_mm,measured_mm,part,reading\n" + "\n".join(rows) + "\n"
-    answer = answered(tmp_path, text)
+    answer = diagnosed(tmp_path, text)
     assert [n.split(":")[0] for n in names(answer)] == ["tool_wear"]
     assert answer["effects"][0]["parameters"]["every"]["value"] == 16
 
@@ -157,7 +149,7 @@ def circles(radial, feeds=(600.0, 2000.0), radius=80.0, noise_um=0.2) -> list[st
 def test_an_ellipse_at_45_degrees_is_a_squareness(tmp_path):
     """A bow or a sag says the same, with more that is to be chosen."""
     texts = circles(lambda t, x, y, vx, vy, a: 80.0 * 60e-3 * np.sin(a) * np.cos(a))
-    assert names(answered(tmp_path, *texts))[0] == "squareness:XY"
+    assert names(diagnosed(tmp_path, *texts))[0] == "squareness:XY"
 
 
 def spike(t: np.ndarray, v: np.ndarray, tau: float, length: float) -> np.ndarray:
@@ -182,7 +174,7 @@ def test_a_spike_of_a_loop_and_of_friction_that_builds_up(tmp_path):
     def radial(t, x, y, vx, vy, a):
         return -25.0 * spike(t, vx, 0.04, 0.05) * np.cos(a)
 
-    answer = answered(tmp_path, *circles(radial))
+    answer = diagnosed(tmp_path, *circles(radial))
     assert names(answer)[0] == "reversal_spike:X"
     assert not any("friction_asymmetry" in name for name in names(answer))
 
@@ -193,7 +185,7 @@ def test_a_hump_in_two_runs_only_is_unknown(tmp_path):
     def off(p, side, run):
         return 10.0 * np.exp(-(((p - 300.0) / 80.0) ** 4)) * (run in (3, 4))
 
-    answer = answered(tmp_path, laser(off))
+    answer = diagnosed(tmp_path, laser(off))
     assert answer["verdict"] == "unknown" and answer["unknown"]
 
 
@@ -243,7 +235,7 @@ def log(deviation, seconds: float = 60.0, rate_hz: float = 250.0, noise_um: floa
 
 def test_an_oscillation_faster_than_the_averages_of_samples(tmp_path):
     """15,000 samples are averaged by three: 44.3 Hz is faster than half of 83."""
-    answer = answered(tmp_path, log(lambda t, x: 2.0 * np.sin(2 * np.pi * 44.3 * t + 1.0)))
+    answer = diagnosed(tmp_path, log(lambda t, x: 2.0 * np.sin(2 * np.pi * 44.3 * t + 1.0)))
     assert names(answer) == ["vibration:X"]
     value = {k: p["value"] for k, p in answer["effects"][0]["parameters"].items()}
     assert value["frequency_hz"] == pytest.approx(44.3, abs=0.01)
@@ -257,5 +249,5 @@ def test_bursts_that_come_and_go_are_unknown(tmp_path):
         within = sum(np.exp(-(((t - c) / 0.6) ** 4)) for c in (11.0, 23.0, 44.0))
         return 5.0 * within * np.sin(2 * np.pi * (4.0 * t + 0.35 * t**2 % 50))
 
-    answer = answered(tmp_path, log(off, rate_hz=70.0, noise_um=0.1))
+    answer = diagnosed(tmp_path, log(off, rate_hz=70.0, noise_um=0.1))
     assert answer["verdict"] == "unknown" and answer["unknown"]

@@ -28,12 +28,14 @@ least_increment = 0.001
 HEAD = '# format = "gcomp-recording/1"\n# kind = "{}"\n# machine = "router"\n# instrument = "{}"\n'
 
 
-def diagnosed(folder: Path, text: str) -> dict:
-    """The answer to one recording."""
+def diagnosed(folder: Path, *texts: str) -> dict:
+    """The answer to recordings together."""
     (folder / "machine").mkdir()
     (folder / "machine" / "machine.toml").write_text(MACHINE)
-    (folder / "r.csv").write_text(text)
-    words = ["diagnose", str(folder / "r.csv"), "--machine", str(folder / "machine")]
+    files = [folder / f"r{k}.csv" for k in range(len(texts))]
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text)
+    words = ["diagnose", *map(str, files), "--machine", str(folder / "machine")]
     assert main([*words, "--json", str(folder / "a.json"), "--quiet"]) == 0
     answer: dict = json.loads((folder / "a.json").read_text())
     return answer
