@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from postproc.diagnose import telegraph
+from postproc.diagnose import mains, telegraph
 from postproc.diagnose.noise import Unit, hats, wander
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.signals import FAR
@@ -47,6 +47,7 @@ WANDER, MOST_WANDER = (
     1.5e-3,
 )  # mm: by how much it wanders while it reads (lasers and probes in workshops: 0.1 to 3 um)
 MOST_FEATURE = 1.5e-3  # mm
+PICKUP = 2e-3  # mm: of the mains, by an instrument (unverified)
 PROCESS, MOST_PROCESS = 2e-3, 1.0  # mm: of what no name explains
 ZEROS = 1e-2  # mm: of an instrument that is set to zero anew before each run
 PER_MM = 1e-3  # rad of an angle that count as much as a mm
@@ -83,6 +84,9 @@ def of_all(rows: Rows, units: list[Unit]) -> list[list[Group]]:
     for own, step in zip(found, telegraph.steps(rows, units), strict=True):
         if step is not None:
             own.append(Group("zero", step[0], 2 * step[1]))
+    for own, hum in zip(found, mains.waves(rows, units), strict=True):
+        if hum is not None:
+            own.append(Group("zero", hum, PICKUP))
     return found
 
 

@@ -78,7 +78,7 @@ def _fine(place: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> list[fl
     )
     total = np.where(enough, np.abs(sums) ** 2 / np.maximum(left / 2, 1e-30), 0.0)
     parts = [(at, weighted[own] * each, max(float(power.sum()) / 2, 1e-30))]
-    return [1 / _polished(f, 0.7 / span, parts) for f in _best(frequencies, total, 0.7 / span)]
+    return [1 / polished(f, 0.7 / span, parts) for f in _best(frequencies, total, 0.7 / span)]
 
 
 def _samples(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -117,7 +117,7 @@ def _in_place(rows: Rows, axis: str, weighted: np.ndarray, power: np.ndarray) ->
     allowed = (frequencies >= 3.0 / span) & (frequencies <= finest)
     parts = [(place[use], weighted[use], max(float(power[use].sum()) / 2, 1e-30))]
     best = _best(frequencies, np.where(allowed, total, 0.0), 0.7 / span)
-    return found + [1 / _polished(f, 0.7 / span, parts) for f in best]
+    return found + [1 / polished(f, 0.7 / span, parts) for f in best]
 
 
 def _between_targets(
@@ -213,7 +213,7 @@ def since_turn(ways: np.ndarray, weighted: np.ndarray, power: np.ndarray) -> lis
     half = max(float(power.sum()) / 2, 1e-30)
     allowed = (frequencies >= low) & (frequencies <= finest)
     best = _best(frequencies, np.where(allowed, np.abs(sums) ** 2 / half, 0.0), 0.7 / span)
-    return [1 / _polished(f, 0.7 / span, [(at, lag[own] * each, half)]) for f in best]
+    return [1 / polished(f, 0.7 / span, [(at, lag[own] * each, half)]) for f in best]
 
 
 def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
@@ -246,10 +246,10 @@ def in_time(rows: Rows, weighted: np.ndarray, power: np.ndarray) -> list[float]:
     parts = [
         (rows.state.time[w], weighted[w], max(float(power[w].sum()) / 2, 1e-30)) for w in passages
     ]
-    return [_polished(f, 0.5 / length, parts) for f in _best(grid, total, 1.0 / length)]
+    return [polished(f, 0.5 / length, parts) for f in _best(grid, total, 1.0 / length)]
 
 
-def _polished(
+def polished(
     frequency: float, within: float, parts: list[tuple[np.ndarray, np.ndarray, float]]
 ) -> float:
     """The frequency near this one at which the sums over (time or place, readings, power) of all

@@ -139,7 +139,7 @@ def test_a_period_is_polished_alike_from_few_samples_and_from_very_many():
     for n in (1500, 60_000):
         t = np.linspace(0.0, 300.0, n)
         wave = np.cos(2 * np.pi * frequency * t + 0.7)
-        found.append(spectra._polished(0.2145, 0.7 / 300, [(t, wave, 1.0)]))
+        found.append(spectra.polished(0.2145, 0.7 / 300, [(t, wave, 1.0)]))
     assert len(spectra._turned(t, wave, 0.2145, 0.7 / 300)[0]) < 1500
     assert found[0] == pytest.approx(found[1], abs=1e-9)
     assert found[0] == pytest.approx(frequency, abs=0.02 / 300)
