@@ -1,28 +1,36 @@
-"""Readings at rest that lie off alone: neither the other runs at their place nor their neighbours
-bear them out."""
+"""Readings that lie off alone: at rest neither the other runs at their place nor their neighbours
+bear them out; of samples in motion neither neighbour goes along."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import median_filter
 
 from postproc.diagnose import outliers
 from postproc.diagnose.noise import place_of
 from postproc.diagnose.rows import Rows
 
 ASIDE = 3  # neighbours on one side that bear a reading out: a level begins or ends with it
+# samples around one; times their usual departure: a sample that lies off; of them all: more are no
+# slips but a kind of noise
+AROUND, FAR_OFF, SELDOM = 31, 10.0, 0.002
 
 
 # Whole: a rule to each kind of recording, over the same columns.
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at
-    its place nor its neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, and
-    where there is nothing to compare with."""
+    """(N,) how many times the noise a reading lies off, alone: neither the other runs at its place
+    nor its neighbours bear it out; and (N,) mm by how much. 0 where there is nothing to compare
+    with."""
     result, size = np.zeros(len(rows)), np.zeros(len(rows))
     for signal in range(len(rows.signals)):
         which = np.flatnonzero(rows.signal == signal)
-        if not len(which) or rows.kinds[rows.file[which[0]]] not in ("targets", "features"):
+        if not len(which):
             continue
         which = which[np.lexsort((rows.state.time[which], rows.run[which]))]
+        if rows.kinds[rows.file[which[0]]] not in ("targets", "features"):
+            size[which] = slips(residual[which], rows.run[which])
+            result[which] = np.where(size[which] > 0, np.inf, 0.0)
+            continue
         place, run = place_of(rows, which), rows.run[which]
         if rows.kinds[rows.file[which[0]]] == "targets" and np.median(np.bincount(place)) < 3:
             passages = _passages(rows, which)
@@ -65,6 +73,25 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
             result[which[k]] = abs(off) / sigma[which[k]]
             size[which[k]] = off
     return result, np.abs(size)
+
+
+def slips(y: np.ndarray, run: np.ndarray) -> np.ndarray:
+    """(n,) by how much each sample y (n,) of a motion lies off alone, 0 where it does not: far from
+    the median of the two on either side, while its neighbours are not (Hampel's identifier: Davies
+    and Gather, The identification of multiple outliers, Journal of the American Statistical
+    Association 88, 1993, 782). None where so many do that it is a kind of noise, or within two
+    samples of the ends of a run (n,)."""
+    if len(y) < AROUND:
+        return np.zeros(len(y))
+    beside = np.median([np.roll(y, k) for k in (-2, -1, 1, 2)], axis=0)
+    inside = np.all([np.roll(run, k) == run for k in (-2, 2)], axis=0)
+    inside[:2] = inside[-2:] = False
+    off = np.abs(y - beside) * inside
+    usual = np.maximum(median_filter(off, AROUND), np.median(off[inside])) * outliers.MAD
+    alone = (off > FAR_OFF * np.maximum(usual, 1e-9)) & (
+        off > 2 * np.maximum(np.roll(off, 1), np.roll(off, -1))
+    )
+    return off * alone if np.count_nonzero(alone) <= max(1, SELDOM * len(y)) else np.zeros(len(y))
 
 
 def _went_on(y: np.ndarray, same: np.ndarray, k: int) -> list[float]:
