@@ -22,11 +22,16 @@ from postproc.effects import waves_of
 
 GRID, KEPT = (50.0, 60.0), 0.1  # Hz; by how much it differs
 HARMONICS = (2, 3)  # rectifiers and magnetising currents
-AROUND = 2.5  # Hz, on either side, of the spectrum that a line must stand out of
+AROUND = 1.0  # Hz, on either side, of the spectrum that a line must stand out of
+BIN = 0.02  # s: sums over it hold what is so near, turned back by the mains' frequency
+ALIKE = 0.05  # of a power
 SLOWEST = 4.0  # Hz: in slower samples a line is so near to an alias by chance, in one of five
 MOST_RUNS = 12  # runs with a phase of their own
 FEWEST = 32  # rows of a run
 CURVE = 8.0  # periods in the longest run: fewer may be a curve
+
+
+Signal = tuple[np.ndarray, np.ndarray, float]
 
 
 def waves(rows: Rows, units: list[Unit]) -> list[np.ndarray | None]:
@@ -71,43 +76,40 @@ def _lines(rows: Rows, unit: Unit, runs: list[np.ndarray]) -> list[float]:
     parts = [unit.rows[own] for own in runs if own.sum() >= FEWEST]
     if not unit.dense or not parts:
         return []
-    times = [rows.state.time[own] for own in parts]
-    gaps = np.concatenate([np.diff(t) for t in times])
-    usual = float(np.median(gaps))
-    longest = max(float(np.ptp(t)) for t in times)
-    if not 0 < usual <= 1.0 / SLOWEST or longest > usual * MOST_SAMPLES:
+    gap = float(np.median(np.diff(rows.state.time[parts[0]])))
+    signals = [(rows.state.time[own], _windowed(rows, own), 1.0) for own in parts]
+    longest = max(float(np.ptp(t)) for t, _, _ in signals)
+    if not 0 < gap <= 1.0 / SLOWEST or longest > BIN * MOST_SAMPLES:
         return []
-    rate = 1.0 / float(np.mean(gaps[gaps < 1.5 * usual]))
-    bins = next_fast_len(int(4 * longest * rate) + 4, real=True)
-    power = np.zeros(bins // 2 + 1)
-    for t, own in zip(times, parts, strict=True):
-        index = np.round((t - t[0]) * rate).astype(int)
-        one = np.abs(np.fft.rfft(np.bincount(index, _windowed(rows, own), bins)[:bins])) ** 2
-        power += one / max(float(np.median(one)), 1e-30)
-    sums = [(t, _windowed(rows, own), 1.0) for t, own in zip(times, parts, strict=True)]
     found = []
     for mains in GRID:
-        first = _line(power, rate, mains, KEPT)
-        others = [_line(power, rate, k * first, KEPT) for k in HARMONICS if first]
-        found += [polished(hz, rate / bins, sums) for hz in (first, *others) if hz]
+        first = _line(signals, longest, 1.0 / gap, mains, KEPT)
+        others = [_line(signals, longest, 1.0 / gap, k * first, KEPT) for k in HARMONICS if first]
+        found += [polished(hz, 0.25 / longest, signals) for hz in (first, *others) if hz]
     return found
 
 
-def _line(power: np.ndarray, rate: float, middle: float, kept: float) -> float:
-    """Hz: where a spectrum (B,) of samples of some rate (Hz) is highest near a frequency, if that
-    is within `kept` of it and stands out; 0 where not, or where such samples show it too slow to be
-    told from a curve."""
-    step = rate / 2 / (len(power) - 1)
-    frequency = middle + np.arange(-AROUND, AROUND, step)
+def _line(signals: list[Signal], longest: float, rate: float, middle: float, kept: float) -> float:
+    """Hz: where the powers of all signals (time, readings, 1) together, each over what is usual
+    around, are largest near a frequency, if that is within `kept` of it and stands out; 0 where
+    not, or where samples of such a rate (Hz) show it too slow to be told from a curve."""
+    size = next_fast_len(int(4 * longest / BIN) + 1)
+    off = np.fft.fftfreq(size, BIN)
+    around, near = np.abs(off) <= AROUND, np.abs(off) <= kept
+    frequency = middle + off
     seen = np.abs(frequency - rate * np.round(frequency / rate))
-    told = seen > max(CURVE * 4 * step, LOWEST_HZ)
-    near = np.abs(frequency - middle) <= kept
+    told = around & (seen > max(CURVE / longest, LOWEST_HZ))
     if not told[near].all():
         return 0.0
-    around = np.where(told, power[np.round(seen / step).astype(int)], 0.0)
-    best = int(np.argmax(around * near))  # two frequencies of the window may share an alias
-    clear = around[best] >= max(LINE * float(np.median(around[told])), float(around.max()))
-    return float(frequency[best]) if clear else 0.0
+    power = np.zeros(size)
+    for t, y, _ in signals:
+        wave, index = y * np.exp(-2j * np.pi * middle * t), ((t - t[0]) / BIN).astype(int)
+        sums = np.bincount(index, wave.real, size) + 1j * np.bincount(index, wave.imag, size)
+        one = np.abs(np.fft.fft(sums[:size])) ** 2
+        power += one / max(float(np.median(one[told])), 1e-30)
+    best = int(np.argmax(power * near))  # two frequencies around may share an alias
+    least = max(LINE * float(np.median(power[told])), (1 - ALIKE) * float(power[told].max()))
+    return float(frequency[best]) if power[best] >= least else 0.0
 
 
 def _windowed(rows: Rows, own: np.ndarray) -> np.ndarray:
