@@ -23,7 +23,10 @@ def circle(seen_um, rate: float, seed: int = 1, noise_um: float = 0.15) -> str:
             f"{run},{a:.4f},{300 + 150 * np.cos(w):.6f},{200 + 150 * np.sin(w):.6f},{r:.3f},{sense}"
             for a, w, r in zip(t, angle, read, strict=True)
         ]
-    head = HEAD.format("ballbar", "ball bar") + "# radius_mm = 150.0\n# centre = { X = 300.0, Y = 200.0 }\n"
+    head = (
+        HEAD.format("ballbar", "ball bar")
+        + "# radius_mm = 150.0\n# centre = { X = 300.0, Y = 200.0 }\n"
+    )
     return head + "run,t_s,X_cmd_mm,Y_cmd_mm,radial_um,sense\n" + "\n".join(rows) + "\n"
 
 

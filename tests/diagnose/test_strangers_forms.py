@@ -9,7 +9,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from postproc.diagnose import signals, telegraph
+from postproc import effects
+from postproc.diagnose import prior, signals, telegraph
+from postproc.diagnose.block import Block
 from postproc.effects import windup
 from tests.diagnose.test_workshop import HEAD, diagnosed
 
@@ -251,3 +253,55 @@ def test_bursts_that_come_and_go_are_unknown(tmp_path):
 
     answer = diagnosed(tmp_path, log(off, rate_hz=70.0, noise_um=0.1))
     assert answer["verdict"] == "unknown" and answer["unknown"]
+
+
+def test_a_control_that_overcompensates_is_plain_lost_motion(tmp_path):
+    """The slide leads by 3.5 um behind every turn: negative, and the same everywhere."""
+    rng = np.random.default_rng(4)
+    t = np.arange(3000) * 0.02
+    place = 300 + 180 * np.sin(2 * np.pi * t / 11.0)
+    side = np.sign(np.gradient(place))
+    rows = [
+        f"1,{a:.3f},{p:.6f},100.0,{p + e:.6f},{100 + n:.6f}"
+        for a, p, e, n in zip(
+            t,
+            place,
+            1e-3 * (3.5 / 2 * side + 0.1 * rng.standard_normal(len(t))),
+            1e-4 * rng.standard_normal(len(t)),
+            strict=True,
+        )
+    ]
+    head = HEAD.format("trace", "grid encoder") + '# sees = "tool"\n'
+    text = head + "run,t_s,X_cmd_mm,Y_cmd_mm,X_act_mm,Y_act_mm\n" + "\n".join(rows) + "\n"
+    answer = diagnosed(tmp_path, text)
+    assert names(answer) == ["backlash:X"]
+    size = answer["effects"][0]["parameters"]["size_um"]["value"]
+    assert size == pytest.approx(-3.5, abs=0.1)
+
+
+@pytest.mark.parametrize("name,shape", [("backlash", ()), ("backlash_position", ("wide_mm",))])
+def test_a_negative_lost_motion_is_as_seldom_where_it_may_vary(name, shape):
+    """Else what nests the plain one would be cheaper than it."""
+    module = effects.load(name)
+    block = Block(module, "X", tuple((word, 0.0) for word in shape), lambda: np.zeros((1, 1)))
+    assert [prior.unusual(block, np.array([size])) for size in (-4.0, 4.0)] == [1, 0]
+
+
+def test_a_step_lost_where_the_bar_does_not_feel_the_axis(tmp_path):
+    """Between two circles, which begin where the bar stands across Y, Y loses 8 um."""
+    rng = np.random.default_rng(6)
+    rows = []
+    for run, sense in ((1, 1), (2, -1)):
+        t = 100.0 * run + np.arange(1500) * 0.05
+        angle = sense * 2 * np.pi * (t - t[0]) / 50.0
+        read = (run == 2) * 8.0 * np.sin(angle) + 0.3 * rng.standard_normal(len(t))
+        rows += [
+            f"{run},{a:.3f},{300 + 100 * np.cos(w):.6f},{200 + 100 * np.sin(w):.6f},{r:.3f},{sense}"
+            for a, w, r in zip(t, angle, read, strict=True)
+        ]
+    head = HEAD.format("ballbar", "ball bar")
+    head += "# radius_mm = 100.0\n# centre = { X = 300.0, Y = 200.0 }\n"
+    text = head + "run,t_s,X_cmd_mm,Y_cmd_mm,radial_um,sense\n" + "\n".join(rows) + "\n"
+    answer = diagnosed(tmp_path, text)
+    assert names(answer) == ["step_loss:Y"]
+    assert answer["effects"][0]["parameters"]["jump_um"]["value"] == pytest.approx(8.0, abs=0.5)
