@@ -18,19 +18,15 @@ AROUND, FAR_OFF, SELDOM = 31, 10.0, 0.002
 
 # Whole: a rule to each kind of recording, over the same columns.
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(N,) how many times the noise a reading lies off, alone: neither the other runs at its place
-    nor its neighbours bear it out; and (N,) mm by how much. 0 where there is nothing to compare
-    with."""
+    """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at
+    its place nor its neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, of
+    which `slips` tells, and where there is nothing to compare with."""
     result, size = np.zeros(len(rows)), np.zeros(len(rows))
     for signal in range(len(rows.signals)):
         which = np.flatnonzero(rows.signal == signal)
-        if not len(which):
+        if not len(which) or rows.kinds[rows.file[which[0]]] not in ("targets", "features"):
             continue
         which = which[np.lexsort((rows.state.time[which], rows.run[which]))]
-        if rows.kinds[rows.file[which[0]]] not in ("targets", "features"):
-            size[which] = slips(residual[which], rows.run[which])
-            result[which] = np.where(size[which] > 0, np.inf, 0.0)
-            continue
         place, run = place_of(rows, which), rows.run[which]
         if rows.kinds[rows.file[which[0]]] == "targets" and np.median(np.bincount(place)) < 3:
             passages = _passages(rows, which)
