@@ -145,7 +145,22 @@ class Search:
         alike = [
             s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
         ]
-        return max(alike, key=self._as_it_fits) if len(alike) > 1 else best
+        plain = [s for s in alike if not any(self._extends(s, other) for other in alike)]
+        return max(plain, key=self._as_it_fits) if len(plain) > 1 else plain[0]
+
+    def _extends(self, state: Found, other: Found) -> bool:
+        """Whether a set is another one but for members of which that holds special cases: what
+        bends more fits the more exactly, though the other is right within the errors of form."""
+
+        def told(one: Found) -> tuple[list[tuple[str, str]], int]:
+            """Special cases and axes, and how many are there in the general form."""
+            blocks = [self.sets.blocks[k] for k in one.members]
+            special = [getattr(b.module, "EXTENDS", b.name) for b in blocks]
+            names = sorted(zip(special, (b.axis for b in blocks), strict=True))
+            return names, sum(b.name != name for b, name in zip(blocks, special, strict=True))
+
+        (own, general), (others, less) = told(state), told(other)
+        return own == others and general > less
 
     def _as_it_fits(self, state: Found) -> float:
         """What a set is worth without errors of form, its sizes learned to the end: scores on the

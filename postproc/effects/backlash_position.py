@@ -44,6 +44,7 @@ PLAUSIBLE = {
 EXPECTED = {"b0_um": 1}  # as of backlash
 # mm: over which it is taken up; where a worn stretch is, and how wide
 CONTINUOUS = {"play_mm": (0.001, 0.05), "worn_mm": (1.0, 20000.0), "wide_mm": (10.0, 5000.0)}
+EXTENDS = "backlash"
 KIND, USE, PER = "machine", "compensate", "axis"
 NEEDS, SEES = ("position", "approach"), ("tool", "part")
 TEXT = (
