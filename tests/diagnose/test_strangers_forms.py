@@ -305,3 +305,24 @@ def test_a_step_lost_where_the_bar_does_not_feel_the_axis(tmp_path):
     answer = diagnosed(tmp_path, text)
     assert names(answer) == ["step_loss:Y"]
     assert answer["effects"][0]["parameters"]["jump_um"]["value"] == pytest.approx(8.0, abs=0.5)
+
+
+def test_bosses_that_are_milled_in_circles_come_out_smaller(tmp_path):
+    """A boss' widest place is where the axis turns, having come outwards: short by half of 6 um
+    of lost motion on either side, as a pocket is."""
+    rng = np.random.default_rng(3)
+    rows = []
+    for part in (1, 2, 3):
+        for number, (kind, nominal) in enumerate(
+            (kind, nominal)
+            for nominal in (20.0, 45.0, 80.0)
+            for kind in ("pocket_size", "boss_diameter", "centre_distance")
+        ):
+            off = -6.0 * (kind != "centre_distance") + 0.7 * rng.standard_normal()
+            rows.append(f"F{number},{kind},X,{nominal},{nominal + off * 1e-3:.4f},{part},1")
+    head = HEAD.format("features", "coordinate measuring machine")
+    text = head + "feature,kind,axis,nominal_mm,measured_mm,part,reading\n" + "\n".join(rows) + "\n"
+    answer = diagnosed(tmp_path, text)
+    assert names(answer) == ["backlash:X"]
+    value = {k: p["value"] for k, p in answer["effects"][0]["parameters"].items()}
+    assert (value["around"], value["size_um"]) == (1.0, pytest.approx(6.0, abs=0.6))
