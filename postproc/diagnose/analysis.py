@@ -87,7 +87,7 @@ def diagnose(
     evidence = _learned(rows, machine, units, train, jumps)
     options.told("building the dictionary")
     search = Search(Sets(rows, evidence, _shown(library.blocks(rows), train)))
-    if not evidence.blocks and not np.any(rows.sees == "part"):
+    if not evidence.blocks and not np.isin(rows.sees, ("part", "angle")).any():
         raise RecordingError(
             f"no effect could show in {', '.join(r.file for r in recordings)}: no axis moves, and"
             " nothing that could drive one was recorded",

@@ -50,6 +50,8 @@ class Search:
     def calibrate(self, rng: np.random.Generator) -> None:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
         of nulls drawn with the noise that was learned, by a Gumbel distribution of their maxima."""
+        if not self.sets.blocks:  # no name for what was recorded: rotations alone
+            return
         null = self.sets.null()
         draws = drawn(self.sets.evidence, null.fit, rng, NULLS)
         best = (self.sets.evidence.scan(null.fit, draws)[0] - self.sets.cost[:, None]).max(axis=0)

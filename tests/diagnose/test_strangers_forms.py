@@ -326,3 +326,19 @@ def test_bosses_that_are_milled_in_circles_come_out_smaller(tmp_path):
     assert names(answer) == ["backlash:X"]
     value = {k: p["value"] for k, p in answer["effects"][0]["parameters"].items()}
     assert (value["around"], value["size_um"]) == (1.0, pytest.approx(6.0, abs=0.6))
+
+
+@pytest.mark.parametrize("yaw_urad,verdict", [(0.0, "nothing-left-out"), (20.0, "unknown")])
+def test_an_autocollimator_alone(tmp_path, yaw_urad, verdict):
+    """No name of the library is of a rotation alone: it is as the machine's file says, or not."""
+    rng = np.random.default_rng(8)
+    rows, t = [], 0.0
+    for run in (1, 2, 3):
+        for p in np.linspace(20.0, 580.0, 16):
+            t += 9.0
+            read = yaw_urad * np.sin(p / 90.0) + 0.4 * rng.standard_normal()
+            rows.append(f"{run},{t},{p:.3f},100.0,1,1,{read:.2f}")
+    head = HEAD.format("targets", "autocollimator") + '# quantity = "angle"\n'
+    head += "# sensitive = { Z = 1.0 }\n"
+    text = head + "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_urad\n" + "\n".join(rows) + "\n"
+    assert diagnosed(tmp_path, text)["verdict"] == verdict
