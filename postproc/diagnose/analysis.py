@@ -269,7 +269,8 @@ def _learned(
         *(Group("jump", columns, FREE) for _, columns in jumps),
     ]
     most = [MOST * float(np.median(unit.r)) for unit in units]
-    told = [_without_processes(groups, {"place", "turn"}) for groups in own]
+    told = [_without_processes(groups, set(nuisances.RECURRENT)) for groups in own]
+    own = [[g for g in groups if g.kind not in nuisances.NAMED] for groups in own]
     plain = _without_jumps(y, rows, units)
     for _ in range(ROUNDS):
         left = _unexplained(Evidence(plain, units, told, shared, train))
@@ -285,7 +286,7 @@ def _unexplained(evidence: Evidence) -> np.ndarray:
     on = frozenset(
         (k, kind)
         for k, p in enumerate(evidence.parts)
-        for kind in ("place", "turn")
+        for kind in nuisances.RECURRENT
         if p.processes[kind].any()
     )
     said = shares(evidence, evidence.learn((), None, on, STEPS))

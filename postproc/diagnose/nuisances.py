@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from postproc.diagnose import mains, telegraph
-from postproc.diagnose.noise import Unit, hats, wander
+from postproc.diagnose.noise import FORCES, Unit, hats, wander
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.signals import FAR
 from postproc.effects import legendre
@@ -56,7 +56,9 @@ COARSE, FINE = 6, 24  # nodes of a process over the place, for each combination 
 MOST_NODES = 120
 TURNS, SHORTEST, LONGEST = 12, 1e-3, 1.0  # nodes of a process after a turn; s
 SPEEDS, SLOWEST = 6, 0.05  # nodes of a process over the speed; mm/s
-PROCESSES = ("place", "turn", "speed", "drift", "lever", "zeros")
+# kinds of Group; those that come back and are no noise, and that which a name says as well
+PROCESSES = ("place", "turn", "speed", "drift", "lever", "zeros", "driver")
+RECURRENT, NAMED = ("place", "turn", "driver"), ("driver",)
 
 
 @dataclass(frozen=True)
@@ -183,8 +185,9 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
     """What is there and no name explains: smooth functions of the place, one for each combination
     of the directions of approach ("place"), of the time since a turn, one for each axis and
     direction ("turn"), of the speed ("speed"), of time, larger than an instrument wanders
-    ("drift"), and of time in proportion to the place ("lever"); and a zero of its own of each run
-    ("zeros")."""
+    ("drift"), and of time in proportion to the place ("lever"); a zero of its own of each run
+    ("zeros"); and at rest what goes in proportion to a force or a speed that was recorded
+    ("driver")."""
     own = unit.rows
     if len(own) < 8:
         return []
@@ -226,6 +229,11 @@ def processes(rows: Rows, unit: Unit) -> list[Group]:
             found.append(
                 Group("lever", slow[0] * lever[:, None], PROCESS * scale, MOST_PROCESS * scale)
             )
+    forces = [v[own] for name, v in rows.state.channels.items() if name.startswith(FORCES)]
+    forces = [v / np.abs(v).max() for v in forces if np.isfinite(v).all() and np.ptp(v) > 0]
+    if forces and not unit.dense:
+        columns = np.stack(forces, axis=1)
+        found.append(Group("driver", columns, PROCESS * scale, MOST_PROCESS * scale))
     numbers = np.unique(rows.run[own])
     if 1 < len(numbers) < len(own) / 2:
         found.append(

@@ -342,3 +342,20 @@ def test_an_autocollimator_alone(tmp_path, yaw_urad, verdict):
     head += "# sensitive = { Z = 1.0 }\n"
     text = head + "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_urad\n" + "\n".join(rows) + "\n"
     assert diagnosed(tmp_path, text)["verdict"] == verdict
+
+
+def test_what_goes_with_a_force_is_no_noise(tmp_path):
+    """A pull test of 21 readings at three places, no force twice: 2 um at 350 N, 0.45 um noise."""
+    rng = np.random.default_rng(9)
+    rows, t = [], 0.0
+    for run, place in enumerate((150.0, 300.0, 450.0), 1):
+        for force in (20.0, 310.0, 380.0, 175.0, -180.0, -390.0, -320.0):
+            t += 15.0
+            pulled = force + 15.0 * rng.standard_normal()
+            read = 0.0055 * pulled + 0.45 * rng.standard_normal()
+            rows.append(f"{run},{t},{place},100.0,1,1,{read:.2f},{pulled:.0f}")
+    head = HEAD.format("targets", "dial indicator and load cell")
+    head += '# quantity = "displacement"\n# sensitive = { X = 1.0 }\n# u_um = 0.3\n'
+    text = head + "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_um,force_X_N\n"
+    answer = diagnosed(tmp_path, text + "\n".join(rows) + "\n")
+    assert names(answer) == ["force_compliance:X"]
