@@ -95,7 +95,9 @@ class State:
     over which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or
     when, the samples of a row were taken, NaN beyond their number. lines: axis to the other axes
     across which readings along it were taken on lines that lie apart. path: axis to (M, N) mm, the
-    ways between turns that its drive still remembers, see reversal_memory().
+    ways between turns that its drive still remembers, see reversal_memory(). slipped: axis to (N,)
+    mm, the way that a creeping slide was driven on since it slipped last, as it stopped while it
+    rests; NaN where no slips were seen.
     """
 
     position: dict[str, np.ndarray]
@@ -116,6 +118,7 @@ class State:
     lines: dict[str, str] = field(default_factory=dict)
     inside: dict[str, np.ndarray] = field(default_factory=dict)
     path: dict[str, np.ndarray] = field(default_factory=dict)
+    slipped: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))
