@@ -129,10 +129,16 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
     group = np.where(
         rows.sees == "part", -1 - rows.file, rows.signal
     )  # features of a part stand at several places together
+    # what goes with the side alone shows at one place that is reached from both
+    sided = rows.state.approach if tuple(module.NEEDS) == ("approach",) else {}
     moving = [
         x
         for x, p in rows.state.position.items()
-        if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))
+        if any(
+            np.ptp(v[group == g]) > 1e-3
+            for g in np.unique(group)
+            for v in (p, sided.get(x, np.zeros(len(p))))
+        )
     ]
     if module.PER == "all":
         return [""]

@@ -46,7 +46,7 @@ def scale(lag_um: np.ndarray, t: np.ndarray, place: np.ndarray, noise_um: float 
     return head + "run,t_s,X_cmd_mm,X_act_mm\n" + "\n".join(rows) + "\n"
 
 
-@pytest.mark.parametrize("holds_um", [5.0, 7.0])
+@pytest.mark.parametrize("holds_um", [5.5, 7.0])
 def test_cycles_that_differ_are_stick_slip(tmp_path, holds_um):
     """4 um while it slides; none of its cycles is as long as the one before, and it never turns
     back."""

@@ -251,3 +251,22 @@ def test_bursts_that_come_and_go_are_unknown(tmp_path):
 
     answer = diagnosed(tmp_path, log(off, rate_hz=70.0, noise_um=0.1))
     assert answer["verdict"] == "unknown" and answer["unknown"]
+
+
+def test_lost_motion_at_one_place_that_is_pulled_from_both_sides(tmp_path):
+    """X rests at 300 mm, reached from one side in odd runs and from the other in even ones, and is
+    pulled to and fro by up to 400 N: 0.008 um per N, and 6 um between the two sides."""
+    rng = np.random.default_rng(3)
+    pulls = np.concatenate([np.arange(0, 401, 100), np.arange(300, -401, -100), [-200, 0]])
+    rows = []
+    for run in range(1, 5):
+        side = 1 if run % 2 else -1
+        for force in pulls:
+            read = 0.008 * force - 3.0 * side + 0.2 * rng.standard_normal()
+            rows.append(f"{run},{14 * len(rows)},300,100,{side},1,{read:.2f},{force + 0.5}")
+    head = HEAD.format("targets", "dial gauge") + LASER
+    head += "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_um,force_X_N\n"
+    answer = diagnosed(tmp_path, head + "\n".join(rows) + "\n")
+    assert sorted(names(answer)) == ["backlash:X", "force_compliance:X"]
+    size = next(e for e in answer["effects"] if e["effect"] == "backlash")["parameters"]["size_um"]
+    assert size["value"] == pytest.approx(6.0, rel=0.1)
