@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.diagnose import (
+    causes,
     drive,
     findings,
     held_out,
@@ -97,8 +98,10 @@ def diagnose(
     search.calibrate(np.random.default_rng(SEED))
     options.told("locating")
     places = _places(rows, evidence, search.sets.null().fit, train)
+    options.told("forces and currents")
+    driven = drive.drives(usable.recordings)
     options.told("choosing")
-    state = search.run()
+    state = causes.told(search, search.run(), driven)
     options.told("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
@@ -152,8 +155,7 @@ def diagnose(
         scatter=scatter(evidence, last, said),
     )
     diagnosis.unknown = judge.judged(diagnosis, search.sets, state)
-    options.told("forces and currents")
-    diagnosis.drives = drive.drives(usable.recordings)
+    diagnosis.drives = driven
     return diagnosis
 
 
