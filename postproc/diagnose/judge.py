@@ -262,11 +262,7 @@ def _borne_out(d: Diagnosis) -> None:
     ground = float(np.sqrt(np.mean(d.noise[d.held] ** 2))) if d.held.any() else 0.0
     for f in d.findings:
         own = d.held & (f.contribution != 0)
-        if (
-            not foretold(f.block)
-            or not own.any()
-            or float(np.std(f.contribution[own])) < ground
-        ):
+        if not foretold(f.block) or not own.any() or float(np.std(f.contribution[own])) < ground:
             continue
         with_it, without = (
             float(np.mean((v[own] / d.noise[own]) ** 2))

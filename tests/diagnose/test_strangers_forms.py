@@ -270,3 +270,22 @@ def test_lost_motion_at_one_place_that_is_pulled_from_both_sides(tmp_path):
     assert sorted(names(answer)) == ["backlash:X", "force_compliance:X"]
     size = next(e for e in answer["effects"] if e["effect"] == "backlash")["parameters"]["size_um"]
     assert size["value"] == pytest.approx(6.0, rel=0.1)
+
+
+def test_a_carriage_on_two_rails_that_bend(tmp_path):
+    """A rail on two supports gives by 16 a^2 (1 - a)^2 of what it gives in the middle under a load
+    at a; 9 um. The carriage rests on both by the lever rule, on lines 40, 200 and 360 mm across."""
+    level = '# quantity = "straightness"\n# sensitive = { Z = 1.0 }\n'
+    texts = []
+    for k, y in enumerate((40.0, 200.0, 360.0)):
+        share = (y / 400.0) ** 2 + (1 - y / 400.0) ** 2
+
+        def off(p, side, run, share=share):
+            a = p / 600.0
+            return -9.0 * 16 * (a * (1 - a)) ** 2 * share
+
+        texts.append(laser(off, y, k + 1, noise_um=0.3).replace(LASER, level))
+    answer = diagnosed(tmp_path, *texts)
+    assert names(answer) == ["sag:X"]
+    value = {k: p["value"] for k, p in answer["effects"][0]["parameters"].items()}
+    assert value["rails"] == 1 and value["size_um"] == pytest.approx(9.0, rel=0.1)
