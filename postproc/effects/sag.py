@@ -12,7 +12,7 @@ the mass, a is s. A carriage on two rails rests on each with its share w and 1 -
 between them (the lever rule), and at its place on the way sees as much of each: w^2 + (1 - w)^2.
 """
 
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 
@@ -50,6 +50,7 @@ PARAMETERS = {
 # the axis moves, which `bow` stands for; a second axis or a load tells that a mass bends it.
 OWN_PLACE = 8.0
 LONGER = 0.0, 0.05, 0.2  # of the travel, at each end
+MOVES = 1e-3  # mm
 NODES = 25  # over a travel: between them less than 1 % of the size is left
 OPTIONAL = {
     "lever": 0.0,
@@ -89,20 +90,19 @@ def shapes(state: State, axis: str) -> list[dict[str, float]]:
     ways = [(a, 0.0, -1.0, 0.0, *out, -1.0) for a, out in product(others, OUT)]
     ways += [(a, 1.0, -1.0, 0.0, *OUT[0], -1.0) for a in others if len(others) > 1]
     ways += [(a, 0.0, b, o, *OUT[0], -1.0) for a, b, o in product(others, beams, LONGER)]
-    ways += [
-        (a, 0.0, beams[-1], o, *OUT[0], b)
-        for a, b, o in product(others, others, LONGER)
-        if a != b and _moves(state, XYZ[int(b)])
-    ]
+    rails = product(_rails(state, others), LONGER)
+    ways += [(a, 0.0, beams[-1], o, *OUT[0], b) for (a, b), o in rails]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
     names = [n for n in PARAMETERS if n != "size_um"]
     return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
 
 
-def _moves(state: State, axis: str) -> bool:
-    """Whether it stands at two places."""
-    return bool(np.ptp(state.position[axis]) > 1e-3)
+def _rails(state: State, others: list[float]) -> list[tuple[float, ...]]:
+    """Numbers of the direction of an error and of an axis that runs from rail to rail, of which two
+    places are known."""
+    pairs = permutations(others, 2)
+    return [p for p in pairs if np.ptp(state.position[XYZ[int(p[1])]]) > MOVES]
 
 
 def further_cost(axis: str, shape: dict[str, float]) -> float:
@@ -135,7 +135,7 @@ def columns(
         bent = _held(reach, free_end, propped, begins, ram) if beam < 0 else np.zeros(len(reach))
         return towards(XYZ[int(along)], heavy * bent)
     place = (state.share(other) + 1) / 2
-    cross = XYZ[int(rails)] if rails >= 0 else ""
+    cross = _cross(rails)
     if cross in state.position:
         heavy = heavy * _shared((state.share(cross) + 1) / 2)
     return towards(XYZ[int(along)], heavy * _bent(reach, place, beam, overhang))
@@ -192,26 +192,26 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     axis matters, alike at both its ends."""
     other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
     alone = other == axis or named["beam"] < 0
-    few = alone and named["rails"] < 0
-    shares = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, 2 if few else NODES)
+    few = 2 if alone and named["rails"] < 0 else NODES
+    share, across = np.linspace(0.0, 1.0, NODES)[:, None], np.linspace(0.0, 1.0, few)[None]
     if other and other != axis:
-        value = _bent(shares[0][:, None], shares[1][None], named["beam"], named["overhang"])
-    elif alone:
-        one = (
-            _bent(shares[0], shares[0], named["beam"], named["overhang"])
-            if other
-            else _held(
-                shares[0], *(named[name] for name in ("free_end", "propped", "begins", "ram"))
-            )
-        )
-        cross = XYZ[int(named["rails"])] if named["rails"] >= 0 else ""
-        other = cross or next((x for x in travel if x != axis and x in XYZ), "")
-        value = one[:, None] * (_shared(shares[1])[None] if cross else np.ones((1, 2)))
-    if not other:
+        value = _bent(share, across, named["beam"], named["overhang"])
+    else:
+        out = (named[name] for name in ("free_end", "propped", "begins", "ram"))
+        one = _bent(share, share, named["beam"], named["overhang"]) if other else _held(share, *out)
+        value = one * (_shared(across) if named["rails"] >= 0 else np.ones((1, few)))
+        seconds = [x for x in travel if x in XYZ and x != axis]
+        other = _cross(named["rails"]) or next(iter(seconds), "")
+    if other not in travel:
         return []
     nodes, others = (
-        low + share * (high - low)
-        for share, (low, high) in zip(shares, (travel[axis], travel[other]), strict=True)
+        low + part.ravel() * (high - low)
+        for part, (low, high) in zip((share, across), (travel[axis], travel[other]), strict=True)
     )
     component = f"E{XYZ[int(named['along'])]}"
     return [(component, axis, other, nodes, others, named["size_um"] * value * UM)]
+
+
+def _cross(rails: float) -> str:
+    """The axis that runs from rail to rail; "" for none."""
+    return XYZ[int(rails)] if rails >= 0 else ""
