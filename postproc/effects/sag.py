@@ -192,6 +192,8 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     axis matters, alike at both its ends."""
     other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
     alone = other == axis or named["beam"] < 0
+    if not (other or alone):
+        return []
     few = 2 if alone and named["rails"] < 0 else NODES
     share, across = np.linspace(0.0, 1.0, NODES)[:, None], np.linspace(0.0, 1.0, few)[None]
     if other and other != axis:
