@@ -199,9 +199,7 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     if other and other != axis:
         value = _bent(share, across, named["beam"], named["overhang"])
     else:
-        out = (named[name] for name in ("free_end", "propped", "begins", "ram"))
-        one = _bent(share, share, named["beam"], named["overhang"]) if other else _held(share, *out)
-        value = one * (_shared(across) if named["rails"] >= 0 else np.ones((1, few)))
+        value = _own(share, across, bool(other), named)
         seconds = [x for x in travel if x in XYZ and x != axis]
         other = _cross(named["rails"]) or next(iter(seconds), "")
     if other not in travel:
@@ -212,6 +210,14 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     )
     component = f"E{XYZ[int(named['along'])]}"
     return [(component, axis, other, nodes, others, named["size_um"] * value * UM)]
+
+
+def _own(share: np.ndarray, across: np.ndarray, beam: bool, named: dict[str, float]) -> np.ndarray:
+    """(K, L) of a sag by its own place (K, 1) alone, on two rails also by that (1, L) between
+    them."""
+    out = (named[name] for name in ("free_end", "propped", "begins", "ram"))
+    one = _bent(share, share, named["beam"], named["overhang"]) if beam else _held(share, *out)
+    return one * (_shared(across) if named["rails"] >= 0 else np.ones_like(across))
 
 
 def _cross(rails: float) -> str:
