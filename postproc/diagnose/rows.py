@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from postproc.diagnose.slips import Slips
+from postproc.diagnose.creep import Slips
 from postproc.effects import State
 from postproc.machine.chain import XYZ
 

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import rounding, slips
+from postproc.diagnose import creep, rounding
 from postproc.diagnose.averages import Columns, averaged, together
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
@@ -310,7 +310,7 @@ def _slips(letter: str, columns: Columns, actual: np.ndarray) -> Columns:
     not stick."""
     place = columns[f"{letter} position"]
     lag = (place - actual) * columns[f"{letter} approach"]
-    found = slips.of(place, lag, columns[f"{letter} velocity"], columns["run"])
+    found = creep.of(place, lag, columns[f"{letter} velocity"], columns["run"])
     return {} if found is None else {f"{letter} slipped": found.since, "slips": {letter: found}}
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from postproc.diagnose import slips
+from postproc.diagnose import creep
 from postproc.effects import State, deviation, load
 from tests.diagnose.test_strangers_forms import names
 from tests.diagnose.test_workshop import HEAD, diagnosed
@@ -63,7 +63,7 @@ def test_an_oscillation_at_creep_does_not_stick(tmp_path):
     """4 um from crest to crest over the same ways as a tooth: it falls as slowly as it rises."""
     t, place, speed = creeping()
     swing = 2.0 * np.sin(2 * np.pi * 23.0 * t + 3.0 * np.sin(2 * np.pi * 0.05 * t))
-    assert slips.of(place, swing * 1e-3, speed, np.ones(len(t))) is None
+    assert creep.of(place, swing * 1e-3, speed, np.ones(len(t))) is None
     assert "stick_slip:X" not in names(diagnosed(tmp_path, scale(swing, t, place)))
 
 
@@ -73,7 +73,7 @@ def test_what_lags_by_more_than_its_way_does_not_stand():
     gone = (place - place[0]) * 1e3
     for size, way in ((6.0, 2.0), (1.0, 10.0)):
         lag = size * ((gone / way) % 1.0)
-        assert slips.of(place, lag * 1e-3, speed, np.ones(len(t))) is None
+        assert creep.of(place, lag * 1e-3, speed, np.ones(len(t))) is None
 
 
 def test_slips_by_hand():
@@ -82,7 +82,7 @@ def test_slips_by_hand():
     gone = np.r_[np.arange(0.0, ends[-1] + 1.0, 0.1)]
     lag = gone - np.r_[0.0, ends][np.searchsorted(ends, gone, side="right")]
     place, lag = np.r_[gone, np.full(50, gone[-1])] * 1e-3, np.r_[lag, np.full(50, lag[-1])] * 1e-3
-    found = slips.of(place, lag, np.gradient(place) * 1e3, np.ones(len(place)))
+    found = creep.of(place, lag, np.gradient(place) * 1e3, np.ones(len(place)))
     assert found is not None
     assert found.ways.mean() == pytest.approx(2.25e-3, rel=0.06)
     assert found.scatter == pytest.approx(0.11, abs=0.02)
