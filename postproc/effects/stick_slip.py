@@ -19,7 +19,7 @@ PARAMETERS = {
     "fastest_mm_s": "mm/s, speed above which it slides evenly; 0, none",
     "slip_ms": "ms, time of a slip; 0, it jumps at once",
     "mean_um": "um, mean lag while it creeps with jumps that are told apart",
-    "scatter": "standard deviation of the ways of its cycles, of period_mm; 0, all are alike",
+    "scatter": "1, standard deviation of the ways of its cycles over their mean; 0, all are alike",
 }
 OPTIONAL = {"fastest_mm_s": 0.0, "slip_ms": 0.0, "mean_um": 0.0, "scatter": 0.0}
 PLAIN = {"slip_ms": 0.0, "scatter": 0.0}
