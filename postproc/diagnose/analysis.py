@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.diagnose import (
+    causes,
     drive,
     findings,
     held_out,
@@ -98,8 +99,10 @@ def diagnose(
     search.calibrate(np.random.default_rng(SEED))
     options.told("locating")
     places = _places(rows, evidence, search.sets.null().fit, train)
+    options.told("forces and currents")
+    driven = drive.drives(usable.recordings)
     options.told("choosing")
-    state = search.run()
+    state = causes.told(search, search.run(), driven)
     options.told("showing")
     found = [findings.of_member(search, state, k) for k in state.members]
     last = evidence.learn(state.fit.chosen, None, state.fit.on, STEPS)
@@ -154,8 +157,7 @@ def diagnose(
         scatter=scatter(evidence, last, said),
     )
     diagnosis.unknown = judge.judged(diagnosis, search.sets, state)
-    options.told("forces and currents")
-    diagnosis.drives = drive.drives(usable.recordings)
+    diagnosis.drives = driven
     return diagnosis
 
 
@@ -167,7 +169,7 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     y = whole.y.copy()
     own = np.zeros(len(y))
     for k in state.members:
-        if whole.blocks[k].name in judge.NOT_FORETOLD:
+        if not judge.foretold(whole.blocks[k]):
             own += whole.blocks[k].columns @ search.sets.value(fit, k)
     units = [p.whole for p in whole.parts]
     groups = [
@@ -179,7 +181,7 @@ def _foretold(search: Search, state: Found, held: np.ndarray) -> tuple[np.ndarra
     on = frozenset((left.index(u), kind) for u, kind in fit.on if u in left)
     chosen: list[int] = []
     for k in fit.chosen:
-        if whole.blocks[k].name not in judge.NOT_FORETOLD:
+        if judge.foretold(whole.blocks[k]):
             stated = float(whole.slab[whole.columns_of((k,))][0]) if k in whole.fixed else 0.0
             chosen += rest.add([whole.blocks[k]], stated)
     said = shares(rest, rest.learn(tuple(chosen), None, on, STEPS))
@@ -295,8 +297,9 @@ def _unexplained(evidence: Evidence) -> np.ndarray:
 
 
 def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
-    """(N,) mm: readings y without the few clear jumps of samples in motion: a level that changes at
-    once is neither noise nor wander. What changes where an axis turns is the machine's."""
+    """(N,) mm: readings y without the few clear jumps of samples in motion, and without the teeth
+    of a slide that sticks and slips: a level that changes at once is neither noise nor wander. What
+    changes where an axis turns is the machine's."""
     plain = y.copy()
     for unit in units:
         if not unit.dense:
@@ -304,6 +307,8 @@ def _without_jumps(y: np.ndarray, rows: Rows, units: list[Unit]) -> np.ndarray:
         turns = telegraph.near_turns(rows, unit)
         for a, b in pairwise(unit.edges):
             plain[unit.rows[a:b]] = without(y[unit.rows[a:b]], turns[a:b])
+    for tooth in library.teeth(rows):
+        plain -= tooth * float(tooth @ plain / (tooth @ tooth))
     return plain
 
 

@@ -60,6 +60,7 @@ def _joined(
 
     position = {x: column(f"{x} position") for x in letters}
     approach = {x: column(f"{x} approach") for x in letters}
+    slips = {x: own for p in parts for x, own in p.get("slips", {}).items()}
     channels = sorted(
         {name.removeprefix("channel ") for p in parts for name in p if name.startswith("channel ")}
     )
@@ -80,6 +81,7 @@ def _joined(
         file=column("file"),
         width=column("width"),
         inside=_inside(parts, letters),
+        slipped={x: column(f"{x} slipped", np.nan) for x in slips},
     )
     state = replace(
         state, channels={c: _filled(c, state) for c in channels}, path=_paths(parts, state)
@@ -113,6 +115,7 @@ def _joined(
         column("grain"),
         column("rounding"),
         tuple(sorted({f for p in parts for f in p.get("fast_hz", ())})),
+        slips,
     )
     return replace(rows, known=predicted(rows, machine))
 

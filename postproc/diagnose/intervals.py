@@ -71,6 +71,9 @@ def _of_form(sets: Sets, block: Block, name: str, value: float, fitted: bool) ->
         t = np.unique(rows.state.time)
         k = int(np.clip(np.searchsorted(t, value), 1, len(t) - 1))
         return float(t[k] - t[k - 1]) / 2
+    shape = dict(block.shape)
+    if name == "period_mm" and shape.get("scatter"):
+        return value * shape["scatter"] / math.sqrt(len(rows.slips[block.axis].ways))
     if name == "period_mm":
         return (
             RESOLVED * value**2 / max(float(np.ptp(rows.state.position[block.axis][shown])), 1e-9)

@@ -9,6 +9,7 @@ from scipy.special import chdtrc
 
 from postproc.diagnose import locate, telegraph
 from postproc.diagnose.answer import Diagnosis, Finding, floor
+from postproc.diagnose.block import Block
 from postproc.diagnose.explained import shares, white
 from postproc.diagnose.noise import FEW, Unit, spread, step
 from postproc.diagnose.nuisances import PROCESSES
@@ -249,17 +250,19 @@ def _located(d: Diagnosis, sets: Sets) -> list[tuple[float, float, int]]:
     return found
 
 
+def foretold(block: Block) -> bool:
+    """Whether other runs say how an effect is in a run that took no part; slips are where they
+    are seen."""
+    return block.name not in NOT_FORETOLD and not dict(block.shape).get("scatter")
+
+
 def _borne_out(d: Diagnosis) -> None:
     """A name is tentative where runs that took no part are no better off with it, though it is
     larger there than their noise."""
     ground = float(np.sqrt(np.mean(d.noise[d.held] ** 2))) if d.held.any() else 0.0
     for f in d.findings:
         own = d.held & (f.contribution != 0)
-        if (
-            f.block.name in NOT_FORETOLD
-            or not own.any()
-            or float(np.std(f.contribution[own])) < ground
-        ):
+        if not foretold(f.block) or not own.any() or float(np.std(f.contribution[own])) < ground:
             continue
         with_it, without = (
             float(np.mean((v[own] / d.noise[own]) ** 2))

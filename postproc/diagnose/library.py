@@ -129,10 +129,16 @@ def axes_of(rows: Rows, module: ModuleType) -> list[str]:
     group = np.where(
         rows.sees == "part", -1 - rows.file, rows.signal
     )  # features of a part stand at several places together
+    # what goes with the side alone shows at one place that is reached from both
+    sided = rows.state.approach if tuple(module.NEEDS) == ("approach",) else {}
     moving = [
         x
         for x, p in rows.state.position.items()
-        if any(np.ptp(p[group == g]) > 1e-3 for g in np.unique(group))
+        if any(
+            np.ptp(v[group == g]) > 1e-3
+            for g in np.unique(group)
+            for v in (p, sided.get(x, np.zeros(len(p))))
+        )
     ]
     if module.PER == "all":
         return [""]
@@ -294,15 +300,35 @@ def found(rows: Rows, weighted: np.ndarray, sigma: np.ndarray) -> list[Block]:
         if not seen.any():
             continue
         for axis in axes_of(rows, module):
-            if not needed(rows, module, axis):
+            seen_to_slip = name == "stick_slip" and axis in rows.slips
+            if not seen_to_slip and not needed(rows, module, axis):
                 continue
             along = rows.direction[:, XYZ.index(axis)] * seen
             for shape in _periodic(rows, module, axis, weighted * along, along**2 / sigma**2):
                 make = partial(_swinging, rows, module, axis, shape)
-                block = Block(module, axis, named(shape), make, spectra.TRIED)
+                tried = rows.slips[axis].chosen_from if shape.get("scatter") else spectra.TRIED
+                block = Block(module, axis, named(shape), make, tried)
                 if block.width:
                     result.append(block)
     return result
+
+
+def seen_slips(rows: Rows, axis: str) -> dict[str, float]:
+    """The shape of stick-slip whose slips were seen."""
+    slips, limits = rows.slips[axis], effects.load("stick_slip").limits(rows.state, axis)
+    return {
+        "period_mm": float(np.mean(slips.ways)),
+        "fastest_mm_s": min((v for v in limits if v > slips.fastest), default=0.0),
+        "slip_ms": 0.0,
+        "scatter": slips.scatter,
+    }
+
+
+def teeth(rows: Rows) -> Iterator[np.ndarray]:
+    """(N,) of each axis whose slips were seen: the saw-tooth of a lag, as readings show it."""
+    module = effects.load("stick_slip")
+    for axis in rows.slips:
+        yield read(rows, module, axis, seen_slips(rows, axis))[:, 0]
 
 
 def _periodic(
@@ -318,7 +344,9 @@ def _periodic(
         return [
             {"period_mm": p} | module.PLAIN for p in spectra.in_place(rows, axis, weighted, power)
         ]
-    state, result = rows.state, []
+    state, result = rows.state, list[dict[str, float]]()
+    if axis in rows.slips:
+        result.append(seen_slips(rows, axis))
     ways = module.ways(state, axis)
     for limit in module.limits(state, axis):
         use = (power > 0) & (state.passage >= 0) & module.creeps(state, axis, limit)

@@ -3,6 +3,8 @@ signs and sizes machines have."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from postproc.diagnose.block import Block
@@ -32,7 +34,7 @@ def cost_of(block: Block) -> float:
     further = getattr(block.module, "further_cost", None)
     rare = RARE.get(block.name, 0.0) + (further(block.axis, dict(block.shape)) if further else 0.0)
     rare += APART if block.apart else 0.0
-    return ODDS + 2 * float(np.log(block.siblings)) + rare + again
+    return ODDS + 2 * math.log(block.siblings) + rare + again
 
 
 def unusual(block: Block, coefficients: np.ndarray) -> int:

@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+from postproc.diagnose.creep import Slips
 from postproc.effects import State
 from postproc.machine.chain import XYZ
 
@@ -28,7 +29,7 @@ class Rows:
     second place of features, nan where it is not known, empty where no row is of a part; grain (N,)
     mm: what the noise of single samples leaves in an averaged row, 0 elsewhere; rounding (N,) mm:
     what the log's own rounding gives; fast_hz: oscillations that samples show and rows, which are
-    their averages, do not resolve."""
+    their averages, do not resolve; slips: axis to slips that its samples show."""
 
     y: np.ndarray
     known: np.ndarray
@@ -46,6 +47,7 @@ class Rows:
     grain: np.ndarray = field(default_factory=lambda: np.zeros(0))
     rounding: np.ndarray = field(default_factory=lambda: np.zeros(0))
     fast_hz: tuple[float, ...] = ()
+    slips: dict[str, Slips] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.y)
@@ -117,6 +119,7 @@ def pick_state(state: State, which: np.ndarray) -> State:
         state.lines,
         of_each(state.inside),
         of_each(state.path),
+        of_each(state.slipped),
     )
 
 

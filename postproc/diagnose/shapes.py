@@ -37,6 +37,8 @@ def polished(sets: Sets, fit: Fit, k: int) -> int:
     if "t_s" in dict(block.shape):
         return _numbered(sets, k, _moments(sets, fit, block))
     periodic = block.name in FOUND and dict(block.shape).get("period_mm") != 0
+    if dict(block.shape).get("scatter"):  # its cycles are as they were seen
+        return k
     k = _numbered(sets, k, (_nearby if periodic else _between)(sets, fit, block))
     plain = sets.blocks[k]
     more = getattr(plain.module, "fuller", None) if periodic or block.name not in FOUND else None

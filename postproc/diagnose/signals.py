@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from postproc import effects
-from postproc.diagnose import rounding
+from postproc.diagnose import creep, rounding
 from postproc.diagnose.averages import Columns, averaged, together
 from postproc.machine.chain import XYZ
 from postproc.machine.model import Machine
@@ -296,13 +296,22 @@ def _trace(recording: Recording, machine: Machine) -> Iterator[Signal]:
     for x in letters:
         commanded, actual = recording.position(x)[known], recording.columns[f"{x}_act_mm"][known]
         coarse = rounding.noise(recording.position(x), recording.columns[f"{x}_act_mm"])[known]
-        one = columns | {"rounding": coarse, "y": actual - commanded}
+        one = columns | {"rounding": coarse, "y": actual - commanded} | _slips(x, columns, actual)
         same = rounding.alike(commanded, coarse)
         rows = averaged(together(one, same) if same.any() else one)
         rows["direction"] = np.zeros((len(rows["y"]), 3))
         rows["direction"][:, XYZ.index(x)] = 1.0
         rows |= {"dense": np.ones(len(rows["y"])), "sees": "scale" if scale else "tool"}
         yield f"{x}_act_mm", rows
+
+
+def _slips(letter: str, columns: Columns, actual: np.ndarray) -> Columns:
+    """Columns of the slips of an axis whose actual place is `actual` (N,) mm; empty where it does
+    not stick."""
+    place = columns[f"{letter} position"]
+    lag = (place - actual) * columns[f"{letter} approach"]
+    found = creep.of(place, lag, columns[f"{letter} velocity"], columns["run"])
+    return {} if found is None else {f"{letter} slipped": found.since, "slips": {letter: found}}
 
 
 def _changing(columns: Columns, letters: list[str], run: np.ndarray) -> np.ndarray:

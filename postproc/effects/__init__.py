@@ -30,19 +30,16 @@ And it may hold
 - EXTENDS: the effect that is its special case: named where both say the same;
 - sensible(**parameters): False where such parameters are another effect's;
 - RESTING: True where it moves the tool along an axis that does not move itself, too;
-- LISTED: True where rows or channels show it by themselves and are listed as faults of the data: it
-  is simulated, never fitted;
+- LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;
 - ALONG: True where it is along its axis and told by each row alone: rows that see it are asked;
-- WALLS: True where an effect that goes with time changes what lies between the two walls of a
-  feature;
+- WALLS: True where what goes with time changes what lies between the two walls of a feature;
 - instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
   well;
 - fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;
 - CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with
   their range. At 0 or below they mean something else and are not moved;
 - unsure(**parameters) -> mm by which it is wrong at every reading for want of a better driver;
-- beside(shape) -> a simpler shape of the same effect beside which this one must be worth something,
-  or None, if it has such.
+- beside(shape) -> a simpler shape beside which this one must be worth something; None, no such.
 
 An effect that moves the tool the same way whenever the slides stand in the same place, come from
 the same side, also holds tables(axis, travel, **parameters) -> list of (component, axis, nodes,
@@ -96,7 +93,9 @@ class State:
     over which samples were averaged to a row. inside: axis, or "time", to (W, N) mm or s: where, or
     when, the samples of a row were taken, NaN beyond their number. lines: axis to the other axes
     across which readings along it were taken on lines that lie apart. path: axis to (M, N) mm, the
-    ways between turns that its drive still remembers, see reversal_memory().
+    ways between turns that its drive still remembers, see reversal_memory(). slipped: axis to (N,)
+    mm, the way that a creeping slide was driven on since it slipped last, as it stopped while it
+    rests; NaN where no slips were seen.
     """
 
     position: dict[str, np.ndarray]
@@ -117,6 +116,7 @@ class State:
     lines: dict[str, str] = field(default_factory=dict)
     inside: dict[str, np.ndarray] = field(default_factory=dict)
     path: dict[str, np.ndarray] = field(default_factory=dict)
+    slipped: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.position.values())))

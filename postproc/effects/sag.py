@@ -8,10 +8,11 @@ a beam that is clamped at one end and propped at the other with s^3 (1 - s)^2 (4
 clamped end (Young, Budynas, Roark's Formulas for Stress and Strain, table 8.1). A beam on two
 supports is lowered at s by a mass at a by the sum over n of sin(n pi a) sin(n pi s) / n^4
 (Timoshenko, Vibration Problems in Engineering, simply supported beam); where the tool stands over
-the mass, a is s.
+the mass, a is s. A carriage on two rails rests on each with its share w and 1 - w of the way
+between them (the lever rule), and at its place on the way sees as much of each: w^2 + (1 - w)^2.
 """
 
-from itertools import product
+from itertools import permutations, product
 
 import numpy as np
 
@@ -36,6 +37,10 @@ PARAMETERS = {
         "1, share of the travel from where it stands out; below 0, it stands out all over it"
     ),
     "ram": "1, it slides out itself; 0, a mass moves on it",
+    "rails": (
+        "0, 1, 2: X, Y, Z, the axis that runs from one of two rails to the other, which bend alike;"
+        " -1, there is one"
+    ),
     "usual_N": (
         "N, the recorded load at which it sags so, and elsewhere in proportion; 0, alike at every"
         " load"
@@ -44,6 +49,8 @@ PARAMETERS = {
 # Twice the logarithm of how much seldomer a curve of the own place alone is sag: it is how straight
 # the axis moves, which `bow` stands for; a second axis or a load tells that a mass bends it.
 OWN_PLACE = 8.0
+LONGER = 0.0, 0.05, 0.2  # of the travel, at each end
+MOVES = 1e-3  # mm
 NODES = 25  # over a travel: between them less than 1 % of the size is left
 OPTIONAL = {
     "lever": 0.0,
@@ -53,6 +60,7 @@ OPTIONAL = {
     "propped": 0.0,
     "begins": 0.0,
     "ram": 0.0,
+    "rails": -1.0,
     "usual_N": 0.0,
 }
 # free end, whether it is propped, from where it stands out, whether it is a ram
@@ -79,19 +87,29 @@ TEXT = (
 def shapes(state: State, axis: str) -> list[dict[str, float]]:
     others = [float(XYZ.index(x)) for x in state.position if x != axis and x in XYZ]
     beams = (*others, float(XYZ.index(axis)))
-    ways = [(a, 0.0, -1.0, 0.0, *out) for a, out in product(others, OUT)]
-    ways += [(a, 1.0, -1.0, 0.0, *OUT[0]) for a in others if len(others) > 1]
-    ways += [(a, 0.0, b, o, *OUT[0]) for a, b, o in product(others, beams, (0.0, 0.05, 0.2))]
+    ways = [(a, 0.0, -1.0, 0.0, *out, -1.0) for a, out in product(others, OUT)]
+    ways += [(a, 1.0, -1.0, 0.0, *OUT[0], -1.0) for a in others if len(others) > 1]
+    ways += [(a, 0.0, b, o, *OUT[0], -1.0) for a, b, o in product(others, beams, LONGER)]
+    rails = product(_rails(state, others), LONGER)
+    ways += [(a, 0.0, beams[-1], o, *OUT[0], b) for (a, b), o in rails]
     load = state.channels.get(f"load_{axis}_N", np.zeros(1))
     usual = [float(np.median(np.abs(load[load != 0])))] if np.ptp(load) > 0 else []
     names = [n for n in PARAMETERS if n != "size_um"]
     return [dict(zip(names, (*way, u), strict=True)) for u in (0.0, *usual) for way in ways]
 
 
+def _rails(state: State, others: list[float]) -> list[tuple[float, ...]]:
+    """Numbers of the direction of an error and of an axis that runs from rail to rail, of which two
+    places are known."""
+    pairs = permutations(others, 2)
+    return [p for p in pairs if np.ptp(state.position[XYZ[int(p[1])]]) > MOVES]
+
+
 def further_cost(axis: str, shape: dict[str, float]) -> float:
     """Twice the logarithm of how much seldomer a shape is than the others of this effect."""
     beam = int(shape["beam"])
     alone = not shape["lever"] and not shape["usual_N"] and (beam < 0 or XYZ[beam] == axis)
+    alone = alone and shape["rails"] < 0
     return OWN_PLACE if alone else 0.0
 
 
@@ -106,6 +124,7 @@ def columns(
     propped: float = 0.0,
     begins: float = 0.0,
     ram: float = 0.0,
+    rails: float = -1.0,
     usual_N: float = 0.0,
 ) -> np.ndarray:
     reach = (state.share(axis) + 1) / 2
@@ -115,9 +134,16 @@ def columns(
     if not other:
         bent = _held(reach, free_end, propped, begins, ram) if beam < 0 else np.zeros(len(reach))
         return towards(XYZ[int(along)], heavy * bent)
-    return towards(
-        XYZ[int(along)], heavy * _bent(reach, (state.share(other) + 1) / 2, beam, overhang)
-    )
+    place = (state.share(other) + 1) / 2
+    cross = _cross(rails)
+    if cross in state.position:
+        heavy = heavy * _shared((state.share(cross) + 1) / 2)
+    return towards(XYZ[int(along)], heavy * _bent(reach, place, beam, overhang))
+
+
+def _shared(between: np.ndarray) -> np.ndarray:
+    """(N,) of what one rail gives under all of the load, by the place between two, 0 to 1."""
+    return between**2 + (1.0 - between) ** 2
 
 
 def _other(axis: str, letters: tuple[str, ...], along: float, lever: float, beam: float) -> str:
@@ -166,24 +192,34 @@ def grids(axis: str, travel: dict[str, tuple[float, float]], **named: float) -> 
     axis matters, alike at both its ends."""
     other = _other(axis, tuple(travel), named["along"], named["lever"], named["beam"])
     alone = other == axis or named["beam"] < 0
-    shares = np.linspace(0.0, 1.0, NODES), np.linspace(0.0, 1.0, 2 if alone else NODES)
+    if not (other or alone):
+        return []
+    few = 2 if alone and named["rails"] < 0 else NODES
+    share, across = np.linspace(0.0, 1.0, NODES)[:, None], np.linspace(0.0, 1.0, few)[None]
     if other and other != axis:
-        value = _bent(shares[0][:, None], shares[1][None], named["beam"], named["overhang"])
-    elif alone:
-        one = (
-            _bent(shares[0], shares[0], named["beam"], named["overhang"])
-            if other
-            else _held(
-                shares[0], *(named[name] for name in ("free_end", "propped", "begins", "ram"))
-            )
-        )
-        other = next((x for x in travel if x != axis and x in XYZ), "")
-        value = np.repeat(one[:, None], 2, axis=1)
-    if not other:
+        value = _bent(share, across, named["beam"], named["overhang"])
+    else:
+        value = _own(share, across, bool(other), named)
+        seconds = [x for x in travel if x in XYZ and x != axis]
+        other = _cross(named["rails"]) or next(iter(seconds), "")
+    if other not in travel:
         return []
     nodes, others = (
-        low + share * (high - low)
-        for share, (low, high) in zip(shares, (travel[axis], travel[other]), strict=True)
+        low + part.ravel() * (high - low)
+        for part, (low, high) in zip((share, across), (travel[axis], travel[other]), strict=True)
     )
     component = f"E{XYZ[int(named['along'])]}"
     return [(component, axis, other, nodes, others, named["size_um"] * value * UM)]
+
+
+def _own(share: np.ndarray, across: np.ndarray, beam: bool, named: dict[str, float]) -> np.ndarray:
+    """(K, L) of a sag by its own place (K, 1) alone, on two rails also by that (1, L) between
+    them."""
+    out = (named[name] for name in ("free_end", "propped", "begins", "ram"))
+    one = _bent(share, share, named["beam"], named["overhang"]) if beam else _held(share, *out)
+    return one * (_shared(across) if named["rails"] >= 0 else np.ones_like(across))
+
+
+def _cross(rails: float) -> str:
+    """The axis that runs from rail to rail; "" for none."""
+    return XYZ[int(rails)] if rails >= 0 else ""

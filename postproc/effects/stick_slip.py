@@ -19,9 +19,12 @@ PARAMETERS = {
     "fastest_mm_s": "mm/s, speed above which it slides evenly; 0, none",
     "slip_ms": "ms, time of a slip; 0, it jumps at once",
     "mean_um": "um, mean lag while it creeps with jumps that are told apart",
+    "scatter": "1, standard deviation of the ways of its cycles over their mean; 0, all are alike",
 }
-OPTIONAL = {"fastest_mm_s": 0.0, "slip_ms": 0.0, "mean_um": 0.0}
-PLAIN = {"slip_ms": 0.0}
+OPTIONAL = {"fastest_mm_s": 0.0, "slip_ms": 0.0, "mean_um": 0.0, "scatter": 0.0}
+PLAIN = {"slip_ms": 0.0, "scatter": 0.0}
+SHORTEST = 0.2  # of period_mm: a cycle that is drawn
+SEED = 1994
 SLIPS = (0.1, 0.25, 0.4)  # of a cycle at the usual speed
 SLOWEST, CRITICAL, SPEEDS = 0.5, 12.0, 8  # mm/s: critical speeds of slideways
 STILL = 1e-9  # mm
@@ -71,8 +74,28 @@ def ways(state: State, axis: str) -> np.ndarray:
     return np.clip(state.distance[axis] + gone, 0.0, ENDLESS)
 
 
+def _since_slip(
+    state: State, axis: str, period_mm: float, fastest_mm_s: float, scatter: float
+) -> np.ndarray:
+    """(N,) mm driven on since the last slip of cycles that differ: as it was seen, else drawn."""
+    if axis in state.slipped:
+        return state.slipped[axis]
+    low, high = state.travel[axis]
+    since = state.distance.get(axis, np.full(len(state), ENDLESS))
+    from_end = np.where(state.approach[axis] < 0, high, low)
+    way = np.where(since < ENDLESS, since, np.abs(state.position[axis] - from_end))
+    number = int(way.max(initial=0.0) / (SHORTEST * period_mm)) + 2
+    drawn = 1 + scatter * np.random.default_rng(SEED).standard_normal(number)
+    ends = np.cumsum(period_mm * np.maximum(drawn, SHORTEST))
+    last = np.concatenate([[0.0], ends])[np.searchsorted(ends, way, side="right")]
+    creep = creeps(state, axis, fastest_mm_s)
+    return np.where(creep, way - last, np.nan)
+
+
 def fuller(shape: dict[str, float], state: State, axis: str) -> list[dict[str, float]]:
     """The same cycle, at the usual speed of what creeps, with a slip that takes a part of it."""
+    if shape["scatter"]:
+        return []
     speed = np.abs(state.velocity[axis])[creeps(state, axis, shape["fastest_mm_s"])]
     usual, cycle = float(np.median(speed)), shape["period_mm"]
     return [
@@ -88,11 +111,21 @@ def sensible(period_mm: float, size_um: float, mean_um: float = 0.0, **_: float)
 
 
 def columns(
-    state: State, axis: str, period_mm: float, fastest_mm_s: float = 0.0, slip_ms: float = 0.0
+    state: State,
+    axis: str,
+    period_mm: float,
+    fastest_mm_s: float = 0.0,
+    slip_ms: float = 0.0,
+    scatter: float = 0.0,
 ) -> np.ndarray:
     lag = -state.approach[axis] * creeps(state, axis, fastest_mm_s)
     if period_mm <= 0:
         return along(axis, 0.5 * lag)
+    if scatter:
+        tooth = _since_slip(state, axis, period_mm, fastest_mm_s, scatter) / period_mm - 0.5
+        known = np.isfinite(tooth)
+        lag = np.where(known & (lag == 0), -state.approach[axis], lag)
+        return along(axis, np.where(known, tooth, 0.0) * lag, lag)
     creep = np.flatnonzero(lag)
     driven_on = np.abs(state.velocity[axis][creep]) * slip_ms * 1e-3
     way = ways(state, axis)[:, creep] % (period_mm + driven_on)
@@ -116,6 +149,8 @@ def coefficients(
     fastest_mm_s: float = 0.0,
     slip_ms: float = 0.0,
     mean_um: float = 0.0,
+    scatter: float = 0.0,
 ) -> tuple[np.ndarray, dict[str, float]]:
     shape = {"period_mm": period_mm, "fastest_mm_s": fastest_mm_s, "slip_ms": slip_ms}
+    shape["scatter"] = scatter
     return np.array([size_um, mean_um] if period_mm > 0 else [size_um]), shape

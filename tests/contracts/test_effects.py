@@ -51,7 +51,7 @@ FOUND = {
     "cyclic": {"period_mm": 7.3, "second": 1.0, "grows": 1.0, "sided": 0.0},
     "encoder_cyclic": {"period_mm": 7.3, "second": 0.0, "grows": 0.0, "sided": 0.0},
     "vibration": {"frequency_hz": 11.0, "passages": 0.0},
-    "stick_slip": {"period_mm": 3.1, "fastest_mm_s": 20.0, "slip_ms": 10.0},
+    "stick_slip": {"period_mm": 3.1, "fastest_mm_s": 20.0, "slip_ms": 10.0, "scatter": 0.0},
     "dead_path": {"file": 0.0, "late_s": 0.0, "pressure": 1.0},
     "step_loss": {"t_s": 3000.0},
     "outlier": {"t_s": 3000.0},

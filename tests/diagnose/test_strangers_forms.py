@@ -359,3 +359,41 @@ def test_what_goes_with_a_force_is_no_noise(tmp_path):
     text = head + "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_um,force_X_N\n"
     answer = diagnosed(tmp_path, text + "\n".join(rows) + "\n")
     assert names(answer) == ["force_compliance:X"]
+
+
+def test_lost_motion_at_one_place_that_is_pulled_from_both_sides(tmp_path):
+    """X rests at 300 mm, reached from one side in odd runs and from the other in even ones, and is
+    pulled to and fro by up to 400 N: 0.008 um per N, and 6 um between the two sides."""
+    rng = np.random.default_rng(3)
+    pulls = np.concatenate([np.arange(0, 401, 100), np.arange(300, -401, -100), [-200, 0]])
+    rows = []
+    for run in range(1, 5):
+        side = 1 if run % 2 else -1
+        for force in pulls:
+            read = 0.008 * force - 3.0 * side + 0.2 * rng.standard_normal()
+            rows.append(f"{run},{14 * len(rows)},300,100,{side},1,{read:.2f},{force + 0.5}")
+    head = HEAD.format("targets", "dial gauge") + LASER
+    head += "run,t_s,X_mm,Y_mm,approach_X,approach_Y,reading_um,force_X_N\n"
+    answer = diagnosed(tmp_path, head + "\n".join(rows) + "\n")
+    assert sorted(names(answer)) == ["backlash:X", "force_compliance:X"]
+    size = next(e for e in answer["effects"] if e["effect"] == "backlash")["parameters"]["size_um"]
+    assert size["value"] == pytest.approx(6.0, rel=0.1)
+
+
+def test_a_carriage_on_two_rails_that_bend(tmp_path):
+    """A rail on two supports gives by 16 a^2 (1 - a)^2 of what it gives in the middle under a load
+    at a; 9 um. The carriage rests on both by the lever rule, on lines 40, 200 and 360 mm across."""
+    level = '# quantity = "straightness"\n# sensitive = { Z = 1.0 }\n'
+    texts = []
+    for k, y in enumerate((40.0, 200.0, 360.0)):
+        share = (y / 400.0) ** 2 + (1 - y / 400.0) ** 2
+
+        def off(p, side, run, share=share):
+            a = p / 600.0
+            return -9.0 * 16 * (a * (1 - a)) ** 2 * share
+
+        texts.append(laser(off, y, k + 1, noise_um=0.3).replace(LASER, level))
+    answer = diagnosed(tmp_path, *texts)
+    assert names(answer) == ["sag:X"]
+    value = {k: p["value"] for k, p in answer["effects"][0]["parameters"].items()}
+    assert value["rails"] == 1 and value["size_um"] == pytest.approx(9.0, rel=0.1)

@@ -1,0 +1,132 @@
+"""Slips of a creeping slide: when it let go, by the samples of its lag.
+
+A slide that sticks stands while its command goes on, so that it lags by the way of the command;
+a slip lets that go in a part of the time (Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica
+30, 1994, 1083). No cycle is as long as the one before, for what holds it differs from place to
+place and with the time that it stood, so that no wave of one period follows them. Tops and bottoms
+of the lag are its turning points beyond a threshold (ASTM E1049, peak-valley counting).
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from postproc.effects.stick_slip import CRITICAL
+
+FEWEST, FEWEST_SAMPLES = 12, 64  # slips of a stroke; samples of one
+CLEAR = 4.0  # times the noise of a sample: a tooth
+HALF = 0.5  # of the usual tooth: what counts as another one
+# of third differences, the share that no slip is in where cycles have eight samples or more; that
+# quantile of a normal distribution
+QUIET, OF_NORMAL = 0.25, 0.3186
+# of a cycle, that a slip takes at most beyond the sample in which it begins; samples, in so few of
+# which an oscillation falls as soon
+AT_ONCE, FEW = 0.25, 4
+STANDS = 0.5, 1.5  # of the way that it is driven on while it stands: what it lags by
+SPREAD = 4.0  # standard deviations within which the end of a cycle is looked for
+
+
+class Slips(NamedTuple):
+    """since (N,) mm: of each sample the way that was driven since the last slip, falling while it
+    slips; as the slide stopped while it rests, NaN where it does not creep so. ways (C,) mm: of
+    each cycle, driven on while it sticks; steps (C,) mm from sample to sample there; fastest mm/s,
+    at which it slips."""
+
+    since: np.ndarray
+    ways: np.ndarray
+    steps: np.ndarray
+    fastest: float
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of the ways, of their mean."""
+        return float(np.std(self.ways) / np.mean(self.ways))
+
+    @property
+    def chosen_from(self) -> int:
+        """Places of all slips among which these were chosen."""
+        room = SPREAD * self.scatter * float(np.mean(self.ways)) / self.steps
+        return int(np.prod([max(2, round(float(r))) for r in room], dtype=object))
+
+
+def of(place: np.ndarray, lag: np.ndarray, velocity: np.ndarray, run: np.ndarray) -> Slips | None:
+    """The slips of an axis. place, lag (N,) mm, commanded, and by how much it lags; velocity (N,)
+    mm/s; run (N,). None: it does not stick and slip."""
+    creeps = (velocity != 0) & (np.abs(velocity) < CRITICAL)
+    since, fastest = np.full(len(place), np.nan), 0.0
+    ways, steps = [np.zeros(0)], [np.zeros(0)]
+    key = np.where(creeps, np.sign(velocity), 2.0 * (velocity != 0))
+    edges = np.flatnonzero((np.diff(key) != 0) | (np.diff(run) != 0)) + 1
+    for a, b in pairwise([0, *edges.tolist(), len(place)]):
+        if a and velocity[a] == 0 and run[a] == run[a - 1]:
+            since[a:b] = since[a - 1]  # it stays as it stopped
+        if not creeps[a] or b - a < FEWEST_SAMPLES:
+            continue
+        gone = np.abs(place[a:b] - place[a])
+        found = _teeth(lag[a:b], gone)
+        if found is None:
+            continue
+        at, height = found
+        since[a:b] = np.interp(gone, gone[at], height)
+        ways.append(height[height > 0][1:-1])
+        steps.append(np.full(len(ways[-1]), np.median(np.diff(gone))))
+        fastest = max(fastest, float(np.abs(velocity[a:b]).max()))
+    cycles = np.concatenate(ways)
+    return Slips(since, cycles, np.concatenate(steps), fastest) if len(cycles) else None
+
+
+def _teeth(lag: np.ndarray, gone: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Numbers (T,) of the samples at which a lag (n,) mm begins to grow and is let go, from the
+    first to the last, and the way (T,) mm since the last slip there; gone (n,) mm: way that was
+    driven. None where it does not stand, and is let go at once, again and again."""
+    noise = float(np.quantile(np.abs(np.diff(lag, 3)), QUIET)) / OF_NORMAL / np.sqrt(20.0)
+    first = _turns(lag, CLEAR * noise)
+    if len(first) < 2 * FEWEST:
+        return None
+    falls = np.abs(np.diff(lag[first]))
+    turns = _turns(lag, max(CLEAR * noise, HALF * float(falls @ falls / falls.sum())))
+    if len(turns) < 2 * FEWEST:
+        return None
+    begun = int(lag[turns[0]] > lag[turns[1]])  # with a top
+    inner = turns[begun : begun + (len(turns) - begun) // 2 * 2]
+    bottoms, tops = inner[::2], inner[1::2]
+    stick, slip = (tops - bottoms)[:-1], bottoms[1:] - tops[:-1]
+    way = gone[tops] - gone[bottoms]
+    stands = np.median((lag[tops] - lag[bottoms]) / way)
+    cycle = np.median(stick + slip)
+    at_once = cycle > FEW and np.median(slip) - 1 <= AT_ONCE * cycle
+    if not (at_once and STANDS[0] < stands < STANDS[1]):
+        return None
+    height = np.stack([np.zeros(len(way)), way], axis=1).ravel()
+    usual = float(np.mean(way))
+    end = len(lag) - 1
+    last = inner[-1] + int(np.argmin(lag[inner[-1] :]))
+    at = [0, *turns[:begun], *inner, *([last] if last < end else []), end]
+    ahead = gone[turns[0] if begun else 0]
+    before = [max(usual - ahead, 0.0), usual] if begun else [0.0]
+    after = [0.0, gone[end] - gone[last]] if last < end else [0.0]
+    return np.array(at), np.concatenate([before, height, after])
+
+
+def _turns(values: np.ndarray, least: float) -> np.ndarray:
+    """Numbers of the turning points between which values (n,) rise and fall by more than
+    `least`, without the last one, which may not be one yet."""
+    found: list[int] = []
+    low = high = 0
+    up = down = True  # what it may have been doing
+    series = values.tolist()
+    for k, v in enumerate(series):
+        if v > series[high]:
+            high = k
+        if v < series[low]:
+            low = k
+        if up and series[high] - v > least:
+            found.append(high)
+            up, down, low = False, True, k
+        elif down and v - series[low] > least:
+            found.append(low)
+            up, down, high = True, False, k
+    return np.array(found, int)
