@@ -33,8 +33,7 @@ And it may hold
 - LISTED: True of a fault of the data, listed where rows show it: it is simulated, never fitted;
 - ALONG: True where it is along its axis and told by each row alone: rows that see it are asked;
 - WALLS: True where what goes with time changes what lies between the two walls of a feature;
-- instead(shape) -> True of a shape that is taken only in the place of two effects that it says as
-  well;
+- instead(shape) -> True of a shape that is taken only in the place of two effects;
 - fuller(shape, state, axis) -> shapes with more that may come with it, each worth its price;
 - CONTINUOUS: those of the parameters of a shape that have a value between those of the grid, with
   their range. At 0 or below they mean something else and are not moved;
