@@ -144,9 +144,9 @@ REFUSED = {  # what was done: (which, how, what is said, line or 0)
         0,
     ),
     "places turned round": ("targets", times(-1, "Z_mm"), "these places fit as the other sign", 0),
-    "one place at one time": (
+    "one place from one side at one time": (
         "targets",
-        lambda t: all_of("1", "t_s")(all_of("100", "Z_mm")(t)),
+        lambda t: all_of("1", "t_s", "approach_Z")(all_of("100", "Z_mm")(t)),
         "no axis moves",
         0,
     ),
