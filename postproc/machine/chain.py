@@ -20,6 +20,7 @@ W on a head Z): links of the chain like any other, whose errors the slides X Y Z
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -32,6 +33,7 @@ OPTICS = ("tool", "workpiece")
 # axis to mm that stay, as arrays without axes, and the slides that add, per direction
 Arms = dict[str, list[tuple[np.ndarray, tuple[str, ...]]]]
 Parts = list[np.ndarray | None]  # six (N,) columns of one axis' deviations, None: zero everywhere
+NO_PARTS: Parts = [None] * 6
 
 
 @record
@@ -146,3 +148,64 @@ def leans(letter: str, lean: np.ndarray) -> list[tuple[int, np.ndarray]]:
         if lean[j]:
             found.append((i, np.array(lean[j] if k == 1 else -lean[j])))
     return found
+
+
+# Whole: the hot loop: no zeros are made or added where a part is missing.
+def tip_deviation(
+    arms: Arms,
+    parts: dict[str, Parts],
+    leans: dict[str, list[tuple[int, np.ndarray]]],
+    position: dict[str, np.ndarray],
+) -> list[np.ndarray]:
+    """Three (N,) columns X Y Z of the deviation in mm, of a chain without rotary axes.
+
+    arms, leans: of the functions above; parts: axis to its six deviations at its position;
+    position: axis to (N,) mm.
+    """
+    n = len(next(iter(position.values())))
+    total: list[Any] = [None, None, None]
+    for letter, stays in arms.items():
+        part: Parts = parts.get(letter) or NO_PARTS
+        for i, rate in leans.get(letter, ()):
+            drift = rate * position[letter]
+            total[i] = drift if total[i] is None else total[i] + drift
+        for i, shift in enumerate(part[:3]):
+            if shift is not None:
+                total[i] = shift if total[i] is None else total[i] + shift
+        if part[3] is not None or part[4] is not None or part[5] is not None:
+            arm = [_length(constant, slides, position) for constant, slides in stays]
+            total = [np.zeros(n) if column is None else column for column in total]
+            _turn(total, part[3:], arm)
+    return [np.zeros(n) if column is None else column for column in total]
+
+
+def _turn(total: list[Any], turns: Parts, arm: list[Any]) -> None:
+    """Adds eps x arm to three (N,) columns of mm. turns: eps, rad, about X Y Z; arm: mm; None: it
+    is zero. Not in place, which takes three times as long where N is 1."""
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        # (eps x arm)_i = eps_j arm_k - eps_k arm_j
+        if turns[j] is not None and arm[k] is not None:
+            total[i] = total[i] + turns[j] * arm[k]
+        if turns[k] is not None and arm[j] is not None:
+            total[i] = total[i] - turns[k] * arm[j]
+
+
+def _length(
+    constant: np.ndarray, slides: tuple[str, ...], position: dict[str, np.ndarray]
+) -> np.ndarray | None:
+    """(N,) or one number of mm: an arm in one direction; None: none, wherever the slides stand."""
+    if not slides:
+        return constant or None
+    total = position[slides[0]]
+    if constant:
+        total = total + constant
+    for slide in slides[1:]:
+        total = total + position[slide]
+    return total
+
+
+def summed(part: Parts | None, more: Parts) -> Parts:
+    """Six deviations and six more; None: there are none."""
+    if part is None:
+        return more
+    return [b if a is None else a if b is None else a + b for a, b in zip(part, more, strict=True)]

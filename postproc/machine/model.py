@@ -10,11 +10,12 @@ import numpy as np
 from postproc.machine import dependence, rotary
 from postproc.machine.axis import Axis
 from postproc.machine.bounds import Bounds
-from postproc.machine.chain import ROTARY, XYZ, along
-from postproc.machine.lookup import Lookup
+from postproc.machine.chain import ROTARY, XYZ, Parts, along, summed, tip_deviation
 from postproc.machine.stated import Stated
 from postproc.machine.tables import PORTION, AxisTable
 from postproc.records import record
+
+Columns = dict[str, np.ndarray]
 
 
 @record
@@ -108,25 +109,18 @@ class Machine(Stated):
         the chain does not name have none. A deviation along a direction that the machine has no
         axis for is left out.
         """
-        look = self._lookups[None if self._rotary else direction]
         result = np.zeros(position.shape)
         for first in range(0, position.shape[1], PORTION):
             part = slice(first, first + PORTION)
-            place = position[:, part]
-            values = look.values(place, approach[:, part])
+            along = None if self._rotary else direction
+            q, each = self._at(position[:, part], approach[:, part], along)
             if self._rotary:
-                q = dict(zip(self.letters, place, strict=True))
-                found = rotary.tip_deviation(self.geometry, look.parts(values), q)
+                parts = rotary.tip_deviation(self.geometry, each, q)
             else:
-                found = look.tip(values, place)
+                parts = tip_deviation(self.arms, each, self.leaning, q)
             for row, own in self._ways:
-                result[row, part] = found[own]
+                result[row, part] = parts[own]
         return result
-
-    @cached_property
-    def _lookups(self) -> dict[int | None, Lookup]:
-        """Its tables, whole and by direction."""
-        return {direction: Lookup(self, direction) for direction in (None, 0, 1, 2)}
 
     @cached_property
     def _rotary(self) -> bool:
@@ -144,9 +138,47 @@ class Machine(Stated):
     def carried(self, position: np.ndarray, approach: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(3, N) mm by which the tip is off and (3, N) rad by which the tool leans, both in the
         frame of the workpiece, which turns with it. A chain with rotary axes."""
-        look = self._lookups[None]
+        q, each = self._at(position, approach)
+        return rotary.carried(self.geometry, each, q)
+
+    def _at(
+        self, position: np.ndarray, approach: np.ndarray, direction: int | None = None
+    ) -> tuple[Columns, dict[str, Parts]]:
+        """Axis to its position, and to its deviations there, or those that count along one."""
         q = dict(zip(self.letters, position, strict=True))
-        return rotary.carried(self.geometry, look.parts(look.values(position, approach)), q)
+        s = dict(zip(self.letters, approach, strict=True))
+        each = {}
+        for x in self.chain.axes:
+            if (part := self._parts(x, q, s, direction)) is not None:
+                each[x] = part
+        return q, each
+
+    def _parts(self, letter: str, q: Columns, s: Columns, direction: int | None) -> Parts | None:
+        """Six (N,) deviations of one axis: its table, what depends on a second axis, its growth
+        with temperature."""
+        part: Parts | None = None
+        for table in self._live[letter]:
+            part = summed(part, table.evaluate(q[letter], s[letter], direction))
+        for grid in self.grids_of[letter]:
+            part = summed(part, grid.evaluate(q[letter], q[grid.other], s[letter]))
+        if (growth := self.expansions.get(letter)) is not None:
+            more: Parts = [None] * 6
+            more[ROTARY.index(letter) if letter in ROTARY else along(letter)] = growth.rate * (
+                q[letter] - growth.fixed
+            )
+            part = summed(part, more)
+        return part
+
+    @cached_property
+    def _live(self) -> dict[str, list[AxisTable]]:
+        """Axis to its table, if anything in it is not zero, and to those that effects add."""
+        return {
+            x: [
+                *([a.table] if a.table is not None and a.table.rows else []),
+                *self.added.get(x, ()),
+            ]
+            for x, a in self.axes.items()
+        }
 
     @cached_property
     def _playing(self) -> dict[str, list[AxisTable]]:

@@ -265,17 +265,6 @@ class Stated:
         return found
 
     @cached_property
-    def live(self) -> dict[str, list[AxisTable]]:
-        """Axis to its table, if anything in it is not zero, and to those that effects add."""
-        return {
-            x: [
-                *([a.table] if a.table is not None and a.table.rows else []),
-                *self.added.get(x, ()),
-            ]
-            for x, a in self.axes.items()
-        }
-
-    @cached_property
     def every_table(self) -> list[tuple[str, AxisTable]]:
         """Axis and table: measured ones that are not zero, and what effects add."""
         own = [(x, table) for x, table in self.tables.items() if not table.is_zero]

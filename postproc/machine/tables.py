@@ -20,8 +20,10 @@ import numpy as np
 from postproc.records import columns
 
 MANY = 64  # places for which a search takes longer than a few more steps
-PORTION = 4_096  # places looked up at once: the columns of more leave the processor's cache
+PORTION = 16_384  # places looked up at once: the columns of more leave the processor's cache
 COMPONENTS = ("EX", "EY", "EZ", "EA", "EB", "EC")  # direction; the moving axis is appended: EXZ
+
+Bins = tuple[list[int], np.ndarray, np.ndarray, dict[int, int]]
 
 
 @columns
@@ -92,6 +94,27 @@ class AxisTable:
         gaps = np.diff(self.nodes)
         return float(gaps[0]) if np.allclose(gaps, gaps[0], rtol=0, atol=1e-9) else 0.0
 
+    @cached_property
+    def _bins(self) -> Bins:
+        """Of all live components."""
+        return self._of(self.rows)
+
+    @cached_property
+    def _bins_along(self) -> list[Bins]:
+        """Of those by which the machine is off along X, Y or Z: the shift, and both rotations about
+        the others."""
+        each = ((0, 4, 5), (1, 3, 5), (2, 3, 4))
+        return [self._of([i for i in self.rows if i in those]) for those in each]
+
+    def _of(self, rows: list[int]) -> Bins:
+        """The components; value and rise (C + H, K - 1) at each interval's lower node of the mean
+        of each, and behind them of the half of those that were measured both ways; and component to
+        the row of its half."""
+        both = [i for i in rows if np.any(self.half[i])]
+        value = np.concatenate([self.mean[rows], self.half[both]])
+        half = {i: len(rows) + k for k, i in enumerate(both)}
+        return rows, value[:, :-1].copy(), np.diff(value), half
+
     def place(self, position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(N,) index of the node below each position, mm, and (N,) the share of the interval above
         it, 0 to 1.
@@ -149,23 +172,35 @@ class AxisTable:
         n = self.nodes
         return np.array(n[0]), np.array(n[-1]), n[1:-1].copy(), np.diff(n)
 
-    def evaluate(self, position: np.ndarray, approach: np.ndarray) -> list[np.ndarray | None]:
-        """Six (N,) columns, None for a component that is zero everywhere.
+    def evaluate(
+        self, position: np.ndarray, approach: np.ndarray, along: int | None = None
+    ) -> list[np.ndarray | None]:
+        """Six (N,) columns, None for a component that is zero everywhere, or that does not count
+        along the direction `along`, 0 to 2 for X Y Z.
 
         position (N,) mm; approach (N,) from -1 (reached in -) over 0 (mean) to +1.
         """
-        interval, share = self.place(position)
         result: list[np.ndarray | None] = [None] * 6
-        for i in self.rows:
-            result[i] = _between(self.mean[i], interval, share)
-            if np.any(self.half[i]):
-                result[i] += approach * _between(self.half[i], interval, share)
+        rows, base, rise, half = self._bins if along is None else self._bins_along[along]
+        if not rows:
+            return result
+        interval, share = self.place(position)
+        value = rise.take(interval, axis=1)
+        value *= share
+        value += base.take(interval, axis=1)
+        for k, i in enumerate(rows):
+            result[i] = value[k] + approach * value[half[i]] if i in half else value[k]
         return result
 
     def half_of(self, row: int, position: np.ndarray) -> np.ndarray | float:
         """(N,) half of forward minus reverse of one component, mm or rad; 0 where it was measured
         one way."""
-        return _between(self.half[row], *self.place(position)) if np.any(self.half[row]) else 0.0
+        _, base, rise, half = self._bins
+        if row not in half:
+            return 0.0
+        interval, share = self.place(position)
+        value: np.ndarray = base[half[row]][interval] + rise[half[row]][interval] * share
+        return value
 
 
 @columns
@@ -256,12 +291,6 @@ def _interval(nodes: np.ndarray, position: np.ndarray) -> tuple[np.ndarray, np.n
     inside = np.clip(position, nodes[0], nodes[-1])
     at = np.clip(np.searchsorted(nodes, inside, side="right") - 1, 0, len(nodes) - 2)
     return at, (inside - nodes[at]) / (nodes[at + 1] - nodes[at])
-
-
-def _between(value: np.ndarray, interval: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """(N,) values (K,) of nodes between these."""
-    result: np.ndarray = value[:-1][interval] + np.diff(value)[interval] * share
-    return result
 
 
 def _bilinear(
