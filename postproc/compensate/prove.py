@@ -32,6 +32,8 @@ EXACT = 1e-9  # mm: what a square root leaves of half a turn
 SMALLEST_RADIUS = 0.002  # mm: controls take less for none
 FLAT = 16  # least increments of bow: half of one at both ends changes the radius by a sixteenth
 LARGEST_SWEEP = np.radians(300.0)  # of an arc inside cutter radius compensation
+# Sixteenths of a run, whose samples its centre is fitted to: nearly evenly spaced.
+FITTED, SIXTEENTH = np.array([[3], [5], [8], [11], [13]]), np.array(4)
 ANYWHERE, TURNED = np.array([[1.0], [0.0]]), np.array([[-1.0], [1.0]])
 NEIGHBOURS = np.stack(np.meshgrid(np.arange(-2, 3), np.arange(-2, 3))).reshape(2, 25)
 
@@ -49,6 +51,14 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return dot
 
 
+def _multiple(value: np.ndarray, part: np.ndarray, weighed: np.ndarray) -> np.ndarray:
+    """(R,) how many times parts (K, R) come nearest to values (K, R), by least squares; weighed:
+    the parts times their weights."""
+    size = (part * weighed).sum(axis=0)
+    result: np.ndarray = (value * weighed).sum(axis=0) / np.where(size > 0, size, 1.0)
+    return result
+
+
 Most = float | np.ndarray
 
 
@@ -60,6 +70,7 @@ class Proof:
 
     def __init__(self, f: Fitter, rows: Rows, samples: Samples, low: np.ndarray, high: np.ndarray):
         self.f, self.rows, self.low, self.high = f, rows, low, high
+        self.samples = samples
         arcs, arc = f.arcs, rows.arc
         self.arc, self.centre = arc, arcs.centre.take(arc, axis=1)
         axes = (samples.first, samples.second)
@@ -143,11 +154,6 @@ class Proof:
         bow -= self._each(begin)
         return bow
 
-    def _total(self, value: np.ndarray) -> np.ndarray:
-        """(R,) sums over the samples of each run."""
-        result: np.ndarray = np.add.reduceat(value, self.edges)[:: self.runs]
-        return result
-
     def _largest(self, value: np.ndarray) -> np.ndarray:
         """(R,) largest of (N,) sizes over each run."""
         result: np.ndarray = np.maximum.reduceat(value, self.edges)[:: self.runs]
@@ -199,12 +205,15 @@ class Proof:
         return result
 
     def _fitted(self) -> np.ndarray:
-        """(2, R) mm: the centre whose circle through the written begin passes the samples best, by
-        least squares in the radial shifts; where the row ends elsewhere than it begins, it passes
-        the written end too."""
-        s, rows = self.s, self.rows
+        """(2, R) mm: the centre whose circle through the written begin passes five samples
+        between best, by least squares in the radial shifts; where the row ends elsewhere than it
+        begins, it passes the written end too."""
+        s, rows = self.samples, self.rows
+        at = self.low + ((self.high - self.low) * FITTED >> SIXTEENTH)
+        way, left = s.unit.take(at, axis=1), s.radial.take(at)
+        way -= self.unit0[:, None]
         places = (self.unit0, self.begin, rows.t0), (self.unit1, self.end, rows.t1)
-        ends = [dot(unit, place) - self.radius - self.grown * t for unit, place, t in places]
+        ends = [dot(one, place) - self.radius - self.grown * t for one, place, t in places]
         chord = self.unit1 - self.unit0
         length = np.sqrt(dot(chord, chord))
         open_ = length > SAME_ANGLE
@@ -212,30 +221,21 @@ class Proof:
         safe = np.where(open_, length, 1.0) if closed else length
         along = np.where(open_, chord / safe, ANYWHERE) if closed else chord / safe
         across = along[::-1] * TURNED
-        g = self._outwards(across)
-        g -= self._each(dot(across, self.unit0))
-        gg = self._total(g * g)
+        g = dot(across, way)
+        left -= ends[0]
         move_along = (ends[1] - ends[0]) / safe
         if closed:
-            f = self._outwards(along) - self._each(dot(along, self.unit0))
-            h, which = s.radial - self._each(ends[0]), ~open_
-            ff, fg, fh, gh = (self._total(product) for product in (f * f, f * g, f * h, g * h))
+            f, which = dot(along, way), ~open_
+            pairs = (f, f), (g, g), (f, g), (f, left), (g, left)
+            ff, gg, fg, fh, gh = ((a * b).sum(axis=0) for a, b in pairs)
             free = ff * gg - fg**2
             move_along[which] = ((fh * gg - gh * fg) / np.where(free > 0, free, 1.0))[which]
         moved = along * move_along
-        left = self._outwards(moved)
-        np.subtract(s.radial, left, out=left)
-        left += self._each(dot(moved, self.unit0) - ends[0])
-        left *= g
-        result: np.ndarray = moved + across * (self._total(left) / np.where(gg > 0, gg, 1.0))
-        return result
-
-    def _outwards(self, way: np.ndarray) -> np.ndarray:
-        """(N,) how far a way (2, R) of each run leads outwards at each sample."""
-        result, second = self._each(way[0]), self._each(way[1])
-        result *= self.s.unit[0]
-        second *= self.s.unit[1]
-        result += second
+        left -= dot(moved, way)
+        off = _multiple(left, g, g)
+        # Once more, a miss counting by its size: nearer to the least largest one (C. L. Lawson).
+        off = _multiple(left, g, g * (np.abs(left - off * g) + EXACT))
+        result: np.ndarray = moved + across * off
         return result
 
     def _radius_words(self, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

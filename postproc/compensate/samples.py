@@ -65,7 +65,7 @@ class Samples:
         return low
 
 
-EACH = ("t", "unit", "place", "radial", "across", "bow", "smooth")  # what a proof asks for
+EACH = ("t", "place", "across", "bow", "smooth")  # what a proof looks at in each
 
 
 def bend(value: np.ndarray, smooth: np.ndarray) -> np.ndarray:

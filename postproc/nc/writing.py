@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -83,11 +84,25 @@ class Writing:
         if dialect.contour:
             polar = np.array([s is not None and bool(s.polar) for s in motions.spaces], bool)
             self.above[:] = dialect.contour * polar[motions.space]
-        self.layout()
 
-    def layout(self) -> None:
-        """Where new words go: per motion `at` (N,) behind its last axis or centre word, `head` (N,)
-        before its first, and whether its words are spaced."""
+    @property
+    def head(self) -> np.ndarray:
+        """(N,) where new words go before the first axis or centre word of motions."""
+        return self._layout[0]
+
+    @property
+    def at(self) -> np.ndarray:
+        """(N,) where they go behind the last."""
+        return self._layout[1]
+
+    @property
+    def spaced(self) -> np.ndarray:
+        """(N,) bool: motions whose words are spaced."""
+        return self._layout[2]
+
+    @cached_property
+    def _layout(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """`head`, `at`, `spaced`, which a batch without new words needs none of."""
         m, w = self.m, self.w
         every = m.word
         all_words = every
@@ -116,12 +131,12 @@ class Writing:
             fallback = np.where(
                 w.block[np.maximum(last_word, 0)] == m.block, self.tail(last_word), fallback
             )
-        self.head = np.where(some, w.start[first], fallback) if n else fallback
-        self.at = np.where(some, self.tail(last), fallback) if n else fallback
-        before, behind = self.byte[np.maximum(self.head - 1, 0)], self.byte[self.at]
-        self.spaced = IS_BLANK.take(before) | IS_BLANK.take(behind)
+        head = np.where(some, w.start[first], fallback) if n else fallback
+        at = np.where(some, self.tail(last), fallback) if n else fallback
+        spaced = IS_BLANK.take(self.byte[np.maximum(head - 1, 0)]) | IS_BLANK.take(self.byte[at])
         if self.dialect.grammar.assigns or self.klartext:
-            self.spaced.fill(True)  # G64X=5 would be read as no code and its word
+            spaced.fill(True)  # G64X=5 would be read as no code and its word
+        return head, at, spaced
 
     def value(self, row: int | np.ndarray, piece: np.ndarray, decimals: np.ndarray) -> np.ndarray:
         """(K,) whole numbers: the axis word of pieces, in 10**-decimals of its unit."""

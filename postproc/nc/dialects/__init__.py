@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
-from dataclasses import field, replace
+from dataclasses import field
 from functools import cached_property, lru_cache
 from pathlib import Path
 
@@ -23,7 +23,7 @@ from postproc.nc.codes import (
     code_number,
 )
 from postproc.nc.grammar import PLAIN, Grammar
-from postproc.records import record
+from postproc.records import record, replace
 
 NO_GROUP, UNKNOWN = -1, -2
 # of CYCLE_KEYS; all but the first go with the spindle

@@ -5,11 +5,10 @@ Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, col
 are the cycles that systems B and C call G77 G78 G79 and G20 G21 G24, G50 is their G92.
 """
 
-from dataclasses import replace
-
 from postproc.nc import codes
 from postproc.nc.dialects import fanuc_lathe
 from postproc.nc.rows import CUTTER, DRAWS, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
+from postproc.records import replace
 
 DIALECT = replace(
     fanuc_lathe.DIALECT,

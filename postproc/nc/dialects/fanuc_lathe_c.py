@@ -4,8 +4,6 @@ G72-G78 the others.
 Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, column C.
 """
 
-from dataclasses import replace
-
 from postproc.nc import codes
 from postproc.nc.dialects import fanuc_lathe
 from postproc.nc.rows import (
@@ -19,6 +17,7 @@ from postproc.nc.rows import (
     THREAD,
     rows,
 )
+from postproc.records import replace
 
 DIALECT = replace(
     fanuc_lathe.DIALECT,

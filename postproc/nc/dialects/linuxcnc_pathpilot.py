@@ -5,10 +5,9 @@ G12, G13, G74, G87, G88). Autodesk's Tormach posts begin with G90 G54 G64 G50 G1
 G49: there is no scaling that G50 could end, and G51 is refused.
 """
 
-from dataclasses import replace
-
 from postproc.nc.dialects import linuxcnc
 from postproc.nc.rows import rows
+from postproc.records import replace
 
 ABSENT = ("G52", "G74", "G87", "G88")
 
