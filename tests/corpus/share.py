@@ -90,6 +90,7 @@ BROKEN = (  # an error that the control tells too, or that no control could run
     "':' behind the statement",
     " endsub behind this line",  # LinuxCNC: "File ended with no percent sign or program end"
     "is never roughed out",  # LinuxCNC does not end with it
+    "below the bottom of the hole at",  # LinuxCNC: "R value less than Z value"
     "a canned cycle without Y",  # LinuxCNC: "Y value unspecified in xz plane canned cycle"
     "inverse time needs an F word",
     "a depth has no sign",
