@@ -47,8 +47,8 @@ motions, each as it was measured last; without a repository's name each program 
 -m tests.corpus.share` runs `gcomp --verify`: 6 m of travel, a smooth two-way map, all offsets zero,
 home stated, 1 um; a refusal is answered by the option that its advice names.
 
-*none*: no dialect here (MillMaster, Acramatic, PAL, Sinumerik 8, Fagor lathe). *Broken*: the control
-would stop too. *Not in the text*: only the machine knows it (probing, stored variables, its
+*none*: no dialect here (MillMaster, Acramatic, PAL, Sinumerik 8, Fagor lathe). *Broken*: the
+control would stop too. *Not in the text*: only the machine knows it (probing, stored variables, its
 builder's codes, axes other than X Y Z A B C), or it is a template.
 
 Lathes have X Z, where a program names Y or C X Y Z C; an offset that no list has (T0203, G30) is
