@@ -77,9 +77,11 @@ class Holes:
     motion (n,): which motion. axis (n,): row of the axis that drills. bottom, level (n,): ticks,
     machine coordinates, of the bottom and of R. zero (n,): ticks, where the bottom's word counts
     from. word (n,): index of that word, -1 where it is not written; initial (n,): whether the axis
-    returns to where it was before the cycle, else to R. tap (n,): whether its feed is tied to the
-    spindle, so that it can not be written out; place (n,): whether the cycle goes to its place,
-    else the axes stand there already.
+    returns to where it was before the cycle, else to R. flush (n,): whether that is R itself, and R
+    may come to lie no higher, since the control is not known to go back to R then; level_word (n,):
+    index of its word, -1 elsewhere and where it is not written. tap (n,): whether its feed is tied
+    to the spindle, so that it can not be written out; place (n,): whether the cycle goes to its
+    place, else the axes stand there already.
     """
 
     motion: np.ndarray
@@ -89,6 +91,8 @@ class Holes:
     zero: np.ndarray
     word: np.ndarray
     initial: np.ndarray
+    flush: np.ndarray
+    level_word: np.ndarray
     tap: np.ndarray
     place: np.ndarray
 
@@ -153,7 +157,8 @@ def no_spells() -> Spells:
 def no_holes() -> Holes:
     """None."""
     i = np.zeros(0, np.int64)
-    return Holes(i, i, i, i, i, i, i.astype(bool), i.astype(bool), i.astype(bool))
+    no = i.astype(bool)
+    return Holes(i, i, i, i, i, i, no, no, i, no, no)
 
 
 @cache
@@ -285,7 +290,9 @@ def join(parts: list[Motions], blocks: list[int], words: list[int]) -> Motions:
         # what counts something, from which number on it does, and what came before this part
         counts = {"block": (NEVER, block), "motion": (NEVER, begin)}
         counts |= {"reason": (1, len(reasons) - 1), "space": (1, len(spaces) - 1)}
-        counts |= dict.fromkeys(("word", "feed_word", "code_word", "words"), (0, word))
+        counts |= dict.fromkeys(
+            ("word", "feed_word", "code_word", "words", "level_word"), (0, word)
+        )
         for table in (part, part.arcs, part.holes, part.presets):
             for name in _COLUMNS[type(table)]:
                 least, by = counts.get(name, (0, 0))

@@ -119,6 +119,8 @@ class Columns:
         rests = ~np.logical_or.reduce(self.travel, axis=0)
         if np.count_nonzero(rests):
             rests &= (self.t1 - self.t0 == 1.0) & (self.code <= FEED) & free & self.sure
+            # the first feed brings an axis back from a tool change, though it goes nowhere
+            rests &= (self.code == RAPID) | ~self.of(m.changed).any(axis=0)
             left = left | rests & self.of(m.start_known & m.target_known).all(axis=0)
         if len(m.holes):  # the cycle brings the axis back to where it was
             left = left.copy()

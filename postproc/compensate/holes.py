@@ -4,7 +4,9 @@ the bottom.
 A hole stays one block as long as its axis, which the machine drills with X and Y held, stays within
 the tolerance of holes of the nominal one over the whole depth: deviations are linear between the
 nodes, so ends and nodes tell. A tap can not be written out, since its feed is the spindle's: what
-bends stays, and is said. The level R and the way back are rapids, and stay as written.
+bends stays, and is said. The level R and the way back are rapids, and stay as written, but for an R
+at which the tool stands: where that place comes to lie below R, R goes there with it, since
+not every control says where it goes back to from there.
 """
 
 from __future__ import annotations
@@ -77,6 +79,8 @@ def settle(b: Batch) -> None:
             )
         b.bottom[holes.motion[k]] = bottom
         b.end[row, i] = b.nominal_end[row, i]
+        if holes.flush[k]:
+            b.end[row, i] = min(b.end[row, i], (b.end[:, i - 1] if i else b.carry.issued)[row])
         b.end_nominal[row, i] = (
             holes.bottom[k] / TICKS_PER_MM if row in b.rows else b.end_nominal[row, i]
         )

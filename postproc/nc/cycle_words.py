@@ -14,7 +14,8 @@ from postproc.nc.writing import Writing
 
 def hole_words(b: Writing) -> None:
     """The bottom's word of every hole: kept where it holds, else anew, or put in where the one of
-    the hole before would hold and is another."""
+    the hole before would hold and is another. R's where the tool stands there, and comes to stand
+    below."""
     m, p, w, holes = b.m, b.p, b.w, b.m.holes
     if not len(holes):
         return
@@ -22,6 +23,8 @@ def hole_words(b: Writing) -> None:
     use = p.corrected[piece]
     for k in np.flatnonzero(use):
         row, motion, word = int(holes.axis[k]), int(holes.motion[k]), int(holes.word[k])
+        if holes.level_word[k] >= 0:
+            _level_word(b, int(k), int(p.start[row, piece[k]]))
         beside = (
             int(p.start[row, piece[k]] - m.start[row, motion]) if m.incremental[row, motion] else 0
         )
@@ -44,6 +47,19 @@ def hole_words(b: Writing) -> None:
         prefix = np.array([[ord(" ") if b.spaced[motion] else 0, ord(b.axes[row])]], np.uint8)
         at = b.at[[motion]]
         b.splice.numbers(at, at, np.array([INSERT_WORD + 40]), value, decimals, prefix)
+
+
+def _level_word(b: Writing, k: int, stands: int) -> None:
+    """R of hole k, where its axis stands, at `stands` ticks."""
+    m, w, holes = b.m, b.w, b.m.holes
+    row, motion, word = int(holes.axis[k]), int(holes.motion[k]), int(holes.level_word[k])
+    if stands >= holes.level[k]:
+        return
+    places = max(int(m.places[row, motion]), int(w.decimals[word]))
+    decimals = np.array([min(places, MOST_DECIMALS)])
+    value = counts(np.array([stands - holes.zero[k]]), m.scale[row, [motion]], decimals)
+    b.touched[motion] = True
+    b.splice.numbers(w.number[[word]], w.stop[[word]], np.zeros(1, np.int64), value, decimals)
 
 
 def preset_words(splice: Splice, w: Words, m: Motions, shift: np.ndarray) -> None:

@@ -17,6 +17,7 @@ from postproc.errors import Notice
 from postproc.motions import Holes, no_holes
 from postproc.nc.batch import NO_WORDS, AxisWords, Batch
 from postproc.nc.columns import hold_index
+from postproc.nc.positions import Places
 from postproc.nc.state import Cycle, InCycle
 
 ACROSS = {170: "Z", 180: "Y", 190: "X"}
@@ -47,6 +48,9 @@ def _axis_of(b: Batch, first: int, motion: np.ndarray, planes: np.ndarray) -> tu
     """The axis along which is drilled, and whether the cycle's code says it. first: its block."""
     if letter := b.dialect.hole_axis.get(int(motion[first]), ""):
         return letter, True
+    there_and_back = b.dialect.there_and_back[np.maximum(motion, 0)] & (motion >= 0)
+    if there_and_back[b.words.block[b.places.get("Z", NO_WORDS)]].any():
+        return "Z", False  # it goes to its words, whatever the plane: G18 is a lathe's
     cycle = b.state.cycle
     if cycle is not None and not _called(b, first):  # it goes on
         return cycle.letter, False
@@ -114,8 +118,12 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
     # without R it goes back to where it stood, which is R level too
     initial = back & (cycle.initial > level) | (~named & (not of_lathe))
     _blame(b, holes, has_level, has_bottom, level, bottom, letter)
+    flush = None
     if cycle.known and not of_lathe and not b.dialect.returns_no_lower:
         b.blame(holes[(back & named & (cycle.initial < level))[holes]], SUNK, SUNK_ADVICE)
+        flush = (named & absolute & (cycle.initial == level))[holes]
+    own = np.full(b.n, -1, np.int64)
+    own[b.words.block[level_word]] = level_word
     mixed = holes[(~absolute != ~absolute[holes[0]])[holes]] if len(holes) else holes
     relative = holes[~absolute[holes] & ~initial[holes]]
     b.blame(np.concatenate([mixed, relative]), "a cycle that returns to R under G91", _way_out(b))
@@ -129,6 +137,7 @@ def in_cycle(b: Batch, motion: np.ndarray, axis_words: AxisWords) -> InCycle | N
         target=np.where(initial, cycle.initial, level)[holes], bottom=bottom[holes],
         level=level[holes], zero=np.where(absolute, offset, level)[holes], word=word[holes],
         initial=initial[holes], code=motion[holes], known=cycle.known, after=after,
+        flush=flush, level_word=own[holes],
     )  # fmt: skip
 
 
@@ -149,13 +158,6 @@ def _there_and_back(
     place = place[mask[b.words.block[place]]]
     word[b.words.block[place]] = place
     holes = (mask & b.has_axis & ~b.taken).nonzero()[0]
-    for other in (x for x in b.rows if x != letter):
-        named = np.isin(holes, b.words.block[axis_words[other][0]])
-        b.blame(
-            holes[named],
-            f"a rigid tap with a word of {other}",
-            f"go to its place before it: G33.1 with {letter} alone",
-        )
     level = np.full(b.n, cycle.initial, np.int64)
     zero = np.where(absolute, np.broadcast_to(b.offset[row], b.n), level)
     scale = np.broadcast_to(b.unit_scale(letter)[0] // b.halves(letter), b.n)
@@ -168,6 +170,23 @@ def _there_and_back(
         level=level[holes], zero=zero[holes], word=word[holes], initial=np.ones(len(holes), bool),
         code=motion[holes], known=cycle.known, after=None,
     )  # fmt: skip
+
+
+def refuse_slants(b: Batch, block: np.ndarray, places: Places) -> None:
+    """G33.1 to a place beside the one where it stands. A word of that place itself moves nothing.
+    block (N,): the blocks of `places`."""
+    cycle = b.cycle
+    if cycle is None or not b.dialect.there_and_back[cycle.code].any():
+        return
+    at = np.searchsorted(block, cycle.blocks)
+    for other, row in b.rows.items():
+        stays = places.start_known[row, at] & (places.start[row, at] == places.target[row, at])
+        if row != cycle.row:
+            b.blame(
+                cycle.blocks[(places.word[row, at] >= 0) & ~stays],
+                f"a rigid tap with a word of {other}, where it does not stand",
+                f"go to its place before it: G33.1 with {cycle.letter} alone",
+            )
 
 
 def _held(
@@ -251,8 +270,11 @@ def holes_of(b: Batch, cycle: InCycle | None, block: np.ndarray) -> Holes:
     if cycle is None or not len(cycle.blocks):
         return no_holes()
     motion, code = np.searchsorted(block, cycle.blocks), cycle.code
+    flush = np.zeros(len(motion), bool) if cycle.flush is None else cycle.flush
+    level_word = np.full(len(motion), -1) if cycle.level_word is None else cycle.level_word
     return Holes(
         motion=motion, axis=np.full(len(motion), cycle.row), bottom=cycle.bottom, level=cycle.level,
-        zero=cycle.zero, word=cycle.word, initial=cycle.initial, tap=b.dialect.is_tap[code],
+        zero=cycle.zero, word=cycle.word, initial=cycle.initial, flush=flush,
+        level_word=np.where(flush, level_word, -1), tap=b.dialect.is_tap[code],
         place=~b.dialect.there_and_back[code],
     )  # fmt: skip

@@ -27,7 +27,7 @@ from postproc.nc.conditionals import conditionals
 from postproc.nc.control import Control, spelled
 from postproc.nc.engraving import as_motion, cycle_of, known_behind, loose_axes
 from postproc.nc.grammar import ABSOLUTE, KEYWORD_LETTER, RELATIVE, UNTOLD
-from postproc.nc.holes import holes_of
+from postproc.nc.holes import holes_of, refuse_slants
 from postproc.nc.increments import count_increments
 from postproc.nc.left import left_as_they_are
 from postproc.nc.lexer import Words
@@ -186,6 +186,7 @@ def follow(b: Batch) -> tuple[Motions, ModalState, list[Notice]]:
     if centre_words:
         stray_words(b, centre_words, moving & ((motion == 0) | (motion == 10)))
     places = position(b, block := (moving | b.foreign).nonzero()[0], axis_words)
+    refuse_slants(b, block, places)
     return columns(b, block, motion, places, centre_words), next_state(b, places), b.notices
 
 

@@ -166,7 +166,8 @@ def ticks_of(setup: Setup, place: dict[str, float]) -> np.ndarray:
 class InCycle:
     """The blocks of a segment that a cycle holds: `blocks` (k,) those with a hole, `mask` (B,) all
     of them, and per hole (k,) the ticks where the axis ends up, the bottom, R, the zero of the
-    bottom's word, that word, and whether the axis goes back to the initial level."""
+    bottom's word, that word, whether the axis goes back to the initial level, and `flush` and
+    `level_word` of Holes."""
 
     letter: str
     row: int
@@ -181,3 +182,5 @@ class InCycle:
     code: np.ndarray
     known: bool
     after: Cycle | None
+    flush: np.ndarray | None = None
+    level_word: np.ndarray | None = None

@@ -33,7 +33,7 @@ class Openings:
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
-        return bool(FOUND.search(line.text))
+        return b"=" in line.text and bool(FOUND.search(line.text))
 
     def finish(self) -> list[Line]:
         return []

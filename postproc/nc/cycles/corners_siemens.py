@@ -68,7 +68,9 @@ class Corners:
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
-        return self.held is not None or self.modal > 0 or bool(FOUND.search(line.text))
+        if self.held is not None or self.modal > 0:
+            return True
+        return b"=" in line.text and bool(FOUND.search(line.text))
 
     def finish(self) -> list[Line]:
         """What is still held when the program ends: no corner is made behind it."""

@@ -42,7 +42,10 @@ class SiemensDirections(Directions):
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
-        return bool(VECTOR.search(line.text) or WORDS.search(line.text))
+        text = line.text
+        if b"=" in text and VECTOR.search(text):
+            return True
+        return b"R" in text.upper() and bool(WORDS.search(text))
 
     def take(self, line: Line) -> list[Line]:
         """The line with rotary words in the place of a vector. Raises ProgramError."""

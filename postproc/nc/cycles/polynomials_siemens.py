@@ -53,11 +53,10 @@ class Polynomials:
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
-        return (
-            self.on
-            or self.corners.wants(line)
-            or bool(WORD.search(line.text) or PO.search(line.text))
-        )
+        if self.on or self.corners.wants(line):
+            return True
+        text = line.text
+        return b"PO" in text.upper() and bool(WORD.search(text) or PO.search(text))
 
     def finish(self) -> list[Line]:
         return self.corners.finish()

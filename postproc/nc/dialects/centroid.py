@@ -4,7 +4,9 @@ M99 at the end.
 Codes: what FreeCAD's centroid_post.py writes and says of them ("M25 is a centroid command to
 retract spindle": the place of Z behind it is the machine's own), and the words that are Fanuc's
 (Centroid M-series operator's manual, "CNC program codes" and "CNC macro M functions"). M99 ends the
-program, or returns from a subprogram; what follows it is not read.
+program, or returns from a subprogram; what follows it is not read. M109/1/2 disables the overrides
+of the feed (1) and the spindle (2) before a tap, and M108/1/2 enables them ("M108/M109
+Enable/Disable Override Controls"): the slashes are no block delete.
 """
 
 from postproc.nc import codes
@@ -27,6 +29,8 @@ from postproc.nc.rows import (
     UNITS,
     rows,
 )
+
+OVERRIDES = r"M[ \t]*10[89][ \t]*(?:/[ \t]*[12][ \t]*){1,2}(?![0-9./])"
 
 DIALECT = Dialect(
     name="centroid",
@@ -63,7 +67,10 @@ DIALECT = Dialect(
         99: "end of program",
     },
     m_refuses={98: codes.INLINE},
-    grammar=Grammar(macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),)),
+    grammar=Grammar(
+        ignores=(OVERRIDES,),
+        macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),),
+    ),
     plane=170,
     holes_written_out=False,
     length_left_open=True,

@@ -85,9 +85,13 @@ class Holes:
         Refusal."""
         if own:
             code = text.split(b";")[0]
-            self.feed = next((f[1] for f in FEED.finditer(code)), self.feed)
-            self.speed = next((s[1] for s in SPEED.finditer(code)), self.speed)
-            self.sense = next((7 - 2 * int(m[1]) for m in SPINDLE.finditer(code)), self.sense)
+            letters = code.upper()
+            if b"F" in letters:
+                self.feed = next((f[1] for f in FEED.finditer(code)), self.feed)
+            if b"S" in letters:
+                self.speed = next((s[1] for s in SPEED.finditer(code)), self.speed)
+            if b"M" in letters:
+                self.sense = next((7 - 2 * int(m[1]) for m in SPINDLE.finditer(code)), self.sense)
         hole, self.called = self.called, None
         if isinstance(hole, Pattern):
             yield from self._pattern(frame, hole)

@@ -68,8 +68,14 @@ class Written:
         if not any(code.word == WORD for code in self.tracker.dialect.codes):
             yield from self._resolved()
             return
+        splines, word = self.splines, WORD.encode()
+        follow = splines.tracker.take
         for line in self._resolved():
-            yield from self.splines.take(line)
+            if splines.held or word in line.text.upper():
+                yield from splines.take(line)
+            else:
+                follow(line.text, line)
+                yield line
         yield from self.splines.finish()
 
     def _resolved(self) -> Iterator[Line]:

@@ -1,0 +1,116 @@
+"""R of a drilling cycle where the tool stands, and the place of a tool that taps in step."""
+
+from __future__ import annotations
+
+import pytest
+
+from postproc.errors import ProgramError
+from postproc.filter import Filter, setup_of
+from postproc.machine.file import read_machine
+from postproc.machine.model import Machine
+from postproc.nc import dialects
+from postproc.verify import Verifier
+from tests.corpus.machines import FAR, write_zero
+
+HEAD = "G21 G17 G90|M3 S500|G0 X0 Y0 Z5.|G0 Z3.|"
+ZEROS = {"G54": dict.fromkeys("XYZ", 0.0)}
+
+
+@pytest.fixture(scope="module")
+def high(tmp_path_factory) -> Machine:
+    """A mill whose Z stands 6 um too high everywhere, so that it is sent lower."""
+    folder = write_zero(tmp_path_factory.mktemp("mill") / "mill")
+    (folder / "Z.csv").write_text(f"Z_mm,EZZ_um\n{-FAR},6\n{FAR},6\n")
+    return read_machine(folder)
+
+
+def sent(machine: Machine, text: str, dialect: str, cut: int = 0) -> list[str]:
+    """The program's lines without gcomp's mark, verified: fed whole, or cut at a line."""
+    filter_ = Filter(machine, dialects.load(dialect), setup_of(machine, offsets=ZEROS))
+    verifier = Verifier(filter_)
+    data = [(line + "\n").encode() for line in text.split("|")]
+    out = filter_.feed(b"".join(data[:cut])) + filter_.feed(b"".join(data[cut:]))
+    lines = (out + filter_.finish()).decode().splitlines()
+    assert verifier.passed, verifier.report()
+    return [line for line in lines if "GCOMP" not in line]
+
+
+@pytest.mark.parametrize("dialect", ["fanuc-mill", "haas", "centroid", "smoothie"])
+@pytest.mark.parametrize("cut", range(5, 11))
+def test_r_where_the_tool_stands_goes_down_with_it(high, dialect, cut):
+    """Left above the tool, no manual of these says where G98 goes back to."""
+    text = HEAD + "G98 G81 X1. Y1. Z-5. R3. F100|X2.|X3. R3.|G99 X4. R3.|G98 X5.|G80|M30"
+    lines = sent(high, text, dialect, cut)
+    assert lines[3] == "G0 Z2.9940"
+    assert [x.split("R")[1].split()[0] for x in lines if "R" in x] == ["2.9940"] * 3
+
+
+@pytest.mark.parametrize("level", ["2.", "3.0001"])
+def test_another_r_stays_as_written(high, level):
+    if float(level) > 3:
+        with pytest.raises(ProgramError, match="whose R lies above the level"):
+            sent(high, HEAD + f"G98 G81 X1. Y1. Z-5. R{level} F100|G80|M30", "fanuc-mill")
+    else:
+        lines = sent(high, HEAD + f"G98 G81 X1. Y1. Z-5. R{level} F100|G80|M30", "fanuc-mill")
+        assert f"R{level} " in lines[4]
+
+
+@pytest.mark.parametrize("dialect", ["linuxcnc", "mach3", "grblhal"])
+def test_r_stays_where_the_control_goes_back_to_r(high, dialect):
+    """NIST RS274/NGC 3.5.16."""
+    lines = sent(high, HEAD + "G98 G81 X1. Y1. Z-5. R3. F100|G80|M30", dialect)
+    assert "R3. " in lines[4]
+
+
+@pytest.mark.parametrize("cut", range(3, 7))
+def test_g33_1_names_the_place_where_it_stands(high, cut):
+    """LinuxCNC G-codes, "G33.1 X- Y- Z- K-": it goes there in step. A word of the place where it
+    stands moves nothing, and names the corrected one."""
+    text = (
+        "G21 G17 G90|M3 S500|G0 X1. Y1. Z5.|G33.1 X1. Z-5. K1.|G91 G33.1 Y0 Z-8. K1.|G90 G0 X2.|M2"
+    )
+    lines = sent(high, text, "linuxcnc", cut)
+    assert lines[3:5] == ["G33.1 X1. Z-5.0060 K1.", "G91 G33.1 Y0 Z-8. K1."]
+
+
+@pytest.mark.parametrize("block", ["G33.1 X1.0001 Z-5. K1.", "G91 G33.1 Y0.0001 Z-5. K1."])
+def test_g33_1_to_a_place_beside_it_is_refused(high, block):
+    with pytest.raises(ProgramError, match="a rigid tap with a word of [XY], where it does not"):
+        sent(high, f"G21 G17 G90|M3 S500|G0 X1. Y1. Z5.|{block}|G90 G0 Z5.|M2", "linuxcnc")
+
+
+def test_g33_1_with_a_word_of_an_axis_that_stands_nobody_knows_where_is_refused(high):
+    with pytest.raises(ProgramError, match="a rigid tap with a word of Y, where it does not"):
+        sent(high, "G21 G17 G90|M3 S500|G0 X1. Z5.|G33.1 Y1. Z-5. K1.|M2", "linuxcnc")
+
+
+@pytest.mark.parametrize(
+    "block", ["M109/1/2", "N5 M109 /2", "m108/1/2 (ON)", "M109/1/2 G84 Z-5. R2. F1."]
+)
+def test_slashes_of_a_centroids_overrides_are_no_block_delete(high, block):
+    """Centroid, "M108/M109 Enable/Disable Override Controls": of the feed (1), the spindle (2)."""
+    lines = sent(high, f"{HEAD}{block}|G80|G1 Z-4. F100|M99", "centroid")
+    assert lines[4] == block.replace("-5.", "-5.0060") and lines[6] == "G1 Z-4.0060 F100"
+
+
+@pytest.mark.parametrize("block", ["M109/3", "M3/1/2", "M109/1/2/1", "M109 Z4./1", "M109"])
+def test_other_slashes_of_a_centroid_stay_what_they_are(high, block):
+    text = f"{HEAD}{block}|G1 Z-4. F100|M99"
+    if "/" not in block:
+        assert sent(high, text, "centroid")[5] == "G1 Z-4.0060 F100"
+        return
+    with pytest.raises(ProgramError, match="'/' is block delete only"):
+        sent(high, text, "centroid")
+
+
+@pytest.mark.parametrize("plane", ["G17", "G18", "G19"])
+@pytest.mark.parametrize("cut", [0, 3, 4])
+def test_g33_1_goes_to_its_words_in_every_plane(high, plane, cut):
+    """LinuxCNC G-codes, "G33.1 X- Y- Z- K-": it takes no axis from the plane. G18 is a lathe's."""
+    text = f"G21 {plane} G90|M3 S500|G0 X1. Y1. Z5.|G33.1 Z-5. K1.|G0 Z6.|M2"
+    assert sent(high, text, "linuxcnc", cut)[3:5] == ["G33.1 Z-5.0060 K1.", "G0 Z5.9940"]
+
+
+def test_g33_1_along_x(high):
+    text = "G21 G19 G90|M3 S500|G0 X1. Y1. Z5.|G33.1 X-5. K1.|G0 Z6.|M2"
+    assert sent(high, text, "linuxcnc")[3:5] == ["G33.1 X-5. K1.", "G0 Z5.9940"]
