@@ -109,7 +109,8 @@ def test_columns_are_vectors_row_by_row(name):
 @pytest.mark.parametrize("name", [n for n in NAMES if getattr(effects.load(n), "ALONG", False)])
 def test_what_is_along_its_axis_is_told_by_each_row_alone(name):
     module = effects.load(name)
-    inside = {x: p + RNG.uniform(0, 2, (5, N)) for x, p in STATE.position.items()}
+    rng = np.random.default_rng(7)
+    inside = {x: p + rng.uniform(0, 2, (5, N)) for x, p in STATE.position.items()}
     state = replace(STATE, inside=inside, width=np.zeros(N))
     some = np.array([7, 2, 3])
     columns = module.columns(state, "Y", **FOUND[name])
@@ -122,10 +123,10 @@ def test_what_is_along_its_axis_is_told_by_each_row_alone(name):
 def test_parameters_say_all_of_a_fit(name):
     """Coefficients to named parameters and back are the same deviation; no coefficients are no
     deviation."""
-    module = effects.load(name)
+    module, rng = effects.load(name), np.random.default_rng(7)
     for shape in shapes_of(name, module):
         columns = module.columns(STATE, axis_of(module), **shape)
-        value = RNG.normal(size=len(columns))
+        value = rng.normal(size=len(columns))
         named = module.parameters(value, shape)
         assert set(named) == set(module.PARAMETERS)
         again, same = module.coefficients(**named)
@@ -142,11 +143,11 @@ def test_tables_are_the_same_physics(name):
     """What a compensator applies is what the diagnosis fits, within 1 % of its size (tables are
     linear between nodes). Windup is fully built up in the table, so it is compared far from a
     reversal; how bosses were milled is nothing that a slide knows."""
-    module = effects.load(name)
+    module, rng = effects.load(name), np.random.default_rng(7)
     assert module.USE == "compensate"
     axis = axis_of(module)
     for shape in shapes_of(name, module):
-        value = RNG.normal(size=len(module.columns(STATE, axis, **shape)))
+        value = rng.normal(size=len(module.columns(STATE, axis, **shape)))
         named = module.parameters(value, shape)
         channels = STATE.channels | {"material": np.abs(STATE.channels["material"])}
         distance = dict.fromkeys("XYZ", np.full(N, 1e6))
