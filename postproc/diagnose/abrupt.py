@@ -16,12 +16,10 @@ from postproc.diagnose.jumps import WINDOW
 from postproc.diagnose.sets import Found, Sets
 from postproc.diagnose.telegraph import MANY
 from postproc.effects.step_loss import MOMENTS
-from postproc.machine.chain import XYZ
 
 NAME = "step_loss"
 # times the noise of the readings around it: the step that these show; times what was named
 SHOWN, LEAST, MOST = 4.0, 0.4, 2.5
-FEELS = 0.5  # of the most: readings that feel the axis so much
 COMPARABLE = 0.5  # of the smallest jump that was named: what counts as another one
 
 
@@ -33,10 +31,10 @@ def borne_out(sets: Sets, state: Found, k: int) -> bool:
     left = sets.evidence.y - said["effects"]
     for name in ground:
         left = left - said.get(name, 0.0)
-    columns, axis = sets.blocks[k].columns, sets.blocks[k].axis
+    columns = sets.blocks[k].columns
     sizes = sets.value(state.fit, k)
     for column, size in zip(columns.T, sizes, strict=True):
-        times, sure = _step(sets, left + column * size, column, said["noise"], axis)
+        times, sure = _step(sets, left + column * size, column, said["noise"])
         if not (sure > SHOWN and LEAST < times / size < MOST):
             return False
     least = COMPARABLE * 1e-3 * float(np.abs(sizes).min())
@@ -46,17 +44,13 @@ def borne_out(sets: Sets, state: Found, k: int) -> bool:
 
 
 def _step(
-    sets: Sets, left: np.ndarray, column: np.ndarray, sigma: np.ndarray, axis: str
+    sets: Sets, left: np.ndarray, column: np.ndarray, sigma: np.ndarray
 ) -> tuple[float, float]:
-    """The coefficient of a jump of an axis by the readings of a window on either side of it alone,
-    and how many times its standard deviation that is. left, sigma (N,) mm; column (N,)."""
+    """The coefficient of a jump by the readings of a window on either side of it alone, and how
+    many times its standard deviation that is. left, sigma (N,) mm; column (N,)."""
     along = square = 0.0
-    time, feels = sets.rows.state.time, np.abs(sets.rows.direction[:, XYZ.index(axis)])
     for own in _signals(sets, column != 0):
-        first = own[np.argmax(column[own] != 0)]
-        # circles do not feel an axis everywhere
-        own = own[feels[own] > FEELS * feels[own].max()]
-        at = int(np.searchsorted(time[own], time[first]))
+        at = int(np.argmax(column[own] != 0))
         window = own[max(0, at - WINDOW) : at + WINDOW]
         if not sigma[window].all():  # readings that take no part
             continue

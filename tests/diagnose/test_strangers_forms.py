@@ -287,26 +287,6 @@ def test_a_negative_lost_motion_is_as_seldom_where_it_may_vary(name, shape):
     assert [prior.unusual(block, np.array([size])) for size in (-4.0, 4.0)] == [1, 0]
 
 
-def test_a_step_lost_where_the_bar_does_not_feel_the_axis(tmp_path):
-    """Between two circles, which begin where the bar stands across Y, Y loses 8 um."""
-    rng = np.random.default_rng(6)
-    rows = []
-    for run, sense in ((1, 1), (2, -1)):
-        t = 100.0 * run + np.arange(1500) * 0.05
-        angle = sense * 2 * np.pi * (t - t[0]) / 50.0
-        read = (run == 2) * 8.0 * np.sin(angle) + 0.3 * rng.standard_normal(len(t))
-        rows += [
-            f"{run},{a:.3f},{300 + 100 * np.cos(w):.6f},{200 + 100 * np.sin(w):.6f},{r:.3f},{sense}"
-            for a, w, r in zip(t, angle, read, strict=True)
-        ]
-    head = HEAD.format("ballbar", "ball bar")
-    head += "# radius_mm = 100.0\n# centre = { X = 300.0, Y = 200.0 }\n"
-    text = head + "run,t_s,X_cmd_mm,Y_cmd_mm,radial_um,sense\n" + "\n".join(rows) + "\n"
-    answer = diagnosed(tmp_path, text)
-    assert names(answer) == ["step_loss:Y"]
-    assert answer["effects"][0]["parameters"]["jump_um"]["value"] == pytest.approx(8.0, abs=0.5)
-
-
 def test_bosses_that_are_milled_in_circles_come_out_smaller(tmp_path):
     """A boss' widest place is where the axis turns, having come outwards: short by half of 6 um
     of lost motion on either side, as a pocket is."""
