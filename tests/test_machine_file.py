@@ -34,7 +34,7 @@ def test_the_example_of_the_format_is_a_machine(tmp_path):
         "error",
     )
     assert [(e.name, e.axis, e.parameters) for e in machine.effects] == [
-        ("backlash", "X", {"size_um": 9.0, "play_mm": 0.0, "pushed": 0.0})
+        ("backlash", "X", {"size_um": 9.0, "play_mm": 0.0, "around": 0.0, "pushed": 0.0})
     ]
     table = machine.tables["Z"]
     assert table.nodes == approx([0, 100, 250])

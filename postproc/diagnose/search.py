@@ -50,7 +50,7 @@ class Search:
     def calibrate(self, rng: np.random.Generator) -> None:
         """The worth that the best of all blocks reaches by noise alone in 1 % of such experiments:
         of nulls drawn with the noise that was learned, by a Gumbel distribution of their maxima."""
-        if not self.sets.blocks:  # no name for what was recorded: rotations alone
+        if not len(self.sets.cost):  # no name for what was recorded: rotations alone
             return
         null = self.sets.null()
         draws = drawn(self.sets.evidence, null.fit, rng, NULLS)
@@ -147,7 +147,7 @@ class Search:
         alike = [
             s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
         ]
-        plain = [s for s in alike if not any(self._extends(s, other) for other in alike)]
+        plain = [s for s in alike if not any(self._extends(s, o) for o in alike if o is not s)]
         return max(plain, key=self._as_it_fits) if len(plain) > 1 else plain[0]
 
     def _extends(self, state: Found, other: Found) -> bool:

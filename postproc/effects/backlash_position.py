@@ -41,7 +41,6 @@ PLAUSIBLE = {
     **{f"b{k}_um": (-1000.0, 1000.0) for k in range(1, 7)},
     "worn_um": (-1000.0, 1000.0),
 }  # beyond, it is something else
-EXPECTED = {"b0_um": 1}  # as of backlash
 # mm: over which it is taken up; where a worn stretch is, and how wide
 CONTINUOUS = {"play_mm": (0.001, 0.05), "worn_mm": (1.0, 20000.0), "wide_mm": (10.0, 5000.0)}
 EXTENDS = "backlash"

@@ -9,9 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from postproc import effects
-from postproc.diagnose import prior, signals, telegraph
-from postproc.diagnose.block import Block
+from postproc.diagnose import signals, telegraph
 from postproc.effects import windup
 from tests.diagnose.test_workshop import HEAD, diagnosed
 
@@ -277,14 +275,6 @@ def test_a_control_that_overcompensates_is_plain_lost_motion(tmp_path):
     assert names(answer) == ["backlash:X"]
     size = answer["effects"][0]["parameters"]["size_um"]["value"]
     assert size == pytest.approx(-3.5, abs=0.1)
-
-
-@pytest.mark.parametrize("name,shape", [("backlash", ()), ("backlash_position", ("wide_mm",))])
-def test_a_negative_lost_motion_is_as_seldom_where_it_may_vary(name, shape):
-    """Else what nests the plain one would be cheaper than it."""
-    module = effects.load(name)
-    block = Block(module, "X", tuple((word, 0.0) for word in shape), lambda: np.zeros((1, 1)))
-    assert [prior.unusual(block, np.array([size])) for size in (-4.0, 4.0)] == [1, 0]
 
 
 def test_bosses_that_are_milled_in_circles_come_out_smaller(tmp_path):
