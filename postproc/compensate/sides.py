@@ -140,7 +140,24 @@ class Course:
             nominal, weight = b.begin_nominal.take(there, axis=1), self.spread(led)
             first = commands(b, there, b.t0.take(there), nominal, weight)
             begin[:, here] = self._without_play(led, first)
-        return exact, begin, self._without_play(side, exact)
+        end = self._without_play(side, exact)
+        if len(b.hole):
+            self._up(at, side, end)
+        return exact, begin, end
+
+    def _up(self, at: np.ndarray, side: np.ndarray, end: np.ndarray) -> None:
+        """Behind a hole its axis stands above it, not where the middle of the hole is, for which
+        the others are corrected: in `end` (T, K) of strokes `at` (K,) for sides (T, K)."""
+        b, holes = self.b, self.b.m.holes
+        own = np.zeros(b.travel.shape, bool)
+        own[holes.axis, b.hole] = True
+        own = (own & b.moved).take(self.rows, axis=0).take(at, axis=1)
+        up = own.any(axis=0).nonzero()[0]
+        if len(up):
+            there, led = at.take(up), side.take(up, axis=1)
+            nominal, weight = b.end_nominal.take(there, axis=1), self.spread(led)
+            above = self._without_play(led, commands(b, there, b.t1.take(there), nominal, weight))
+            end[:, up] = np.where(own.take(up, axis=1), above, end.take(up, axis=1))
 
     def _without_play(self, side: np.ndarray, exact: np.ndarray) -> np.ndarray:
         play = self.b.machine.lost_motion(exact, self.rows)
