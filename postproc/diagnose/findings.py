@@ -12,12 +12,11 @@ from postproc.diagnose.answer import Finding
 from postproc.diagnose.block import Block
 from postproc.diagnose.rows import Rows
 from postproc.diagnose.search import Search
-from postproc.diagnose.sets import MATERIAL, Found, Sets
+from postproc.diagnose.sets import FORMS, MATERIAL, Found, Sets
 from postproc.machine.model import Machine
 
 CYCLE_MS = 5.0  # a control's position cycle is shorter: its own log is not later
 LIKELY = 6.0  # twice ln(20): a name with a twentieth of the probability stands in the set
-FORMS = 0.03  # of the worth: forms of textbooks are no better than that
 SETS = 6  # names of a set
 OF_EFFECT = 0.1  # of what an effect explains, single readings may be of another form
 TELLS = 0.1  # of what is believed beforehand: a reading that tells less tells nothing

@@ -18,7 +18,7 @@ from postproc.diagnose.evidence import Fit, On
 from postproc.diagnose.explained import drawn, shares, wandered, white
 from postproc.diagnose.library import found
 from postproc.diagnose.prior import plausible
-from postproc.diagnose.sets import RENEWED, Found, Key, Sets
+from postproc.diagnose.sets import FORMS, RENEWED, Found, Key, Sets
 
 MOST = 6  # members of a set
 # sets that are kept, members that are tried beside each, and of these with shapes of their own
@@ -147,12 +147,22 @@ class Search:
         alike = [
             s for w, s in found if w > most - ALIKE and len(s.members) <= size and s.fit.on == on
         ]
-        plain = [s for s in alike if not any(self._extends(s, o) for o in alike if o is not s)]
-        return max(plain, key=self._as_it_fits) if len(plain) > 1 else plain[0]
+        if len(alike) == 1:
+            return best
+        fits = {state.key: self._as_it_fits(state) for state in alike}
+        nothing = self._as_it_fits(self.sets.null())
+
+        def needless(state: Found, other: Found) -> bool:
+            """Whether a set says no more than its special case, but for what forms are off by."""
+            less = fits[state.key] - fits[other.key]
+            slight = less < FORMS * (fits[other.key] - nothing)
+            return state is not other and self._extends(state, other) and slight
+
+        plain = [s for s in alike if not any(needless(s, other) for other in alike)]
+        return max(plain, key=lambda state: fits[state.key])
 
     def _extends(self, state: Found, other: Found) -> bool:
-        """Whether a set is another one but for members of which that holds special cases: what
-        bends more fits the more exactly, though the other is right within the errors of form."""
+        """Whether a set is another one but for members of which that holds special cases."""
 
         def told(one: Found) -> tuple[list[tuple[str, str]], int]:
             """Special cases and axes, and how many are there in the general form."""

@@ -24,6 +24,7 @@ from postproc.diagnose.rows import Rows
 
 Key = tuple[object, ...]  # members of a set, where it was fitted, by which way
 
+FORMS = 0.03  # of the worth: forms of textbooks are no better than that
 MATERIAL = 1e-3  # mm: of less nobody can say that it comes back, slides repeat to 1 or 2 um
 UNNAMED = 16.0  # of something that has no name: fifty times seldomer than what has one
 UNUSUAL = 8.0  # twice ln(55): of a parameter with the sign that it seldom has
