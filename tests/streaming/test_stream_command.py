@@ -131,7 +131,9 @@ def test_A8_ctrl_c_holds_and_again_stops(place):
         process.send_signal(signal.SIGINT)
         _, err = process.communicate(timeout=PATIENCE)
         assert process.returncode == 130, err
-        assert "stopped by the user" in err and "may have been executed" in err
+        # of a sender that had no time to send more, all lines may be answered by then
+        told = ("may have been executed", "last line answered")
+        assert "stopped by the user" in err and any(words in err for words in told), err
     assert host.orders() == [ord("!"), ord("~"), ord("!"), 0x18]
     rows = sent_rows(host)
     assert rows == wire_rows(place)[: len(rows)]
