@@ -5,8 +5,8 @@ Codes: what FreeCAD's centroid_post.py writes and says of them ("M25 is a centro
 retract spindle": the place of Z behind it is the machine's own), and the words that are Fanuc's
 (Centroid M-series operator's manual, "CNC program codes" and "CNC macro M functions"). M99 ends the
 program, or returns from a subprogram; what follows it is not read. M109/1/2 disables the overrides
-of the feed (1) and the spindle (2) before a tap, and M108/1/2 enables them ("M108/M109
-Enable/Disable Override Controls"): the slashes are no block delete.
+of the feed (1) and the spindle (2) before a tap, and M108/1/2 enables them (unverified:
+the manual was not at hand): the slashes are no block delete.
 """
 
 from postproc.nc import codes
