@@ -221,8 +221,8 @@ def _cleaned(rows: Rows) -> tuple[Rows, list[Unit], list[tuple[int, int, str, fl
     lone, off = isolated.isolated(rows, rows.residual, sigma)
     for unit in units:
         if unit.dense:  # what a turn sets off may last for one sample
-            slip = isolated.slips(rows.residual[unit.rows], rows.run[unit.rows])
-            off[unit.rows] = slip * ~telegraph.near_turns(rows, unit)
+            size = isolated.in_motion(rows.residual[unit.rows], rows.run[unit.rows])
+            off[unit.rows] = size * ~telegraph.near_turns(rows, unit)
             lone[unit.rows] = np.where(off[unit.rows] > 0, np.inf, 0.0)
     faults = [
         (int(rows.file[k]), int(rows.line[k]), "outlier", float(off[k]))

@@ -12,7 +12,7 @@ from postproc.diagnose.rows import Rows
 
 ASIDE = 3  # neighbours on one side that bear a reading out: a level begins or ends with it
 # samples around one; times their usual departure: a sample that lies off; of them all: more are no
-# slips but a kind of noise
+# outliers but a kind of noise
 AROUND, FAR_OFF, SELDOM = 31, 10.0, 0.002
 
 
@@ -20,7 +20,7 @@ AROUND, FAR_OFF, SELDOM = 31, 10.0, 0.002
 def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(N,) how many times the noise a reading at rest lies off, alone: neither the other runs at
     its place nor its neighbours bear it out; and (N,) mm by how much. 0 for samples in motion, of
-    which `slips` tells, and where there is nothing to compare with."""
+    which `in_motion` tells, and where there is nothing to compare with."""
     result, size = np.zeros(len(rows)), np.zeros(len(rows))
     for signal in range(len(rows.signals)):
         which = np.flatnonzero(rows.signal == signal)
@@ -71,17 +71,17 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
     return result, np.abs(size)
 
 
-def slips(y: np.ndarray, run: np.ndarray) -> np.ndarray:
-    """(n,) by how much each sample y (n,) of a motion lies off alone, 0 where it does not: far from
-    the median of the two on either side, while its neighbours are not (Hampel's identifier: Davies
-    and Gather, The identification of multiple outliers, Journal of the American Statistical
+def in_motion(y: np.ndarray, run: np.ndarray) -> np.ndarray:
+    """(n,) mm by how much each sample y (n,) mm of a motion lies off alone, 0 where it does not: far
+    from the median of the two on either side, while its neighbours are not (Hampel's identifier:
+    Davies and Gather, The identification of multiple outliers, Journal of the American Statistical
     Association 88, 1993, 782). None where so many do that it is a kind of noise, or within two
     samples of the ends of a run (n,)."""
-    if len(y) < AROUND:
-        return np.zeros(len(y))
-    beside = np.median([np.roll(y, k) for k in (-2, -1, 1, 2)], axis=0)
     inside = np.all([np.roll(run, k) == run for k in (-2, 2)], axis=0)
     inside[:2] = inside[-2:] = False
+    if len(y) < AROUND or not inside.any():
+        return np.zeros(len(y))
+    beside = np.median([np.roll(y, k) for k in (-2, -1, 1, 2)], axis=0)
     off = np.abs(y - beside) * inside
     usual = np.maximum(median_filter(off, AROUND), np.median(off[inside])) * outliers.MAD
     alone = (off > FAR_OFF * np.maximum(usual, 1e-9)) & (

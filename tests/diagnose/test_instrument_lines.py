@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from postproc.cli import main
+from postproc.diagnose import isolated
 from tests.diagnose.test_workshop import HEAD, diagnosed
 
 
@@ -69,3 +70,8 @@ def test_two_samples_that_differ_are_no_slip(tmp_path):
         return 16.0 * np.isin(np.arange(len(t)), (700, 701)) * (t[0] > 60)
 
     assert not diagnosed(tmp_path, circle(slipped, 40.0))["data_faults"]
+
+
+@pytest.mark.filterwarnings("error")
+def test_runs_of_a_few_samples_have_no_lone_one():
+    assert not isolated.in_motion(np.arange(40.0) ** 2, np.arange(40) // 4).any()
