@@ -74,9 +74,9 @@ def isolated(rows: Rows, residual: np.ndarray, sigma: np.ndarray) -> tuple[np.nd
 def in_motion(y: np.ndarray, run: np.ndarray) -> np.ndarray:
     """(n,) mm by how much each sample y (n,) mm of a motion lies off alone, 0 where it does not:
     far from the median of the two on either side, while its neighbours are not (Hampel's
-    identifier: Davies and Gather, The identification of multiple outliers, Journal of the American Statistical
-    Association 88, 1993, 782). None where so many do that it is a kind of noise, or within two
-    samples of the ends of a run (n,)."""
+    identifier: Davies and Gather, The identification of multiple outliers, Journal of the American
+    Statistical Association 88, 1993, 782). None where so many do that it is a kind of noise, or
+    within two samples of the ends of a run (n,)."""
     inside = np.all([np.roll(run, k) == run for k in (-2, 2)], axis=0)
     inside[:2] = inside[-2:] = False
     if len(y) < AROUND or not inside.any():
