@@ -13,52 +13,33 @@ to G68, repeated blocks.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    BORE,
-    CUTTER,
-    DISTANCE,
-    DRILL,
-    DWELL,
-    FINE_BORE,
-    LENGTH,
-    MACHINE_FRAME,
-    MOTION,
-    NO_MOTION,
-    PECKS,
-    PER_TIME,
-    PLANE,
-    REFERENCE,
-    RETURN,
-    SET,
-    TAP,
-    UNITS,
-    rows,
-)
+from postproc.nc.rows import rows
 
 DIALECT = Dialect(
     name="fadal",
     title="Fadal, format 1",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *REFERENCE,
-        *MACHINE_FRAME,
-        *DWELL,
-        *UNITS,
-        *PER_TIME,
-        *CUTTER,
-        *LENGTH,
-        *SET,
-        *NO_MOTION,
-        *PECKS,
-        *DRILL,
-        *BORE,
-        *FINE_BORE,
-        *TAP,
-        *RETURN,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.REFERENCE,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.UNITS,
+        *shared.PER_TIME,
+        *shared.CUTTER,
+        *shared.LENGTH,
+        *shared.SET,
+        *shared.NO_MOTION,
+        *shared.PECKS,
+        *shared.DRILL,
+        *shared.BORE,
+        *shared.FINE_BORE,
+        *shared.TAP,
+        *shared.RETURN,
         *rows(
             "motion",
             {"74.1": "left-hand rigid tapping", "84.1": "rigid tapping"},

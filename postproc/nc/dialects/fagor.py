@@ -11,19 +11,10 @@ once, as on the 8065; where G43 calls them they do so too.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CUTTER,
-    DISTANCE,
-    DWELL,
-    MOTION,
-    NO_MOTION,
-    PLANE,
-    RETURN,
-    SPINDLE,
-    rows,
-)
+from postproc.nc.rows import rows
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+[ \t]*)?"
 # statements in ( ) of the 8025 to 8055, and the reason of each
@@ -76,15 +67,15 @@ DIALECT = Dialect(
     name="fagor",
     title="Fagor mill",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *DWELL,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.DWELL,
         *rows("", {"#MCS": "this block in machine coordinates"}, like="G53"),
-        *CUTTER,
-        *NO_MOTION,
-        *RETURN,
-        *SPINDLE,
+        *shared.CUTTER,
+        *shared.NO_MOTION,
+        *shared.RETURN,
+        *shared.SPINDLE,
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("feed mode", {"94": "feed per minute", "95": "feed per turn"}),

@@ -8,35 +8,22 @@ without a decimal point: parameter 3401 bit 0 (DPI), B-64310EN.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    BLANKS,
-    CUTTER,
-    DISTANCE,
-    DRAWS,
-    FANUC_LATHE,
-    FEED_MODE,
-    MACRO_SIGNS,
-    NAMED_PROGRAM,
-    PRINTS,
-    RETURN,
-    SET,
-    UNITS,
-    rows,
-)
+from postproc.nc.rows import rows
 
 DIALECT = Dialect(
     name="fanuc-lathe",
     title="Fanuc lathe or grinder, G-code system B",
     codes=(
-        *FANUC_LATHE,
-        *CUTTER,
-        *DISTANCE,
-        *UNITS,
-        *FEED_MODE,
-        *RETURN,
-        *SET,
+        *shared.FANUC_LATHE,
+        *shared.CUTTER,
+        *shared.DISTANCE,
+        *shared.UNITS,
+        *shared.FEED_MODE,
+        *shared.RETURN,
+        *shared.SET,
         *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),
         *rows("motion", {"32": "thread", "33": "thread"}, does="thread"),
         *rows(
@@ -76,7 +63,10 @@ DIALECT = Dialect(
     home_named=True,
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS, NAMED_PROGRAM, DRAWS)),
+    grammar=Grammar(
+        semicolon="end of block",
+        ignores=(shared.BLANKS, shared.PRINTS, shared.NAMED_PROGRAM, shared.DRAWS),
+    ),
     language="fanuc",
     plane=180,
     polar="C",
@@ -99,8 +89,8 @@ DIALECT = Dialect(
     one_code_per_group=False,
     letters="E",
     signs=(
-        *MACRO_SIGNS,
-        DRAWS,
+        *shared.MACRO_SIGNS,
+        shared.DRAWS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+[ \t]*)?T(?!0000)\d{4}\b",
         r"G92[ \t]*S\d",

@@ -5,43 +5,29 @@ Codes: bdring/FluidNC, FluidNC/src/GCode.cpp (gc_execute_line), Flowcontrol.cpp,
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.grbl import HOMING, ONE_AXIS, SENDER
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CENTRE_BY_START,
-    COMMON,
-    DATA,
-    LENGTH_WORDS,
-    NO_CUTTER,
-    NO_LENGTH,
-    NO_MOTION,
-    PER_TIME,
-    PROBE,
-    SET,
-    SET_ZERO,
-    STORE_REFERENCE,
-    UNITS,
-    rows,
-)
+from postproc.nc.rows import rows
 
 DIALECT = Dialect(
     name="fluidnc",
     title="FluidNC",
     codes=(
-        *COMMON,
-        *UNITS,
-        *PER_TIME,
-        *NO_CUTTER,
-        *NO_LENGTH,
-        *LENGTH_WORDS,
-        *DATA,
-        *SET,
-        *SET_ZERO,
-        *STORE_REFERENCE,
-        *CENTRE_BY_START,
-        *PROBE,
-        *NO_MOTION,
+        *shared.COMMON,
+        *shared.UNITS,
+        *shared.PER_TIME,
+        *shared.NO_CUTTER,
+        *shared.NO_LENGTH,
+        *shared.LENGTH_WORDS,
+        *shared.DATA,
+        *shared.SET,
+        *shared.SET_ZERO,
+        *shared.STORE_REFERENCE,
+        *shared.CENTRE_BY_START,
+        *shared.PROBE,
+        *shared.NO_MOTION,
         *rows("path", {"61": "exact path"}),
         *rows(
             "", {f"38.{n}": "probe, this block alone" for n in (6, 7, 8, 9)}, refuses=codes.PROBE

@@ -9,25 +9,10 @@ manual. The drilling cycles give R as a place, and have no return level.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CUTTER,
-    DATA,
-    DWELL,
-    LOCAL,
-    MACHINE_FRAME,
-    MACRO,
-    MACRO_SIGNS,
-    MOTION,
-    PLANE,
-    PRINTS,
-    REFERENCE,
-    SPINDLE,
-    UNITS,
-    WORK,
-    rows,
-)
+from postproc.nc.rows import rows
 
 _BY_LETTER = "whether X is a diameter then is in no text that was found: write U W H"
 
@@ -35,18 +20,18 @@ DIALECT = Dialect(
     name="haas-lathe",
     title="Haas lathe",
     codes=(
-        *MOTION,
-        *PLANE,
-        *UNITS,
-        *WORK,
-        *SPINDLE,
-        *CUTTER,
-        *REFERENCE,
-        *MACHINE_FRAME,
-        *DWELL,
-        *DATA,
-        *LOCAL,
-        *MACRO,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.UNITS,
+        *shared.WORK,
+        *shared.SPINDLE,
+        *shared.CUTTER,
+        *shared.REFERENCE,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.DATA,
+        *shared.LOCAL,
+        *shared.MACRO,
         *rows("feed mode", {"98": "feed per minute"}, like="G94"),
         *rows("feed mode", {"99": "feed per turn"}, like="G95"),
         *rows(
@@ -217,7 +202,7 @@ DIALECT = Dialect(
     restarts=(99,),
     motion=0,
     m_refuses={96: codes.INLINE, 97: codes.CALL, 98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(PRINTS,), slash_within=True),
+    grammar=Grammar(semicolon="end of block", ignores=(shared.PRINTS,), slash_within=True),
     language="fanuc",
     plane=180,
     polar="Y",
@@ -251,7 +236,7 @@ DIALECT = Dialect(
         r"G7[0-3][ \t]*P\d+[ \t]*Q\d+",
         r"G9[024][ \t]*X-?[\d.]+[ \t]*Z",
         r"G99\b.*\bF0?\.\d|\bF0?\.\d.*\bG99\b",
-        *MACRO_SIGNS,
+        *shared.MACRO_SIGNS,
         r"^O\d{5}\b(?![ \t]*[A-Z])",
     ),
     remarks=(r"\bHAAS\b", r"\b[SD]ST?-?\d{2}Y?\b", r"\bTL-?\d\b"),

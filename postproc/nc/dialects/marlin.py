@@ -14,21 +14,10 @@ last one holds (parser.h, set).
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    DISTANCE,
-    DWELL,
-    MACHINE_FRAME,
-    MORE_WORK,
-    MOTION,
-    PLANE,
-    SET,
-    SET_ZERO,
-    UNITS,
-    WORK,
-    rows,
-)
+from postproc.nc.rows import rows
 
 _M = {
     0: "stop",
@@ -268,16 +257,16 @@ DIALECT = Dialect(
     last_holds="F",
     title="Marlin 2",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *UNITS,
-        *WORK,
-        *MORE_WORK,
-        *MACHINE_FRAME,
-        *DWELL,
-        *SET,
-        *SET_ZERO,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.UNITS,
+        *shared.WORK,
+        *shared.MORE_WORK,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.SET,
+        *shared.SET_ZERO,
         *rows("shift", {"92.9": "set position, homing too"}, takes=True, does="set"),
         *rows(
             "",

@@ -9,19 +9,10 @@ counts the circles beyond the arc itself. Tool lengths come with D, at once. R i
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CUTTER,
-    DISTANCE,
-    DWELL,
-    FEED_MODE,
-    MACHINE_FRAME,
-    MOTION,
-    PLANE,
-    THREAD,
-    rows,
-)
+from postproc.nc.rows import rows
 
 _QUIET = (
     "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON"
@@ -95,14 +86,14 @@ DIALECT = Dialect(
     name="siemens",
     title="Sinumerik 840D sl and kin, Siemens' language",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *FEED_MODE,
-        *CUTTER,
-        *MACHINE_FRAME,
-        *DWELL,
-        *THREAD,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.FEED_MODE,
+        *shared.CUTTER,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.THREAD,
         *rows(
             "motion",
             {"34": "thread of growing lead", "35": "thread of shrinking lead"},
