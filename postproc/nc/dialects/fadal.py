@@ -40,11 +40,7 @@ DIALECT = Dialect(
         *shared.FINE_BORE,
         *shared.TAP,
         *shared.RETURN,
-        *rows(
-            "motion",
-            {"74.1": "left-hand rigid tapping", "84.1": "rigid tapping"},
-            does="tap",
-        ),
+        *rows("motion", {"74.1": "left-hand rigid tapping", "84.1": "rigid tapping"}, does="tap"),
         *rows("", {"74.2": "made ready for G74.1", "84.2": "made ready for G84.1"}),
         *rows("ramps", {"8": "no feed ramps", "9": "feed ramps"}),
         *rows(
@@ -75,7 +71,6 @@ DIALECT = Dialect(
     ),
     macro_refuses=(codes.CALL,),
     language="fadal",
-    plane=170,
     change_takes="Z",
     length_left_open=True,
     integers="least increments",
@@ -86,7 +81,6 @@ DIALECT = Dialect(
     one_code_per_group=False,
     length_at_once=True,
     offset_letter="E",
-    repeats="L",
     letters="EL",
     signs=(
         r"\bH0[ \t]+E0\b",

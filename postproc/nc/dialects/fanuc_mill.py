@@ -14,6 +14,13 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import rows
 
+INTEGER_NOTICE = (
+    "coordinates without a decimal point are read as whole millimetres or inches (calculator"
+    " input); on a control that reads them as least increments the program means something else"
+)
+# O of five digits; a call within the program
+HAAS_ALONE = (r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d")
+
 DIALECT = Dialect(
     name="fanuc-mill",
     title="Fanuc machining centre",
@@ -184,16 +191,12 @@ DIALECT = Dialect(
     ),
     language="fanuc",
     tip_frame="call",
-    plane=170,
     change_takes="Z",
     length_left_open=True,
     length_lapses=(280, 300, 530),
     length_modal=True,
     dwell="PX",
-    integer_notice=(
-        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
-        " input); on a control that reads them as least increments the program means something else"
-    ),
+    integer_notice=INTEGER_NOTICE,
     skips_centre=True,
     one_code_per_group=False,
     extended_by_p=True,
@@ -213,6 +216,5 @@ DIALECT = Dialect(
         r"M29\b",
     ),
     remarks=(r"\bFANUC\b",),
-    # Haas: O of five digits; a call within the program
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
+    excludes=HAAS_ALONE,
 )

@@ -48,19 +48,14 @@ DIALECT = Dialect(
         30: "end of program, rewind",
         56: "parking motion",
     },
-    m_refuses={},
     # reports, go on; $J moves
     grammar=Grammar(
-        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$", SENDER),
-        homing=HOMING,
-        macros=(ONE_AXIS,),
+        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$", SENDER), homing=HOMING, macros=(ONE_AXIS,)
     ),
-    plane=170,
     motion=0,
     homes=True,
     skips_centre=True,
     change_returns="Z",
-    dwell="P",
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,

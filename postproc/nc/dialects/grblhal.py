@@ -7,12 +7,14 @@ and M-codes".
 
 from postproc.nc import codes
 from postproc.nc import rows as shared
-from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.grbl import HOMING, ONE_AXIS, SENDER
-from postproc.nc.grammar import Grammar
+from postproc.nc.dialects import fluidnc
+from postproc.nc.dialects.linuxcnc import OUTPUTS
 from postproc.nc.rows import rows
+from postproc.records import replace
 
-DIALECT = Dialect(
+# The lines are read as FluidNC's are; the codes are its own.
+DIALECT = replace(
+    fluidnc.DIALECT,
     name="grblhal",
     title="grblHAL",
     codes=(
@@ -54,36 +56,12 @@ DIALECT = Dialect(
         51: "speed override",
         53: "feed stop",
         56: "parking motion",
-        61: "set tool number",
-        62: "output",
-        63: "output",
-        64: "output",
-        65: "output",
-        66: "wait for input",
-        67: "analog output",
-        68: "analog output",
+        **OUTPUTS,
         70: "save modal state",
         71: "forget modal state",
     },
     m_refuses={72: codes.RESTORED, 73: codes.RESTORED, 98: codes.CALL, 99: codes.CALL},
-    language="linuxcnc",
     returns_no_lower=True,
-    expand_decimals=4,
-    # reports and unlocking; $J moves
-    grammar=Grammar(
-        ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$", SENDER), homing=HOMING, macros=(ONE_AXIS,)
-    ),
-    plane=170,
-    motion=0,
-    homes=True,
-    skips_centre=True,
-    change_returns="Z",
-    dwell="P",
-    turns=True,
-    arc_tolerance_mm=0.005,
-    arc_tolerance_relative=0.001,
-    arc_tolerance_most_mm=0.5,
-    letters="E",
     thread_words="K",
     signs=(r"^[ \t]*\$[HJXCIGNS#$]", r"#\d+[ \t]*=", r"G65[ \t]*P\d"),
     holes_written_out=False,

@@ -15,6 +15,31 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import rows
 
+# what mills and lathes of Haas have alike
+M_CODES = {
+    **codes.SPINDLE_AND_COOLANT,
+    **dict.fromkeys(range(21, 29), "output, wait for it"),
+    **dict.fromkeys(range(51, 60), "output on"),
+    **dict.fromkeys(range(61, 70), "output off"),
+    31: "chips out",
+    33: "chips stop",
+    41: "gear",
+    42: "gear",
+    78: "alarm if skipped",
+    79: "alarm if not skipped",
+    89: "coolant off",
+    90: "fixture clamp",
+    91: "fixture clamp",
+    95: "sleep",
+    104: "probe arm",
+    105: "probe arm",
+    109: "ask the user",
+}
+INTEGER_NOTICE = (
+    "coordinates without a decimal point count 0.001 mm or 0.0001 inch (setting 162 off); with"
+    " setting 162 on the program means whole millimetres or inches"
+)
+
 DIALECT = Dialect(
     name="haas",
     title="Haas mill",
@@ -79,12 +104,7 @@ DIALECT = Dialect(
         *rows("", {"150": "pocket"}, takes=True, refuses=codes.CYCLE),
         *rows("", {"47": "engraving"}, does="engrave"),
         *rows(
-            "",
-            {
-                "70": "bolt holes on a circle",
-                "71": "bolt holes on an arc",
-            },
-            refuses=codes.CYCLE,
+            "", {"70": "bolt holes on a circle", "71": "bolt holes on an arc"}, refuses=codes.CYCLE
         ),
         *rows("", {"72": "bolt holes on a line"}, refuses=codes.WRITE_OUT),
         *rows("mirror", {"100": "no mirror"}, takes=True),
@@ -116,10 +136,7 @@ DIALECT = Dialect(
         *rows("", {"266": "rapid of the axes at a rate"}),
     ),
     m_codes={
-        **codes.SPINDLE_AND_COOLANT,
-        **dict.fromkeys(range(21, 29), "output, wait for it"),
-        **dict.fromkeys(range(51, 59), "output on"),
-        **dict.fromkeys(range(61, 69), "output off"),
+        **M_CODES,
         10: "fourth axis brake on",
         11: "fourth axis brake off",
         12: "fifth axis brake on",
@@ -127,22 +144,14 @@ DIALECT = Dialect(
         16: "tool change",
         17: "unclamp and open",
         18: "clamp and close",
-        31: "chips out",
-        33: "chips stop",
         34: "coolant nozzle",
         35: "coolant nozzle",
         36: "pallet ready",
         39: "turn the turret",
-        41: "gear",
-        42: "gear",
         50: "pallet change",
-        59: "output on",
-        69: "output off",
         73: "air on",
         74: "air off",
         75: "reference for G35 G136",
-        78: "alarm if skipped",
-        79: "alarm if not skipped",
         80: "door opens",
         81: "door closes",
         82: "tool unclamp",
@@ -150,13 +159,6 @@ DIALECT = Dialect(
         84: "air gun off",
         86: "tool clamp",
         88: "coolant through the spindle",
-        89: "coolant off",
-        90: "fixture clamp",
-        91: "fixture clamp",
-        95: "sleep",
-        104: "probe arm",
-        105: "probe arm",
-        109: "ask the user",
         116: "lubrication",
         117: "lubrication",
         130: "show a picture",
@@ -179,23 +181,17 @@ DIALECT = Dialect(
     grammar=Grammar(semicolon="end of block", ignores=(shared.PRINTS,), slash_within=True),
     language="fanuc",
     tip_frame="",
-    plane=170,
     change_takes="Z",
     length_left_open=True,
     length_lapses=(280,),
     length_modal=True,
-    dwell="P",
     integers="least increments",
-    integer_notice=(
-        "coordinates without a decimal point count 0.001 mm or 0.0001 inch (setting 162 off); with"
-        " setting 162 on the program means whole millimetres or inches"
-    ),
+    integer_notice=INTEGER_NOTICE,
     one_code_per_group=False,
     extended_by_p=True,
     digits=8,
     counts=0.001,
     hole_from_start=True,
-    repeats="L",
     exact_stops=(90, 610),
     letters="E",
     signs=(

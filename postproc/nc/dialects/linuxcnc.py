@@ -12,6 +12,15 @@ from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
 from postproc.nc.rows import rows
 
+# M61 to M68, which grblHAL and FluidNC have from here
+OUTPUTS = {
+    61: "set tool number",
+    **dict.fromkeys((62, 63, 64, 65), "output"),
+    66: "wait for input",
+    67: "analog output",
+    68: "analog output",
+}
+
 DIALECT = Dialect(
     name="linuxcnc",
     title="LinuxCNC 2.8 and newer, RS274/NGC",
@@ -72,14 +81,7 @@ DIALECT = Dialect(
         51: "speed override",
         52: "adaptive feed",
         53: "feed stop",
-        61: "set tool number",
-        62: "output",
-        63: "output",
-        64: "output",
-        65: "output",
-        66: "wait for input",
-        67: "analog output",
-        68: "analog output",
+        **OUTPUTS,
         70: "save modal state",
         71: "forget modal state",
     },
@@ -88,8 +90,6 @@ DIALECT = Dialect(
     language="linuxcnc",
     returns_no_lower=True,
     expand_decimals=4,
-    plane=170,
-    dwell="P",
     turns=True,
     arc_tolerance_mm=0.02 * 2**0.5,  # CENTER_ARC_RADIUS_TOLERANCE_MM
     arc_tolerance_relative=0.001,  # SPIRAL_RELATIVE_TOLERANCE

@@ -76,7 +76,6 @@ DIALECT = Dialect(
         ignores=(r"^[ \t]*\$[$#GIXS][^\n]*", r"^[ \t]*@[^\n]*"),
         macros=((TEXT, 0),),
     ),
-    plane=170,
     motion=0,
     dwell="PS",
     carried=("E",),
