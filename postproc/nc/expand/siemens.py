@@ -19,7 +19,7 @@ from postproc.nc.expand import Limits, Line, Program, fault
 from postproc.nc.expand.siemens_contour import contour_of
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, read
 from postproc.nc.expand.siemens_frames import Frame, Repeat
-from postproc.nc.expand.siemens_holes import NAMES, Holes, hole_of
+from postproc.nc.expand.siemens_holes import HOLES, NAMES, Holes
 from postproc.nc.expand.siemens_source import Source, missing
 from postproc.nc.expand.siemens_statements import Call, Jump, Statement, Target, assign
 from postproc.nc.expand.siemens_values import (
@@ -290,8 +290,8 @@ class Run:
     def modal_call(self, frame: Frame, statement: Statement) -> None:
         """MCALL."""
         call = statement.call
-        cycle = hole_of(call.name.upper(), self.values(frame, call)) if call else None
-        self.holes.modal = (frame, cycle) if cycle else None
+        name = call.name.upper() if call else ""
+        self.holes.modal = (frame, HOLES[name].of(name, self.values(frame, call))) if call else None
         frame.go(frame.at, frame.at + 1)
 
     def library(self, name: str) -> Source | None:

@@ -10,7 +10,7 @@ degrees.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from postproc.nc.expand.tracker import Tracker
@@ -339,22 +339,3 @@ def position(scope: Scope, name: str, axis: Value) -> float:
             f"program {axis.name} in absolute words before",
         )
     return value
-
-
-def numbers_by_name(
-    cycle: str, names: Sequence[str], values: Sequence[Value | None], advice: str
-) -> dict[str, float]:
-    """The values of a cycle's call by their names, without those that it leaves out. Raises Refusal
-    for more values than names, and, with `advice`, for one that is no number."""
-    if len(values) > len(names):
-        raise Refusal(
-            f"{cycle} takes {len(names)} values, here are {len(values)}", "correct the call"
-        )
-    given = {}
-    for name, value in zip(names, values, strict=False):
-        if value is None or value == "":
-            continue
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Refusal(f"{name} of {cycle} is no number", advice)
-        given[name] = float(value)
-    return given
