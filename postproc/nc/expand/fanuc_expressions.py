@@ -22,11 +22,11 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_functions import (
     ARITHMETIC,
     FUNCTIONS,
     SHORT,
-    Misread,
     Value,
     computed,
     index,
@@ -64,9 +64,9 @@ class Reader:
     def __init__(self, code: str, at: int = 0, letter: str = "", haas: bool = False):
         self.code, self.at, self.letter, self.haas, self.depth = code, at, letter, haas, 0
 
-    def fault(self, message: str, advice: str = "", start: int = -1) -> Misread:
+    def fault(self, message: str, advice: str = "", start: int = -1) -> Refusal:
         start = self.at if start < 0 else start
-        return Misread(message, advice, start, max(start + 1, min(self.at, len(self.code))))
+        return Refusal(message, advice, start, max(start + 1, min(self.at, len(self.code))))
 
     def value(self) -> Formula:
         """What may stand behind an address: a variable, or an expression in brackets."""
@@ -87,10 +87,8 @@ class Reader:
         def work(m: Memory) -> Value:
             try:
                 return m.read(index(number(m)))
-            except Misread as wrong:
-                if not wrong.stop:
-                    wrong.start, wrong.stop = place
-                raise
+            except Refusal as wrong:
+                raise wrong.placed(*place) from None
 
         return work
 

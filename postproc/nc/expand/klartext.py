@@ -40,8 +40,7 @@ GIVE = "give it a value in the program before this line, the one that it has on 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     """The statements in the order in which the control executes them. Raises ProgramError."""
-    texts = program.lines()
-    yield from _Run(program, tracker, limits).run(texts[:-1] if not texts[-1] else texts, "", 0)
+    yield from _Run(program, tracker, limits).run(program.whole_lines(), "", 0)
 
 
 @dataclass

@@ -18,7 +18,8 @@ from collections.abc import Callable, Container
 from functools import partial
 
 from postproc.errors import BlockFault, GcompError
-from postproc.nc.expand.linuxcnc_expressions import Node, Refusal
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.linuxcnc_expressions import Node
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.frames import WORK_OF_P
 from postproc.nc.state import Frame, no_frame
@@ -381,18 +382,8 @@ STALE: tuple[tuple[str, Container[int | str], str], ...] = (
     ("G28", FIRST_REFERENCE, "G28.1 has changed it"),
     ("G30", SECOND_REFERENCE, "G30.1 has changed it"),
 )
-UNKNOWN = (
-    "_vmajor",
-    "_vminor",
-    "_rpm",
-    "_spindle_on",
-    "_spindle_cw",
-    "_mist",
-    "_flood",
-    "_speed_override",
-    "_feed_override",
-    "_adaptive_feed",
-    "_feed_hold",
-    "_selected_pocket",
-    "_current_pocket",
-)
+_UNKNOWN = """
+    _vmajor _vminor _rpm _spindle_on _spindle_cw _mist _flood _speed_override _feed_override
+    _adaptive_feed _feed_hold _selected_pocket _current_pocket
+"""
+UNKNOWN = frozenset(_UNKNOWN.split())  # known to the machine only

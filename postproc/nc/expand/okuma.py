@@ -17,15 +17,13 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 from postproc.errors import ProgramError
 from postproc.nc.expand import Limits, Line, Program, fault
-from postproc.nc.expand.klartext_formulas import FormulaError, Unset
+from postproc.nc.expand.klartext_formulas import FormulaError, Unset, Worked
 from postproc.nc.expand.okuma_expressions import VARIABLE, Expression, is_own
 from postproc.nc.expand.tracker import Tracker, number
 
-Worked = TypeVar("Worked")  # what an expression gives
 COMMENT = re.compile(rb"\([^()\n]*\)?")
 HEAD = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:(N(?!OEX\b)[A-Z0-9]+)(?=[ \t/]|\Z)[ \t]*)?(?:/[ \t]*)?")
 DELETED = re.compile(rb"[ \t]*(?:N[A-Z0-9]+[ \t]+)?/", re.IGNORECASE)
@@ -51,8 +49,7 @@ GIVE = "give it a value in the program before this line, the one that it has on 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     """The blocks in the order in which the control executes them. Raises ProgramError."""
-    run = _Run(program, tracker, limits)
-    yield from run.main()
+    yield from _Run(program, tracker, limits).main()
 
 
 @dataclass
@@ -93,8 +90,7 @@ class _Run:
 
     def __init__(self, program: Program, tracker: Tracker, limits: Limits):
         self.program, self.tracker, self.limits = program, tracker, limits
-        texts = program.lines()
-        self.files = {"": _parts(texts[:-1] if not texts[-1] else texts, "")}
+        self.files = {"": _parts(program.whole_lines(), "")}
         self.values: dict[str, float] = {}
         self.left = limits.steps
         self.ended = False

@@ -19,8 +19,8 @@ import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_drilling import CHIP, MOST_STROKES, Drilling
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 
 MODES = " GMODE DMODE AMODE"

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker
 
 

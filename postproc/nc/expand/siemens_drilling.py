@@ -19,8 +19,8 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_cycle import Cycle
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 
 AXIS = {170: "Z", 180: "Y", 190: "X"}

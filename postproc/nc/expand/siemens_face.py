@@ -25,8 +25,8 @@ from __future__ import annotations
 import math
 
 from postproc.nc.cycles.pocket_path import Point
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_milling import NEAR, Milling, Ways, ending
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker
 
 KINDS = tuple(10 * way + kind for way in (1, 2, 3, 4) for kind in (1, 2))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_boring import Boring
 from postproc.nc.expand.siemens_cycle import Cycle
 from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
@@ -18,7 +19,7 @@ from postproc.nc.expand.siemens_pockets import Pocket
 from postproc.nc.expand.siemens_removal import NAME as REMOVAL
 from postproc.nc.expand.siemens_removal import Removal
 from postproc.nc.expand.siemens_spigots import Spigot
-from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker
 
 HOLES: dict[str, type[Drilling]] = {

@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterator
 
 from postproc.nc.cycles.pocket_path import Piece, Point
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_cycle import Cycle
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 
 MOST_DEPTHS = 1000

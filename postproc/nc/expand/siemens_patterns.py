@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 
 from postproc.nc.codes import code_number
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_cycle import Cycle
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 
 Place = tuple[float, float]

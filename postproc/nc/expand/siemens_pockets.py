@@ -26,8 +26,8 @@ import math
 
 from postproc.nc.cycles.pocket_path import Piece
 from postproc.nc.cycles.rounded import Rounded, step_of
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_milling import MOST_DEPTHS, NEAR, WITH_M3, Milling, Ways, ending
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker
 
 _ENDS = "MID FAL FALD FFP1 FFD CDIR VARI MIDA AP1"

@@ -29,9 +29,10 @@ from dataclasses import dataclass
 
 from postproc.nc.cycles.profile import Element, Point
 from postproc.nc.cycles.scene import CLOCKWISE as G2
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_contour import elements
 from postproc.nc.expand.siemens_cycle import by_name
-from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker, number
 
 NAME = "CYCLE95"

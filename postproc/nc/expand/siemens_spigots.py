@@ -20,8 +20,8 @@ from __future__ import annotations
 
 from postproc.nc.cycles.pocket_path import Piece
 from postproc.nc.cycles.rounded import Rounded
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_milling import WITH_M3, Milling, Ways, ending
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker
 
 BESIDE_MM = 2.0

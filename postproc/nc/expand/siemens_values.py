@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.tracker import Tracker
 
 LARGEST_INT, LARGEST_ARRAY = 2**31 - 1, 1_000_000
@@ -20,15 +21,6 @@ LARGEST_PARAMETER = 99_999
 EXACT = 2**53  # whole numbers beyond are kept as REAL
 AXIS_LETTERS = "XYZABCUVWEQS"
 EQUAL = 1e-12  # relative difference below which numbers count as equal
-
-
-class Refusal(Exception):
-    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0:
-    the whole of it)."""
-
-    def __init__(self, message: str, advice: str, start: int = 0, stop: int = 0):
-        super().__init__(message)
-        self.message, self.advice, self.start, self.stop = message, advice, start, stop
 
 
 @dataclass(frozen=True)
