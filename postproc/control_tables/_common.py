@@ -177,12 +177,39 @@ def chosen(
     one = table if options.two_way or not table.two_way else mean(table)
     if not options.spacing and not always:
         return one
-    return sampled(one, even_nodes(one, options, float(one.nodes[0]), most))
+    return even(one, options, float(one.nodes[0]), most)
 
 
 def sampled(table: ErrorTable, nodes: np.ndarray) -> ErrorTable:
     """The table at other nodes."""
     return replace(table, nodes=nodes, forward=table.at(nodes, 1.0), reverse=table.at(nodes, -1.0))
+
+
+def even(
+    table: ErrorTable, options: ExportOptions, anchor: float, most: int, multiple: float = GRAIN
+) -> ErrorTable:
+    """The table at its `even_nodes`."""
+    return sampled(table, even_nodes(table, options, anchor, most, multiple))
+
+
+def even_mean(
+    table: ErrorTable, options: ExportOptions, most: int, notices: list[str]
+) -> tuple[ErrorTable, float]:
+    """The mean of both directions at even nodes, one of them the reference, and zero there; and the
+    constant in mm that was taken off."""
+    home = reference(table, options, notices)
+    whole = sampled(mean(table), np.union1d(table.nodes, [home]))
+    return zeroed(even(whole, options, home, most), home, 0.0, notices)
+
+
+def lost_motion(table: ErrorTable) -> list[str]:
+    """The notice of a control that holds the mean of both directions."""
+    if not table.two_way:
+        return []
+    return [
+        f"{table.name}: the mean of both directions is written; lost motion of"
+        f" {play(table) / UM:+.1f} um is a parameter of its own"
+    ]
 
 
 def is_letter(cell: str) -> bool:
@@ -307,6 +334,11 @@ def remainder(
     read back."""
     back = {t.name: t for t in written}
     return {t.name: left(shifted(t, by.get(t.name, 0.0)), back[t.name]) for t in tables}
+
+
+def text_of(lines: Iterable[str], end: str = "\n") -> bytes:
+    """Lines as the text of a file."""
+    return "".join(line + end for line in lines).encode()
 
 
 def fixed(value: float, decimals: int) -> str:

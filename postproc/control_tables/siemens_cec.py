@@ -77,9 +77,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in tables:
         at = common.reference(table, options, notices)
         chosen = table if options.two_way else common.mean(table)
-        written = common.sampled(
-            chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
-        )
+        written = common.even(chosen, options, float(chosen.nodes[0]), most)
         written, shifts[table.name] = common.zeroed(written, at, 0.0, notices)
         ways = (
             (("1", written.forward), ("-1", written.reverse))
@@ -97,7 +95,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         )
     note = "; unverified sign: dial-gauge test at SD41310 = 0.1 before use"
     file = "NC_CEC.INI"
-    data = ("\n".join(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"]) + "\n").encode()
+    data = common.text_of(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"])
     remainder = common.remainder(tables, read(Source(file, data), options), shifts)
     notices += _advice(tables, options, most)
     return Export({file: data}, tuple(notices), remainder)

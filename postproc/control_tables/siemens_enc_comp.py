@@ -47,9 +47,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         at = common.reference(table, options, notices)
         middle = common.mean(table)
-        written = common.sampled(
-            middle, common.even_nodes(middle, options, float(table.nodes[0]), most)
-        )
+        written = common.even(middle, options, float(table.nodes[0]), most)
         written, by = common.zeroed(written, at, 0.0, notices)
         done.append((table, by))
         name = common.axis_name(table.moving, options, f"{table.moving}1")
@@ -70,9 +68,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             " set MD32700 = 1 and reference the axis"
         )
         _held(written, notices)
-    lines.append("M17")
     file = "AX_EEC.INI"
-    data = ("\n".join(lines) + "\n").encode()
+    data = common.text_of([*lines, "M17"])
     back = {t.moving: t for t in read(Source(file, data), options)}
     remainder = {}
     for table, by in done:
