@@ -19,7 +19,7 @@ import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
-from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head, statements
+from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head, even_words, statements
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -110,14 +110,10 @@ def _table(
     decimals: int,
     options: ExportOptions,
 ) -> list[str]:
-    first, last = table.nodes[0] / unit, table.nodes[-1] / unit
-    step = (last - first) / max(1, len(table.nodes) - 1)
     head = [
         f"$AN_CEC_INPUT_AXIS[{index}]=({_name(table.moving, options)})",
         f"$AN_CEC_OUTPUT_AXIS[{index}]=({_name(table.along, options)})",
-        f"$AN_CEC_STEP[{index}]={common.place(step)}",
-        f"$AN_CEC_MIN[{index}]={common.place(first)}",
-        f"$AN_CEC_MAX[{index}]={common.place(last)}",
+        *even_words("$AN_CEC", str(index), table.nodes / unit),
         f"$AN_CEC_DIRECTION[{index}]={direction}",
         f"$AN_CEC_MULT_BY_TABLE[{index}]=0",
         f"$AN_CEC_IS_MODULO[{index}]=0",

@@ -69,6 +69,11 @@ FOREIGN = (  # first, last, what it is
 )
 
 
+def _foreign(number: int, otherwise: str) -> str:
+    """What a variable is that a program does not decide."""
+    return next((what for first, last, what in FOREIGN if first <= number <= last), otherwise)
+
+
 def _value(value: Value | Unknown) -> Value:
     """Raises Unknown for what is not known, as where it was read first."""
     if isinstance(value, Unknown):
@@ -153,12 +158,8 @@ class Variables:
         elif number == 0:
             raise Refusal("#0 is always vacant and can not be set", "use another variable")
         else:
-            what = next(
-                (what for first, last, what in FOREIGN if first <= number <= last),
-                "no variable of a program",
-            )
             raise Refusal(
-                f"#{number} is set: {what}",
+                f"#{number} is set: {_foreign(number, 'no variable of a program')}",
                 "this has no plain block: take it out, or do it before the program",
             )
 
@@ -224,11 +225,7 @@ class Variables:
             return float(tool) if tool >= 0 else self._unknown(number, "no T has been given yet")
         if number in ADDRESSES:
             self._unknown(number, f"the last {ADDRESSES[number]} is not followed here")
-        why = next(
-            (what for first, last, what in FOREIGN if first <= number <= last),
-            "it is not known here",
-        )
-        self._unknown(number, why)
+        self._unknown(number, _foreign(number, "it is not known here"))
 
     def _speed(self, number: int) -> float:
         """#4119: the last S of the blocks before."""

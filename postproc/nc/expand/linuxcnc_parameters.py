@@ -35,6 +35,7 @@ INPUT = 5399
 TOOL = range(5400, 5410)
 TOOL_SHAPE = range(5410, 5414)
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
+OWN = ("_value", "_value_returned", "_line", "_call_level")  # what the run itself knows
 SAY = "say it with --start or --offset, or write the value itself in its place"
 WRITE_VALUE = (
     "write the value itself in its place: gcomp knows the program, not what the machine finds while"
@@ -210,11 +211,7 @@ def _check(index: int) -> None:
 
 
 def _is_predefined(name: str) -> bool:
-    return (
-        name in PREDEFINED
-        or name in UNKNOWN
-        or name in ("_value", "_value_returned", "_line", "_call_level")
-    )
+    return name in PREDEFINED or name in UNKNOWN or name in OWN
 
 
 # -- what the control tells of itself --------------------------------------------------------------
