@@ -158,8 +158,9 @@ class Variables:
         elif number == 0:
             raise Refusal("#0 is always vacant and can not be set", "use another variable")
         else:
+            what = _foreign(number, "no variable of a program")
             raise Refusal(
-                f"#{number} is set: {_foreign(number, 'no variable of a program')}",
+                f"#{number} is set: {what}",
                 "this has no plain block: take it out, or do it before the program",
             )
 

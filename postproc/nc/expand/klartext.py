@@ -110,9 +110,8 @@ class _Run:
             part.remark = _goes_on(text)
             return
         if CORNER.match(code):
-            raise Refusal(
-                f"{code[:3].decode()} stands behind no straight line", "write it behind L"
-            )
+            corner = code[:3].decode()
+            raise Refusal(f"{corner} stands behind no straight line", "write it behind L")
         if part.cycle or PLAIN.match(code):
             filled = self._filled(text if part.cycle else _bare(text))
             part.cycle = _goes_on(text) and (part.cycle or code.startswith(b"CYCL"))
@@ -234,7 +233,7 @@ class _Run:
         except Unset as error:
             raise Refusal(f"{error} has no value in this program yet", GIVE) from None
         except FormulaError as error:
-            raise Refusal(f"{error}", "write the number itself in its place") from None
+            raise Refusal(str(error), error.advice) from None
 
     def _filled(self, bare: bytes) -> bytes:
         """The statement with a number for each Q; a cycle's datum sets its Q too."""

@@ -21,6 +21,8 @@ Worked = TypeVar("Worked")  # a number, or whether a condition holds
 class FormulaError(Exception):
     """What can not be calculated."""
 
+    advice: ClassVar[str] = "write the number itself in its place"
+
 
 class Unset(FormulaError):
     """A parameter that has no value."""
