@@ -37,7 +37,8 @@ NAMES = {"CYCLE71": "RTP RFP SDIS DP PA PO LENG WID STA MID MIDA FDP FALD FFP1 V
 class Face(Milling):
     """A call with its values."""
 
-    words, needed = NAMES, "RTP RFP DP PA PO LENG WID FFP1 VARI"
+    words = NAMES
+    needed = "RTP RFP DP PA PO LENG WID FFP1 VARI"
 
     def check(self) -> None:
         super().check()

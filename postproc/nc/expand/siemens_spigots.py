@@ -31,7 +31,8 @@ NAMES = {"CYCLE77": "RTP RFP SDIS DP DPR PRAD PA PO MID FAL FALD FFP1 FFD CDIR V
 class Spigot(Milling):
     """A call with its values."""
 
-    words, needed = NAMES, "RTP RFP PRAD PA PO FFP1 FFD VARI"
+    words = NAMES
+    needed = "RTP RFP PRAD PA PO FFP1 FFD VARI"
 
     def check(self) -> None:
         given = self.given
