@@ -1,5 +1,5 @@
-"""What the controls share: even points, zero at the reference, thinning, and the comparison of a
-written table with its map.
+"""What the controls share: even points, zero at the reference, and the comparison of a written table
+with its map.
 
 No control: it knows no format and no sign.
 """
@@ -272,47 +272,6 @@ def _nice(multiple: float) -> Iterable[float]:
     while True:
         yield from (decade * n for n in NICE)
         decade *= 10
-
-
-def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
-    """At most `most` of the table's nodes, and the largest deviation in mm that straight lines
-    between them miss."""
-    if len(table.nodes) <= most:
-        return table, 0.0
-    values = np.stack([table.forward, table.reverse])
-    low, high = 0.0, float(np.ptp(values, axis=1).max()) + UM
-    for _ in range(40):
-        middle = (low + high) / 2
-        low, high = (
-            (low, middle) if len(_chords(table.nodes, values, middle)) <= most else (middle, high)
-        )
-    keep = _chords(table.nodes, values, high)
-    result = replace(
-        table, nodes=table.nodes[keep], forward=table.forward[keep], reverse=table.reverse[keep]
-    )
-    return result, left(table, result)
-
-
-def _chords(nodes: np.ndarray, values: np.ndarray, bound: float) -> list[int]:
-    """Indices of nodes between which straight lines miss no node by more than `bound`, each as far
-    as it goes."""
-    keep, first, last = [0], 0, len(nodes) - 1
-    while first < last:
-        reach = first + 1
-        # slopes that pass every node between within the bound
-        steep, flat = np.full(len(values), np.inf), np.full(len(values), -np.inf)
-        for i in range(first + 1, last + 1):
-            run = nodes[i] - nodes[first]
-            slope = (values[:, i] - values[:, first]) / run
-            if np.all(slope <= steep) and np.all(slope >= flat):
-                reach = i
-            steep = np.minimum(steep, slope + bound / run)
-            flat = np.maximum(flat, slope - bound / run)
-            if np.any(flat > steep):
-                break
-        keep.append(reach)
-        first = reach
-    return keep
 
 
 def left(table: ErrorTable, written: ErrorTable) -> float:

@@ -17,6 +17,7 @@ import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
+from postproc.control_tables._thinning import thinned
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -44,7 +45,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     remainder: dict[str, float] = {}
     for table in kept:
         chosen = common.chosen(table, options, 1 << 20)
-        thin, lost = common.thinned(chosen, ENTRIES)
+        thin, lost = thinned(chosen, ENTRIES)
         if lost > bound:
             raise TableError(
                 f"{table.name} has {len(chosen.nodes)} entries, LinuxCNC holds {ENTRIES}, and"
