@@ -1,4 +1,4 @@
-"""What the controls share: even points, zero at the reference, and the comparison of a written table
+"""What the controls share: even points, zero at the reference, the comparison of a written table
 with its map.
 
 No control: it knows no format and no sign.
