@@ -28,7 +28,6 @@ CALLS = {
     "refuse": None,
     "ExpressionError": None,
     "Refused": None,
-    "Misread": None,
     "Unknown": None,
     "AcceptError": None,
     "LogError": None,

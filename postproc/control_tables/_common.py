@@ -1,5 +1,5 @@
-"""What the controls share: even points, zero at the reference, thinning, and the comparison of a
-written table with its map.
+"""What the controls share: even points, zero at the reference, the comparison of a written table
+with its map.
 
 No control: it knows no format and no sign.
 """
@@ -177,12 +177,39 @@ def chosen(
     one = table if options.two_way or not table.two_way else mean(table)
     if not options.spacing and not always:
         return one
-    return sampled(one, even_nodes(one, options, float(one.nodes[0]), most))
+    return even(one, options, float(one.nodes[0]), most)
 
 
 def sampled(table: ErrorTable, nodes: np.ndarray) -> ErrorTable:
     """The table at other nodes."""
     return replace(table, nodes=nodes, forward=table.at(nodes, 1.0), reverse=table.at(nodes, -1.0))
+
+
+def even(
+    table: ErrorTable, options: ExportOptions, anchor: float, most: int, multiple: float = GRAIN
+) -> ErrorTable:
+    """The table at its `even_nodes`."""
+    return sampled(table, even_nodes(table, options, anchor, most, multiple))
+
+
+def even_mean(
+    table: ErrorTable, options: ExportOptions, most: int, notices: list[str]
+) -> tuple[ErrorTable, float]:
+    """The mean of both directions at even nodes, one of them the reference, and zero there; and the
+    constant in mm that was taken off."""
+    home = reference(table, options, notices)
+    whole = sampled(mean(table), np.union1d(table.nodes, [home]))
+    return zeroed(even(whole, options, home, most), home, 0.0, notices)
+
+
+def lost_motion(table: ErrorTable) -> list[str]:
+    """The notice of a control that holds the mean of both directions."""
+    if not table.two_way:
+        return []
+    return [
+        f"{table.name}: the mean of both directions is written; lost motion of"
+        f" {play(table) / UM:+.1f} um is a parameter of its own"
+    ]
 
 
 def is_letter(cell: str) -> bool:
@@ -247,47 +274,6 @@ def _nice(multiple: float) -> Iterable[float]:
         decade *= 10
 
 
-def thinned(table: ErrorTable, most: int) -> tuple[ErrorTable, float]:
-    """At most `most` of the table's nodes, and the largest deviation in mm that straight lines
-    between them miss."""
-    if len(table.nodes) <= most:
-        return table, 0.0
-    values = np.stack([table.forward, table.reverse])
-    low, high = 0.0, float(np.ptp(values, axis=1).max()) + UM
-    for _ in range(40):
-        middle = (low + high) / 2
-        low, high = (
-            (low, middle) if len(_chords(table.nodes, values, middle)) <= most else (middle, high)
-        )
-    keep = _chords(table.nodes, values, high)
-    result = replace(
-        table, nodes=table.nodes[keep], forward=table.forward[keep], reverse=table.reverse[keep]
-    )
-    return result, left(table, result)
-
-
-def _chords(nodes: np.ndarray, values: np.ndarray, bound: float) -> list[int]:
-    """Indices of nodes between which straight lines miss no node by more than `bound`, each as far
-    as it goes."""
-    keep, first, last = [0], 0, len(nodes) - 1
-    while first < last:
-        reach = first + 1
-        # slopes that pass every node between within the bound
-        steep, flat = np.full(len(values), np.inf), np.full(len(values), -np.inf)
-        for i in range(first + 1, last + 1):
-            run = nodes[i] - nodes[first]
-            slope = (values[:, i] - values[:, first]) / run
-            if np.all(slope <= steep) and np.all(slope >= flat):
-                reach = i
-            steep = np.minimum(steep, slope + bound / run)
-            flat = np.maximum(flat, slope - bound / run)
-            if np.any(flat > steep):
-                break
-        keep.append(reach)
-        first = reach
-    return keep
-
-
 def left(table: ErrorTable, written: ErrorTable) -> float:
     """mm: the largest deviation, of either direction, that a written table leaves of the map it was
     made from.
@@ -307,6 +293,11 @@ def remainder(
     read back."""
     back = {t.name: t for t in written}
     return {t.name: left(shifted(t, by.get(t.name, 0.0)), back[t.name]) for t in tables}
+
+
+def text_of(lines: Iterable[str], end: str = "\n") -> bytes:
+    """Lines as the text of a file."""
+    return "".join(line + end for line in lines).encode()
 
 
 def fixed(value: float, decimals: int) -> str:

@@ -220,8 +220,8 @@ def csv_files(
             ]
             table.append(f"{number},{MEANING[number]}," + ",".join(cells))
     return {
-        f"{name}_pitch.csv": ("\n".join(["axis,parameter_no,value", *rows]) + "\n").encode(),
-        f"{name}_settings.csv": ("\n".join(table) + "\n").encode(),
+        f"{name}_pitch.csv": common.text_of(["axis,parameter_no,value", *rows]),
+        f"{name}_settings.csv": common.text_of(table),
     }
 
 
@@ -252,7 +252,7 @@ def g10(
     lines += [
         f"N{PITCH + n} R{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())
     ]
-    return ("\n".join([*lines, "G11", "M30", "%"]) + "\n").encode()
+    return common.text_of([*lines, "G11", "M30", "%"])
 
 
 def _value(number: int, value: float, form: str, options: ExportOptions) -> str:
@@ -278,7 +278,7 @@ def records(
     lines += [
         f"N{PITCH + n} P{v}" for numbers in pitch.values() for n, v in sorted(numbers.items())
     ]
-    return ("\n".join([*lines, "%"]) + "\n").encode()
+    return common.text_of([*lines, "%"])
 
 
 def increment(options: ExportOptions) -> float:

@@ -71,8 +71,7 @@ def _entry(
     cells = {h: at.text[a:b].strip() for (h, a), b in zip(columns, edges, strict=True)}
     row = {h: at.finite(c, h) for h, c in cells.items() if c}
     if row.get("NR") != len(rows):
-        due = f"row {cells['NR']!r} where NR {len(rows)} is due"
-        raise at.fault(due)
+        raise at.fault(f"row {cells['NR']!r} where NR {len(rows)} is due")
     if "AXISPOS" not in row:
         raise at.fault("AXISPOS is empty")
     if rows:

@@ -12,12 +12,7 @@ from postproc.recordings import Source
 
 def written(remarks: Sequence[str], columns: Sequence[str], rows: Sequence[Sequence[str]]) -> bytes:
     """The list as CSV; remarks stand above it, behind #."""
-    lines = [
-        *(f"# {remark}" for remark in remarks),
-        ",".join(columns),
-        *(",".join(row) for row in rows),
-    ]
-    return ("\n".join(lines) + "\n").encode()
+    return common.text_of([*(f"# {r}" for r in remarks), *map(",".join, [columns, *rows])])
 
 
 def _row(

@@ -28,13 +28,8 @@ def text(
     unit, decimals = common.mm_per_unit(options), 5 if options.unit == "mm" else 7
     nodes = table.nodes / unit
     values = [table.forward, table.reverse] if table.two_way else [table.forward]
-    head = dict(
-        zip(
-            HEAD,
-            (table.moving, options.unit, nodes[0], nodes[-1] - nodes[0], len(nodes)),
-            strict=True,
-        )
-    )
+    values_of_head = (table.moving, options.unit, nodes[0], nodes[-1] - nodes[0], len(nodes))
+    head = dict(zip(HEAD, values_of_head, strict=True))
     lines = [f"# {line}" for line in comments]
     lines += [
         f"{k} = {v}" if isinstance(v, (str, int)) else f"{k} = {common.fixed(float(v), decimals)}"
@@ -45,7 +40,7 @@ def text(
     lines += [
         ", ".join(common.fixed(float(v), decimals) for v in row) for row in zip(*cells, strict=True)
     ]
-    return ("\n".join(lines) + "\n").encode()
+    return common.text_of(lines)
 
 
 def parsed(source: Source, sign: float, columns: tuple[str, str]) -> ErrorTable:
@@ -105,8 +100,7 @@ def _lines(
         cells = [cell.strip() for cell in plain.split(",")]
         if heading:
             if len(cells) != len(heading):
-                many = f"{len(cells)} values under {len(heading)} columns"
-                raise at.fault(many)
+                raise at.fault(f"{len(cells)} values under {len(heading)} columns")
             rows.append([at.finite(cell, "the value") for cell in cells])
         elif "=" in plain:
             _take_key(at, plain, head)

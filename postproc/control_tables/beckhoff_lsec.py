@@ -47,10 +47,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         chosen = table if options.two_way or not table.two_way else common.mean(table)
         if options.spacing:
-            nodes = common.even_nodes(
-                chosen, options, float(np.round(chosen.nodes[0], 4)), most, TENTH
-            )
-            chosen = common.sampled(chosen, nodes)
+            first = float(np.round(chosen.nodes[0], 4))
+            chosen = common.even(chosen, options, first, most, TENTH)
         elif len(chosen.nodes) > most:
             raise TableError(
                 f"{table.name} has {len(chosen.nodes)} points, the list holds {most}",
@@ -107,7 +105,7 @@ def _text(table: ErrorTable, options: ExportOptions, notices: list[str]) -> byte
     none = places[:0]
     columns = {"setpoint": none if gap else places, "pos": pos, "neg": neg if bilateral else none}
     rows = [f"kw.ssfk.table[{i}].{n} {v}" for n, c in columns.items() for i, v in enumerate(c)]
-    return ("\n".join(head + rows) + "\n").encode()
+    return common.text_of(head + rows)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:
@@ -164,16 +162,13 @@ def _entries(source: Source) -> List:
         _, key, index, column, value = found.groups()
         if index is None:
             if key in result.head:
-                before = f"{key} has been given in line {result.head[key][0]}"
-                raise at.fault(before)
+                raise at.fault(f"{key} has been given in line {result.head[key][0]}")
             result.head[key] = (at.number, value.strip())
             continue
         if key != "ssfk.table":
-            other = f"kw.{key} is not read: only kw.ssfk is"
-            raise at.fault(other)
+            raise at.fault(f"kw.{key} is not read: only kw.ssfk is")
         if int(index) in result.cells[column]:
-            twice = f"table[{index}].{column} is given twice"
-            raise at.fault(twice)
+            raise at.fault(f"table[{index}].{column} is given twice")
         result.cells[column][int(index)] = at.finite(value, "the entry")
     return result
 

@@ -54,7 +54,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         home = (
             common.reference(table, options, notices) if version == "1" else float(chosen.nodes[0])
         )
-        even = common.sampled(chosen, common.even_nodes(chosen, options, home, most))
+        even = common.even(chosen, options, home, most)
         if version == "1":
             even, _ = common.zeroed(even, home, 0.0, notices)
             name = f"cnc7{table.moving.lower()}.tab"
@@ -126,7 +126,7 @@ def _counts(table: ErrorTable, home: float, sign: float, options: ExportOptions)
         f"{len(places)} {round(float(places[-1]) * per_mm)}",
         *(str(round(sign * float(v) * per_mm)) for v in values),
     ]
-    return ("\r\n".join(rows) + "\r\n").encode()
+    return common.text_of(rows, "\r\n")
 
 
 def _header(at: common.Line) -> tuple[int, float]:

@@ -105,7 +105,7 @@ def _export(found: VolumetricMap, options: ExportOptions, left: dict[str, float]
         volumetric.FLANGE,
         f"the order of the axes is not in the file, tell the control: {order}",
     )
-    return Export({f"{options.program}.txt": ("\n".join(lines) + "\n").encode()}, notices, left)
+    return Export({f"{options.program}.txt": common.text_of(lines)}, notices, left)
 
 
 def _section(table: AxisTable, row: int, name: str) -> list[str]:

@@ -14,6 +14,7 @@ import numpy as np
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
 from postproc.control_tables import _lists as lists
+from postproc.control_tables._thinning import thinned
 from postproc.recordings import Source
 from postproc.units import UM
 
@@ -46,7 +47,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     rows: list[list[str]] = []
     for table in kept:
         chosen = common.chosen(table, options, most)
-        chosen, lost = common.thinned(chosen, most)
+        chosen, lost = thinned(chosen, most)
         if lost:
             notices.append(
                 f"{table.name}: thinned out to {len(chosen.nodes)} points, which loses"

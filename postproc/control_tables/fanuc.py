@@ -73,11 +73,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         data = _straightness(cross, options, notices, shifts)
         files[name] = data
         back += straightness(Source(name, data), options)
-    got = {t.name: t for t in back}
-    remainder = {
-        t.name: common.left(common.shifted(t, shifts[t.name]), got[t.name]) for t in tables
-    }
-    return Export(files, tuple(notices), remainder)
+    return Export(files, tuple(notices), common.remainder(tables, back, shifts))
 
 
 @dataclass(frozen=True)
@@ -162,10 +158,7 @@ def _points(table: ErrorTable, options: ExportOptions, both: bool, notices: list
     small = listings.increment(options)
     spacing = options.spacing
     while True:
-        even = common.sampled(
-            chosen,
-            common.even_nodes(chosen, replace(options, spacing=spacing), home, most + 1, small),
-        )
+        even = common.even(chosen, replace(options, spacing=spacing), home, most + 1, small)
         noticed: list[str] = []
         even, by = common.zeroed(even, home, way, noticed)
         step = _step(even, options)
@@ -375,18 +368,11 @@ def _straightness(
     )
     lines = ["moving,compensated,position_mm,increment"]
     for table in cross:
-        home = common.reference(table, options, notices)
-        whole = common.sampled(common.mean(table), np.union1d(table.nodes, [home]))
-        even = common.sampled(
-            whole,
-            common.even_nodes(
-                whole, options, home, common.whole(options, "points", 128, 2, 1023) + 1
-            ),
-        )
-        even, shifts[table.name] = common.zeroed(even, home, 0.0, notices)
+        most = common.whole(options, "points", 128, 2, 1023) + 1
+        even, shifts[table.name] = common.even_mean(table, options, most, notices)
         counts = np.rint(-even.forward / options.step).astype(int)
         rows = zip(even.nodes, np.diff(counts, prepend=counts[0]), strict=True)
         lines += [f"{table.moving},{table.along},{position:.10g},{k}" for position, k in rows]
         if table.two_way:
             notices.append(f"{table.name}: the mean of both directions is written")
-    return ("\n".join(lines) + "\n").encode()
+    return common.text_of(lines)

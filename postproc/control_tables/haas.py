@@ -73,11 +73,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             [table.moving, str(i), common.fixed(-0.5 * i, 1), common.fixed(float(v), DECIMALS)]
             for i, v in enumerate(values)
         ]
-        if table.two_way:
-            notices.append(
-                f"{table.name}: the mean of both directions is written; lost motion of"
-                f" {common.play(table) / UM:+.1f} um is a parameter of its own"
-            )
+        notices += common.lost_motion(table)
     if not encoder:
         notices.append(
             f"values are limited to {STEPS} encoder steps: not checked (--set"

@@ -107,8 +107,8 @@ def _export(
             f" must be {records} or more"
         ),
     ]
-    files = {f"{name}.csv": "\n".join(lines) + "\n", f"{name}.lis": "\n".join(listing) + "\n"}
-    return Export({n: text.encode() for n, text in files.items()}, tuple(notices), left)
+    files = {f"{name}.csv": common.text_of(lines), f"{name}.lis": common.text_of(listing)}
+    return Export(files, tuple(notices), left)
 
 
 def _location(square: dict[str, float]) -> list[str]:

@@ -44,25 +44,17 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         f"; {options.program}: lengths of a square of {SIDE:g} mm",
         "SET_SKEW " + " ".join(planes),
     ]
-    two_way = [t.name for t in tables if t.two_way]
     notices = [
-        (
-            "printer.cfg needs [skew_correction]; run this in the start of a job, after homing, and"
-            " SET_SKEW CLEAR=1 at its end, or keep it with SKEW_PROFILE SAVE=name and SAVE_CONFIG"
-        ),
+        "printer.cfg needs [skew_correction]; run this in the start of a job, after homing, and"
+        " SET_SKEW CLEAR=1 at its end, or keep it with SKEW_PROFILE SAVE=name and SAVE_CONFIG",
         *found.notices,
-        *(
-            [
-                f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both"
-                " directions"
-            ]
-            if two_way
-            else []
-        ),
     ]
-    return Export(
-        {f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left
-    )
+    if two_way := [t.name for t in tables if t.two_way]:
+        notices.append(
+            f"Klipper takes up no lost motion: {', '.join(two_way)} keep the difference of both"
+            " directions"
+        )
+    return Export({f"{options.program}.gcode": common.text_of(lines)}, tuple(notices), found.left)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
+from postproc.control_tables._thinning import thinned
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -44,7 +45,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     remainder: dict[str, float] = {}
     for table in kept:
         chosen = common.chosen(table, options, 1 << 20)
-        thin, lost = common.thinned(chosen, ENTRIES)
+        thin, lost = thinned(chosen, ENTRIES)
         if lost > bound:
             raise TableError(
                 f"{table.name} has {len(chosen.nodes)} entries, LinuxCNC holds {ENTRIES}, and"
@@ -56,19 +57,17 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 f"{table.name}: {len(chosen.nodes)} entries thinned out to {len(thin.nodes)}, which"
                 f" loses {lost / UM:.3f} um at most"
             )
-        base = thin.nodes if kind == "0" else np.zeros_like(thin.nodes)
-        sign = 1.0 if kind == "0" else -1.0
+        base, sign = (thin.nodes, 1.0) if kind == "0" else (np.zeros_like(thin.nodes), -1.0)
         columns = (thin.nodes, base + sign * thin.forward, base + sign * thin.reverse)
         rows = [
             " ".join(common.fixed(float(v) / unit, decimals) for v in row)
             for row in zip(*columns, strict=True)
         ]
         name = f"{table.moving}.comp"
-        data = ("\n".join(rows) + "\n").encode()
+        data = common.text_of(rows)
         files[name] = data
-        remainder[table.name] = common.left(
-            table, _parsed(Source(name, data), table.moving, kind, unit)
-        )
+        back = _parsed(Source(name, data), table.moving, kind, unit)
+        remainder[table.name] = common.left(table, back)
         notices.append(
             f"{table.moving}: in the INI file, under the [JOINT_n] of {table.moving}: COMP_FILE ="
             f" {name} and COMP_FILE_TYPE = {kind}; positions are joint coordinates in"

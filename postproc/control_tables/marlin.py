@@ -50,9 +50,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         ),
         *found.notices,
     ]
-    return Export(
-        {f"{options.program}.gcode": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left
-    )
+    return Export({f"{options.program}.gcode": common.text_of(lines)}, tuple(notices), found.left)
 
 
 def read(source: Source, options: ExportOptions) -> list[ErrorTable]:

@@ -15,7 +15,6 @@ from postproc.control_tables import ErrorTable, Export, ExportOptions, TableErro
 from postproc.control_tables import _common as common
 from postproc.control_tables import _lists as lists
 from postproc.recordings import Source
-from postproc.units import UM
 
 TITLE = "Mitsubishi relative error compensation in increments, a list to key in"
 VERIFIED = False
@@ -40,13 +39,8 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     rows: list[list[str]] = []
     shifts: dict[str, float] = {}
     for table in kept:
-        home = common.reference(table, options, notices)
-        whole = common.sampled(common.mean(table), np.union1d(table.nodes, [home]))
-        even = common.sampled(
-            whole,
-            common.even_nodes(whole, options, home, common.whole(options, "points", 1024, 2, 1024)),
-        )
-        even, shifts[table.name] = common.zeroed(even, home, 0.0, notices)
+        most = common.whole(options, "points", 1024, 2, 1024)
+        even, shifts[table.name] = common.even_mean(table, options, most, notices)
         counts = np.rint(-even.forward / unit).astype(int)
         steps = np.diff(counts, prepend=counts[0])
         if steps.min() < -128 or steps.max() > 127:
@@ -55,16 +49,13 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                 " can be held",
                 "--set scale=N, or a smaller --spacing",
             )
+        home = options.reference.get(table.moving, 0.0)
         first = int(np.argmin(np.abs(even.nodes - home)))
         rows += [
             [table.moving, str(i - first), f"{p:.10g}", str(k)]
             for i, (p, k) in enumerate(zip(even.nodes, steps, strict=True))
         ]
-        if table.two_way:
-            notices.append(
-                f"{table.name}: the mean of both directions is written; lost motion of"
-                f" {common.play(table) / UM:+.1f} um is a parameter of its own"
-            )
+        notices += common.lost_motion(table)
     name = f"{options.program}_mitsubishi.csv"
     data = lists.written([remark], COLUMNS, rows)
     left = common.remainder(kept, read(Source(name, data), options), shifts)

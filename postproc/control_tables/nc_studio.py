@@ -57,7 +57,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
                     else "backlash stays a setting"
                 )
             )
-    data = ("\r\n".join(lines) + "\r\n").encode()
+    data = common.text_of(lines, "\r\n")
     left = common.remainder(kept, read(Source(NAME, data), ExportOptions(reference=places)))
     notices.append(
         "a nominal coordinate outside of the stroke makes the compensation invalid, says the manual"

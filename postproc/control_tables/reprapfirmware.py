@@ -46,17 +46,14 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         lines += [f"; {NOTICE}", f"M425 {sizes}"]
         notices.insert(0, NOTICE)
     notices += found.notices
-    return Export(
-        {f"{options.program}.g": ("\n".join(lines) + "\n").encode()}, tuple(notices), found.left
-    )
+    return Export({f"{options.program}.g": common.text_of(lines)}, tuple(notices), found.left)
 
 
 def _tangents(at: common.Line, given: dict[str, float]) -> dict[str, float]:
     """What M556 says of each axis. Raises TableError for what the firmware ignores."""
     height = given.get("S", 0.0)
     if height < LEAST_HEIGHT:
-        low = f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block"
-        raise at.fault(low)
+        raise at.fault(f"S is {height:g}: below {LEAST_HEIGHT:g} the firmware ignores the block")
     if given.get("P", 0.0) > 0:
         raise at.fault("P1 takes the XY angle out of Y: only P0 is read")
     return {x: skews.factor(at, v / height) for x, v in given.items() if x in "XYZ"}

@@ -19,7 +19,7 @@ import numpy as np
 
 from postproc.control_tables import ErrorTable, Export, ExportOptions, TableError
 from postproc.control_tables import _common as common
-from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head, statements
+from postproc.control_tables.siemens_enc_comp import DECIMALS, even_head, even_words, statements
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -77,9 +77,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in tables:
         at = common.reference(table, options, notices)
         chosen = table if options.two_way else common.mean(table)
-        written = common.sampled(
-            chosen, common.even_nodes(chosen, options, float(chosen.nodes[0]), most)
-        )
+        written = common.even(chosen, options, float(chosen.nodes[0]), most)
         written, shifts[table.name] = common.zeroed(written, at, 0.0, notices)
         ways = (
             (("1", written.forward), ("-1", written.reverse))
@@ -97,7 +95,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
         )
     note = "; unverified sign: dial-gauge test at SD41310 = 0.1 before use"
     file = "NC_CEC.INI"
-    data = ("\n".join(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"]) + "\n").encode()
+    data = common.text_of(["%_N_NC_CEC_INI", "CHANDATA(1)", note, *lines, "M17"])
     remainder = common.remainder(tables, read(Source(file, data), options), shifts)
     notices += _advice(tables, options, most)
     return Export({file: data}, tuple(notices), remainder)
@@ -112,14 +110,10 @@ def _table(
     decimals: int,
     options: ExportOptions,
 ) -> list[str]:
-    first, last = table.nodes[0] / unit, table.nodes[-1] / unit
-    step = (last - first) / max(1, len(table.nodes) - 1)
     head = [
         f"$AN_CEC_INPUT_AXIS[{index}]=({_name(table.moving, options)})",
         f"$AN_CEC_OUTPUT_AXIS[{index}]=({_name(table.along, options)})",
-        f"$AN_CEC_STEP[{index}]={common.place(step)}",
-        f"$AN_CEC_MIN[{index}]={common.place(first)}",
-        f"$AN_CEC_MAX[{index}]={common.place(last)}",
+        *even_words("$AN_CEC", str(index), table.nodes / unit),
         f"$AN_CEC_DIRECTION[{index}]={direction}",
         f"$AN_CEC_MULT_BY_TABLE[{index}]=0",
         f"$AN_CEC_IS_MODULO[{index}]=0",

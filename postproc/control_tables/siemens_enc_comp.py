@@ -47,9 +47,7 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
     for table in kept:
         at = common.reference(table, options, notices)
         middle = common.mean(table)
-        written = common.sampled(
-            middle, common.even_nodes(middle, options, float(table.nodes[0]), most)
-        )
+        written = common.even(middle, options, float(table.nodes[0]), most)
         written, by = common.zeroed(written, at, 0.0, notices)
         done.append((table, by))
         name = common.axis_name(table.moving, options, f"{table.moving}1")
@@ -57,22 +55,15 @@ def write(tables: list[ErrorTable], options: ExportOptions) -> Export:
             f"$AA_ENC_COMP[{encoder},{i},{name}]={common.fixed(v / unit, decimals)}"
             for i, v in enumerate(written.forward)
         ]
-        first, last = written.nodes[0] / unit, written.nodes[-1] / unit
-        step = (last - first) / max(1, len(written.nodes) - 1)
-        lines += [
-            f"$AA_ENC_COMP_STEP[{encoder},{name}]={common.place(step)}",
-            f"$AA_ENC_COMP_MIN[{encoder},{name}]={common.place(first)}",
-            f"$AA_ENC_COMP_MAX[{encoder},{name}]={common.place(last)}",
-            f"$AA_ENC_COMP_IS_MODULO[{encoder},{name}]=0",
-        ]
+        lines += even_words("$AA_ENC_COMP", f"{encoder},{name}", written.nodes / unit)
+        lines.append(f"$AA_ENC_COMP_IS_MODULO[{encoder},{name}]=0")
         notices.append(
             f"{name}: MD38000 must be at least {len(written.nodes)}; load with MD32700 = 0, then"
             " set MD32700 = 1 and reference the axis"
         )
         _held(written, notices)
-    lines.append("M17")
     file = "AX_EEC.INI"
-    data = ("\n".join(lines) + "\n").encode()
+    data = common.text_of([*lines, "M17"])
     back = {t.moving: t for t in read(Source(file, data), options)}
     remainder = {}
     for table, by in done:
@@ -107,6 +98,16 @@ def _held(written: ErrorTable, notices: list[str]) -> None:
             f"{written.name}: the first and last values are held over the rest of the travel:"
             f" {said}"
         )
+
+
+def even_words(variable: str, index: str, nodes: np.ndarray) -> list[str]:
+    """STEP, MIN and MAX of a table with even nodes (K,), control's unit."""
+    first, last = nodes[0], nodes[-1]
+    step = (last - first) / max(1, len(nodes) - 1)
+    return [
+        f"{variable}_{key}[{index}]={common.place(value)}"
+        for key, value in (("STEP", step), ("MIN", first), ("MAX", last))
+    ]
 
 
 def statements(source: Source) -> Iterator[common.Line]:

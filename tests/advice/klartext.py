@@ -104,6 +104,7 @@ def iso(before: str, after: str) -> Case:
 
 
 ALL = [
+    klartext("CC X+5 Y+0|RND R2|L X+5 F99", "CC X+5 Y+0|L X+5 F99"),
     iso("N3 G98 L1*|N4 G79*|N5 L1,2*", "N4 G79*"),
     iso("N3 G91*|N4 G79*", "N4 G79*"),
     iso("N3 I5 J0*|N4 G03 X10 Y0 F9*|N5 G79*", "N4 G00 X10*|N5 G79*"),

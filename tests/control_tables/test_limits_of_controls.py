@@ -24,7 +24,7 @@ from postproc.control_tables import (
     siemens_cec,
     siemens_enc_comp,
 )
-from postproc.control_tables import _common as common
+from postproc.control_tables._thinning import thinned
 from postproc.errors import UsageError
 from postproc.recordings import Source
 from postproc.units import UM
@@ -84,7 +84,7 @@ def test_thinning_keeps_the_ends_holds_its_bound_and_never_has_more_than_asked(v
     full = ErrorTable(
         "X", "X", np.arange(len(values), dtype=float), np.array(values), np.array(values[::-1])
     )
-    thin, lost = common.thinned(full, most)
+    thin, lost = thinned(full, most)
     assert len(thin.nodes) <= most and {thin.nodes[0], thin.nodes[-1]} == {0.0, len(values) - 1.0}
     there = np.linspace(-1, len(values), 511)
     off = max(np.abs(full.at(there, w) - thin.at(there, w)).max() for w in (1.0, -1.0))

@@ -38,10 +38,10 @@ class Dialect:
     """How one family of controls reads a program.
 
     `codes`: the G codes it has. `m_codes`: M number to meaning; `m_refuses`: M number to the reason
-    why not.
-    `plane`: G code in force at the start. `increments`: letter of an incremental word to its axis.
-    `dwell`: letters of the dwell time in a G4 block. `turns`: whether P counts full turns of an
-    arc. `arc_tolerance_mm` and `arc_tolerance_relative`: start and end radius of an arc may differ
+    why not. `plane`: ten times the G code in force at the start. `increments`: letter of an
+    incremental word to its axis. `dwell`: letters of the dwell time in a G4 block. `turns`: whether
+    P counts full turns of an arc.
+    `arc_tolerance_mm` and `arc_tolerance_relative`: start and end radius of an arc may differ
     by the former, and by more only within the latter, never by more than `arc_tolerance_most_mm`;
     `arc_tolerance_inch`: how many times as much, both, in blocks under G20; a smaller radius than
     `radius_tolerance_mm` is none, and R may be that much too short. `tool_offsets`: whether a T
@@ -125,8 +125,8 @@ class Dialect:
     title: str
     codes: tuple[Code, ...]
     m_codes: dict[int, str]
-    m_refuses: dict[int, str]
-    plane: int
+    m_refuses: dict[int, str] = field(default_factory=dict)
+    plane: int = 170
     increments: dict[str, str] = field(default_factory=dict)
     dwell: str = "P"
     turns: bool = False

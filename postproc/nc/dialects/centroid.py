@@ -10,25 +10,10 @@ the manual was not at hand): the slashes are no block delete.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    BORE,
-    COMMON,
-    CUTTER,
-    DATA,
-    DRILL,
-    FEED_MODE,
-    LENGTH,
-    LOCAL,
-    NO_MOTION,
-    PECKS,
-    RETURN,
-    SET,
-    TAP,
-    UNITS,
-    rows,
-)
+from postproc.nc.rows import rows
 
 OVERRIDES = r"M[ \t]*10[89][ \t]*(?:/[ \t]*[12][ \t]*){1,2}(?![0-9./])"
 
@@ -36,20 +21,20 @@ DIALECT = Dialect(
     name="centroid",
     title="Centroid mill",
     codes=(
-        *COMMON,
-        *UNITS,
-        *NO_MOTION,
-        *CUTTER,
-        *LENGTH,
-        *FEED_MODE,
-        *DATA,
-        *SET,
-        *LOCAL,
-        *PECKS,
-        *DRILL,
-        *BORE,
-        *TAP,
-        *RETURN,
+        *shared.COMMON,
+        *shared.UNITS,
+        *shared.NO_MOTION,
+        *shared.CUTTER,
+        *shared.LENGTH,
+        *shared.FEED_MODE,
+        *shared.DATA,
+        *shared.SET,
+        *shared.LOCAL,
+        *shared.PECKS,
+        *shared.DRILL,
+        *shared.BORE,
+        *shared.TAP,
+        *shared.RETURN,
         *rows("", {"9": "exact stop in this block"}),
         *rows("path", {"61": "exact stop", "64": "cutting mode"}),
         *rows("rotation", {"69": "no rotation"}),
@@ -71,11 +56,9 @@ DIALECT = Dialect(
         ignores=(OVERRIDES,),
         macros=((r"^([ \t]*N[ \t]*\d+)?[ \t]*M[ \t]*0*25(?![0-9.])[^;\n]*", 0),),
     ),
-    plane=170,
     holes_written_out=False,
     length_left_open=True,
     length_modal=True,
-    dwell="P",
     ends=(2, 30, 99),
     signs=(r"^[ \t]*M25[ \t\r]*$", r"^[ \t]*G49[ \t]*H0\b"),
     remarks=(r"\bCENTROID",),

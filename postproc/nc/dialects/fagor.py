@@ -11,19 +11,10 @@ once, as on the 8065; where G43 calls them they do so too.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CUTTER,
-    DISTANCE,
-    DWELL,
-    MOTION,
-    NO_MOTION,
-    PLANE,
-    RETURN,
-    SPINDLE,
-    rows,
-)
+from postproc.nc.rows import rows
 
 _HEAD = r"^[ \t]*(?:/[ \t]*)?(?:N[ \t]*\d+[ \t]*)?"
 # statements in ( ) of the 8025 to 8055, and the reason of each
@@ -76,15 +67,15 @@ DIALECT = Dialect(
     name="fagor",
     title="Fagor mill",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *DWELL,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.DWELL,
         *rows("", {"#MCS": "this block in machine coordinates"}, like="G53"),
-        *CUTTER,
-        *NO_MOTION,
-        *RETURN,
-        *SPINDLE,
+        *shared.CUTTER,
+        *shared.NO_MOTION,
+        *shared.RETURN,
+        *shared.SPINDLE,
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("feed mode", {"94": "feed per minute", "95": "feed per turn"}),
@@ -178,13 +169,9 @@ DIALECT = Dialect(
         11: "air through the tool on",
         17: "end of a subprogram",
         29: "end of a subprogram",
-        41: "gear",
-        42: "gear",
-        43: "gear",
-        44: "gear",
+        **dict.fromkeys(range(41, 45), "gear"),
         45: "live tool",
     },
-    m_refuses={},
     grammar=Grammar(
         parentheses=False,
         keywords=("#MCS",),
@@ -218,7 +205,6 @@ DIALECT = Dialect(
         codes.PROBE,
         _DATUM,
     ),
-    plane=170,
     length_left_open=True,
     dwell="K",
     length_letter="D",

@@ -8,50 +8,36 @@ without a decimal point: parameter 3401 bit 0 (DPI), B-64310EN.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
+from postproc.nc.dialects.fanuc_mill import HAAS_ALONE, INTEGER_NOTICE
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    BLANKS,
-    CUTTER,
-    DISTANCE,
-    DRAWS,
-    FANUC_LATHE,
-    FEED_MODE,
-    MACRO_SIGNS,
-    NAMED_PROGRAM,
-    PRINTS,
-    RETURN,
-    SET,
-    UNITS,
-    rows,
-)
+from postproc.nc.rows import rows
+
+TURNING = {
+    "70": "finishing cycle",
+    "71": "roughing cycle",
+    "72": "facing cycle",
+    "73": "pattern repeating",
+    "74": "end face pecking",
+    "75": "grooving",
+}
 
 DIALECT = Dialect(
     name="fanuc-lathe",
     title="Fanuc lathe or grinder, G-code system B",
     codes=(
-        *FANUC_LATHE,
-        *CUTTER,
-        *DISTANCE,
-        *UNITS,
-        *FEED_MODE,
-        *RETURN,
-        *SET,
+        *shared.FANUC_LATHE,
+        *shared.CUTTER,
+        *shared.DISTANCE,
+        *shared.UNITS,
+        *shared.FEED_MODE,
+        *shared.RETURN,
+        *shared.SET,
         *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),
         *rows("motion", {"32": "thread", "33": "thread"}, does="thread"),
         *rows(
-            "motion",
-            {
-                "70": "finishing cycle",
-                "71": "roughing cycle",
-                "72": "facing cycle",
-                "73": "pattern repeating",
-                "74": "end face pecking",
-                "75": "grooving",
-                "77": "turning cycle",
-                "79": "facing cycle",
-            },
-            refuses=codes.CYCLE,
+            "motion", {**TURNING, "77": "turning cycle", "79": "facing cycle"}, refuses=codes.CYCLE
         ),
         *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
         *rows("motion", {"78": "threading cycle"}, does="thread cycle"),
@@ -66,17 +52,16 @@ DIALECT = Dialect(
         23: "chamfering on",
         24: "chamfering off",
         29: "rigid tapping",
-        40: "gear",
-        41: "gear",
-        42: "gear",
-        43: "gear",
-        44: "gear",
+        **dict.fromkeys(range(40, 45), "gear"),
     },
     restarts=(99,),
     home_named=True,
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(BLANKS, PRINTS, NAMED_PROGRAM, DRAWS)),
+    grammar=Grammar(
+        semicolon="end of block",
+        ignores=(shared.BLANKS, shared.PRINTS, shared.NAMED_PROGRAM, shared.DRAWS),
+    ),
     language="fanuc",
     plane=180,
     polar="C",
@@ -91,16 +76,13 @@ DIALECT = Dialect(
     exact_stops=(90, 610),
     threads_chained=(320, 330),
     thread_words="FE",
-    integer_notice=(
-        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
-        " input); on a control that reads them as least increments the program means something else"
-    ),
+    integer_notice=INTEGER_NOTICE,
     skips_centre=True,
     one_code_per_group=False,
     letters="E",
     signs=(
-        *MACRO_SIGNS,
-        DRAWS,
+        *shared.MACRO_SIGNS,
+        shared.DRAWS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+[ \t]*)?T(?!0000)\d{4}\b",
         r"G92[ \t]*S\d",
@@ -108,6 +90,5 @@ DIALECT = Dialect(
         r"G7[78][ \t]*X",
     ),
     remarks=(r"\bFANUC\b", r"\bSTUDER\b"),
-    # Haas: O of five digits; a call within the program
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
+    excludes=HAAS_ALONE,
 )

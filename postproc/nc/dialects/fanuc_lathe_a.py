@@ -7,8 +7,22 @@ are the cycles that systems B and C call G77 G78 G79 and G20 G21 G24, G50 is the
 
 from postproc.nc import codes
 from postproc.nc.dialects import fanuc_lathe
+from postproc.nc.dialects.fanuc_lathe import TURNING
 from postproc.nc.rows import CUTTER, DRAWS, FANUC_LATHE, MACRO_SIGNS, UNITS, rows
 from postproc.records import replace
+
+# of this system on other lathes too
+FEED_AND_SHIFT = [
+    *rows("feed mode", {"98": "feed per minute"}, like="G94"),
+    *rows("feed mode", {"99": "feed per turn"}, like="G95"),
+    *rows("shift", {"50": "set coordinates, or speed limit"}, takes=True, does="set", like="G92"),
+]
+CYCLES = [
+    *rows("motion", {"32": "thread"}, does="thread", like="G33"),
+    *rows("motion", {"90": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
+    *rows("motion", {"92": "threading cycle"}, does="thread cycle", like="G78"),
+    *rows("motion", {"94": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
+]
 
 DIALECT = replace(
     fanuc_lathe.DIALECT,
@@ -18,28 +32,10 @@ DIALECT = replace(
         *FANUC_LATHE,
         *UNITS,
         *CUTTER,
-        *rows("feed mode", {"98": "feed per minute"}, like="G94"),
-        *rows("feed mode", {"99": "feed per turn"}, like="G95"),
-        *rows(
-            "shift", {"50": "set coordinates, or speed limit"}, takes=True, does="set", like="G92"
-        ),
+        *FEED_AND_SHIFT,
         *rows("shift", {"50.3": "no position shift"}, takes=True, does="set zero", like="G92.1"),
-        *rows("motion", {"32": "thread"}, does="thread", like="G33"),
-        *rows("motion", {"90": "turning cycle"}, refuses=codes.CYCLE, like="G77"),
-        *rows("motion", {"92": "threading cycle"}, does="thread cycle", like="G78"),
-        *rows("motion", {"94": "facing cycle"}, refuses=codes.CYCLE, like="G79"),
-        *rows(
-            "motion",
-            {
-                "70": "finishing cycle",
-                "71": "roughing cycle",
-                "72": "facing cycle",
-                "73": "pattern repeating",
-                "74": "end face pecking",
-                "75": "grooving",
-            },
-            refuses=codes.CYCLE,
-        ),
+        *CYCLES,
+        *rows("motion", TURNING, refuses=codes.CYCLE),
         *rows("", {"76": "threading in many passes"}, takes=True, does="thread cycle"),
     ),
     threads_chained=(330,),

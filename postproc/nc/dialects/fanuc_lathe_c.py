@@ -5,18 +5,9 @@ Words and groups: Fanuc Series 0i-TD user's manual B-64304EN-1, G code list, col
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import fanuc_lathe
-from postproc.nc.rows import (
-    CUTTER,
-    DISTANCE,
-    FANUC_LATHE,
-    FEED_MODE,
-    MACRO_SIGNS,
-    RETURN,
-    SET,
-    THREAD,
-    rows,
-)
+from postproc.nc.rows import rows
 from postproc.records import replace
 
 DIALECT = replace(
@@ -24,13 +15,13 @@ DIALECT = replace(
     name="fanuc-lathe-c",
     title="Fanuc lathe, G-code system C",
     codes=(
-        *FANUC_LATHE,
-        *CUTTER,
-        *DISTANCE,
-        *FEED_MODE,
-        *RETURN,
-        *SET,
-        *THREAD,
+        *shared.FANUC_LATHE,
+        *shared.CUTTER,
+        *shared.DISTANCE,
+        *shared.FEED_MODE,
+        *shared.RETURN,
+        *shared.SET,
+        *shared.THREAD,
         *rows("units", {"70": "inch"}, like="G20"),
         *rows("units", {"71": "millimetre"}, like="G21"),
         *rows("shift", {"92.1": "no position shift"}, takes=True, does="set zero"),
@@ -47,7 +38,7 @@ DIALECT = replace(
     ),
     threads_chained=(330,),
     signs=(
-        *MACRO_SIGNS,
+        *shared.MACRO_SIGNS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"^(N\d+[ \t]*)?T(?!0000)\d{4}\b",
         r"G92[ \t]*S\d",

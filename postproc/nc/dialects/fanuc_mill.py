@@ -9,67 +9,45 @@ their kin: B-64484EN-2, five-axis functions.
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    BACK_BORE,
-    BORE,
-    BORE_BY_HAND,
-    COMMON,
-    CUTTER,
-    DATA,
-    DRAWS,
-    DRILL,
-    FANUC,
-    FEED_MODE,
-    FINE_BORE,
-    LENGTH,
-    LENGTH_MINUS,
-    LOCAL,
-    MACRO_SIGNS,
-    NAMED_PROGRAM,
-    NO_MOTION,
-    NO_POLAR,
-    PECKS,
-    PRINTS,
-    RETURN,
-    ROTATION,
-    SCALING,
-    SET,
-    SPINDLE,
-    TAP,
-    THREAD,
-    UNITS,
-    rows,
+from postproc.nc.rows import rows
+
+INTEGER_NOTICE = (
+    "coordinates without a decimal point are read as whole millimetres or inches (calculator"
+    " input); on a control that reads them as least increments the program means something else"
 )
+# O of five digits; a call within the program
+HAAS_ALONE = (r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d")
 
 DIALECT = Dialect(
     name="fanuc-mill",
     title="Fanuc machining centre",
     codes=(
-        *COMMON,
-        *UNITS,
-        *FEED_MODE,
-        *SPINDLE,
-        *CUTTER,
-        *LENGTH,
-        *LENGTH_MINUS,
-        *DATA,
-        *LOCAL,
-        *SET,
-        *FANUC,
-        *NO_POLAR,
-        *NO_MOTION,
-        *RETURN,
-        *PECKS,
-        *DRILL,
-        *BORE,
-        *BORE_BY_HAND,
-        *TAP,
-        *BACK_BORE,
-        *THREAD,
-        *SCALING,
-        *ROTATION[1:],
+        *shared.COMMON,
+        *shared.UNITS,
+        *shared.FEED_MODE,
+        *shared.SPINDLE,
+        *shared.CUTTER,
+        *shared.LENGTH,
+        *shared.LENGTH_MINUS,
+        *shared.DATA,
+        *shared.LOCAL,
+        *shared.SET,
+        *shared.FANUC,
+        *shared.NO_POLAR,
+        *shared.NO_MOTION,
+        *shared.RETURN,
+        *shared.PECKS,
+        *shared.DRILL,
+        *shared.BORE,
+        *shared.BORE_BY_HAND,
+        *shared.TAP,
+        *shared.BACK_BORE,
+        *shared.THREAD,
+        *shared.SCALING,
+        *shared.ROTATION[1:],
         *rows(
             "shift",
             {"92.1": "work coordinates as if nothing had been set"},
@@ -77,7 +55,7 @@ DIALECT = Dialect(
             does="set zero",
         ),
         *rows("work offset", {"54.1": "additional work offset P"}, does="extended"),
-        *FINE_BORE,
+        *shared.FINE_BORE,
         *rows("motion", {"84.2": "rigid tapping", "84.3": "left-hand rigid tapping"}, does="tap"),
         *rows(
             "motion",
@@ -208,19 +186,17 @@ DIALECT = Dialect(
     home_named=True,
     motion=0,
     m_refuses={98: codes.CALL, 99: codes.CALL, 198: codes.CALL},
-    grammar=Grammar(semicolon="end of block", ignores=(PRINTS, NAMED_PROGRAM, DRAWS)),
+    grammar=Grammar(
+        semicolon="end of block", ignores=(shared.PRINTS, shared.NAMED_PROGRAM, shared.DRAWS)
+    ),
     language="fanuc",
     tip_frame="call",
-    plane=170,
     change_takes="Z",
     length_left_open=True,
     length_lapses=(280, 300, 530),
     length_modal=True,
     dwell="PX",
-    integer_notice=(
-        "coordinates without a decimal point are read as whole millimetres or inches (calculator"
-        " input); on a control that reads them as least increments the program means something else"
-    ),
+    integer_notice=INTEGER_NOTICE,
     skips_centre=True,
     one_code_per_group=False,
     extended_by_p=True,
@@ -230,8 +206,8 @@ DIALECT = Dialect(
     exact_stops=(90, 610),
     thread_words="F",
     signs=(
-        *MACRO_SIGNS,
-        DRAWS,
+        *shared.MACRO_SIGNS,
+        shared.DRAWS,
         r"^[O:]\d{4}(\d{4})?\b(?![ \t]*[A-Z])",
         r"G54\.1[ \t]*P\d",
         r"G5\.1[ \t]*Q[01]",
@@ -240,6 +216,5 @@ DIALECT = Dialect(
         r"M29\b",
     ),
     remarks=(r"\bFANUC\b",),
-    # Haas: O of five digits; a call within the program
-    excludes=(r"^O\d{5}\b(?![ \t]*[A-Z])", r"M97[ \t]*P\d"),
+    excludes=HAAS_ALONE,
 )

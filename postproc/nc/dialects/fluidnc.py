@@ -5,87 +5,32 @@ Codes: bdring/FluidNC, FluidNC/src/GCode.cpp (gc_execute_line), Flowcontrol.cpp,
 """
 
 from postproc.nc import codes
-from postproc.nc.dialects import Dialect
-from postproc.nc.dialects.grbl import HOMING, ONE_AXIS, SENDER
+from postproc.nc.dialects import grbl
+from postproc.nc.dialects.linuxcnc import OUTPUTS
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CENTRE_BY_START,
-    COMMON,
-    DATA,
-    LENGTH_WORDS,
-    NO_CUTTER,
-    NO_LENGTH,
-    NO_MOTION,
-    PER_TIME,
-    PROBE,
-    SET,
-    SET_ZERO,
-    STORE_REFERENCE,
-    UNITS,
-    rows,
+from postproc.nc.rows import rows
+from postproc.records import replace
+
+# reports and unlocking; $J moves
+GRAMMAR = Grammar(
+    ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$", grbl.SENDER), homing=grbl.HOMING, macros=(grbl.ONE_AXIS,)
 )
 
-DIALECT = Dialect(
+DIALECT = replace(
+    grbl.DIALECT,
     name="fluidnc",
     title="FluidNC",
     codes=(
-        *COMMON,
-        *UNITS,
-        *PER_TIME,
-        *NO_CUTTER,
-        *NO_LENGTH,
-        *LENGTH_WORDS,
-        *DATA,
-        *SET,
-        *SET_ZERO,
-        *STORE_REFERENCE,
-        *CENTRE_BY_START,
-        *PROBE,
-        *NO_MOTION,
-        *rows("path", {"61": "exact path"}),
+        *grbl.DIALECT.codes,
         *rows(
             "", {f"38.{n}": "probe, this block alone" for n in (6, 7, 8, 9)}, refuses=codes.PROBE
         ),
     ),
-    m_codes={
-        0: "stop",
-        1: "optional stop",
-        2: "end of program",
-        3: "spindle clockwise or laser",
-        4: "spindle counter-clockwise or laser with the speed",
-        5: "spindle stop",
-        6: "tool change",
-        7: "mist coolant",
-        8: "coolant",
-        9: "coolant off",
-        30: "end of program, rewind",
-        56: "parking motion",
-        61: "set tool number",
-        62: "output",
-        63: "output",
-        64: "output",
-        65: "output",
-        66: "wait for input",
-        67: "analog output",
-        68: "analog output",
-    },
-    m_refuses={},
+    m_codes={**grbl.DIALECT.m_codes, 6: "tool change", **OUTPUTS},
     language="linuxcnc",
     expand_decimals=4,
-    # reports and unlocking; $J moves
-    grammar=Grammar(
-        ignores=(r"^[ \t]*\$[$#GIX][ \t\r]*$", SENDER), homing=HOMING, macros=(ONE_AXIS,)
-    ),
-    plane=170,
-    motion=0,
-    homes=True,
-    skips_centre=True,
-    change_returns="Z",
-    dwell="P",
+    grammar=GRAMMAR,
     turns=True,
-    arc_tolerance_mm=0.005,
-    arc_tolerance_relative=0.001,
-    arc_tolerance_most_mm=0.5,
     letters="E",
     signs=(
         r"^[ \t]*\$[HJXCIGNS#$/]",

@@ -6,24 +6,10 @@ is cleared to; the words I J K of an arc are taken together, and those outside o
 looked at); wiki "Grbl v1.1 Commands" for `$` and realtime bytes.
 """
 
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CENTRE_BY_START,
-    COMMON,
-    DATA,
-    LENGTH_WORDS,
-    NO_CUTTER,
-    NO_LENGTH,
-    NO_MOTION,
-    PER_TIME,
-    PROBE,
-    SET,
-    SET_ZERO,
-    STORE_REFERENCE,
-    UNITS,
-    rows,
-)
+from postproc.nc.rows import rows
 
 HOMING = r"^[ \t]*\$H[ \t\r]*$"
 # what CNCjs keeps to itself: %wait, and variables, %X0=posx (CNCjs wiki, "Macro Usage")
@@ -34,19 +20,19 @@ DIALECT = Dialect(
     name="grbl",
     title="GRBL 1.1",
     codes=(
-        *COMMON,
-        *UNITS,
-        *PER_TIME,
-        *NO_CUTTER,
-        *NO_LENGTH,
-        *LENGTH_WORDS,
-        *DATA,
-        *SET,
-        *SET_ZERO,
-        *STORE_REFERENCE,
-        *CENTRE_BY_START,
-        *PROBE,
-        *NO_MOTION,
+        *shared.COMMON,
+        *shared.UNITS,
+        *shared.PER_TIME,
+        *shared.NO_CUTTER,
+        *shared.NO_LENGTH,
+        *shared.LENGTH_WORDS,
+        *shared.DATA,
+        *shared.SET,
+        *shared.SET_ZERO,
+        *shared.STORE_REFERENCE,
+        *shared.CENTRE_BY_START,
+        *shared.PROBE,
+        *shared.NO_MOTION,
         *rows("path", {"61": "exact path"}),
     ),
     m_codes={
@@ -62,19 +48,14 @@ DIALECT = Dialect(
         30: "end of program, rewind",
         56: "parking motion",
     },
-    m_refuses={},
     # reports, go on; $J moves
     grammar=Grammar(
-        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$", SENDER),
-        homing=HOMING,
-        macros=(ONE_AXIS,),
+        ignores=(r"^[ \t]*(?:\$[$#GIX]|[?~])[ \t\r]*$", SENDER), homing=HOMING, macros=(ONE_AXIS,)
     ),
-    plane=170,
     motion=0,
     homes=True,
     skips_centre=True,
     change_returns="Z",
-    dwell="P",
     arc_tolerance_mm=0.005,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=0.5,

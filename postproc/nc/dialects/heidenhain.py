@@ -41,7 +41,6 @@ DIALECT = Dialect(
     m_refuses={**_REFUSED, 99: klartext.EXPAND_PATH},
     grammar=Grammar(parentheses=False, klartext=True),
     language="klartext",
-    plane=170,
     extended_name="G247 P",
     plane_frame="zero",
     tip_codes={128: True, 129: False},

@@ -26,19 +26,13 @@ _DATUM = (
 )
 # move as soon as they are defined: three patterns of points, and two measurements of the machine
 _AT_ONCE = (220, 221, 224, 238, 239)
-# wait for a call, or hold data alone: drilling and tapping, old slots and faces, engraving, face
+# cycles of older controls that wait for a call, or hold data alone
+_OLD = (*range(56, 60), *range(74, 79), *range(83, 87), *range(120, 130), 135)
+# the same: drilling and tapping, old slots and faces, engraving, face
 # milling, pockets, studs and slots, threads, contours
 _CALLED = (
-    *range(200, 216),
-    225,
-    *range(230, 234),
-    240,
-    241,
-    *range(251, 255),
-    *range(256, 259),
-    *range(262, 266),
-    267,
-    *range(270, 278),
+    *(*range(200, 216), 225, *range(230, 234), 240, 241, *range(251, 255), *range(256, 259)),
+    *(*range(262, 266), 267, *range(270, 278)),
 )
 
 DIALECT = Dialect(
@@ -61,23 +55,10 @@ DIALECT = Dialect(
         ),
         *rows("motion", {"7": "along one axis"}, refuses=codes.WRITE_OUT),
         *rows("motion", {"10": "rapid, polar", "11": "straight feed, polar"}, refuses=_TO_POLE),
+        *rows("motion", {"12": "arc, polar", "13": "arc, polar"}, refuses=_ROUND),
+        *rows("motion", {"15": "arc, polar", "16": "arc, polar"}, refuses=_POLAR),
         *rows(
-            "motion",
-            {"12": "arc, polar", "13": "arc, polar"},
-            refuses=_ROUND,
-        ),
-        *rows(
-            "motion",
-            {"15": "arc, polar", "16": "arc, polar"},
-            refuses=_POLAR,
-        ),
-        *rows(
-            "",
-            {
-                "26": "tangential approach",
-                "27": "tangential departure",
-            },
-            refuses=codes.CORNER,
+            "", {"26": "tangential approach", "27": "tangential departure"}, refuses=codes.CORNER
         ),
         *rows("", {"24": "chamfer", "25": "rounded corner"}, refuses=_CORNER),
         *rows(
@@ -105,12 +86,7 @@ DIALECT = Dialect(
             takes=True,
             does="words",
         ),
-        *rows(
-            "datum",
-            {"53": "datum from a table", "247": "preset"},
-            takes=True,
-            refuses=_DATUM,
-        ),
+        *rows("datum", {"53": "datum from a table", "247": "preset"}, takes=True, refuses=_DATUM),
         *rows("", {"54": "datum shift"}, takes=True, does="datum shift"),
         *rows("mirror", {"28": "mirror"}, refuses=codes.UNTURNED),
         *rows("rotation", {"73": "rotation of the coordinates"}, refuses=codes.UNTURNED),
@@ -118,32 +94,7 @@ DIALECT = Dialect(
         *rows("rotation", {"80": "working plane"}, refuses=codes.TILTED, like="G68.2"),
         *rows("", {"55": "probe"}, takes=True, refuses=codes.PROBE),
         *rows("", {"79": "cycle call"}, refuses=codes.CYCLE),
-        *rows(
-            "",
-            {
-                str(n): "cycle, defined"
-                for n in (
-                    56,
-                    57,
-                    58,
-                    59,
-                    74,
-                    75,
-                    76,
-                    77,
-                    78,
-                    83,
-                    84,
-                    85,
-                    86,
-                    *range(120, 130),
-                    135,
-                    *_CALLED,
-                )
-            },
-            takes=True,
-            does="words",
-        ),
+        *rows("", {str(n): "cycle, defined" for n in (*_OLD, *_CALLED)}, takes=True, does="words"),
         *rows(
             "",
             {str(n): "cycle that moves where it is defined" for n in _AT_ONCE},
@@ -204,7 +155,6 @@ DIALECT = Dialect(
             r"(?<![A-Z])DR2?[ \t]*[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?![0-9.])",
         )
     ),
-    plane=170,
     dwell="F",
     g_takes=(*_CALLED, *_AT_ONCE),  # Q200=2 and its kin are a cycle's own
     tip_codes={128: True, 129: False},

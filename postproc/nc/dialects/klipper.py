@@ -102,7 +102,6 @@ DIALECT = Dialect(
         862: "printer check",
         900: "pressure advance",
     },
-    m_refuses={},
     grammar=Grammar(
         checksums=True,
         ignores=(r"^[ \t]*@[^;\n]*", MODES, _QUIET, _NO_OFFSET),
@@ -124,7 +123,6 @@ DIALECT = Dialect(
             " of Klipper, not both"
         ),
     ),
-    plane=170,
     dwell="PS",
     carried=("E",),
     carried_codes=(82, 83),

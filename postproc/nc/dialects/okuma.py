@@ -128,7 +128,6 @@ DIALECT = Dialect(
         510: "no collision check",
         511: "collision check",
     },
-    m_refuses={},
     grammar=Grammar(
         ignores=(
             r"^[ \t]*O[A-Z0-9]*[A-Z][A-Z0-9]*[ \t]*\r?$",
@@ -136,10 +135,7 @@ DIALECT = Dialect(
             r"^[ \t]*(?:/[ \t]*)?N(?!(?:OEX|CYL)\b)[A-Z][A-Z0-9]*(?=[ \t(\r]|$)",
         ),
         macros=(
-            (
-                _HEAD + r"(?:RTI|DEF|NCYL|MSG|NOEX|GET|PUT|READ|WRITE|COPY|COPYE)\b[^\n]*",
-                1,
-            ),
+            (_HEAD + r"(?:RTI|DEF|NCYL|MSG|NOEX|GET|PUT|READ|WRITE|COPY|COPYE)\b[^\n]*", 1),
             (_HEAD + r"(?:CALL|MODIN|MODOUT|GOTO|IF|RTS)\b[^\n]*", 3),
             (_HEAD + r"V(?!C?[0-9])[A-Z]+[0-9]*[ \t]*(?:\[[^\]\n]*\][ \t]*)?=[^\n]*", 2),
             (r"^(?:[^\n(]|\([^)\n]*\))*?=[^\n]*", 4),
@@ -154,7 +150,6 @@ DIALECT = Dialect(
         "its value may stand for a place: --expand writes its number",
     ),
     language="okuma",
-    plane=170,
     length_left_open=True,
     dwell="F",
     extended_name="G15 H",

@@ -71,9 +71,7 @@ DIALECT = Dialect(
             refuses=_BY_C,
         ),
         *rows(
-            "motion",
-            {"132": "arc on the side", "133": "arc on the side"},
-            refuses=codes.TRANSFORM,
+            "motion", {"132": "arc on the side", "133": "arc on the side"}, refuses=codes.TRANSFORM
         ),
         *rows(
             "motion",
@@ -90,12 +88,7 @@ DIALECT = Dialect(
         *rows("", {"77": "tapping", "78": "left-hand tapping"}, takes=True, does="thread cycle"),
         *rows("", {"73": "grooving", "74": "face pecking"}, takes=True, refuses=codes.CYCLE),
         *rows("", {"75": "chamfer", "76": "corner radius"}, refuses=codes.CORNER),
-        *rows(
-            "shape",
-            {"81": "shape", "82": "shape across"},
-            takes=True,
-            refuses=_NAMED,
-        ),
+        *rows("shape", {"81": "shape", "82": "shape across"}, takes=True, refuses=_NAMED),
         *rows("shape", {"80": "end of a shape"}, takes=True, refuses=_NAMED, like="G81"),
         *rows(
             "shape",
@@ -156,11 +149,7 @@ DIALECT = Dialect(
         32: "infeed along a flank",
         33: "infeed by turns",
         34: "infeed along the other flank",
-        40: "gear",
-        41: "gear",
-        42: "gear",
-        43: "gear",
-        44: "gear",
+        **dict.fromkeys(range(40, 45), "gear"),
         55: "quill back",
         56: "quill",
         60: "wait for the speed",
@@ -180,7 +169,6 @@ DIALECT = Dialect(
         146: "C axis unclamped",
         147: "C axis clamped",
     },
-    m_refuses={},
     grammar=Grammar(
         ignores=(
             r"^[ \t]*\$[-A-Z0-9._]*%[^\n]*",

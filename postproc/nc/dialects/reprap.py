@@ -11,23 +11,11 @@ HandleGcode: G1009.g). Arcs take the two centre words of the plane (GCodes.cpp, 
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.marlin import _M, _SHIFTS, HEAD, NAMED, PRINTS, SETS, SLICED, TEXT
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    DATA,
-    DISTANCE,
-    DWELL,
-    MACHINE_FRAME,
-    MORE_WORK,
-    MOTION,
-    PER_TIME,
-    PLANE,
-    SET,
-    UNITS,
-    WORK,
-    rows,
-)
+from postproc.nc.rows import rows
 
 META = r"^[ \t]*(?:echo|var|global|set|param|skip|abort|if|elif|else|while|break|continue)\b[^\n]*"
 
@@ -37,17 +25,17 @@ DIALECT = Dialect(
     name="reprap",
     title="RepRapFirmware 3",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *UNITS,
-        *WORK,
-        *MORE_WORK,
-        *MACHINE_FRAME,
-        *DWELL,
-        *PER_TIME,
-        *DATA,
-        *SET,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.UNITS,
+        *shared.WORK,
+        *shared.MORE_WORK,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.PER_TIME,
+        *shared.DATA,
+        *shared.SET,
         *rows("rotation", {"69": "no rotation"}),
         *rows("rotation", {"68": "rotation of the coordinates"}, refuses=codes.UNTURNED),
         *rows(
@@ -115,9 +103,7 @@ DIALECT = Dialect(
         581: "trigger",
         582: "trigger",
         586: "protocols",
-        587: "network",
-        588: "network",
-        589: "network",
+        **dict.fromkeys(range(587, 590), "network"),
         591: "filament sensor",
         593: "input shaping",
         669: "segments",
@@ -150,13 +136,8 @@ DIALECT = Dialect(
         666: codes.TRANSFORM,
         675: codes.PROBE,
     },
-    grammar=Grammar(
-        checksums=True,
-        ignores=(META,),
-        macros=((TEXT, 0), (FILES, 0)),
-    ),
+    grammar=Grammar(checksums=True, ignores=(META,), macros=((TEXT, 0), (FILES, 0))),
     conditions=True,
-    plane=170,
     dwell="PS",
     carried=("E",),
     carried_codes=(82, 83),
@@ -172,7 +153,6 @@ DIALECT = Dialect(
     home_z_over="XY",
     g_takes=(29, 32),
     skips_centre=True,
-    extended_by_p=False,
     signs=(
         *PRINTS,
         r"G10[ \t]*P\d+[ \t]*[SR]-?\d",

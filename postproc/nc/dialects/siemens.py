@@ -9,19 +9,10 @@ counts the circles beyond the arc itself. Tool lengths come with D, at once. R i
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    CUTTER,
-    DISTANCE,
-    DWELL,
-    FEED_MODE,
-    MACHINE_FRAME,
-    MOTION,
-    PLANE,
-    THREAD,
-    rows,
-)
+from postproc.nc.rows import rows
 
 _QUIET = (
     "NORM KONT KONTT KONTC CFC CFTCP CFIN BRISK SOFT DRIVE BRISKA SOFTA FFWON FFWOF COMPOF CDON"
@@ -57,52 +48,24 @@ _PARAMETERS = (
 # Programming Manual, "Dynamic response" and "Feedrate": limits of an axis' speed, acceleration and
 # jerk, and the radius at which F holds for a rotary axis: how fast, not where
 _LIMITS = "ACC VELOLIM JERKLIM FL FA FGREF"
-_KEYWORDS = (
-    "TRANS",
-    "ATRANS",
-    *_FRAMES.split(),
-    "SUPA",
-    "DIAMON",
-    "DIAMOF",
-    "DIAM90",
-    "CIP",
-    "CT",
-    "INVCW",
-    "INVCCW",
-    "POLY",
-    "ASPLINE",
-    "BSPLINE",
-    "CSPLINE",
-    "REPOSL",
-    "REPOSQ",
-    "REPOSH",
-    "TRAFOOF",
-    "TRANSMIT",
-    "TRACYL",
-    "TRAANG",
-    "TRAORI",
-    "CYCLE800",
-    "CYCLE832",
-    "SETMS",
-    "MEAS",
-    "MEAW",
-    "FGROUP",
-    *_CYCLES.split(),
-    *_QUIET.split(),
+_OTHERS = (
+    "SUPA DIAMON DIAMOF DIAM90 CIP CT INVCW INVCCW POLY ASPLINE BSPLINE CSPLINE REPOSL REPOSQ"
+    " REPOSH TRAFOOF TRANSMIT TRACYL TRAANG TRAORI CYCLE800 CYCLE832 SETMS MEAS MEAW FGROUP"
 )
+_KEYWORDS = ("TRANS", "ATRANS", *f"{_FRAMES} {_OTHERS} {_CYCLES} {_QUIET}".split())
 
 DIALECT = Dialect(
     name="siemens",
     title="Sinumerik 840D sl and kin, Siemens' language",
     codes=(
-        *MOTION,
-        *PLANE,
-        *DISTANCE,
-        *FEED_MODE,
-        *CUTTER,
-        *MACHINE_FRAME,
-        *DWELL,
-        *THREAD,
+        *shared.MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.FEED_MODE,
+        *shared.CUTTER,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.THREAD,
         *rows(
             "motion",
             {"34": "thread of growing lead", "35": "thread of shrinking lead"},
@@ -121,14 +84,7 @@ DIALECT = Dialect(
                 "its circle follows from other places: --expand writes it with its centre I J K"
             ),
         ),
-        *rows(
-            "motion",
-            {
-                "INVCW": "involute",
-                "INVCCW": "involute",
-            },
-            refuses=codes.CURVE,
-        ),
+        *rows("motion", {"INVCW": "involute", "INVCCW": "involute"}, refuses=codes.CURVE),
         *rows(
             "motion",
             {"ASPLINE": "Akima spline", "CSPLINE": "cubic spline"},
@@ -296,15 +252,9 @@ DIALECT = Dialect(
     m_codes={
         **codes.SPINDLE_AND_COOLANT,
         17: "end of subprogram",
-        40: "gear",
-        41: "gear",
-        42: "gear",
-        43: "gear",
-        44: "gear",
-        45: "gear",
+        **dict.fromkeys(range(40, 46), "gear"),
         70: "spindle as axis",
     },
-    m_refuses={},
     grammar=Grammar(
         parentheses=False,
         keywords=_KEYWORDS,
@@ -351,11 +301,9 @@ DIALECT = Dialect(
     motion=10,
     increments_travel_shifts=True,
     expand_decimals=2,
-    plane=170,
     dwell="FS",
     turns=True,
     first_turn=0,
-    arc_tolerance_mm=0.01,
     arc_tolerance_relative=0.001,
     arc_tolerance_most_mm=1.0,
     length_letter="D",

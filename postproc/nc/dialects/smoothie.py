@@ -11,51 +11,33 @@ G90 and G91 hold for E too, until M82 or M83. T chooses an extruder with an offs
 """
 
 from postproc.nc import codes
+from postproc.nc import rows as shared
 from postproc.nc.dialects import Dialect
 from postproc.nc.dialects.marlin import _M, _SHIFTS, TEXT
 from postproc.nc.grammar import Grammar
-from postproc.nc.rows import (
-    DATA,
-    DISTANCE,
-    DRILL,
-    DWELL,
-    LENGTH_WORDS,
-    MACHINE_FRAME,
-    MORE_WORK,
-    MOTION,
-    NO_LENGTH,
-    NO_MOTION,
-    PLANE,
-    PROBE,
-    RETURN,
-    SET,
-    SET_ZERO,
-    UNITS,
-    WORK,
-    rows,
-)
+from postproc.nc.rows import rows
 
 DIALECT = Dialect(
     name="smoothie",
     title="Smoothieware",
     codes=(
-        *MOTION,
-        *NO_MOTION,
-        *PLANE,
-        *DISTANCE,
-        *UNITS,
-        *WORK,
-        *MORE_WORK,
-        *MACHINE_FRAME,
-        *DWELL,
-        *DATA,
-        *SET,
-        *SET_ZERO,
-        *NO_LENGTH,
-        *LENGTH_WORDS,
-        *PROBE,
-        *DRILL,
-        *RETURN,
+        *shared.MOTION,
+        *shared.NO_MOTION,
+        *shared.PLANE,
+        *shared.DISTANCE,
+        *shared.UNITS,
+        *shared.WORK,
+        *shared.MORE_WORK,
+        *shared.MACHINE_FRAME,
+        *shared.DWELL,
+        *shared.DATA,
+        *shared.SET,
+        *shared.SET_ZERO,
+        *shared.NO_LENGTH,
+        *shared.LENGTH_WORDS,
+        *shared.PROBE,
+        *shared.DRILL,
+        *shared.RETURN,
         *rows("motion", {"83": "peck drilling"}, does="drill"),
         *rows("", {"10.1": "retract filament", "11": "recover filament"}, takes=True, does="words"),
         *rows(
@@ -94,7 +76,6 @@ DIALECT = Dialect(
         ignores=(r"^[ \t]*\$[$#GIXS][^\n]*", r"^[ \t]*@[^\n]*"),
         macros=((TEXT, 0),),
     ),
-    plane=170,
     motion=0,
     dwell="PS",
     carried=("E",),

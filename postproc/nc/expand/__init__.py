@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from postproc.errors import Place, ProgramError
 
@@ -45,6 +45,30 @@ class Program:
     def lines(self) -> list[bytes]:
         """The lines without their ends."""
         return [line.rstrip(b"\r") for line in self.text.split(b"\n")]
+
+    def whole_lines(self) -> list[bytes]:
+        """The same without the empty one that a newline at the end makes."""
+        lines = self.lines()
+        return lines if lines[-1] else lines[:-1]
+
+
+class Refusal(Exception):
+    """What a program asks for and can not be had. start and stop: offsets into its line, of a
+    Fanuc's into its code (0, 0: the whole of it)."""
+
+    def __init__(self, message: str, advice: str = "", start: int = 0, stop: int = 0):
+        super().__init__(message)
+        self.message, self.advice, self.start, self.stop = message, advice, start, stop
+
+    def placed(self, start: int, stop: int) -> Self:
+        """The same, at a place where it has none of its own."""
+        if not self.stop:
+            self.start, self.stop = start, stop
+        return self
+
+    def at(self, name: str, source: int, text: bytes) -> ProgramError:
+        """The error that a user meets, at a line of a program."""
+        return fault(name, source, text, self.message, self.advice, self.start, self.stop)
 
 
 def fault(

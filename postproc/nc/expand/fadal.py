@@ -29,8 +29,7 @@ ENDS_ALL = re.compile(rb"M[ \t]*0*30[ \t\r]*")
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     """The plain lines in the order of execution. Raises ProgramError."""
-    texts = program.lines()
-    yield from _Run(program, texts[:-1] if not texts[-1] else texts, limits).main()
+    yield from _Run(program, program.whole_lines(), limits).main()
 
 
 class _Run:

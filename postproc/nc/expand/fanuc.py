@@ -20,7 +20,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from postproc.errors import BlockFault
-from postproc.nc.expand import Limits, Line, Program
+from postproc.nc.expand import Limits, Line, Program, Refusal
 from postproc.nc.expand.fanuc_blocks import Block, BlockReader, Kind
 from postproc.nc.expand.fanuc_calls import (
     Frame,
@@ -34,7 +34,7 @@ from postproc.nc.expand.fanuc_calls import (
     times,
     word_of,
 )
-from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value, index
+from postproc.nc.expand.fanuc_functions import Unknown, Value, index
 from postproc.nc.expand.fanuc_names import numbered
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_rounds import Rounds
@@ -89,7 +89,7 @@ class Runner:
                 self.seen.append(line.text)
                 yield line
             elif self.second == len(self.seen) or self.seen[self.second] != line.text:
-                wrong = Misread(
+                wrong = Refusal(
                     "M99 in the main program: the second time it would be another program",
                     NOT_AGAIN,
                 )
@@ -140,10 +140,9 @@ class Runner:
             return text
         except BlockFault as before:
             what = f"where the program stands can not be told: {before.message}"
-            raise frame.source.fault(self.program.name, at, Misread(what, before.advice)) from None
-        except Misread as wrong:
-            if not wrong.stop:
-                wrong.start, wrong.stop = self.place
+            raise frame.source.fault(self.program.name, at, Refusal(what, before.advice)) from None
+        except Refusal as wrong:
+            wrong = wrong.placed(*self.place)
             raise frame.source.fault(self.program.name, at, wrong) from None
 
     # Whole: one branch to a kind of block.
@@ -213,14 +212,14 @@ class Runner:
             if block.kind is not Kind.WORDS:
                 return None
             return rendered(raw, block.words, self.variables, 0)[0]
-        except Misread:
+        except Refusal:
             return None
 
     def _rest(self, block: Block, leave: Sequence[Word]) -> bytes | None:
         """The text of a call's block without the words of the call; None where nothing is left."""
         text, words = rendered(block.raw, block.words, self.variables, block.first, leave)
         if self.modal and self._moves(words):
-            raise Misread(
+            raise Refusal(
                 "a call, or M99, and a motion in one block under G66",
                 "give them a block each",
                 *block.place,
@@ -255,7 +254,7 @@ class Runner:
         if number == 3000:
             assert not isinstance(value, Unknown)
             text = block.comment.strip(b"()").decode("latin-1")
-            raise Misread(
+            raise Refusal(
                 f"the program stops itself with the alarm #3000={value or 0:g}:"
                 f" {text or 'without a text'}",
                 "it found something that is not as it expects: look at the condition before this"
@@ -289,7 +288,7 @@ class Runner:
             else section.start
         )
         if start < 0:
-            raise Misread(
+            raise Refusal(
                 f"there is no N{label} in that program",
                 "write it before the block to begin with",
                 *place,
@@ -305,7 +304,7 @@ class Runner:
         code = next(i for i, word in enumerate(words) if word.place == place)
         stray = next((word for word in words[:code] if word.letter != "G"), None)
         if stray:
-            raise Misread(
+            raise Refusal(
                 f"{stray.letter} before G{block.code:g}",
                 "what is handed over stands behind it",
                 *stray.place,
@@ -340,7 +339,7 @@ class Runner:
                 return frame.source.texts[at] if self.ended else None
             if label < 0:
                 advice = "M30 ends it after one piece; / before M99 and block delete leave it out"
-                raise Misread(
+                raise Refusal(
                     "M99 in the main program: it would run from its top without end",
                     advice,
                     *block.place,
@@ -375,7 +374,7 @@ class Runner:
                 "does a program call itself? --max-depth sets the limit (a control: 4 macros, 10"
                 " subprograms)"
             )
-            raise Misread(
+            raise Refusal(
                 f"calls nested {len(self.frames)} deep (limit {self.limits.depth})", advice, *place
             )
         self.frames.append(frame)
@@ -405,7 +404,7 @@ class Runner:
         found = self._find(number, block.code)
         if found is None:
             where = "in the library" if block.code == 198 else "in this text nor in the library"
-            raise Misread(
+            raise Refusal(
                 f"there is no program O{number} {where}",
                 f"add it: O{number} before its first block",
                 *block.place,
@@ -419,14 +418,14 @@ class Runner:
         source, stop, name = frame.source, frame.section.stop, self.program.name
         if len(self.frames) > 1:
             what = f"O{frame.section.number}" if frame.section.number >= 0 else "the subprogram"
-            wrong = Misread(
+            wrong = Refusal(
                 f"{what} ends without M99", "M99 goes back to the program that called it"
             )
             raise source.fault(name, max(stop - 1, 0), wrong)
         if stop < len(source.texts) and stop != source.closing:
             number = next(section.number for section in source.sections if section.start == stop)
             what = f"the program runs into O{number} without M02, M30 or M99"
-            raise source.fault(name, stop, Misread(what, "M30 ends the main program"))
+            raise source.fault(name, stop, Refusal(what, "M30 ends the main program"))
 
     def _tail(self) -> Iterator[Line]:
         """Blank lines and comments behind the end, and the "%"."""
@@ -443,8 +442,8 @@ class Runner:
         if source.closing >= 0:
             yield Line(source.texts[source.closing], source.numbers[source.closing])
 
-    def _too_long(self) -> Misread:
-        return Misread(
+    def _too_long(self) -> Refusal:
+        return Refusal(
             f"{self.steps} blocks have been executed (limit {self.most})",
             "does a loop not end? --max-steps sets the limit",
         )

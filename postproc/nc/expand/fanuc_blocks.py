@@ -18,8 +18,8 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Any
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_expressions import NUMBER, Formula, Reader
-from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.expand.fanuc_words import Word
 from postproc.nc.lexer import COMMENTS
 
@@ -107,7 +107,7 @@ def bare(raw: bytes, semicolon: str) -> tuple[str, list[int]]:
 
 
 class BlockReader:
-    """Reads one block. Raises Misread where it is none."""
+    """Reads one block. Raises Refusal where it is none."""
 
     def __init__(self, raw: bytes, semicolon: str, haas: bool):
         self.raw, self.haas = raw, haas
@@ -218,7 +218,7 @@ class BlockReader:
         calculated = "#" in self.code or "[" in self.code
         try:
             words = self._scan(start)
-        except Misread:
+        except Refusal:
             if calculated or KEYWORD.search(self.code) or (self.haas and "/" in self.code[start:]):
                 raise
             return self._made(Kind.PLAIN, start)
@@ -246,14 +246,14 @@ class BlockReader:
         elif word.letter == "G" and value in (65, 66, 66.1, 67):
             kind = {65: Kind.CALL, 67: Kind.CANCEL}.get(int(value), Kind.MODAL)
             if value == 66.1:
-                raise Misread(
+                raise Refusal(
                     "G66.1 calls a macro in every block",
                     "write G65 in the blocks that shall call it",
                     *word.place,
                 )
         if kind:
             if block.kind not in (Kind.PLAIN, Kind.WORDS):
-                raise Misread("two calls or returns in one block", "one to a block", *word.place)
+                raise Refusal("two calls or returns in one block", "one to a block", *word.place)
             block.kind, block.code, block.place = kind, value, word.place
 
     def _scan(self, start: int) -> list[Word]:
@@ -268,7 +268,7 @@ class BlockReader:
                     if letter in "#["
                     else "one statement to a block"
                 )
-                raise Misread(f"{letter!r} can not be read here", what, i, i + 1)
+                raise Refusal(f"{letter!r} can not be read here", what, i, i + 1)
             i += 1
             from_ = i
             if code[i : i + 1] in ("+", "-"):
@@ -282,7 +282,7 @@ class BlockReader:
                 value = reader.value()
                 i = reader.at
             else:
-                raise Misread(f"the letter {letter} has no number", "give it one", begin, i)
+                raise Refusal(f"the letter {letter} has no number", "give it one", begin, i)
             negative = code[from_] == "-"
             words.append(
                 Word(

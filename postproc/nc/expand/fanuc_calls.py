@@ -9,33 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from postproc.nc.expand import Program
+from postproc.nc.expand import Program, Refusal
 from postproc.nc.expand.fanuc_blocks import Kind
-from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value
+from postproc.nc.expand.fanuc_functions import Unknown, Value
 from postproc.nc.expand.fanuc_programs import Section, Source
 from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.fanuc_words import Word
 
 # Argument assignment I: letter to local variable. Of I, J, K further sets follow: assignment II.
 ARGUMENTS = {
-    "A": 1,
-    "B": 2,
-    "C": 3,
-    "D": 7,
-    "E": 8,
-    "F": 9,
-    "H": 11,
-    "M": 13,
-    "Q": 17,
-    "R": 18,
-    "S": 19,
-    "T": 20,
-    "U": 21,
-    "V": 22,
-    "W": 23,
-    "X": 24,
-    "Y": 25,
-    "Z": 26,
+    **dict(zip("ABC", (1, 2, 3), strict=True)),
+    **dict(zip("DEF", (7, 8, 9), strict=True)),
+    **dict(zip("HM", (11, 13), strict=True)),
+    **dict(zip("QRSTUVWXYZ", range(17, 27), strict=True)),
 }
 COUNTS = "DEFHMST"  # arguments that are no lengths: without a decimal point they count units
 
@@ -113,14 +99,14 @@ def arguments(words: list[Word], variables: Variables) -> dict[int, Value | Unkn
         if word.letter in "IJK":
             sets, last = sets + (word.letter <= last), word.letter
             if sets > 10:
-                raise Misread(
+                raise Refusal(
                     f"{sets} sets of I, J, K", "a call takes 10 of them (#4 to #33)", *word.place
                 )
             variable = 3 * sets + "IJK".index(word.letter) + 1
         elif word.letter in ARGUMENTS:
             variable = ARGUMENTS[word.letter]
         else:
-            raise Misread(
+            raise Refusal(
                 f"{word.letter} can not hand over a value",
                 "G, L, N, O and P are no arguments",
                 *word.place,
@@ -145,7 +131,7 @@ def times(words: list[Word], variables: Variables) -> int:
         return 1
     count = word.count(variables)
     if count < 1:
-        raise Misread(
+        raise Refusal(
             f"the call is repeated {count} times",
             "L1 calls once; leave the block out to call never",
             *word.place,
@@ -156,10 +142,10 @@ def times(words: list[Word], variables: Variables) -> int:
 def called(
     words: list[Word], letter: str, variables: Variables, what: str, place: tuple[int, int]
 ) -> int:
-    """The whole number behind a letter of a call. Raises Misread where it is missing."""
+    """The whole number behind a letter of a call. Raises Refusal where it is missing."""
     word = word_of(words, letter)
     if word is None or word.worth(variables) is None:
-        raise Misread(f"{what} without {letter}", f"{letter} says what is called", *place)
+        raise Refusal(f"{what} without {letter}", f"{letter} says what is called", *place)
     return word.count(variables)
 
 
@@ -179,10 +165,10 @@ def subprogram(
 
 
 def label_of(value: Value) -> int:
-    """The N number that GOTO names. Raises Misread for what is none."""
+    """The N number that GOTO names. Raises Refusal for what is none."""
     number = round(value or 0.0)
     if value is None or abs(value - number) > 1e-6 or not 0 <= number < 10**9:
-        raise Misread(
+        raise Refusal(
             f"GOTO {'a vacant variable' if value is None else f'{value:g}'}", "N numbers are whole"
         )
     return number

@@ -22,11 +22,11 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_functions import (
     ARITHMETIC,
     FUNCTIONS,
     SHORT,
-    Misread,
     Value,
     computed,
     index,
@@ -64,13 +64,18 @@ class Reader:
     def __init__(self, code: str, at: int = 0, letter: str = "", haas: bool = False):
         self.code, self.at, self.letter, self.haas, self.depth = code, at, letter, haas, 0
 
-    def fault(self, message: str, advice: str = "", start: int = -1) -> Misread:
+    @property
+    def next(self) -> str:
+        """The character that follows, "": none."""
+        return self.code[self.at : self.at + 1]
+
+    def fault(self, message: str, advice: str = "", start: int = -1) -> Refusal:
         start = self.at if start < 0 else start
-        return Misread(message, advice, start, max(start + 1, min(self.at, len(self.code))))
+        return Refusal(message, advice, start, max(start + 1, min(self.at, len(self.code))))
 
     def value(self) -> Formula:
         """What may stand behind an address: a variable, or an expression in brackets."""
-        return self.variable() if self.code[self.at : self.at + 1] == "#" else self.bracketed()
+        return self.variable() if self.next == "#" else self.bracketed()
 
     def bracketed(self) -> Formula:
         """An expression with its brackets."""
@@ -87,10 +92,8 @@ class Reader:
         def work(m: Memory) -> Value:
             try:
                 return m.read(index(number(m)))
-            except Misread as wrong:
-                if not wrong.stop:
-                    wrong.start, wrong.stop = place
-                raise
+            except Refusal as wrong:
+                raise wrong.placed(*place) from None
 
         return work
 
@@ -103,9 +106,9 @@ class Reader:
             self.at = digits.end()
             number = float(digits[0])
             return lambda m: number
-        if self.code[self.at : self.at + 1] == "[":
+        if self.next == "[":
             return self.bracketed()
-        if self.code[self.at : self.at + 1] == "#":
+        if self.next == "#":
             self._deeper()
             inner = self.variable()
             self.depth -= 1
@@ -175,18 +178,15 @@ class Reader:
 
     def _factor(self) -> Formula:
         negative = False
-        while (sign := self.code[self.at : self.at + 1]) in ("+", "-") and sign:
-            negative ^= sign == "-"
+        while self.next in ("+", "-"):
+            negative ^= self.next == "-"
             self.at += 1
         operand = self._operand()
         return (lambda m: 0.0 - (operand(m) or 0.0)) if negative else operand
 
     def _operand(self) -> Formula:
-        first = self.code[self.at : self.at + 1]
-        if first == "#":
-            return self.variable()
-        if first == "[":
-            return self.bracketed()
+        if self.next in ("#", "["):
+            return self.value()
         found = NUMBER.match(self.code, self.at)
         if found:
             self.at = found.end()
@@ -219,7 +219,7 @@ class Reader:
         self.at = found.end()
         self._expect("[", f"{name} takes its argument in [ ]")
         arguments = [self._inside()]
-        while self.code[self.at : self.at + 1] == ",":
+        while self.next == ",":
             self.at += 1
             arguments.append(self._inside())
         self._expect("]", "a [ is not closed")
@@ -249,7 +249,7 @@ class Reader:
         return name
 
     def _expect(self, character: str, otherwise: str) -> None:
-        if self.code[self.at : self.at + 1] != character:
+        if self.next != character:
             raise self.fault(otherwise, f"{character!r} is expected here")
         self.at += 1
 

@@ -12,28 +12,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
+from postproc.nc.expand import Refusal
+
 Value = float | None
 ALARM = "the control stops here as well: look what the variables hold"
 
 
-class Misread(Exception):
-    """What is wrong with a block: start and stop are offsets into its code (0, 0: the whole of
-    it)."""
-
-    def __init__(self, message: str, advice: str = "", start: int = 0, stop: int = 0):
-        super().__init__(message)
-        self.message, self.advice, self.start, self.stop = message, advice, start, stop
-
-
-class Unknown(Misread):
+class Unknown(Refusal):
     """A variable is read whose value only the machine knows."""
 
 
 def whole(value: Value, what: str) -> int:
-    """A value as a whole number, the vacant one as 0. Raises Misread where it has a fraction."""
+    """A value as a whole number, the vacant one as 0. Raises Refusal where it has a fraction."""
     near = round(value or 0.0)
     if abs((value or 0.0) - near) > 1e-6:
-        raise Misread(f"{what} is {value:g}, not a whole number", "ROUND, FIX or FUP make it whole")
+        raise Refusal(f"{what} is {value:g}, not a whole number", "ROUND, FIX or FUP make it whole")
     return near
 
 
@@ -46,7 +39,7 @@ def index(value: Value) -> int:
     """The number of a variable: rounded, as the control does."""
     number = value or 0.0
     if not 0 <= number < 1e8:
-        raise Misread(
+        raise Refusal(
             f"there is no variable #{number:g}", "variables: #1 to #33, #100 to #199, #500 to #999"
         )
     return int(nearest(number))
@@ -138,26 +131,8 @@ FUNCTIONS: dict[str, Callable[..., float]] = {
     "POW": math.pow,
     "ATAN2": lambda y, x: turn(y, x, 0),
 }
-SHORT = {
-    name[:2]: name
-    for name in (
-        "SIN",
-        "ASIN",
-        "COS",
-        "ACOS",
-        "TAN",
-        "ATAN",
-        "SQRT",
-        "ABS",
-        "BIN",
-        "BCD",
-        "ROUND",
-        "FIX",
-        "FUP",
-        "EXP",
-        "POW",
-    )
-} | {"SQR": "SQRT", "RND": "ROUND"}
+# two letters stand for a function
+SHORT = {name[:2]: name for name in FUNCTIONS if name != "ATAN2"} | {"SQR": "SQRT", "RND": "ROUND"}
 
 
 def to_places(value: float, places: int) -> float:
@@ -168,18 +143,18 @@ def to_places(value: float, places: int) -> float:
 def computed(
     name: str, function: Callable[..., float], values: Sequence[float], place: tuple[int, int]
 ) -> float:
-    """What a function or an operator makes of numbers; what has no value is a Misread at
+    """What a function or an operator makes of numbers; what has no value is a Refusal at
     `place`."""
     try:
         result = function(*values)
     except (ValueError, OverflowError, ZeroDivisionError):
         result = math.inf
-    except Misread as wrong:
-        raise Misread(wrong.message, wrong.advice, *place) from None
+    except Refusal as wrong:
+        raise Refusal(wrong.message, wrong.advice, *place) from None
     if math.isfinite(result):
         return result
     if name in ("/", "MOD") and not values[1]:
-        raise Misread(f"division of {values[0]:g} by zero", ALARM, *place)
+        raise Refusal(f"division of {values[0]:g} by zero", ALARM, *place)
     shown = [f"{value:g}" for value in values]
     what = f" {name} ".join(shown) if name in ARITHMETIC else f"{name}[{', '.join(shown)}]"
-    raise Misread(f"{what} has no value", ALARM, *place)
+    raise Refusal(f"{what} has no value", ALARM, *place)

@@ -13,9 +13,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from postproc.errors import ProgramError
-from postproc.nc.expand import Program, fault
+from postproc.nc.expand import Program, Refusal, fault
 from postproc.nc.expand.fanuc_blocks import DRAWS, LOOP, SPECIAL, Block, BlockReader, bare
-from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.expand.fanuc_statements import parts
 from postproc.nc.lexer import COMMENTS
 
@@ -56,9 +55,7 @@ class Source:
     def __init__(self, program: Program, semicolon: str, haas: bool, file: str = ""):
         self.program, self.semicolon, self.haas, self.file = program, semicolon, haas, file
         self.mentioned: dict[re.Pattern[bytes], bool] = {}
-        self.texts: Sequence[bytes] = program.lines()
-        if not self.texts[-1]:
-            self.texts = self.texts[:-1]
+        self.texts: Sequence[bytes] = program.whole_lines()
         self.numbers: Sequence[int] = range(1, len(self.texts) + 1)
         code = (
             COMMENTS[semicolon].sub(b" ", program.text)
@@ -209,20 +206,20 @@ class Source:
         return section.partner
 
     def partner(self, section: Section, at: int, place: tuple[int, int]) -> int:
-        """The END of a DO, or the DO of an END. Raises Misread where there is none."""
+        """The END of a DO, or the DO of an END. Raises Refusal where there is none."""
         found = self.loops(section).get(at)
         if found is None:
-            raise Misread(
+            raise Refusal(
                 *section.broken.get(at, ("a loop that is not closed", "DO1 ... END1")), *place
             )
         return found
 
     def jump(self, section: Section, source: int, label: int, place: tuple[int, int]) -> int:
-        """The entry to which a jump from `source` to an N number leads. Raises Misread where it
+        """The entry to which a jump from `source` to an N number leads. Raises Refusal where it
         must not, or there is none."""
         target = self.find(section, label, source)
         if target < 0:
-            raise Misread(
+            raise Refusal(
                 f"there is no N{label} in this program",
                 f"write N{label} before the block to go to",
                 *place,
@@ -230,10 +227,10 @@ class Source:
         for start, end in self.loops(section).items():
             if start < target <= end and not start <= source <= end:
                 what = f"N{label} lies inside the loop of line {self.numbers[start]}"
-                raise Misread(what, "a jump may leave a loop but not enter it", *place)
+                raise Refusal(what, "a jump may leave a loop but not enter it", *place)
         return target
 
-    def fault(self, name: str, at: int, wrong: Misread) -> ProgramError:
+    def fault(self, name: str, at: int, wrong: Refusal) -> ProgramError:
         """What is wrong at an entry, as an error with its place; name: of the main program."""
         if at >= len(self.texts):
             return fault(self.file or name, 1, b"", wrong.message, wrong.advice)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_calls import Frame
-from postproc.nc.expand.fanuc_functions import Misread
 from postproc.nc.expand.fanuc_variables import Variables
 
 SYSTEM = re.compile(rb"#[ \t]*(?:[1-9][0-9]{3}|[^0-9 \t])")  # also what may be one: #[...], names
@@ -22,7 +22,7 @@ class Rounds:
 
     def back(self, at: int, frames: Sequence[Frame], variables: Variables, repeated: bool) -> None:
         """A way back from an entry of the program that runs; `repeated`: all of it runs once more.
-        Raises Misread where it has no end."""
+        Raises Refusal where it has no end."""
         if self._more:
             return
         levels = ((id(f.source), f.at, f.left, *sorted(f.local.items())) for f in frames)
@@ -31,7 +31,7 @@ class Rounds:
         if self._taken.get(site) == state:
             self._more = variables.mentions(SYSTEM)
             if not self._more:
-                raise Misread(
+                raise Refusal(
                     "from here the program goes round without end: nothing that decides its way"
                     " changes any more",
                     "M30 ends it after one piece",

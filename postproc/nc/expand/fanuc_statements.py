@@ -12,9 +12,9 @@ from __future__ import annotations
 import re
 from itertools import pairwise
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_blocks import HEAD, BlockReader, bare
 from postproc.nc.expand.fanuc_expressions import NUMBER, Reader
-from postproc.nc.expand.fanuc_functions import Misread
 
 BEGINS = re.compile(r"[#\[]|GO(?:TO)?N?[\d#\[]|IF\[|WH(?:ILE)?\[|DO\d|END\d", re.ASCII)
 LOOP = re.compile(r"(?:DO|END)\d", re.ASCII)
@@ -32,11 +32,11 @@ def parts(raw: bytes, semicolon: str) -> list[bytes]:
     it stands or can not be read so either."""
     try:
         BlockReader(raw, semicolon, True).block()
-    except Misread:
+    except Refusal:
         code, at = bare(raw, semicolon)
         try:
             starts = _starts(code)
-        except (Misread, NoStatement):
+        except (Refusal, NoStatement):
             return [raw]
         skip = SKIP.match(raw)
         edges = [0, *(at[k] for k in starts), len(raw)]
@@ -58,7 +58,7 @@ def _starts(code: str) -> list[int]:
 
 
 def _behind(code: str, at: int) -> int:
-    """Where the statement that begins at `at` ends. Raises Misread or NoStatement."""
+    """Where the statement that begins at `at` ends. Raises Refusal or NoStatement."""
     reader = Reader(code, at, haas=True)
     if code.startswith("#", at):
         reader.number_of_variable()

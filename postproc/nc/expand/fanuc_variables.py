@@ -15,7 +15,8 @@ import re
 from collections.abc import Callable
 from typing import NoReturn
 
-from postproc.nc.expand.fanuc_functions import Misread, Unknown, Value
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.fanuc_functions import Unknown, Value
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.expand.tracker import number as text_of
 
@@ -66,6 +67,11 @@ FOREIGN = (  # first, last, what it is
     (5081, 5120, "a tool offset: " + MACHINE),
     (10001, 13999, "a tool offset: " + MACHINE),
 )
+
+
+def _foreign(number: int, otherwise: str) -> str:
+    """What a variable is that a program does not decide."""
+    return next((what for first, last, what in FOREIGN if first <= number <= last), otherwise)
 
 
 def _value(value: Value | Unknown) -> Value:
@@ -127,7 +133,7 @@ class Variables:
     # -- reading and writing -----------------------------------------------------------------------
 
     def read(self, number: int) -> Value:
-        """The value of a variable, None: vacant. Raises Misread where only the machine knows it."""
+        """The value of a variable, None: vacant. Raises Refusal where only the machine knows it."""
         if number == 0:
             return None
         if number <= 33:
@@ -141,7 +147,7 @@ class Variables:
         return self._known(number)
 
     def write(self, number: int, value: Value | Unknown) -> None:
-        """Set a variable, or say that its value is not known from here on. Raises Misread for one
+        """Set a variable, or say that its value is not known from here on. Raises Refusal for one
         that a program can not set, or whose setting would be lost."""
         if number and number <= 33:
             self.local[number] = value
@@ -150,13 +156,10 @@ class Variables:
         elif number in COUNTS:
             return  # what counts times or parts moves nothing, and reading it is refused
         elif number == 0:
-            raise Misread("#0 is always vacant and can not be set", "use another variable")
+            raise Refusal("#0 is always vacant and can not be set", "use another variable")
         else:
-            what = next(
-                (what for first, last, what in FOREIGN if first <= number <= last),
-                "no variable of a program",
-            )
-            raise Misread(
+            what = _foreign(number, "no variable of a program")
+            raise Refusal(
                 f"#{number} is set: {what}",
                 "this has no plain block: take it out, or do it before the program",
             )
@@ -164,28 +167,28 @@ class Variables:
     def data_block(self, number: int, value: Value | Unknown) -> str | None:
         """The G10 that writes a work offset as setting this variable does; None: it is none. In
         force from the next block on, as of G10 (B-64484EN, "System variables", "Workpiece zero
-        point offset values"). Raises Misread where G10 would not say the same."""
+        point offset values"). Raises Refusal where G10 would not say the same."""
         index = (number - 1) % 20
         if not self._offset_of(number):
             return None
         if self.haas and number < 5221:
-            raise Misread(
+            raise Refusal(
                 f"#{number} is set: the shift of G52, which is taken differently by setting 33",
                 "write the shift into G54 itself: #5221, or G10 L2 P1 X..",
             )
         if self.tracker.code("distance") == 910:
-            raise Misread(
+            raise Refusal(
                 f"#{number} is set under G91, where G10, which stands for it, adds to the offset",
                 "write G90 before this block, and G91 again behind it",
             )
         axes = self.axes[index : index + 1]
         if not axes or axes[0] not in self.tracker.setup.axes:
-            raise Misread(
+            raise Refusal(
                 f"#{number} is set: this machine has no axis number {index + 1}",
                 "take the block out: it moves nothing here",
             )
         if _value(value) is None:
-            raise Misread(f"#{number} would be vacant", f"write the number: #{number}=0")
+            raise Refusal(f"#{number} would be vacant", f"write the number: #{number}=0")
         length = text_of(float(_value(value) or 0.0), self.decimals(axes[0]))
         first = max(n for n in (5201, 7001, 14001) if n <= number)
         place, more = (number - first) // 20, first != 5201
@@ -223,11 +226,7 @@ class Variables:
             return float(tool) if tool >= 0 else self._unknown(number, "no T has been given yet")
         if number in ADDRESSES:
             self._unknown(number, f"the last {ADDRESSES[number]} is not followed here")
-        why = next(
-            (what for first, last, what in FOREIGN if first <= number <= last),
-            "it is not known here",
-        )
-        self._unknown(number, why)
+        self._unknown(number, _foreign(number, "it is not known here"))
 
     def _speed(self, number: int) -> float:
         """#4119: the last S of the blocks before."""

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.fanuc_expressions import Formula
-from postproc.nc.expand.fanuc_functions import Misread, Value, nearest
+from postproc.nc.expand.fanuc_functions import Value, nearest
 from postproc.nc.expand.fanuc_variables import Variables
 from postproc.nc.expand.tracker import number
 from postproc.nc.lexer import LONGEST_NUMBER
@@ -39,7 +40,7 @@ class Word:
         """Its value now."""
         if self.value is None:
             if len(self.digits) > LONGEST_NUMBER:
-                raise Misread(
+                raise Refusal(
                     f"{self.letter} has {len(self.digits)} digits",
                     "write fewer digits",
                     *self.place,
@@ -47,10 +48,8 @@ class Word:
             return float(self.digits)
         try:
             value = self.value(variables)
-        except Misread as wrong:
-            if not wrong.stop:
-                wrong.start, wrong.stop = self.place
-            raise
+        except Refusal as wrong:
+            raise wrong.placed(*self.place) from None
         return -value if value is not None and self.negative else value
 
     def count(self, variables: Variables) -> int:
@@ -58,18 +57,18 @@ class Word:
         value = self.worth(variables)
         if value is None or abs(value) >= LARGEST or abs(value - round(value)) > 1e-6:
             what = "vacant" if value is None else f"{value:g}"
-            raise Misread(
+            raise Refusal(
                 f"{self.letter} is {what}, not a whole number", "write a whole number", *self.place
             )
         return round(value)
 
 
 def written(letter: str, value: float, variables: Variables, pointed: bool) -> str:
-    """A value as the number behind an address; pointed: P is a factor here. Raises Misread for what
+    """A value as the number behind an address; pointed: P is a factor here. Raises Refusal for what
     no control would take."""
     tracker = variables.tracker
     if abs(value) >= LARGEST:
-        raise Misread(
+        raise Refusal(
             f"{letter} would be {value:g}, more than any control takes (limit {LARGEST:g})",
             "look at the variables",
         )
@@ -82,7 +81,7 @@ def written(letter: str, value: float, variables: Variables, pointed: bool) -> s
     if letter == "G":
         near = nearest(value * 10) / 10
         if abs(near - value) > 1e-6:
-            raise Misread(f"G{value:g} is no G code", "a G number has one decimal at most")
+            raise Refusal(f"G{value:g} is no G code", "a G number has one decimal at most")
         return number(near, 1).removesuffix(".")
     if letter == "P" and pointed:
         return number(value, variables.decimals(letter))
@@ -119,11 +118,11 @@ def rendered(
 def _checked(word: Word, value: float, variables: Variables, pointed: bool) -> str:
     try:
         text = written(word.letter, value, variables, pointed)
-    except Misread as wrong:
+    except Refusal as wrong:
         wrong.start, wrong.stop = word.place
         raise
     if text in CALLS.get(word.letter, ()):
-        raise Misread(
+        raise Refusal(
             f"{word.letter}{text} as the value of an expression",
             "write the code itself",
             *word.place,

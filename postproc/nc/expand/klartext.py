@@ -14,8 +14,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from postproc.errors import ProgramError
-from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.nc.expand import Limits, Line, Program, Refusal
 from postproc.nc.expand.klartext_formulas import Formula, FormulaError, Unset
 from postproc.nc.expand.tracker import Tracker, number
 from postproc.nc.klartext import HEAD, pointed
@@ -40,8 +39,7 @@ GIVE = "give it a value in the program before this line, the one that it has on 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     """The statements in the order in which the control executes them. Raises ProgramError."""
-    texts = program.lines()
-    yield from _Run(program, tracker, limits).run(texts[:-1] if not texts[-1] else texts, "", 0)
+    yield from _Run(program, tracker, limits).run(program.whole_lines(), "", 0)
 
 
 @dataclass
@@ -83,20 +81,23 @@ class _Run:
         """One file."""
         texts = [_pointed(text) for text in texts]
         part = _File(texts, file, [_code(text) for text in texts], depth)
-        self._find_labels(part)
-        while part.at < len(texts) and not self.ended:
-            part.here = part.at
-            part.at += 1
-            self.steps += 1
-            if self.steps > self.limits.steps:
-                raise self._fault(
-                    part,
-                    f"more than {self.limits.steps:,} statements run",
-                    "does it repeat without an end? --max-steps sets the limit",
-                )
-            if part.text.lstrip().startswith(b"/") and self.tracker.setup.block_delete:
-                continue
-            yield from self._statement(part)
+        try:
+            self._find_labels(part)
+            while part.at < len(texts) and not self.ended:
+                part.here = part.at
+                part.at += 1
+                self.steps += 1
+                if self.steps > self.limits.steps:
+                    raise Refusal(
+                        f"more than {self.limits.steps:,} statements run",
+                        "does it repeat without an end? --max-steps sets the limit",
+                    )
+                if part.text.lstrip().startswith(b"/") and self.tracker.setup.block_delete:
+                    continue
+                yield from self._statement(part)
+        except Refusal as e:
+            name = part.name or self.program.name
+            raise e.at(name, part.here + 1, part.text) from None
         if not depth and self.ended:
             yield from self._end(part)
 
@@ -109,11 +110,10 @@ class _Run:
             part.remark = _goes_on(text)
             return
         if CORNER.match(code):
-            raise self._fault(
-                part, f"{code[:3].decode()} stands behind no straight line", "write it behind L"
-            )
+            corner = code[:3].decode()
+            raise Refusal(f"{corner} stands behind no straight line", "write it behind L")
         if part.cycle or PLAIN.match(code):
-            filled = self._filled(part, text if part.cycle else _bare(text))
+            filled = self._filled(text if part.cycle else _bare(text))
             part.cycle = _goes_on(text) and (part.cycle or code.startswith(b"CYCL"))
             self.ended = ENDS.search(code) is not None and not code.startswith((b"Q", b"CYCL"))
             yield from self._corner(part)
@@ -126,10 +126,10 @@ class _Run:
         elif other := PROGRAM.match(code):
             yield from self._called(part, other[1])
         elif jump := JUMP.match(code):
-            if self._holds(part, jump):
+            if self._holds(jump):
                 part.at = self._to(part, _name(jump[4], jump[5]))
         else:
-            self._assign(part, code)
+            self._assign(code)
             yield Line(_bare(text), part.here + 1, part.name)
 
     def _corner(self, part: _File) -> Iterator[Line]:
@@ -142,7 +142,7 @@ class _Run:
             at += 1
         if at < len(part.texts) and CORNER.match(part.codes[at]):
             part.here, part.at = at, at + 1
-            yield Line(self._filled(part, _bare(part.text)), at + 1, part.name)
+            yield Line(self._filled(_bare(part.text)), at + 1, part.name)
             part.here = line
 
     def _end(self, part: _File) -> Iterator[Line]:
@@ -153,7 +153,7 @@ class _Run:
 
     def _to(self, part: _File, name: str) -> int:
         if name not in part.labels:
-            raise self._fault(part, f"there is no LBL {name}", "write it, or correct its name")
+            raise Refusal(f"there is no LBL {name}", "write it, or correct its name")
         return part.labels[name]
 
     def _call(self, part: _File, call: re.Match[bytes]) -> None:
@@ -161,8 +161,7 @@ class _Run:
         to, here = self._to(part, _name(call[1], call[2])), part.here
         if call[3] is None:
             if len(part.back) >= self.limits.depth:
-                raise self._fault(
-                    part,
+                raise Refusal(
                     f"labels call each other {len(part.back)} deep",
                     "does a label call itself? --max-depth sets the limit",
                 )
@@ -183,7 +182,7 @@ class _Run:
             if name in part.labels:
                 part.at = at + 1
                 part.here = at
-                raise self._fault(part, f"LBL {name} stands twice", "give one another number")
+                raise Refusal(f"LBL {name} stands twice", "give one another number")
             part.labels[name] = at + 1
 
     def _called(self, part: _File, name: bytes) -> Iterator[Line]:
@@ -192,14 +191,12 @@ class _Run:
         stems = [plain] if "." in plain else [plain + ".h", plain + ".H", plain]
         found = next((t for s in stems if (t := self.program.library(s)) is not None), None)
         if found is None:
-            raise self._fault(
-                part,
+            raise Refusal(
                 f"there is no program {plain} beside this one",
                 "put its file there, or name its folder with --library",
             )
         if part.depth >= self.limits.depth:
-            raise self._fault(
-                part,
+            raise Refusal(
                 f"programs call each other {part.depth} deep",
                 "does a program call itself? --max-depth sets the limit",
             )
@@ -208,8 +205,8 @@ class _Run:
         yield from self.run(kept, plain, part.depth + 1)
         self.ended = False  # M30 of a called program comes back to the calling one
 
-    def _holds(self, part: _File, jump: re.Match[bytes]) -> bool:
-        left, right = (self._value(part, side) for side in (jump[1], jump[3]))
+    def _holds(self, jump: re.Match[bytes]) -> bool:
+        left, right = (self._value(side) for side in (jump[1], jump[3]))
         return {
             b"EQU": left == right,
             b"NE": left != right,
@@ -217,35 +214,35 @@ class _Run:
             b"LT": left < right,
         }[jump[2]]
 
-    def _assign(self, part: _File, code: bytes) -> None:
+    def _assign(self, code: bytes) -> None:
         """What a statement sets; where that is not known, who uses it is told."""
         found = ASSIGN.match(code)
         read = READ.match(code) if found is None else None
         if found and (found[1] is None or int(found[1]) <= 8):
             try:
-                self.q[found[2].decode()] = self._value(part, found[3])
+                self.q[found[2].decode()] = self._value(found[3])
                 return
-            except ProgramError:
+            except Refusal:
                 pass
         name = found[2] if found else read[1] if read else b""
         self.q.pop(name.decode(), None)
 
-    def _value(self, part: _File, formula: bytes) -> float:
+    def _value(self, formula: bytes) -> float:
         try:
             return Formula(formula.decode("latin-1"), self.q).value()
         except Unset as error:
-            raise self._fault(part, f"{error} has no value in this program yet", GIVE) from None
+            raise Refusal(f"{error} has no value in this program yet", GIVE) from None
         except FormulaError as error:
-            raise self._fault(part, f"{error}", "write the number itself in its place") from None
+            raise Refusal(str(error), error.advice) from None
 
-    def _filled(self, part: _File, bare: bytes) -> bytes:
+    def _filled(self, bare: bytes) -> bytes:
         """The statement with a number for each Q; a cycle's datum sets its Q too."""
         body, semicolon, comment = bare.partition(b";")
 
         def put(match: re.Match[bytes]) -> bytes:
             name = match[2].decode()
             if name not in self.q:
-                raise self._fault(part, f"Q{name} has no value in this program yet", GIVE)
+                raise Refusal(f"Q{name} has no value in this program yet", GIVE)
             value = self.q[name] * (-1 if match[1] == b"-" else 1)
             written = number(value, 6).rstrip(".").encode()
             return written if written.startswith(b"-") or not match[1] else b"+" + written
@@ -255,9 +252,6 @@ class _Run:
         if datum and NUMBERS.fullmatch(datum[3]):
             self.q[datum[2].decode()] = float(datum[3])
         return body + semicolon + comment
-
-    def _fault(self, part: _File, message: str, advice: str) -> ProgramError:
-        return fault(part.name or self.program.name, part.here + 1, part.text, message, advice)
 
 
 def _code(text: bytes) -> bytes:

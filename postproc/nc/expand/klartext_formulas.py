@@ -8,16 +8,20 @@ ACOS, ATAN, ABS, INT, FRAC, NEG, SGN, LN, EXP, PI; angles in degrees.
 from __future__ import annotations
 
 import math
+import operator
 import re
 from collections.abc import Callable
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 TOKEN = re.compile(r"\s*(?:([0-9]*\.?[0-9]+)|Q([LR]?[0-9]+)|([A-Z]+)|(.))")
 DEEPEST = 50
+Worked = TypeVar("Worked")  # a number, or whether a condition holds
 
 
 class FormulaError(Exception):
     """What can not be calculated."""
+
+    advice: ClassVar[str] = "write the number itself in its place"
 
 
 class Unset(FormulaError):
@@ -42,13 +46,24 @@ FUNCTIONS: dict[str, Callable[[float], float]] = {
     "EXP": math.exp,
 }
 
+OPERATORS: dict[str, Callable[[float, float], float]] = {
+    "LEN": math.hypot,
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "DIV": operator.truediv,
+}
+
 
 class Formula:
     """One formula over parameters by name ("1", "L2"). `token`: its pieces: digits, a parameter, a
-    name, a mark; `brackets`: what holds a part of it together."""
+    name, a mark; `brackets`: what holds a part of it together; `levels`: its operators, those that
+    bind least first."""
 
     token: ClassVar[re.Pattern[str]] = TOKEN
     brackets: ClassVar[str] = "()"
+    levels: ClassVar[tuple[tuple[str, ...], ...]] = (("LEN",), ("+", "-"), ("*", "/", "DIV"))
     functions: ClassVar[dict[str, Callable[[float], float]]] = FUNCTIONS
 
     def __init__(self, text: str, parameters: dict[str, float]):
@@ -60,13 +75,17 @@ class Formula:
 
     def value(self) -> float:
         """Raises FormulaError."""
-        try:
-            result = self._length()
-        except (ArithmeticError, ValueError):
-            raise FormulaError(f"{self.text[:40]!r} has no value") from None
+        result = self._worked_out(self._joined)
         if self.at < len(self.tokens):
             raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
         return result
+
+    def _worked_out(self, of: Callable[[], Worked]) -> Worked:
+        """What a part of it gives. Raises FormulaError where that is no number."""
+        try:
+            return of()
+        except (ArithmeticError, ValueError):
+            raise FormulaError(f"{self.text[:40]!r} has no value") from None
 
     def _next(self, *operators: str) -> str:
         """The next token if it is one of these operators, taken; else ""."""
@@ -77,24 +96,13 @@ class Formula:
                 return name or mark or ""
         return ""
 
-    def _length(self) -> float:
-        left = self._sum()
-        while self._next("LEN"):
-            left = math.hypot(left, self._sum())
-        return left
-
-    def _sum(self) -> float:
-        left = self._product()
-        while sign := self._next("+", "-"):
-            right = self._product()
-            left = left + right if sign == "+" else left - right
-        return left
-
-    def _product(self) -> float:
-        left = self._power()
-        while sign := self._next("*", "/", "DIV"):
-            right = self._power()
-            left = left * right if sign == "*" else left / right
+    def _joined(self, level: int = 0) -> float:
+        """Values with operators of this level or a higher one between, from left to right."""
+        if level == len(self.levels):
+            return self._power()
+        left = self._joined(level + 1)
+        while mark := self._next(*self.levels[level]):
+            left = OPERATORS[mark](left, self._joined(level + 1))
         return left
 
     def _power(self) -> float:
@@ -117,9 +125,8 @@ class Formula:
             value = self._factor()
             return -value if sign == "-" else value
         if self._next(self.brackets[0]):
-            value = self._length()
-            if not self._next(self.brackets[1]):
-                raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
+            value = self._joined()
+            self._close()
             return value
         if self.at >= len(self.tokens):
             raise FormulaError(f"{self.text[:40]!r} ends too early")
@@ -134,6 +141,11 @@ class Formula:
         if name in self.functions:
             return self.functions[name](self._factor())
         raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
+
+    def _close(self) -> None:
+        """Raises FormulaError where no bracket is closed here."""
+        if not self._next(self.brackets[1]):
+            raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
 
     def _held(self, parameter: str) -> float:
         """Its value. Raises Unset."""

@@ -21,9 +21,9 @@ import re
 from collections.abc import Iterator
 
 from postproc.errors import BlockFault, ProgramError
-from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.nc.expand import Limits, Line, Program, Refusal
 from postproc.nc.expand.linuxcnc_blocks import Control, Outcome, read
-from postproc.nc.expand.linuxcnc_expressions import Refusal, whole
+from postproc.nc.expand.linuxcnc_expressions import whole
 from postproc.nc.expand.linuxcnc_flow import File, Flow, Place
 from postproc.nc.expand.linuxcnc_parameters import Memory
 from postproc.nc.expand.linuxcnc_polar import right_angled
@@ -256,4 +256,4 @@ class Run:
     def _fault(self, place: Place, wrong: Refusal) -> ProgramError:
         text = place.file.lines[place.at] if place.file.lines else b""
         name = place.file.name or self.program.name
-        return fault(name, place.at + 1, text, wrong.message, wrong.advice, wrong.start, wrong.stop)
+        return wrong.at(name, place.at + 1, text)

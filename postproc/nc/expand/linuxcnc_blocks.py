@@ -18,12 +18,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.linuxcnc_expressions import (
     NUMBER,
     Code,
     Node,
     Reader,
-    Refusal,
     Scope,
     compact,
     whole,
@@ -127,7 +127,7 @@ class Block:
                 if letter in "fs" and letter and only_of_the_machine(line[start:stop]):
                     pieces.append(line[start:stop])
                     continue
-                raise e if e.stop else Refusal(e.message, e.advice, start, stop) from None
+                raise e.placed(start, stop) from None
             while line[at : at + 1] in (b" ", b"\t"):
                 at += 1
             if at == len(line):

@@ -26,6 +26,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from postproc.nc.expand import Refusal
+
 DEEPEST = 40  # brackets, signs and # within each other
 EQUAL = 1e-4  # values less than this apart are equal for EQ and NE
 WHOLE = 1e-4  # so near to a whole number a value must be where one is needed
@@ -37,15 +39,6 @@ OPERATOR = re.compile(r"\*\*|[-+*/]|mod|and|xor|or|eq|ne|gt|ge|lt|le")
 FUNCTION = re.compile(r"exists|acos|asin|atan|abs|cos|exp|fix|fup|ln|round|sin|sqrt|tan")
 CORRECT = "correct the expression or the values in it"
 SYNTAX = 'LinuxCNC\'s manual, "G-code overview", says how expressions are written'
-
-
-class Refusal(Exception):
-    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0:
-    the whole of it)."""
-
-    def __init__(self, message: str, advice: str, start: int = 0, stop: int = 0):
-        super().__init__(message)
-        self.message, self.advice, self.start, self.stop = message, advice, start, stop
 
 
 class Scope(Protocol):
@@ -364,7 +357,7 @@ class Reader:
                 assert index
                 return scope.number(whole(index(scope), "the number of a parameter"))
             except Refusal as e:
-                raise e if e.stop else Refusal(e.message, e.advice, *span) from None
+                raise e.placed(*span) from None
 
         return evaluate
 

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from postproc.nc.expand import Program
+from postproc.nc.expand import Program, Refusal
 from postproc.nc.expand.linuxcnc_blocks import Block, Control, special_lines
-from postproc.nc.expand.linuxcnc_expressions import CORRECT, Refusal, whole
+from postproc.nc.expand.linuxcnc_expressions import CORRECT, whole
 from postproc.nc.expand.linuxcnc_parameters import Memory
 
 GLOBAL = ("sub", "", "endsub", "return", "call")  # keywords whose labels are known everywhere
@@ -39,8 +39,7 @@ class File:
     read: dict[int, Block | Control] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        found = self.program.lines()
-        self.lines = found if found[-1] else found[:-1]
+        self.lines = self.program.whole_lines()
         self.special = special_lines(self.program.text, len(self.lines))
         self.met = bytearray(len(self.lines))
 

@@ -18,7 +18,8 @@ from collections.abc import Callable, Container
 from functools import partial
 
 from postproc.errors import BlockFault, GcompError
-from postproc.nc.expand.linuxcnc_expressions import Node, Refusal
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.linuxcnc_expressions import Node
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.frames import WORK_OF_P
 from postproc.nc.state import Frame, no_frame
@@ -34,6 +35,7 @@ INPUT = 5399
 TOOL = range(5400, 5410)
 TOOL_SHAPE = range(5410, 5414)
 POSITION, DEBUG, CHANGER = range(5420, 5429), 5599, range(5600, 5602)
+OWN = ("_value", "_value_returned", "_line", "_call_level")  # what the run itself knows
 SAY = "say it with --start or --offset, or write the value itself in its place"
 WRITE_VALUE = (
     "write the value itself in its place: gcomp knows the program, not what the machine finds while"
@@ -209,11 +211,7 @@ def _check(index: int) -> None:
 
 
 def _is_predefined(name: str) -> bool:
-    return (
-        name in PREDEFINED
-        or name in UNKNOWN
-        or name in ("_value", "_value_returned", "_line", "_call_level")
-    )
+    return name in PREDEFINED or name in UNKNOWN or name in OWN
 
 
 # -- what the control tells of itself --------------------------------------------------------------
@@ -381,18 +379,8 @@ STALE: tuple[tuple[str, Container[int | str], str], ...] = (
     ("G28", FIRST_REFERENCE, "G28.1 has changed it"),
     ("G30", SECOND_REFERENCE, "G30.1 has changed it"),
 )
-UNKNOWN = (
-    "_vmajor",
-    "_vminor",
-    "_rpm",
-    "_spindle_on",
-    "_spindle_cw",
-    "_mist",
-    "_flood",
-    "_speed_override",
-    "_feed_override",
-    "_adaptive_feed",
-    "_feed_hold",
-    "_selected_pocket",
-    "_current_pocket",
-)
+_UNKNOWN = """
+    _vmajor _vminor _rpm _spindle_on _spindle_cw _mist _flood _speed_override _feed_override
+    _adaptive_feed _feed_hold _selected_pocket _current_pocket
+"""
+UNKNOWN = frozenset(_UNKNOWN.split())  # known to the machine only

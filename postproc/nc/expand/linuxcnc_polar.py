@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import re
 
-from postproc.nc.expand.linuxcnc_expressions import Refusal
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.linuxcnc_parameters import SAY, Memory
 from postproc.nc.expand.tracker import number
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from postproc.nc.codes import RESTORED
-from postproc.nc.expand.linuxcnc_expressions import Refusal
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 from postproc.nc.state import ModalState
 

@@ -17,15 +17,13 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
 
 from postproc.errors import ProgramError
-from postproc.nc.expand import Limits, Line, Program, fault
-from postproc.nc.expand.klartext_formulas import FormulaError, Unset
+from postproc.nc.expand import Limits, Line, Program, Refusal
+from postproc.nc.expand.klartext_formulas import FormulaError, Unset, Worked
 from postproc.nc.expand.okuma_expressions import VARIABLE, Expression, is_own
 from postproc.nc.expand.tracker import Tracker, number
 
-Worked = TypeVar("Worked")  # what an expression gives
 COMMENT = re.compile(rb"\([^()\n]*\)?")
 HEAD = re.compile(rb"[ \t]*(?:/[ \t]*)?(?:(N(?!OEX\b)[A-Z0-9]+)(?=[ \t/]|\Z)[ \t]*)?(?:/[ \t]*)?")
 DELETED = re.compile(rb"[ \t]*(?:N[A-Z0-9]+[ \t]+)?/", re.IGNORECASE)
@@ -51,14 +49,13 @@ GIVE = "give it a value in the program before this line, the one that it has on 
 
 def lines(program: Program, tracker: Tracker, limits: Limits) -> Iterator[Line]:
     """The blocks in the order in which the control executes them. Raises ProgramError."""
-    run = _Run(program, tracker, limits)
-    yield from run.main()
+    yield from _Run(program, tracker, limits).main()
 
 
 @dataclass
 class _Part:
     """One program of a file: its lines from `first` to `last`, and the places of its blocks'
-    names. `file`: "" for the main one."""
+    names; `here`: the line that runs, `at`: the next one. `file`: "" for the main one."""
 
     file: str
     texts: list[bytes]
@@ -67,6 +64,7 @@ class _Part:
     last: int
     labels: dict[str, list[int]] = field(default_factory=dict)
     at: int = 0
+    here: int = 0
 
 
 def _parts(texts: list[bytes], file: str) -> dict[str, _Part]:
@@ -93,8 +91,7 @@ class _Run:
 
     def __init__(self, program: Program, tracker: Tracker, limits: Limits):
         self.program, self.tracker, self.limits = program, tracker, limits
-        texts = program.lines()
-        self.files = {"": _parts(texts[:-1] if not texts[-1] else texts, "")}
+        self.files = {"": _parts(program.whole_lines(), "")}
         self.values: dict[str, float] = {}
         self.left = limits.steps
         self.ended = False
@@ -115,120 +112,105 @@ class _Run:
         """One program, to RTS or its end."""
         part.at = part.first
         while part.at < part.last and not self.ended:
-            here = part.at
+            here = part.here = part.at
             part.at += 1
-            self.left -= 1
-            if self.left < 0:
-                raise self._error(
-                    part,
-                    here,
-                    f"more than {self.limits.steps:,} statements run",
-                    "does it repeat without an end? --max-steps sets the limit",
-                )
-            code = part.codes[here]
-            if self.tracker.setup.block_delete and DELETED.match(part.texts[here]):
-                yield self._line(part, here)
-                continue
-            found = STATEMENT.match(code)
-            if found and found[1] == b"RTS":
-                return
-            if depth and here == part.first and NAMED.match(code):
-                continue
-            if found:
-                yield from self._statement(part, here, found, depth)
-            elif SETS.match(code.decode("latin-1")) and not OWN.match(code):
-                self._assign(part, here, self._joined(part, here), plain=True)
-            else:
-                if called := SHAPE.search(code):
-                    self._as_passed(part, here, called[1].decode())
-                yield self._filled(part, here)
-                self.ended = bool(ENDS.search(code)) and not depth
-                if self.behind and not self.within and AXIS.search(code.decode("latin-1")):
-                    yield from self._behind(depth)
+            try:
+                self.left -= 1
+                if self.left < 0:
+                    raise Refusal(
+                        f"more than {self.limits.steps:,} statements run",
+                        "does it repeat without an end? --max-steps sets the limit",
+                    )
+                code = part.codes[here]
+                if self.tracker.setup.block_delete and DELETED.match(part.texts[here]):
+                    yield self._line(part, here)
+                    continue
+                found = STATEMENT.match(code)
+                if found and found[1] == b"RTS":
+                    return
+                if depth and here == part.first and NAMED.match(code):
+                    continue
+                if found:
+                    yield from self._statement(part, found, depth)
+                elif SETS.match(code.decode("latin-1")) and not OWN.match(code):
+                    self._assign(part, self._joined(part), plain=True)
+                else:
+                    if called := SHAPE.search(code):
+                        self._as_passed(part, called[1].decode())
+                    yield self._filled(part, here)
+                    self.ended = bool(ENDS.search(code)) and not depth
+                    if self.behind and not self.within and AXIS.search(code.decode("latin-1")):
+                        yield from self._behind(depth)
+            except Refusal as e:
+                raise self._error(part, here, e) from None
         if part.at == part.last < len(part.texts) and not self.ended:
-            raise self._error(
-                part,
-                part.last,
-                f"the program before it goes on into {part.codes[part.last].decode()}",
-                "write M02 or RTS at its end",
-            )
+            what = f"the program before it goes on into {part.codes[part.last].decode()}"
+            raise self._error(part, part.last, Refusal(what, "write M02 or RTS at its end"))
 
-    def _statement(
-        self, part: _Part, here: int, found: re.Match[bytes], depth: int
-    ) -> Iterator[Line]:
+    def _statement(self, part: _Part, found: re.Match[bytes], depth: int) -> Iterator[Line]:
         """GOTO, IF, CALL, MODIN, MODOUT and NOEX."""
         name = found[1]
-        rest = self._joined(part, here)[found.end() :].decode("latin-1")
+        rest = self._joined(part)[found.end() :].decode("latin-1")
         if name == b"NOEX":
             for match in SETS.finditer(rest):
                 self.values[match[1]] = math.nan
         elif name == b"MODOUT":
             self.behind = None
         elif name in (b"GOTO", b"IF"):
-            self._jump(part, here, rest, name == b"IF")
+            self._jump(part, rest, name == b"IF")
         else:
             called = CALLED.match(rest)
             if called is None:
-                raise self._strange(part, here)
+                raise self._strange(part)
             times = int(called[2] or 1)
             if name == b"CALL":
-                yield from self._call(part, here, called[1], times, rest[called.end() :], depth)
+                yield from self._call(part, called[1], times, rest[called.end() :], depth)
             elif self.behind:
-                raise self._error(
-                    part, here, "MODIN within MODIN", "end the first one before: MODOUT"
-                )
+                raise Refusal("MODIN within MODIN", "end the first one before: MODOUT")
             else:
-                self._assign(part, here, rest[called.end() :].encode("latin-1"))
-                self.behind = called[1], times, part, here
+                self._assign(part, rest[called.end() :].encode("latin-1"))
+                self.behind = called[1], times, part, part.here
 
-    def _jump(self, part: _Part, here: int, rest: str, condition: bool) -> None:
+    def _jump(self, part: _Part, rest: str, condition: bool) -> None:
         target = rest
         if condition and (defined := DEFINED.match(rest)):
             target = defined[2]
             if is_own(defined[1]) or math.isnan(self.values.get(defined[1], 0.0)):
-                raise self._unset(part, here, defined[1])
+                raise self._unset(defined[1])
             if defined[1] not in self.values:
                 return
         elif condition:
             expression = Expression(rest, self.values)
-            holds, stop = self._worked_out(part, here, expression.holds)
+            holds, stop = self._worked_out(expression.holds)
             target = rest.strip()[stop:]
             if not holds:
                 if TARGET.match(target) is None:
-                    raise self._strange(part, here)
+                    raise self._strange(part)
                 return
         to = TARGET.match(target)
         if to is None:
-            raise self._strange(part, here)
+            raise self._strange(part)
         places = part.labels.get(to[1], [])
         if len(places) > 1:
-            raise self._error(part, here, f"two blocks are named {to[1]}", "give one another name")
+            raise Refusal(f"two blocks are named {to[1]}", "give one another name")
         if not places:
-            raise self._error(
-                part,
-                here,
+            raise Refusal(
                 f"there is no block {to[1]} in this program",
                 "write its name before the block, with a blank behind it",
             )
         part.at = places[0]
 
-    def _call(
-        self, part: _Part, here: int, name: str, times: int, given: str, depth: int
-    ) -> Iterator[Line]:
+    def _call(self, part: _Part, name: str, times: int, given: str, depth: int) -> Iterator[Line]:
         """A subprogram, so many times; behind it the variables of the call are empty."""
-        called = self._find(part, here, name)
+        called = self._find(part, name)
         if depth >= self.limits.depth:
-            raise self._error(
-                part,
-                here,
+            raise Refusal(
                 f"programs call each other {depth} deep",
                 "does a program call itself? --max-depth sets the limit",
             )
-        names = self._assign(part, here, given.encode("latin-1"))
-        back = part.at
+        names = self._assign(part, given.encode("latin-1"))
         for _ in range(times):
             yield from self._run(replace(called), depth + 1)
-        part.at = back
         for own in names:
             if not own.startswith("V"):
                 self.values.pop(own, None)
@@ -238,32 +220,38 @@ class _Run:
         assert self.behind is not None
         name, times, part, here = self.behind
         self.within = True
-        yield from self._call(part, here, name, times, "", depth)
+        try:
+            yield from self._call(part, name, times, "", depth)
+        except Refusal as e:
+            raise self._error(part, here, e) from None
         self.within = False
 
-    def _as_passed(self, part: _Part, here: int, name: str) -> None:
+    def _as_passed(self, part: _Part, name: str) -> None:
         """Refuses a shape with other numbers at its call than where it stands: which count?"""
         places = [(p, i) for p in self.files[part.file].values() for i in p.labels.get(name, ())]
         for other, first in places:
             for i in range(first, other.last):
                 said = self.said.get((part.file, i))
-                if said is not None and self._filled(other, i).text != said:
-                    where = f"line {i + 1} of the shape has other numbers here than where it stands"
-                    way = "set its variables before the shape, and change them behind its calls"
-                    raise self._error(part, here, where, way)
+                try:
+                    same = said is None or self._filled(other, i).text == said
+                except Refusal as e:
+                    raise self._error(other, i, e) from None
+                if not same:
+                    raise Refusal(
+                        f"line {i + 1} of the shape has other numbers here than where it stands",
+                        "set its variables before the shape, and change them behind its calls",
+                    )
                 if SHAPE_ENDS.search(other.codes[i]):
                     break
 
-    def _find(self, part: _Part, here: int, name: str) -> _Part:
+    def _find(self, part: _Part, name: str) -> _Part:
         """A program by its name: in the files that are open, else in one of its own."""
         for file in (part.file, "", name):
             if name in self.files.get(file, {}):
                 return self.files[file][name]
         text = self.program.library(name)
         if text is None:
-            raise self._error(
-                part,
-                here,
+            raise Refusal(
                 f"there is no program {name} in this file or beside it",
                 "put its file there, or name its folder with --library",
             )
@@ -272,19 +260,19 @@ class _Run:
 
     # -- numbers -----------------------------------------------------------------------------------
 
-    def _assign(self, part: _Part, here: int, code: bytes, plain: bool = False) -> list[str]:
+    def _assign(self, part: _Part, code: bytes, plain: bool = False) -> list[str]:
         """AB=5 AC=V1+2: the names. `plain`: what is not known is told where it is used."""
         text, at = code.decode("latin-1"), 0
         names: list[str] = []
         while at < len(text.rstrip()):
             match = SETS.match(text, at)
             if match is None:
-                raise self._strange(part, here)
+                raise self._strange(part)
             rest = text[match.end() :]
             blank = len(rest) - len(rest.lstrip())
             try:
-                value, stop = self._worked_out(part, here, Expression(rest, self.values).first)
-            except ProgramError:
+                value, stop = self._worked_out(Expression(rest, self.values).first)
+            except Refusal:
                 if not plain:
                     raise
                 self.values[match[1]] = math.nan
@@ -310,11 +298,9 @@ class _Run:
                     done = plain.start()
                 continue
             if GOES_ON.match(text):
-                raise self._error(
-                    part, here, "an expression behind $", "write its block in one line"
-                )
-            value, stop = self._worked_out(part, here, Expression(bare[begin:], self.values).first)
-            written = self._written(part, here, letter or match[2], value)
+                raise Refusal("an expression behind $", "write its block in one line")
+            value, stop = self._worked_out(Expression(bare[begin:], self.values).first)
+            written = self._written(letter or match[2], value)
             head = text[done : match.start()] + (
                 letter.encode() if letter else text[match.start() : begin]
             )
@@ -327,38 +313,34 @@ class _Run:
         self.said[part.file, here] = filled = b"".join(pieces) + text[done:]
         return line._replace(text=filled)
 
-    def _written(self, part: _Part, here: int, letter: str, value: float) -> bytes:
+    def _written(self, letter: str, value: float) -> bytes:
         """The number of a word."""
         if letter == "T":
             return b"%0*d" % (4 if value < 1e4 else 6, round(value))
         text = number(value, self.tracker.decimals(letter)).rstrip(".")
         if self.tracker.counts and "." in text:
-            raise self._error(
-                part,
-                here,
+            raise Refusal(
                 f"{letter}={text} while whole numbers count least increments",
                 "write it as a whole number, or say --integers units",
             )
         return text.encode()
 
-    def _worked_out(self, part: _Part, here: int, of: Callable[[], Worked]) -> Worked:
+    def _worked_out(self, of: Callable[[], Worked]) -> Worked:
         try:
             return of()
         except Unset as error:
-            raise self._unset(part, here, str(error)) from None
+            raise self._unset(str(error)) from None
         except FormulaError as error:
-            raise self._error(
-                part,
-                here,
+            raise Refusal(
                 f"an expression that gives no number: {error}",
                 "write the number itself in its place",
             ) from None
 
     # -- lines -------------------------------------------------------------------------------------
 
-    def _joined(self, part: _Part, here: int) -> bytes:
+    def _joined(self, part: _Part) -> bytes:
         """A statement with the lines that go on behind it; the next line is behind them."""
-        code = part.codes[here]
+        code = part.codes[part.here]
         while part.at < part.last and GOES_ON.match(part.texts[part.at]):
             code += b" " + _bare(part.texts[part.at]).strip()[1:].strip()
             part.at += 1
@@ -367,22 +349,20 @@ class _Run:
     def _line(self, part: _Part, here: int) -> Line:
         return Line(part.texts[here], here + 1, part.file)
 
-    def _strange(self, part: _Part, here: int) -> ProgramError:
-        return self._error(
-            part,
-            here,
-            f"{part.codes[here].decode('latin-1')[:40]!r} is no statement that is known here",
-            "write out the blocks that it runs",
+    def _strange(self, part: _Part) -> Refusal:
+        code = part.codes[part.here].decode("latin-1")
+        return Refusal(
+            f"{code[:40]!r} is no statement that is known here", "write out the blocks that it runs"
         )
 
-    def _unset(self, part: _Part, here: int, name: str) -> ProgramError:
+    def _unset(self, name: str) -> Refusal:
         if is_own(name):
-            return self._error(part, here, f"{name}: only the control knows its value", GIVE)
-        return self._error(part, here, f"{name} has no value in this program yet", GIVE)
+            return Refusal(f"{name}: only the control knows its value", GIVE)
+        return Refusal(f"{name} has no value in this program yet", GIVE)
 
-    def _error(self, part: _Part, here: int, message: str, advice: str) -> ProgramError:
-        name = part.file or self.program.name
-        return fault(name, here + 1, part.texts[here], message, advice)
+    def _error(self, part: _Part, line: int, wrong: Refusal) -> ProgramError:
+        """What a user meets at a line of a program."""
+        return wrong.at(part.file or self.program.name, line + 1, part.texts[line])
 
 
 def _bare(text: bytes) -> bytes:

@@ -53,6 +53,7 @@ class Expression(Formula):
         rf"({VARIABLE})|([A-Z]+2?)|(.))"
     )
     brackets = "[]"
+    levels = (("+", "-"), ("*", "/"))
     functions: ClassVar[dict[str, Callable[[float], float]]] = {
         **{name: Formula.functions[name] for name in ("SIN", "COS", "TAN", "ATAN", "SQRT", "ABS")},
         "ROUND": _whole(lambda v: math.floor(v + 0.5)),
@@ -62,23 +63,11 @@ class Expression(Formula):
 
     def first(self) -> tuple[float, int]:
         """The value, and where in the stripped text it ends. Raises FormulaError."""
-        try:
-            value = self._sum()
-        except (ArithmeticError, ValueError):
-            raise FormulaError(f"{self.text[:40]!r} has no value") from None
-        return value, self.ends[self.at - 1]
+        return self._worked_out(self._joined), self.ends[self.at - 1]
 
     def holds(self) -> tuple[bool, int]:
         """The same of a condition in brackets."""
-        if not self._next("["):
-            raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
-        try:
-            value = self._either()
-        except (ArithmeticError, ValueError):
-            raise FormulaError(f"{self.text[:40]!r} has no value") from None
-        if not self._next("]"):
-            raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
-        return value, self.ends[self.at - 1]
+        return self._worked_out(self._bracketed), self.ends[self.at - 1]
 
     def _either(self) -> bool:
         value = self._both()
@@ -106,9 +95,9 @@ class Expression(Formula):
             return empty
         begin = self.at
         try:
-            left = self._sum()
+            left = self._joined()
             if how := self._next(*COMPARED):
-                return COMPARED[how](left, self._sum())
+                return COMPARED[how](left, self._joined())
         except FormulaError:
             if not self._in_brackets(begin):
                 raise
@@ -123,8 +112,7 @@ class Expression(Formula):
         if not self._next("["):
             raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
         value = self._either()
-        if not self._next("]"):
-            raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
+        self._close()
         return value
 
     def _empty(self) -> bool | None:
@@ -138,15 +126,8 @@ class Expression(Formula):
         self.at += 3
         return (name not in self.parameters) == (names[1] == "EQ")
 
-    def _product(self) -> float:
-        left = self._factor()
-        while sign := self._next("*", "/"):
-            right = self._factor()
-            left = left * right if sign == "*" else left / right
-        return left
-
-    def _length(self) -> float:
-        return self._sum()
+    def _power(self) -> float:
+        return self._factor()
 
     def _one(self) -> float:
         if self._next("MOD"):
@@ -159,9 +140,8 @@ class Expression(Formula):
         for mark in "[,":
             if not self._next(mark):
                 raise FormulaError(f"{self.text[:40]!r} is no formula that is known here")
-            parts.append(self._sum())
-        if not self._next("]"):
-            raise FormulaError(f"{self.text[:40]!r}: a parenthesis is not closed")
+            parts.append(self._joined())
+        self._close()
         if min(parts) < 0:
             raise ValueError
         return math.fmod(*parts)

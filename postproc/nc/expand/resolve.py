@@ -236,10 +236,10 @@ class Resolver:
         """Whether another code takes the axis words (G10 G28 G68 G92), or changes what they mean
         (G53)."""
         takers = self.control.takers if self.control else ()
-        return any(
-            c == 530 or c in takers or (c in self.scene.table and self.scene.table[c].takes)
-            for c in codes
-        )
+        return any(c == 530 or c in takers or self._takes(c) for c in codes)
+
+    def _takes(self, code: int) -> bool:
+        return code in self.scene.table and self.scene.table[code].takes
 
     def _idle(self, block: Block) -> None:
         """A block in a cycle that runs nothing must hold none of the cycle's words. Raises
@@ -357,10 +357,9 @@ class Resolver:
             )
 
     def _tapping(self, lines: list[bytes], heard: list[bytes]) -> list[bytes]:
-        """A cycle that stays in the program, while the tracker reads what it does (`told`)."""
+        """A cycle that stays in the program, while the tracker reads what it does."""
         if self.control is None or not self.control.active:
-            for text in heard:
-                self._told(text)
+            self._tell(heard, False)
             return lines
         if not self.control.frames.map.leaves(self.scene.plane[2]):
             raise self.scene.fault(
@@ -419,16 +418,12 @@ class Resolver:
         control, lines = self.control, []
         for text in texts:
             block = Block.of(text, self.grammar)
-            if control is not None and (
-                control.active or any(c in control.codes for c in block.codes) or _polar(block)
-            ):
-                if places is False:
-                    self.scene.note(block)
-                lines += self._tell(control.take(block), False)
-                continue
             if not places:
                 self.scene.note(block)
-            lines += self._tell([text], False)
+            framed = control is not None and (
+                control.active or any(c in control.codes for c in block.codes) or _polar(block)
+            )
+            lines += self._tell(control.take(block) if control and framed else [text], False)
         if loud:
             self.scene.forget()
             if control is not None:
@@ -443,20 +438,15 @@ class Resolver:
         for block in (Block.of(text, self.grammar) for text in texts):
             tool = self.tracker.dialect.tool_offsets and block.get("T") is not None
             if tool or any(c in self.shifts for c in block.codes):
-                taken = any(
-                    c in self.scene.table and self.scene.table[c].takes for c in block.codes
-                )
+                taken = any(self._takes(c) for c in block.codes)
                 self.scene.shifted(set() if taken else {w.letter for w in block.words})
 
     def _tell(self, texts: list[bytes], loud: bool) -> list[bytes]:
         for text in texts:
-            self._told(text)
+            self.tracker.take(text, self.line._replace(text=text))
         if loud:
             self.scene.forget()
         return texts
-
-    def _told(self, text: bytes) -> None:
-        self.tracker.take(text, self.line._replace(text=text))
 
     def _spindle(self, block: Block) -> None:
         for m in block.m_codes():

@@ -14,18 +14,17 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
-from postproc.errors import BlockFault, ProgramError
-from postproc.nc.expand import Limits, Line, Program, fault
+from postproc.errors import BlockFault
+from postproc.nc.expand import Limits, Line, Program, Refusal
 from postproc.nc.expand.siemens_contour import contour_of
 from postproc.nc.expand.siemens_flow import Declaration, Parameter, read
 from postproc.nc.expand.siemens_frames import Frame, Repeat
-from postproc.nc.expand.siemens_holes import NAMES, Holes, hole_of
+from postproc.nc.expand.siemens_holes import HOLES, NAMES, Holes
 from postproc.nc.expand.siemens_source import Source, missing
 from postproc.nc.expand.siemens_statements import Call, Jump, Statement, Target, assign
 from postproc.nc.expand.siemens_values import (
     EMPTY,
     LARGEST_ARRAY,
-    Refusal,
     Scope,
     Value,
     Variable,
@@ -67,7 +66,7 @@ class Run:
         self.kept: dict[tuple[str, int], Statement] = {}
         self.skips = bool(tracker.setup.block_delete)
         self.scope = Scope(tracker, {}, {})
-        main = Source(program.name, "", _without_end(program.lines()), self.skips)
+        main = Source(program.name, "", program.whole_lines(), self.skips)
         self.frames = [Frame(main, self.scope)]
         self.holes = Holes(tracker)
 
@@ -83,27 +82,28 @@ class Run:
                 continue
             raw = source.lines[at]
             if steps > limit:
-                message = f"the program is not at its end after {limit} lines"
-                raise self.fault(
-                    frame, at, raw, Refusal(message, "correct the loop that does not end")
+                endless = Refusal(
+                    f"the program is not at its end after {limit} lines",
+                    "correct the loop that does not end",
                 )
+                raise endless.at(source.name, at + 1, raw)
             if plain(raw):
                 yield from self.drilled(frame, Line(raw, at + 1, source.file))
                 if frame.repeats:
-                    frame.go(at, at + 1)
+                    frame.step()
                 else:
                     frame.at = at + 1
                 continue
             try:
                 text = self.execute(frame, raw)
             except Refusal as e:
-                raise self.fault(frame, at, raw, e) from None
+                raise e.at(source.name, at + 1, raw) from None
             # the tracker has followed the lines up to here only when it was asked
             except BlockFault as e:
                 refusal = Refusal(
                     f"a line before this one can not be followed: {e.message}", e.advice
                 )
-                raise self.fault(frame, at, raw, refusal) from None
+                raise refusal.at(source.name, at + 1, raw) from None
             if text is not None or self.holes.called:
                 yield from self.drilled(
                     frame, Line(text or b"", at + 1, source.file), text is not None
@@ -118,20 +118,15 @@ class Run:
             for text in self.holes.behind(frame, line.text, own):
                 yield Line(text, line.source, line.file)
         except Refusal as e:
-            raise self.fault(
-                frame, line.source - 1, frame.source.lines[line.source - 1], e
-            ) from None
-
-    def fault(self, frame: Frame, at: int, raw: bytes, e: Refusal) -> ProgramError:
-        """The error that a user meets."""
-        return fault(frame.source.name, at + 1, raw, e.message, e.advice, e.start, e.stop)
+            source = frame.source
+            raise e.at(source.name, line.source, source.lines[line.source - 1]) from None
 
     def execute(self, frame: Frame, raw: bytes) -> bytes | None:
         """Execute the line at which the frame stands: its plain text, if any, and where control
         goes."""
         at, scope = frame.at, frame.scope
         if self.skips and raw.lstrip(b" \t").startswith(b"/"):
-            frame.go(at, at + 1)
+            frame.step()
             return raw
         key = (frame.source.file, at)
         statement = self.kept.get(key)
@@ -187,7 +182,7 @@ class Run:
             if to is not None:
                 frame.go(at, to)
                 return
-        frame.go(at, at + 1)
+        frame.step()
 
     def leave(self) -> None:
         """A program is at its end: again, or back behind the line that called it."""
@@ -202,8 +197,7 @@ class Run:
                 )
             )
         elif self.frames:
-            caller = self.frames[-1]
-            caller.go(caller.at, caller.at + 1)
+            self.frames[-1].step()
 
     def nested(self, frame: Frame) -> None:
         """Raises Refusal where calls and repeated sections are nested too deep."""
@@ -231,7 +225,7 @@ class Run:
         if name.upper() in NAMES and self.library(name) is None:
             contour = contour_of(frame, self.library, call)
             self.holes.call(name.upper(), self.values(frame, call), contour)
-            frame.go(frame.at, frame.at + 1)
+            frame.step()
             return
         passes = 1 if call.count is None else rounded(call.count(frame.scope))
         if not 0 <= passes <= MOST_PASSES:
@@ -246,7 +240,7 @@ class Run:
             raise missing(name, call.start, call.stop)
         self.nested(frame)
         if passes == 0:
-            frame.go(frame.at, frame.at + 1)
+            frame.step()
             return
         parameters = self.parameters(source)
         if len(call.values) > len(parameters) and any(call.values):
@@ -290,19 +284,17 @@ class Run:
     def modal_call(self, frame: Frame, statement: Statement) -> None:
         """MCALL."""
         call = statement.call
-        cycle = hole_of(call.name.upper(), self.values(frame, call)) if call else None
-        self.holes.modal = (frame, cycle) if cycle else None
-        frame.go(frame.at, frame.at + 1)
+        name = call.name.upper() if call else ""
+        self.holes.modal = (frame, HOLES[name].of(name, self.values(frame, call))) if call else None
+        frame.step()
 
     def library(self, name: str) -> Source | None:
         """A subprogram's text, read once."""
         key = name.upper()
         if key not in self.sources:
             text = self.program.library(name) if name else None
-            found = Program(name, text).lines() if text is not None else None
-            self.sources[key] = (
-                Source(name, name, _without_end(found), self.skips) if found is not None else None
-            )
+            lines = Program(name, text).whole_lines() if text is not None else None
+            self.sources[key] = None if lines is None else Source(name, name, lines, self.skips)
         return self.sources[key]
 
     def parameters(self, source: Source) -> tuple[Parameter, ...]:
@@ -312,9 +304,7 @@ class Run:
                 try:
                     return read(raw.decode("latin-1")).parts
                 except Refusal as e:
-                    raise fault(
-                        source.name, i + 1, raw, e.message, e.advice, e.start, e.stop
-                    ) from None
+                    raise e.at(source.name, i + 1, raw) from None
         return ()
 
     # -- control lines -----------------------------------------------------------------------------
@@ -323,7 +313,7 @@ class Run:
         """Lines that only mark a place."""
         if statement.control not in ("PROC", "EXTERN"):
             frame.source.partner(frame.at)
-        frame.go(frame.at, frame.at + 1)
+        frame.step()
 
     def define(self, frame: Frame, statement: Statement) -> None:
         """DEF."""
@@ -332,12 +322,8 @@ class Run:
             try:
                 self.declare(frame.scope, declaration)
             except Refusal as e:
-                raise (
-                    e
-                    if e.stop
-                    else Refusal(e.message, e.advice, declaration.start, declaration.stop)
-                ) from None
-        frame.go(frame.at, frame.at + 1)
+                raise e.placed(declaration.start, declaration.stop) from None
+        frame.step()
 
     def declare(self, scope: Scope, declaration: Declaration) -> None:
         """One variable, with its first value."""
@@ -423,7 +409,7 @@ class Run:
             stop = start
         passes = 1 if count is None else rounded(count(frame.scope))
         if passes < 1:
-            frame.go(frame.at, frame.at + 1)
+            frame.step()
             return
         frame.repeats.append(Repeat(start, stop, passes, frame.at))
         self.nested(frame)
@@ -447,8 +433,3 @@ CONTROL: dict[str, Callable[[Run, Frame, Statement], None]] = {
     "REPEATB": Run.repeat,
     "MCALL": Run.modal_call,
 }
-
-
-def _without_end(found: list[bytes]) -> list[bytes]:
-    """The lines without the empty one that a newline at the end makes."""
-    return found[:-1] if found and not found[-1] else found

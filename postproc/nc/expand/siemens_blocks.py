@@ -14,6 +14,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_expressions import FOREIGN, TOKEN, Parser
 from postproc.nc.expand.siemens_statements import (
     Call,
@@ -25,13 +26,7 @@ from postproc.nc.expand.siemens_statements import (
     assign,
     filled,
 )
-from postproc.nc.expand.siemens_values import (
-    Axis,
-    Node,
-    Refusal,
-    Scope,
-    undefined,
-)
+from postproc.nc.expand.siemens_values import Axis, Node, Scope, undefined
 from postproc.nc.expand.siemens_words import ADDRESSES, COMMANDS, WRAPPERS, argument, word
 
 NAME = r"[A-Z_]{2}[A-Z0-9_]*"

@@ -17,23 +17,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_drilling import CHIP, MOST_STROKES, Drilling
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker, number
 
-To = Callable[[float], bytes]  # the word of a place along the hole
 MODES = " GMODE DMODE AMODE"
-NAMES = {
-    "CYCLE84": (
-        "RTP RFP SDIS DP DPR DTB SDAC MPIT PIT POSS SST SST1 AXN PITA TECHNO VARI DAM VRT PITM PTAB"
-        " PTABA" + MODES
-    ),
-    "CYCLE86": "RTP RFP SDIS DP DPR DTB SDIR RPA RPO RPAP POSS" + MODES,
-    "CYCLE87": "RTP RFP SDIS DP DPR SDIR" + MODES,
-    "CYCLE88": "RTP RFP SDIS DP DPR DTB SDIR" + MODES,
-    "CYCLE89": "RTP RFP SDIS DP DPR DTB" + MODES,
-}
 COARSE = {  # mm, ISO 261
     3: 0.5, 4: 0.7, 5: 0.8, 6: 1.0, 7: 1.0, 8: 1.25, 9: 1.25, 10: 1.5, 11: 1.5, 12: 1.75, 14: 2.0,
     16: 2.0, 18: 2.5, 20: 2.5, 22: 2.5, 24: 3.0, 27: 3.0, 30: 3.5, 33: 3.5, 36: 4.0, 39: 4.0,
@@ -45,26 +35,46 @@ LEFT_HANDED = 1002002  # AMODE of CYCLE84
 PECKS = (0, 1, 2)  # VARI of CYCLE84
 
 
+class Hole(NamedTuple):
+    """Where one is bored: its axis, how a place along it is written, the level before it, and its
+    bottom."""
+
+    tracker: Tracker
+    axis: str
+    to: Callable[[float], bytes]
+    level: float
+    bottom: float
+
+
+NAMES = {
+    "CYCLE84": (
+        "RTP RFP SDIS DP DPR DTB SDAC MPIT PIT POSS SST SST1 AXN PITA TECHNO VARI DAM VRT PITM PTAB"
+        " PTABA" + MODES
+    ),
+    "CYCLE86": "RTP RFP SDIS DP DPR DTB SDIR RPA RPO RPAP POSS" + MODES,
+    "CYCLE87": "RTP RFP SDIS DP DPR SDIR" + MODES,
+    "CYCLE88": "RTP RFP SDIS DP DPR DTB SDIR" + MODES,
+    "CYCLE89": "RTP RFP SDIS DP DPR DTB" + MODES,
+}
+
+
 class Boring(Drilling):
     """A call with its values."""
 
-    @staticmethod
-    def words(name: str) -> str:
-        return NAMES[name]
+    words = NAMES
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         axis = self.axis(tracker)
         self._check(axis)
-        level, bottom = self._levels()
-        to = self._to(tracker, axis)
+        hole = Hole(tracker, axis, self._to(tracker, axis), *self._levels())
         found = {
             "CYCLE84": self._tap,
             "CYCLE86": self._lift,
             "CYCLE87": self._by_hand,
             "CYCLE88": self._by_hand,
             "CYCLE89": self._bore,
-        }[self.name](tracker, axis, to, level, bottom)
-        lines = [b"G0 " + to(level), *found]
+        }[self.name](hole)
+        lines = [b"G0 " + hole.to(hole.level), *found]
         if self.name == "CYCLE84":
             lines.append(self._again(speed))
         return [*lines, *tracker.motion_code()]
@@ -98,8 +108,8 @@ class Boring(Drilling):
             lead = abs(lead) * (-1 if g["AMODE"] == LEFT_HANDED else 1)
         return lead
 
-    def _tap(self, tracker: Tracker, axis: str, to: To, level: float, bottom: float) -> list[bytes]:
-        g = self.given
+    def _tap(self, hole: Hole) -> list[bytes]:
+        g, (tracker, axis, to, level, bottom) = self.given, hole
         if (
             g.get("TECHNO")
             or g.get("VARI", 0) not in PECKS
@@ -142,10 +152,8 @@ class Boring(Drilling):
             raise Refusal("no S is in force behind CYCLE84", "write S before it")
         return turn[0] if turn == [b"M5"] else b"S" + speed + b" " + turn[0]
 
-    def _lift(
-        self, tracker: Tracker, axis: str, to: To, level: float, bottom: float
-    ) -> list[bytes]:
-        g, turn = self.given, self._turn("SDIR")
+    def _lift(self, hole: Hole) -> list[bytes]:
+        g, turn, (tracker, axis, to, level, bottom) = self.given, self._turn("SDIR"), hole
         sides = [(x, g.get(word, 0.0)) for x, word in zip(PLANE[axis], ("RPA", "RPO"), strict=True)]
         by = [(x, value) for x, value in [*sides, (axis, g.get("RPAP", 0.0))] if value]
         off = b"".join(b" %s=IC(%s)" % (x.encode(), self._text(tracker, x, v)) for x, v in by)
@@ -162,28 +170,13 @@ class Boring(Drilling):
             b"G0" + back + b" " + to(g["RTP"]),
         ]
 
-    def _by_hand(
-        self, tracker: Tracker, axis: str, to: To, level: float, bottom: float
-    ) -> list[bytes]:
-        turn = self._turn("SDIR")
-        return [
-            *turn,
-            b"G1 " + to(bottom),
-            *self._wait(),
-            b"M5",
-            b"M0",
-            b"G0 " + to(self.given["RTP"]),
-        ]
+    def _by_hand(self, hole: Hole) -> list[bytes]:
+        turn, up = self._turn("SDIR"), b"G0 " + hole.to(self.given["RTP"])
+        return [*turn, b"G1 " + hole.to(hole.bottom), *self._wait(), b"M5", b"M0", up]
 
-    def _bore(
-        self, tracker: Tracker, axis: str, to: To, level: float, bottom: float
-    ) -> list[bytes]:
-        return [
-            b"G1 " + to(bottom),
-            *self._wait(),
-            b"G1 " + to(level),
-            b"G0 " + to(self.given["RTP"]),
-        ]
+    def _bore(self, hole: Hole) -> list[bytes]:
+        ways = (b"G1 " + hole.to(hole.level), b"G0 " + hole.to(self.given["RTP"]))
+        return [b"G1 " + hole.to(hole.bottom), *self._wait(), *ways]
 
     @staticmethod
     def _text(tracker: Tracker, letter: str, value: float) -> bytes:

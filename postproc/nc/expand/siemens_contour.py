@@ -17,12 +17,11 @@ from postproc.motions import CLOCKWISE, COUNTER, FEED, RAPID, Motions
 from postproc.nc.cycles.profile import Element
 from postproc.nc.cycles.scene import CLOCKWISE as G2
 from postproc.nc.cycles.scene import COUNTER as G3
-from postproc.nc.expand import Limits, Program
+from postproc.nc.expand import Limits, Program, Refusal
 from postproc.nc.expand.siemens_flow import read
 from postproc.nc.expand.siemens_frames import Frame
 from postproc.nc.expand.siemens_source import Source, missing
 from postproc.nc.expand.siemens_statements import Call
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.tracker import Tracker
 from postproc.nc.expand.written import Written
 from postproc.nc.interpreter import Interpreter

@@ -17,20 +17,12 @@ either, the hole goes to DP without a dwell.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 
-from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_cycle import Cycle
 from postproc.nc.expand.tracker import Tracker, number
 
-NAMES = {
-    "CYCLE81": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
-    "CYCLE82": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
-    "CYCLE83": (
-        "RTP RFP SDIS DP DPR FDEP FDPR DAM DTB DTS FRF VARI AXN MDEP VRT DTD DIS1 GMODE DMODE AMODE"
-    ),
-    "CYCLE85": "RTP RFP SDIS DP DPR DTB FFR RFF GMODE DMODE AMODE",
-}
 AXIS = {170: "Z", 180: "Y", 190: "X"}
 LONGER = {"CYCLE83": (1001110,), "CYCLE84": (1001002, 1002002)}  # AMODE
 DIGIT = {"Z": 1, "Y": 2, "X": 3}  # of DMODE: the plane across the axis of the hole
@@ -58,21 +50,20 @@ def moves(line: bytes) -> bool:
     return bool(MOVES.search(code)) and not STILL.search(code)
 
 
-@dataclass
-class Drilling:
-    """A call with its values; `feed`: the F word in force, b"": none yet."""
+NAMES = {
+    "CYCLE81": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
+    "CYCLE82": "RTP RFP SDIS DP DPR DTB GMODE DMODE AMODE",
+    "CYCLE83": (
+        "RTP RFP SDIS DP DPR FDEP FDPR DAM DTB DTS FRF VARI AXN MDEP VRT DTD DIS1 GMODE DMODE AMODE"
+    ),
+    "CYCLE85": "RTP RFP SDIS DP DPR DTB FFR RFF GMODE DMODE AMODE",
+}
 
-    name: str
-    given: dict[str, float]
 
-    @staticmethod
-    def words(name: str) -> str:
-        return NAMES[name]
+class Drilling(Cycle):
+    """A call with its values."""
 
-    @classmethod
-    def of(cls, name: str, values: Sequence[Value | None]) -> Drilling:
-        """Raises Refusal for values that are none of a cycle that can be written out."""
-        return cls(name, numbers_by_name(name, cls.words(name).split(), values, "correct the call"))
+    words = NAMES
 
     @staticmethod
     def axis(tracker: Tracker) -> str:
@@ -146,9 +137,7 @@ class Drilling:
     def _check(self, axis: str) -> None:
         """Values that ask for something else than what is written out. Raises Refusal."""
         g = self.given
-        for word in ("RTP", "RFP"):
-            if word not in g:
-                raise Refusal(f"{self.name} without {word}", "write its value")
+        self.needs("RTP RFP")
         mode = int(g.get("AMODE", 0))
         longer = mode in LONGER.get(self.name, ()) and not (self.name == "CYCLE83" and g.get("DAM"))
         planes = (0, DIGIT[axis], *((10,) if self.name == "CYCLE81" and "AMODE" not in g else ()))

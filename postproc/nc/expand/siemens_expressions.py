@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 import re
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_values import (
     BINARY,
     FUNCTIONS,
@@ -24,7 +25,6 @@ from postproc.nc.expand.siemens_values import (
     UNARY,
     Axis,
     Node,
-    Refusal,
     Scope,
     Value,
     fitting,
@@ -162,7 +162,7 @@ class Parser:
                 if value is None:
                     raise Refusal(f"{name} has no value in this program yet", ASSIGN_FIRST)
             except Refusal as e:
-                raise e if e.stop else Refusal(e.message, e.advice, start, stop) from None
+                raise e.placed(start, stop) from None
             return value
 
         return read

@@ -23,36 +23,31 @@ plane, and is cut all over. Refused: G91, other planes, G41 and G42, MIDA wider 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 from postproc.nc.cycles.pocket_path import Point
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_milling import NEAR, Milling, Ways, ending
-from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
 from postproc.nc.expand.tracker import Tracker
 
-NAME = "CYCLE71"
-WORDS = "RTP RFP SDIS DP PA PO LENG WID STA MID MIDA FDP FALD FFP1 VARI FDP1"
 KINDS = tuple(10 * way + kind for way in (1, 2, 3, 4) for kind in (1, 2))
 MOST_WAYS = 10_000
+NAMES = {"CYCLE71": "RTP RFP SDIS DP PA PO LENG WID STA MID MIDA FDP FALD FFP1 VARI FDP1"}
 
 
-@dataclass
 class Face(Milling):
     """A call with its values."""
 
-    @classmethod
-    def of(cls, values: Sequence[Value | None]) -> Face:
-        """Raises Refusal for values that are none of the cycle."""
-        face = cls(NAME, numbers_by_name(NAME, WORDS.split(), values, "correct the call"))
-        face.needs("RTP RFP DP PA PO LENG WID FFP1 VARI")
-        face.check_kind(KINDS, "", "")
-        face.check_planes("FALD MID MIDA SDIS FDP FDP1")
-        if face.given["FFP1"] <= 0 or not face.given["LENG"] or not face.given["WID"]:
+    words = NAMES
+    needed = "RTP RFP DP PA PO LENG WID FFP1 VARI"
+
+    def check(self) -> None:
+        super().check()
+        self.check_kind(KINDS, "", "")
+        self.check_planes("FALD MID MIDA SDIS FDP FDP1")
+        if self.given["FFP1"] <= 0 or not self.given["LENG"] or not self.given["WID"]:
             raise Refusal(
                 "CYCLE71 without a feed FFP1 above 0, or without LENG and WID", "correct the call"
             )
-        return face
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         """The plain lines; feed: the F word in force. Raises Refusal."""

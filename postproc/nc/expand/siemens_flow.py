@@ -10,13 +10,16 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from postproc.nc.expand import siemens_boring, siemens_drilling, siemens_kept
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_blocks import HEAD, JUMPS, NAME, PASSES, Words
+from postproc.nc.expand.siemens_boring import Boring
+from postproc.nc.expand.siemens_drilling import Drilling
+from postproc.nc.expand.siemens_kept import Tapping
 from postproc.nc.expand.siemens_statements import Right, Statement, Target
-from postproc.nc.expand.siemens_values import Node, Refusal
+from postproc.nc.expand.siemens_values import Node
 from postproc.nc.expand.siemens_words import end_of_code
 
-NAMES = (*siemens_drilling.NAMES, *siemens_boring.NAMES, *siemens_kept.NAMES)
+NAMES = (*Drilling.words, *Boring.words, *Tapping.words)
 TYPES = ("REAL", "INT", "BOOL", "CHAR", "STRING", "AXIS")
 LABEL = re.compile(rf"[ \t]*({NAME}|N\d+)(?![A-Z0-9_])", re.IGNORECASE | re.ASCII)
 ATTRIBUTE = re.compile(r"[ \t]*([A-Z]+)", re.IGNORECASE)

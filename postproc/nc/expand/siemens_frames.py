@@ -6,9 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from postproc.nc.expand.siemens_source import Source
-from postproc.nc.expand.siemens_values import (
-    Scope,
-)
+from postproc.nc.expand.siemens_values import Scope
 
 
 @dataclass
@@ -35,6 +33,10 @@ class Frame:
     ends: dict[int, float] = field(default_factory=dict)
     passes: int = 1
     new_scope: Callable[[], Scope] | None = None
+
+    def step(self) -> None:
+        """Control goes to the next line."""
+        self.go(self.at, self.at + 1)
 
     def go(self, at: int, to: int) -> None:
         """Control goes from line `at` to line `to`, or back to the begin of what is repeated."""

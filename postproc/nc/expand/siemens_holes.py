@@ -7,39 +7,29 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 
-from postproc.nc.expand import (
-    siemens_boring,
-    siemens_drilling,
-    siemens_face,
-    siemens_kept,
-    siemens_patterns,
-    siemens_pockets,
-    siemens_removal,
-    siemens_spigots,
-)
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_boring import Boring
+from postproc.nc.expand.siemens_cycle import Cycle
 from postproc.nc.expand.siemens_drilling import FEED, SPEED, Drilling, moves
 from postproc.nc.expand.siemens_face import Face
 from postproc.nc.expand.siemens_frames import Frame
-from postproc.nc.expand.siemens_kept import Tapping, Thread
+from postproc.nc.expand.siemens_kept import THREADS, Tapping, Thread
 from postproc.nc.expand.siemens_patterns import Pattern
 from postproc.nc.expand.siemens_pockets import Pocket
+from postproc.nc.expand.siemens_removal import NAME as REMOVAL
 from postproc.nc.expand.siemens_removal import Removal
 from postproc.nc.expand.siemens_spigots import Spigot
-from postproc.nc.expand.siemens_values import Refusal, Value
+from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker
 
-NAMES = {
-    *siemens_drilling.NAMES,
-    *siemens_boring.NAMES,
-    *siemens_patterns.NAMES,
-    *siemens_pockets.NAMES,
-    siemens_spigots.NAME,
-    siemens_face.NAME,
-    siemens_removal.NAME,
-    *siemens_kept.NAMES,
-    *siemens_kept.THREADS,
-}  # the cycles that are written out
+HOLES: dict[str, type[Drilling]] = {
+    name: kind for kind in (Drilling, Boring, Tapping) for name in kind.words
+}
+FIGURES: dict[str, type[Cycle]] = {
+    name: kind for kind in (Pattern, Pocket, Spigot, Face) for name in kind.words
+}
+CYCLES: dict[str, type[Cycle]] = {**HOLES, **FIGURES}
+NAMES = {*CYCLES, *THREADS, REMOVAL}  # the cycles that are written out
 SPINDLE = re.compile(rb"(?<![A-Z_0-9])M0*([34])(?![0-9])", re.IGNORECASE)
 
 
@@ -51,34 +41,19 @@ class Holes:
         self.feed = self.speed = b""  # the last F and S words that have left
         self.sense = 1  # -1: M4 turns the spindle
         self.modal: tuple[Frame, Drilling] | None = None  # what MCALL calls, and where it was named
-        self.called: Drilling | Pattern | Face | Pocket | Spigot | Removal | Thread | None = (
-            None  # to be drilled behind this line
-        )
+        self.called: Cycle | Removal | Thread | None = None  # to be drilled behind this line
 
     def call(
         self, name: str, values: Sequence[Value | None], contour: Callable[[str], list[bytes]]
     ) -> None:
         """A cycle that stands alone; contour: the plain lines of one by its name. Raises
         Refusal."""
-        if name == siemens_removal.NAME:
+        if name == REMOVAL:
             self.called = Removal.of(values, contour)
-            return
-        if name in siemens_kept.THREADS:
+        elif name in THREADS:
             self.called = Thread(name, values)
-            return
-        if milling := self._milling(name, values):
-            self.called = milling
-            return
-        pattern = name in siemens_patterns.NAMES
-        self.called = Pattern.of(name, values) if pattern else hole_of(name, values)
-
-    def _milling(self, name: str, values: Sequence[Value | None]) -> Face | Pocket | Spigot | None:
-        """A cycle that mills a figure; None: it is none."""
-        if name in siemens_pockets.NAMES:
-            return Pocket.of(name, values, self.sense)
-        if name == siemens_spigots.NAME:
-            return Spigot.of(values, self.sense)
-        return Face.of(values) if name == siemens_face.NAME else None
+        else:
+            self.called = CYCLES[name].of(name, values, self.sense)
 
     def behind(self, frame: Frame, text: bytes, own: bool) -> Iterator[bytes]:
         """The plain lines behind a line that has left. own: it is one of the program. Raises
@@ -109,15 +84,7 @@ class Holes:
                 "write MCALL and the cycle of one hole before it, in the same program",
             )
         code = self.tracker.motion_code()
-        for place in pattern.lines(self.tracker):
+        for place in pattern.lines(self.tracker, self.feed):
             yield place
             yield from self.modal[1].lines(self.tracker, self.feed, self.speed)
         yield from code
-
-
-def hole_of(name: str, values: Sequence[Value | None]) -> Drilling:
-    """The cycle of one hole. Raises Refusal."""
-    if name in siemens_kept.NAMES:
-        return Tapping.of(name, values)
-    kind = Boring if name in siemens_boring.NAMES else Drilling
-    return kind.of(name, values)

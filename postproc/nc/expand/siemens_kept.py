@@ -16,12 +16,11 @@ from postproc.nc.expand.siemens_drilling import Drilling
 from postproc.nc.expand.siemens_values import Value, numeric
 from postproc.nc.expand.tracker import Tracker, number
 
-TAP = "CYCLE840"
 THREADS = ("CYCLE97", "CYCLE98", "CYCLE99")
 NAMES = {
-    TAP: (
-        "RTP RFP SDIS DP DPR DTB SDR SDAC ENC MPIT PIT AXN PITA TECHNO PITM PTAB PTABA GMODE DMODE"
-        " AMODE"
+    "CYCLE840": (
+        "RTP RFP SDIS DP DPR DTB SDR SDAC ENC MPIT PIT AXN PITA TECHNO PITM PTAB PTABA GMODE"
+        " DMODE AMODE"
     )
 }
 
@@ -29,16 +28,14 @@ NAMES = {
 class Tapping(Drilling):
     """A call of CYCLE840 with its values."""
 
-    @staticmethod
-    def words(name: str) -> str:
-        return NAMES[name]
+    words = NAMES
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         axis = self.axis(tracker)
         self._check(axis)
         self._levels()
         high = b"G0 " + self._to(tracker, axis)(self.given["RTP"])
-        values = [self.given.get(word) for word in NAMES[self.name].split()]
+        values = [self.given.get(word) for word in self.words[self.name].split()]
         return [high, _written(self.name, values), high, *tracker.motion_code()]
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from postproc.nc.cycles.pocket_path import Piece, Point
-from postproc.nc.expand.siemens_values import Refusal
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_cycle import Cycle
 from postproc.nc.expand.tracker import Tracker, number
 
 MOST_DEPTHS = 1000
@@ -17,23 +17,8 @@ WRITE_OUT = "let the CAM program write it out as G0, G1, G2 and G3"
 WITH_M3 = {0: 1, 1: -1, 2: -1, 3: 1}  # the sense about a pocket by _CDIR, counter-clockwise 1
 
 
-@dataclass
-class Milling:
-    """A call with its values. `sense`: 1 where the spindle turns by M3, -1 by M4."""
-
-    name: str
-    given: dict[str, float]
-    sense: int = 1
-
-    def get(self, word: str) -> float:
-        """A value, 0 where it is left out."""
-        return self.given.get(word, 0.0)
-
-    def needs(self, words: str) -> None:
-        """Raises Refusal where a value is missing."""
-        for word in words.split():
-            if word not in self.given:
-                raise Refusal(f"{self.name} without {word}", "write its value")
+class Milling(Cycle):
+    """A call with its values."""
 
     def check_kind(self, kinds: tuple[int, ...], zero: str, positive: str) -> None:
         """Values in a way that is written out: VARI one of `kinds`, those in `zero` 0, those in

@@ -10,21 +10,14 @@ the pattern, from the end at which the tool stands: the places are the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 from postproc.nc.codes import code_number
-from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_cycle import Cycle
 from postproc.nc.expand.tracker import Tracker, number
 
 Place = tuple[float, float]
 PLACES_802 = " ".join(f"X{n} Y{n}" for n in range(9))
-NAMES = {
-    "HOLES1": "SPCA SPCO STA1 FDIS DBH NUM _VARI _UMODE _HIDE _NSP _DMODE",
-    "HOLES2": "CPA CPO RAD STA1 INDA NUM _VARI _UMODE _HIDE _NSP _DMODE",
-    "CYCLE801": "SPCA SPCO STA1 DIS1 DIS2 NUM1 NUM2 _VARI _UMODE _ANG1 _ANG2 _HIDE _NSP _DMODE",
-    "CYCLE802": f"_XA _YA {PLACES_802} _VARI _UMODE _ROT _HIDE _NSP _DMODE",
-}
 OPTIONAL = {"STA1", "FDIS", "INDA"}  # 0 where the call leaves them out
 AXES = {170: "XY", 180: "ZX", 190: "YZ"}
 DIGIT = {170: 1, 180: 2, 190: 3}  # of _DMODE
@@ -32,27 +25,26 @@ ABSOLUTE = "111111111"  # of _XA and _YA: nine places as coordinates
 DIAM90 = code_number("DIAM90")
 MOST_HOLES = 10_000
 WRITE_OUT = "write the places as blocks of their own behind MCALL"
+NAMES = {
+    "HOLES1": "SPCA SPCO STA1 FDIS DBH NUM _VARI _UMODE _HIDE _NSP _DMODE",
+    "HOLES2": "CPA CPO RAD STA1 INDA NUM _VARI _UMODE _HIDE _NSP _DMODE",
+    "CYCLE801": "SPCA SPCO STA1 DIS1 DIS2 NUM1 NUM2 _VARI _UMODE _ANG1 _ANG2 _HIDE _NSP _DMODE",
+    "CYCLE802": f"_XA _YA {PLACES_802} _VARI _UMODE _ROT _HIDE _NSP _DMODE",
+}
 
 
-@dataclass(frozen=True)
-class Pattern:
+class Pattern(Cycle):
     """A call with its values."""
 
-    name: str
-    given: dict[str, float]
+    words = NAMES
+    advice = WRITE_OUT
 
-    @classmethod
-    def of(cls, name: str, values: Sequence[Value | None]) -> Pattern:
-        """Raises Refusal for values that are none of a pattern that can be written out."""
-        words = NAMES[name].split()
-        given = numbers_by_name(name, words, values, WRITE_OUT)
-        for word in words:
-            asked = not word.startswith("_") and name != "CYCLE802" and word not in OPTIONAL
-            if asked and word not in given:
-                raise Refusal(f"{name} without {word}", "write its value")
-        return cls(name, given)
+    def check(self) -> None:
+        own = (word for word in self.words[self.name].split() if not word.startswith("_"))
+        if self.name != "CYCLE802":
+            self.needs(" ".join(word for word in own if word not in OPTIONAL))
 
-    def lines(self, tracker: Tracker) -> list[bytes]:
+    def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         """A block in rapid traverse to each place. Raises Refusal."""
         plane = tracker.code("plane")
         self._check(plane)

@@ -23,41 +23,32 @@ planes.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 
 from postproc.nc.cycles.pocket_path import Piece
 from postproc.nc.cycles.rounded import Rounded, step_of
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_milling import MOST_DEPTHS, NEAR, WITH_M3, Milling, Ways, ending
-from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
 from postproc.nc.expand.tracker import Tracker
 
 _ENDS = "MID FAL FALD FFP1 FFD CDIR VARI MIDA AP1"
-NAMES = {
-    "POCKET3": f"RTP RFP SDIS DP LENG WID CRAD PA PO STA {_ENDS} AP2 AD RAD1 DP1",
-    "POCKET4": f"RTP RFP SDIS DP PRAD PA PO {_ENDS} AD RAD1 DP1",
-}
 NEEDED = {
     "POCKET3": "RTP RFP DP LENG WID PA PO FFP1 VARI",
     "POCKET4": "RTP RFP DP PRAD PA PO FFP1 VARI",
 }
 JOIN_MM = 2.0  # radius of the quarter circles at the wall
+NAMES = {
+    "POCKET3": f"RTP RFP SDIS DP LENG WID CRAD PA PO STA {_ENDS} AP2 AD RAD1 DP1",
+    "POCKET4": f"RTP RFP SDIS DP PRAD PA PO {_ENDS} AD RAD1 DP1",
+}
 
 
-@dataclass
 class Pocket(Milling):
     """A call with its values."""
 
-    @classmethod
-    def of(cls, name: str, values: Sequence[Value | None], sense: int) -> Pocket:
-        """Raises Refusal for values that are none of a pocket that can be written out."""
-        given = numbers_by_name(name, NAMES[name].split(), values, "correct the call")
-        pocket = cls(name, given, sense)
-        pocket.needs(NEEDED[name])
-        pocket._check()
-        return pocket
+    words = NAMES
 
-    def _check(self) -> None:
+    def check(self) -> None:
+        self.needs(NEEDED[self.name])
         g = self.given
         self.check_kind((1, 2, 11, 12, 21, 22), "AP1 AP2 AD", "LENG WID")
         if self.get("CDIR") not in WITH_M3:

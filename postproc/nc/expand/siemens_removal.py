@@ -29,8 +29,10 @@ from dataclasses import dataclass
 
 from postproc.nc.cycles.profile import Element, Point
 from postproc.nc.cycles.scene import CLOCKWISE as G2
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_contour import elements
-from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
+from postproc.nc.expand.siemens_cycle import by_name
+from postproc.nc.expand.siemens_values import Value
 from postproc.nc.expand.tracker import Tracker, number
 
 NAME = "CYCLE95"
@@ -51,7 +53,7 @@ class Removal:
     def of(cls, values: Sequence[Value | None], contour: Callable[[str], list[bytes]]) -> Removal:
         """contour: the lines of one by its name. Raises Refusal for values that are none of the
         cycle."""
-        given = numbers_by_name(NAME, WORDS, values[1:], "correct the call")
+        given = by_name(NAME, WORDS, values[1:], "correct the call")
         kind = given.get("VARI", 0.0)
         if kind != int(kind) or not 1 <= kind <= 12:
             raise Refusal(

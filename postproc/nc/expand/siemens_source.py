@@ -11,9 +11,9 @@ import re
 from functools import cached_property
 
 from postproc.nc.codes import WRITE_OUT
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_blocks import HEAD, NAME
 from postproc.nc.expand.siemens_statements import Jump
-from postproc.nc.expand.siemens_values import Refusal
 from postproc.nc.expand.siemens_words import end_of_code
 
 STRUCTURE = re.compile(
@@ -25,14 +25,6 @@ MARK = re.compile(
     rf"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)(\d+)[ \t]*)?(?:({NAME})[ \t]*:(?!=))?",
     re.IGNORECASE | re.ASCII,
 )
-OPENS = {
-    "ENDIF": "IF",
-    "ELSE": "IF",
-    "ENDLOOP": "LOOP",
-    "ENDWHILE": "WHILE",
-    "ENDFOR": "FOR",
-    "UNTIL": "REPEAT",
-}
 CLOSES = {
     "IF": "ENDIF",
     "ELSE": "ENDIF",
@@ -41,6 +33,7 @@ CLOSES = {
     "FOR": "ENDFOR",
     "REPEAT": "UNTIL",
 }
+OPENS = {end: begin for begin, end in CLOSES.items() if begin != "ELSE"} | {"ELSE": "IF"}
 
 OWN_CYCLES = re.compile(r"CYCLE\d+|HOLES\d|POCKET\d|SLOT\d|LONGHOLE")
 NOT_HERE = (

@@ -18,47 +18,40 @@ around. The control goes around once, whatever the blank. Refused: G91, other pl
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 from postproc.nc.cycles.pocket_path import Piece
 from postproc.nc.cycles.rounded import Rounded
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.siemens_milling import WITH_M3, Milling, Ways, ending
-from postproc.nc.expand.siemens_values import Refusal, Value, numbers_by_name
 from postproc.nc.expand.tracker import Tracker
 
-NAME = "CYCLE77"
-WORDS = "RTP RFP SDIS DP DPR PRAD PA PO MID FAL FALD FFP1 FFD CDIR VARI AP1"
-NEEDED = "RTP RFP PRAD PA PO FFP1 FFD VARI"
 BESIDE_MM = 2.0
+NAMES = {"CYCLE77": "RTP RFP SDIS DP DPR PRAD PA PO MID FAL FALD FFP1 FFD CDIR VARI AP1"}
 
 
-@dataclass
 class Spigot(Milling):
     """A call with its values."""
 
-    @classmethod
-    def of(cls, values: Sequence[Value | None], sense: int) -> Spigot:
-        """Raises Refusal for values that are none of a spigot that can be written out."""
-        given = numbers_by_name(NAME, WORDS.split(), values, "correct the call")
-        spigot = cls(NAME, given, sense)
-        spigot.needs(NEEDED)
-        if spigot.get("DPR"):
+    words = NAMES
+    needed = "RTP RFP PRAD PA PO FFP1 FFD VARI"
+
+    def check(self) -> None:
+        given = self.given
+        super().check()
+        if self.get("DPR"):
             given["DP"] = given["RFP"] - abs(given["DPR"])
-        spigot.needs("DP")
-        spigot.check_kind((1, 2), "", "PRAD")
-        if spigot.get("CDIR") not in WITH_M3:
-            raise Refusal(f"CDIR of {NAME} is {given['CDIR']:g}", "0 to 3 are possible")
+        self.needs("DP")
+        self.check_kind((1, 2), "", "PRAD")
+        if self.get("CDIR") not in WITH_M3:
+            raise Refusal(f"CDIR of {self.name} is {given['CDIR']:g}", "0 to 3 are possible")
         if min(given["FFP1"], given["FFD"]) <= 0:
-            raise Refusal(f"{NAME} without its feeds FFP1 and FFD", "write them, above 0")
-        spigot.check_planes("FAL FALD MID SDIS AP1")
-        if 0 < spigot.get("AP1") < 2 * given["PRAD"]:
+            raise Refusal(f"{self.name} without its feeds FFP1 and FFD", "write them, above 0")
+        self.check_planes("FAL FALD MID SDIS AP1")
+        if 0 < self.get("AP1") < 2 * given["PRAD"]:
             raise Refusal(
-                f"the blank of {NAME} is {given['AP1']:g} across, and the spigot"
+                f"the blank of {self.name} is {given['AP1']:g} across, and the spigot"
                 f" {2 * given['PRAD']:g}",
                 "write the diameter of the blank as AP1",
             )
-        return spigot
 
     def lines(self, tracker: Tracker, feed: bytes, speed: bytes = b"") -> list[bytes]:
         """The plain lines; feed: the F word in force. Raises Refusal."""

@@ -10,14 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from postproc.nc.expand.siemens_values import (
-    Node,
-    Refusal,
-    Scope,
-    Value,
-    converted,
-    rounded,
-)
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_values import Node, Scope, Value, converted, rounded
 
 EMPTY_CODE = re.compile(
     r"[ \t]*(?:/[0-9]?[ \t]*)?(?:(?:N[ \t]*|:)\d+[ \t]*)?", re.IGNORECASE | re.ASCII
@@ -112,7 +106,7 @@ class Statement:
             try:
                 text = piece(scope)
             except Refusal as e:
-                raise e if e.stop else Refusal(e.message, e.advice, start, stop) from None
+                raise e.placed(start, stop) from None
             out.append(self.text[at:start] + text)
             at = stop
             if not text:

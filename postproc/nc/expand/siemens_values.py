@@ -10,9 +10,10 @@ degrees.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from postproc.nc.expand import Refusal
 from postproc.nc.expand.tracker import Tracker
 
 LARGEST_INT, LARGEST_ARRAY = 2**31 - 1, 1_000_000
@@ -20,15 +21,6 @@ LARGEST_PARAMETER = 99_999
 EXACT = 2**53  # whole numbers beyond are kept as REAL
 AXIS_LETTERS = "XYZABCUVWEQS"
 EQUAL = 1e-12  # relative difference below which numbers count as equal
-
-
-class Refusal(Exception):
-    """What a line asks for and can not be had; `start` and `stop` are offsets into the line (0, 0:
-    the whole of it)."""
-
-    def __init__(self, message: str, advice: str, start: int = 0, stop: int = 0):
-        super().__init__(message)
-        self.message, self.advice, self.start, self.stop = message, advice, start, stop
 
 
 @dataclass(frozen=True)
@@ -339,22 +331,3 @@ def position(scope: Scope, name: str, axis: Value) -> float:
             f"program {axis.name} in absolute words before",
         )
     return value
-
-
-def numbers_by_name(
-    cycle: str, names: Sequence[str], values: Sequence[Value | None], advice: str
-) -> dict[str, float]:
-    """The values of a cycle's call by their names, without those that it leaves out. Raises Refusal
-    for more values than names, and, with `advice`, for one that is no number."""
-    if len(values) > len(names):
-        raise Refusal(
-            f"{cycle} takes {len(names)} values, here are {len(values)}", "correct the call"
-        )
-    given = {}
-    for name, value in zip(names, values, strict=False):
-        if value is None or value == "":
-            continue
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise Refusal(f"{name} of {cycle} is no number", advice)
-        given[name] = float(value)
-    return given

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import re
 
-from postproc.nc.expand.siemens_values import Axis, Refusal, Scope, Value, numeric
+from postproc.nc.expand import Refusal
+from postproc.nc.expand.siemens_values import Axis, Scope, Value, numeric
 from postproc.nc.expand.tracker import number
 
 _ADDRESSES = """

@@ -94,8 +94,7 @@ class Written:
 
     def _plain(self) -> Iterator[Line]:
         """The lines of a program whose control has no language."""
-        lines = self.program.lines()
-        for number, text in enumerate(lines[:-1] if not lines[-1] else lines, 1):
+        for number, text in enumerate(self.program.whole_lines(), 1):
             yield Line(text, number)
 
     def _note(self, line: Line) -> None:
