@@ -8,22 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
 
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.arcs_placed_siemens import PlacedArcs
 from postproc.nc.cycles.arcs_siemens import Openings
-from postproc.nc.cycles.before import Chain
-from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.before import Before, Chain
 from postproc.nc.cycles.block_feed_siemens import BlockFeed
 from postproc.nc.cycles.blocks_okuma_lathe import LatheBlocks
 from postproc.nc.cycles.bolt_holes_haas import BoltHoles
 from postproc.nc.cycles.circular_haas import CLOCKWISE, COUNTER, CircularPocket
 from postproc.nc.cycles.corners_fanuc import FanucCorners
 from postproc.nc.cycles.corners_heidenhain import IsoCorners
+from postproc.nc.cycles.cycle import Cycle
 from postproc.nc.cycles.direction_fanuc import ToolDirections
 from postproc.nc.cycles.direction_siemens import SiemensDirections
-from postproc.nc.cycles.drilling import Outcome
 from postproc.nc.cycles.drilling_fadal import FADAL, FadalDrilling
 from postproc.nc.cycles.drilling_fagor import FAGOR, TAP, FagorDrilling
 from postproc.nc.cycles.drilling_fanuc import (
@@ -40,7 +38,7 @@ from postproc.nc.cycles.drilling_okuma import LEVEL, OKUMA, TAPS, OkumaDrilling,
 from postproc.nc.cycles.drilling_okuma_lathe import DRILL, LiveDrilling
 from postproc.nc.cycles.engraving_haas import CODE as ENGRAVING
 from postproc.nc.cycles.engraving_haas import Engraving
-from postproc.nc.cycles.frames import Frames
+from postproc.nc.cycles.frame_control import FrameControl
 from postproc.nc.cycles.frames_fanuc import FanucFrames
 from postproc.nc.cycles.frames_haas import HaasFrames
 from postproc.nc.cycles.frames_siemens import SiemensFrames
@@ -61,116 +59,31 @@ from postproc.nc.cycles.threading import LinuxcncThread
 from postproc.nc.cycles.turning_fanuc import Repetitive
 from postproc.nc.cycles.turning_linuxcnc import LinuxcncTurning
 from postproc.nc.cycles.turning_single import Stays, Turn
-from postproc.nc.cycles.words import Form
 from postproc.nc.dialects import Dialect
-from postproc.nc.expand import Line
-
-
-class Cycle(Protocol):
-    """What the resolver asks of a cycle. `modal`: later blocks without a motion code may be its
-    own."""
-
-    @property
-    def modal(self) -> bool: ...
-
-    def forms(self, code: int) -> tuple[Form, ...]: ...
-
-    def run(self, scene: Scene, block: Block, code: int) -> Outcome: ...
-
-    def wants(self, scene: Scene, block: Block) -> bool: ...
-
-    def end(self) -> None: ...
-
-
-class Before(Protocol):
-    """What the resolver asks of what looks at lines before it does. `codes`: those that it writes
-    out; `rigid`: whether what it wrote last has a size of its own, which no frame may scale."""
-
-    codes: tuple[int, ...]
-    rigid: bool
-
-    def wants(self, line: Line) -> bool: ...
-
-    def take(self, line: Line) -> list[Line]: ...
-
-    def finish(self) -> list[Line]: ...
-
-
-class Control(Protocol):
-    """What the resolver asks of a control's frames. `codes`: those it looks at; `takers`: those of
-    them whose axis words are no motion."""
-
-    codes: tuple[int, ...]
-    takers: tuple[int, ...]
-    frames: Frames
-
-    @property
-    def active(self) -> bool: ...
-
-    def known(self, axis: str) -> float | None: ...
-
-    def take(self, block: Block) -> list[bytes]: ...
-
-    def snapshot(self) -> Any: ...
-
-    def restore(self, kept: Any) -> None: ...
 
 
 @dataclass(frozen=True)
 class Family:
     """The cycles of a dialect by ten times their G number, and its frames. `restores`: G80 brings
     back the motion code (G0 G1 G2 G3) that was in force before the cycle; `forgets`: nobody knows
-    which one it leaves. `until_g80`: a motion code does not end a cycle. `before`: what writes out
-    what depends on blocks around it: roundings, arcs about a pole."""
+    which one it leaves. `until_g80`: a motion code does not end a cycle. `parts`: what writes out
+    what depends on blocks around it, in this order: roundings, arcs about a pole."""
 
     cycles: dict[int, Cycle] = field(default_factory=dict)
-    control: Callable[[Scene], Control] | None = None
+    control: type[FrameControl] | None = None
     restores: bool = False
     forgets: bool = False
     until_g80: bool = False
-    before: Callable[[Scene], Before] | None = None
+    parts: tuple[type[Before], ...] = ()
 
+    def before(self, scene: Scene) -> Before | None:
+        """What looks at lines before cycles and frames do."""
+        return Chain([part(scene) for part in self.parts]) if self.parts else None
 
-class CornersAndDirections(Chain):
-    """Of a Fanuc mill."""
-
-    codes = ToolDirections.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(FanucCorners(scene), ToolDirections(scene))
-
-
-class ArcsAndCorners(Chain):
-    """Of Sinumerik."""
-
-    codes = PlacedArcs.codes + Polynomials.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(
-            BlockFeed(scene),
-            SiemensDirections(scene),
-            Openings(scene),
-            PlacedArcs(scene),
-            Polynomials(scene),
-        )
-
-
-class LatheBlocksAndCorners(Chain):
-    """Of an Okuma lathe."""
-
-    codes = LatheBlocks.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(LatheBlocks(scene), FanucCorners(scene))
-
-
-class CornersHolesAndPoles(Chain):
-    """Of Heidenhain's DIN/ISO."""
-
-    codes = IsoCorners.codes + IsoHoles.codes + PoleArcs.codes
-
-    def __init__(self, scene: Scene):
-        super().__init__(IsoCorners(scene), IsoHoles(scene), PoleArcs(scene))
+    @property
+    def codes(self) -> set[int]:
+        """All that are written out but for those of frames."""
+        return {*self.cycles, *(code for part in self.parts for code in part.codes)}
 
 
 def linuxcnc(dialect: Dialect, synchronised: bool) -> Family:
@@ -189,25 +102,22 @@ def grblhal(dialect: Dialect, synchronised: bool) -> Family:
 
 
 def fanuc_mill(dialect: Dialect, synchronised: bool) -> Family:
-    holes = FanucDrilling(synchronised=synchronised)
+    holes = FanucDrilling(synchronised)
     cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
     cycles[NURBS] = FanucNurbs()
-    return Family(cycles, FanucFrames, restores=True, before=CornersAndDirections)
+    return Family(cycles, FanucFrames, restores=True, parts=(FanucCorners, ToolDirections))
 
 
 def haas(dialect: Dialect, synchronised: bool) -> Family:
-    holes = HaasDrilling(synchronised)
-    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], holes)
+    drilling = HaasDrilling(synchronised)
+    cycles: dict[int, Cycle] = dict.fromkeys([*MILL, *MILL_REFUSED], drilling)
     cycles |= dict.fromkeys((CLOCKWISE, COUNTER), CircularPocket())
     cycles |= {ENGRAVING: Engraving(), POCKET: Pocket()}
 
-    class BoltsAndCorners(Chain):
-        codes = BoltHoles.codes
+    class Bolts(BoltHoles):
+        holes = drilling
 
-        def __init__(self, scene: Scene):
-            super().__init__(BoltHoles(scene, holes), FanucCorners(scene))
-
-    return Family(cycles, HaasFrames, restores=True, before=BoltsAndCorners)
+    return Family(cycles, HaasFrames, restores=True, parts=(Bolts, FanucCorners))
 
 
 def fanuc_lathe(dialect: Dialect, synchronised: bool) -> Family:
@@ -235,9 +145,10 @@ def _turning(system: str, haas: bool = False) -> Family:
         single: Stays(True),
         end: Turn(True, haas),
     }
-    return Family(cycles, restores=True, before=FanucCorners)
+    return Family(cycles, restores=True, parts=(FanucCorners,))
 
 
+SIEMENS = (BlockFeed, SiemensDirections, Openings, PlacedArcs, Polynomials)
 SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanuc lathe have them
     "a": (700, 710, 720, 730, 740, 750, 760, 900, 920, 940),
     "b": (700, 710, 720, 730, 740, 750, 760, 770, 780, 790),
@@ -246,15 +157,15 @@ SYSTEMS = {  # G70 to G76 and G90 G92 G94, as the three G-code systems of a Fanu
 
 
 def siemens(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(control=SiemensFrames, before=ArcsAndCorners)
+    return Family(control=SiemensFrames, parts=SIEMENS)
 
 
 def heidenhain_iso(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=CornersHolesAndPoles)
+    return Family(parts=(IsoCorners, IsoHoles, PoleArcs))
 
 
 def heidenhain(dialect: Dialect, synchronised: bool) -> Family:
-    return Family(before=KlartextTurns)
+    return Family(parts=(KlartextTurns,))
 
 
 def marlin(dialect: Dialect, synchronised: bool) -> Family:
@@ -280,7 +191,7 @@ def okuma_lathe(dialect: Dialect, synchronised: bool) -> Family:
     threads: dict[int, Cycle] = dict.fromkeys((310, 320, 330), Stays(True))
     threads |= dict.fromkeys((710, 720, 770, 780), Stays(False))
     cycles = threads | {DRILL: LiveDrilling(), 730: OkumaGrooving("X"), 740: OkumaGrooving("Z")}
-    return Family(cycles, forgets=True, before=LatheBlocksAndCorners)
+    return Family(cycles, forgets=True, parts=(LatheBlocks, FanucCorners))
 
 
 # the longest prefix of the dialect's name holds

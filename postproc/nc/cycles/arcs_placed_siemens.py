@@ -19,6 +19,7 @@ import re
 from typing import NamedTuple
 
 from postproc.nc.codes import code_number
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
@@ -45,14 +46,13 @@ class Touching(NamedTuple):
     way: complex
 
 
-class PlacedArcs:
+class PlacedArcs(Before):
     """Writes CIP and CT as G2 and G3."""
 
-    codes: tuple[int, ...] = (CIP, CT)
-    rigid = False
+    codes = (CIP, CT)
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.motion = 0  # CIP or CT, while it holds
         self.before: Touching | None = None
         self.watches: bool | None = None  # whether the text has one of the two
@@ -63,31 +63,24 @@ class PlacedArcs:
             self.watches = any(FOUND.search(text) for text in self.scene.lines())
         return self.watches or bool(FOUND.search(line.text))
 
-    def finish(self) -> list[Line]:
-        return []
-
-    def take(self, line: Line) -> list[Line]:
-        """The line as it can be followed. Raises ProgramError."""
-        scene = self.scene
+    def written(self, block: Block) -> list[bytes]:
+        """The block as it can be followed. Raises ProgramError."""
         self.watches = True
-        if scene.passes(line.text):
-            return [line]
-        scene.block = block = Block.of(line.text, scene.dialect.grammar)
         if not block.plain:
             self.before = None
-            return [line]
-        own = scene.own_codes(block, "motion")
+            return [block.text]
+        own = self.scene.own_codes(block, "motion")
         if own:
             self.motion = own[-1] if own[-1] in NAMES else 0
         moves = any(w.letter in WITHIN or w.letter in WITHIN.values() for w in block.words)
         if not self.motion:
             self.before = self._touching(block, own) if moves else self._outlasting(block)
-            return [line]
+            return [block.text]
         plane = PLANES.get(self.scene.code_of(block, "plane"), PLANES[170])
         if not moves:  # the code alone, or nothing of ours
             self.before = self._outlasting(block)
-            return [line._replace(text=self._without_code(block))]
-        return [line._replace(text=self._arc(block, plane))]
+            return [self._without_code(block)]
+        return [self._arc(block, plane)]
 
     # -- the segment before ------------------------------------------------------------------------
 
@@ -165,7 +158,7 @@ class PlacedArcs:
         else:
             middle, counter = self._tangential(plane[:2], start, end)
         self.before = Touching(plane[:2], end, (end - middle) * (1j if counter else -1j))
-        return self._written(block, plane[:2], middle - start, counter)
+        return self._centred(block, plane[:2], middle - start, counter)
 
     def _in_plane(self, block: Block, plane: tuple[str, str, str], name: str) -> None:
         """Raises ProgramError where an end or a point lies beside the plane."""
@@ -212,7 +205,7 @@ class PlacedArcs:
         radius = abs(chord) ** 2 / (2 * across)
         return start + normal * radius, radius > 0
 
-    def _written(
+    def _centred(
         self, block: Block, plane: tuple[str, ...], middle: complex, counter: bool
     ) -> bytes:
         scene = self.scene

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
@@ -20,23 +21,17 @@ NEAR = 1e-9
 WRITE = "write the arc with its end and its centre I J K"
 
 
-class Openings:
+class Openings(Before):
     """Writes AR= out."""
 
-    codes: tuple[int, ...] = ()
-    rigid = False
-
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.plane = PLANES[170]  # the axes of the block at hand
         self.incremental = False  # whether its words are distances
 
     def wants(self, line: Line) -> bool:
         """Whether a line must go through here."""
         return b"=" in line.text and bool(FOUND.search(line.text))
-
-    def finish(self) -> list[Line]:
-        return []
 
     def take(self, line: Line) -> list[Line]:
         """The line as it can be followed. Raises ProgramError."""

@@ -19,6 +19,7 @@ import math
 import re
 
 from postproc.nc.cycles import drawing_fanuc
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.grooving_okuma import without_offset
 from postproc.nc.cycles.lap_okuma import Call, Change, Lap, Shape
@@ -41,26 +42,18 @@ LENGTHS = ("D", "DA", "DB", "U", "XA", "XB")  # diameters
 NAME = re.compile(rb"(/?[ \t]*)N[A-Z][A-Z0-9]{0,3}(?=[ \t(\r]|$)[ \t]*", re.IGNORECASE)
 
 
-class LatheBlocks:
+class LatheBlocks(Before):
     """Reads the program line by line, and further on where a line calls for it."""
 
-    rigid = False
-    codes: tuple[int, ...] = (800, 810, 820, 840, 850, 860, 870)
+    codes = (800, 810, 820, 840, 850, 860, 870)
 
     def __init__(self, scene: Scene):
-        self.scene, self.lap = scene, Lap(scene)
+        super().__init__(scene)
+        self.lap = Lap(scene)
         self.motion = 0
         self.within = False  # a shape that the control steps over
         # file and line of its blocks, with the numbers that were worked out
         self.passed: dict[tuple[str, int], bytes] = {}
-
-    def wants(self, line: Line) -> bool:
-        """Every line may name the motion code, or begin a shape."""
-        return True
-
-    def finish(self) -> list[Line]:
-        """Nothing is held back."""
-        return []
 
     # Whole: the kinds of lines in their order of precedence.
     def take(self, line: Line) -> list[Line]:

@@ -15,7 +15,7 @@ gone to is not certain; other planes.
 from __future__ import annotations
 
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -33,19 +33,10 @@ WORDS = {
 NEAR = 1e-9
 
 
-class CircularPocket:
+class CircularPocket(Cycle):
     """G12 G13."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a pocket cycle", WORDS),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    form = Form("a pocket cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a pocket. Raises ProgramError."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import re
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.klartext_corners import Corners, Held
 from postproc.nc.cycles.moves import own_words
@@ -31,24 +32,20 @@ PLACE = re.compile(rb"([XY])\+?(-?[0-9.]+)")
 WRITE = "write the corner out as G01"
 
 
-class IsoCorners:
+class IsoCorners(Before):
     """Holds a straight feed with a corner back until the next block is known. `corner`: its name,
     size and feed; `start`: where the line begins; `feed`, `motion`: in force."""
 
-    rigid = False
-    codes: tuple[int, ...] = (CHAMFER, ROUNDING)
+    codes = (CHAMFER, ROUNDING)
 
     def __init__(self, scene: Scene):
-        self.scene, self.corners = scene, Corners(scene)
+        super().__init__(scene)
+        self.corners = Corners(scene)
         self.held: tuple[Line, Block] | None = None
         self.corner: tuple[str, float, bytes] | None = None
         self.start: Point = (0.0, 0.0)
         self.feed, self.motion = b"", -1
         self.before: set[int] | None = None  # source lines with a corner behind them
-
-    def wants(self, line: Line) -> bool:
-        """Every line may be one with a corner."""
-        return True
 
     def finish(self) -> list[Line]:
         """A line that has no next one."""

@@ -19,6 +19,7 @@ import re
 from dataclasses import dataclass
 from typing import ClassVar
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drawing_fanuc import on_line
 from postproc.nc.cycles.frames import CORNERS
@@ -52,17 +53,16 @@ class Held:
     modal: bool
 
 
-class Corners:
+class Corners(Before):
     """Holds a line back until the next one says which corner it makes. `kinds`: what each word of a
     corner is; `sign`: what stands between it and its size."""
 
-    codes: tuple[int, ...] = ()
     rigid = True
     kinds: ClassVar[dict[str, str]] = {"RND": ROUND, "CHR": CHAMFER, "CHF": LENGTH}
     sign = "="
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.held: Held | None = None
         self.modal = 0.0  # of RNDM
 

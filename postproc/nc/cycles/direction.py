@@ -13,30 +13,25 @@ from collections.abc import Collection
 import numpy as np
 
 from postproc.errors import Notice
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
-from postproc.nc.expand import Line
 from postproc.spaces import Kinematics, Space
 from postproc.units import TICKS_PER_MM
 
 NEAR = 1e-7  # rad: such directions are one
 
 
-class Directions:
+class Directions(Before):
     """What the controls share. `name`: the call, `letters`: of the vector's words."""
 
     name: str
     letters: Collection[str]
-    rigid = False
 
     def __init__(self, scene: Scene):
-        self.scene = scene
+        super().__init__(scene)
         self.said = False
-
-    def finish(self) -> list[Line]:
-        """What is held back at the end of the program: nothing."""
-        return []
 
     def kinematics(self) -> Kinematics:
         """Of the machine. Raises ProgramError where it can not turn the tool."""

@@ -27,7 +27,7 @@ BY_CAM = "let the CAM program write the rotary axes, under G43.4"
 class ToolDirections(Directions):
     """`on`: whether G43.5 holds."""
 
-    codes: tuple[int, ...] = (ON,)
+    codes = (ON,)
     name, letters = "G43.5", ("I", "J", "K")
 
     def __init__(self, scene: Scene):
@@ -38,22 +38,16 @@ class ToolDirections(Directions):
         """Whether a line must go through here."""
         return self.on or b"43" in line.text
 
-    def take(self, line: Line) -> list[Line]:
-        """The line as G43.4 would have it. Raises ProgramError."""
-        scene = self.scene
-        if scene.passes(line.text):
-            return [line]
-        block = Block.of(line.text, scene.dialect.grammar)
-        scene.block = block
-        begins = ON in block.codes
-        if begins:
-            return [line._replace(text=self._begin(block))]
-        if self.on and any(scene.group_of(c) in LENGTHS for c in block.codes):
+    def written(self, block: Block) -> list[bytes]:
+        """The block as G43.4 would have it. Raises ProgramError."""
+        if ON in block.codes:
+            return [self._begin(block)]
+        if self.on and any(self.scene.group_of(c) in LENGTHS for c in block.codes):
             self.on = False
         vector = [block.get(x) for x in "IJK"]
         if not self.on or all(v is None for v in vector):
-            return [line]
-        return [line._replace(text=self._directed(block, np.array([v or 0.0 for v in vector])))]
+            return [block.text]
+        return [self._directed(block, np.array([v or 0.0 for v in vector]))]
 
     def _begin(self, block: Block) -> bytes:
         """G43.5 as G43.4."""

@@ -33,7 +33,6 @@ FRAMES = (MACHINE, code_number("ORIWKS"))
 class SiemensDirections(Directions):
     """`on`: whether TRAORI holds; `machine`: whether ORIMKS does."""
 
-    codes: tuple[int, ...] = ()
     name, letters = "TRAORI", ("A3", "B3", "C3")
 
     def __init__(self, scene: Scene):
@@ -47,23 +46,18 @@ class SiemensDirections(Directions):
             return True
         return b"R" in text.upper() and bool(WORDS.search(text))
 
-    def take(self, line: Line) -> list[Line]:
-        """The line with rotary words in the place of a vector. Raises ProgramError."""
-        scene = self.scene
-        if scene.passes(line.text):
-            return [line]
-        block = scene.block = Block.of(line.text, scene.dialect.grammar)
+    def written(self, block: Block) -> list[bytes]:
+        """The block with rotary words in the place of a vector. Raises ProgramError."""
         for code in block.codes:
-            if scene.group_of(code) == "transformation":
+            if self.scene.group_of(code) == "transformation":
                 self.on = code == ON
             elif code in FRAMES:
                 self.machine = code == MACHINE
         vector = [block.get(x) for x in self.letters]
         if all(v is None for v in vector):
-            return [line]
+            return [block.text]
         self._check(block)
-        text = self.directed(block, np.array([v or 0.0 for v in vector]))
-        return [line._replace(text=text)]
+        return [self.directed(block, np.array([v or 0.0 for v in vector]))]
 
     def space(self) -> Space:
         """That of the words: a swivelled plane turns the vector too."""

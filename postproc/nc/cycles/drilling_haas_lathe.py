@@ -14,19 +14,18 @@ on Haas mills.
 from __future__ import annotations
 
 from postproc.errors import Notice
-from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.block import Block
+from postproc.nc.cycles.cycle import Outcome
 from postproc.nc.cycles.drilling import (
     KIND,
     WORDS,
     Action,
-    Drilling,
-    Outcome,
     bore,
     bore_standing,
     drill,
     pecks,
 )
-from postproc.nc.cycles.drilling_fanuc import AFTER_MOTION, HAAS_PECKS, HaasDrilling
+from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, HaasDrilling
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form, named
 
@@ -51,15 +50,10 @@ UNCERTAIN = "from where it counts the bottom is not certain"
 class HaasLatheDrilling(HaasDrilling):
     """`held` as on mills; R and the bottom of radial holes are diameters."""
 
-    dwells = DWELLS
-    pecking = (830, 2430)
-
-    def __init__(self, synchronised: bool = False):
-        taps: dict[int, Action] = dict.fromkeys(TAPS, bore)
-        Drilling.__init__(
-            self, AXIAL | RADIAL | taps, TAPS, BY_HAND, "RPQIJK", AFTER_MOTION, synchronised
-        )
-        self.repeats = ""
+    actions = AXIAL | RADIAL | dict.fromkeys(TAPS, bore)
+    tapping, refused = TAPS, BY_HAND
+    words, repeats = "RPQIJK", ""
+    dwells, pecking = DWELLS, (830, 2430)
 
     def hole_form(self, code: int) -> Form:
         along_x = self._along_x(code)
@@ -83,10 +77,6 @@ class HaasLatheDrilling(HaasDrilling):
     def _along_x(self, code: int) -> bool:
         return code in RADIAL or code in TAPS_ALONG_X or code in (2470, 2480)
 
-    def is_place(self, scene: Scene, word: Word, axis: str) -> bool:
-        meant = scene.dialect.increments.get(word.letter, word.letter)
-        return meant in scene.tracker.setup.axes and meant != axis
-
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         outcome = super().run(scene, block, code)
         axis = self.axis_of(scene, code)
@@ -102,8 +92,7 @@ class HaasLatheDrilling(HaasDrilling):
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:
         super()._hold(scene, block, axis)
-        if "R" not in self.held:
-            self.held["R"] = self.start(scene, axis)
+        self.r_from_start(scene, axis)
         if scene.is_diameter(axis):
             for word in block.words:
                 if word.letter in "IJK" and word.value is not None:

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -46,14 +46,13 @@ ASIDE_LATER = (
 
 
 @dataclass
-class Grooving:
+class Grooving(Cycle):
     """One of the two: it pecks along `deep`, and steps along the other axis. `escape`: back
     behind a peck, a radius, as the first of two blocks said it."""
 
     deep: str
     haas: bool = False
     escape: float | None = None
-    modal = False
 
     @property
     def over(self) -> str:
@@ -75,12 +74,6 @@ class Grooving:
                 name="second block, or one alone",
             ),
         )
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
 
     # Whole: the cuts in the order in which the tool makes them.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:

@@ -17,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.grooving_fanuc import steps
 from postproc.nc.cycles.lap_okuma import RELIEF
 from postproc.nc.cycles.moves import Moves, own_words
@@ -31,11 +31,10 @@ STEP = {"X": "I", "Z": "K"}
 
 
 @dataclass
-class OkumaGrooving:
+class OkumaGrooving(Cycle):
     """One of the two: it pecks along `deep`, and steps along the other axis."""
 
     deep: str
-    modal = False
 
     @property
     def over(self) -> str:
@@ -46,12 +45,6 @@ class OkumaGrooving:
         words = {"X": "end", "Z": "end", STEP[self.over]: "step", "D": "depth of a peck"}
         words |= {"L": "depth behind which it goes out", "E": "dwell at the bottom"}
         return (Form(KIND, words),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""

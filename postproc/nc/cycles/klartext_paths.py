@@ -14,6 +14,7 @@ import math
 import re
 from collections.abc import Sequence
 
+from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.klartext_bore import Tool
 from postproc.nc.cycles.klartext_called import called
 from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
@@ -44,14 +45,14 @@ XY = ("X", "Y", "Z")  # two axes of the plane, and the one across
 Words = dict[str, tuple[bool, float]]
 
 
-class KlartextPaths:
+class KlartextPaths(Before):
     """Follows pole, feed and the cycle that is defined, and writes out what depends on them."""
 
-    rigid = False
-    codes: tuple[int, ...] = (20, 30)
+    codes = (20, 30)
 
     def __init__(self, scene: Scene):
-        self.scene, self.holes = scene, Holes(scene)
+        super().__init__(scene)
+        self.holes = Holes(scene)
         self.corners, self.tool, self.heading = Corners(scene), Tool(scene), Heading(scene)
         self.joined = Joined(scene)
         self.pole: dict[str, float] = {}
@@ -63,10 +64,6 @@ class KlartextPaths:
         self.goes_on = False  # a definition, in the next line
         self.pattern: Holes | None = None  # while it is defined
         self.lead = b""  # "/ " where its definition begins so
-
-    def wants(self, line: Line) -> bool:
-        """Every line may move the pole or say the feed."""
-        return True
 
     def finish(self) -> list[Line]:
         """A line with a corner that has no other side."""

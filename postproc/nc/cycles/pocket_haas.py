@@ -23,7 +23,7 @@ from types import MappingProxyType
 from postproc.errors import ProgramError
 from postproc.nc.cycles import pocket_path
 from postproc.nc.cycles.block import Block, Word, blocks
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.pocket_path import DoesNotFit, Piece, Point
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
@@ -49,19 +49,10 @@ MOTIONS = {0: 0, 10: 0, CLOCKWISE: -1, COUNTER: 1}
 WRITE = "write it as G1, G2 and G3 with numbers"
 
 
-class Pocket:
+class Pocket(Cycle):
     """G150."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a pocketing cycle", WORDS),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    form = Form("a pocketing cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a pocket. Raises ProgramError."""

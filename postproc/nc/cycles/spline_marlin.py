@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.curve import bezier
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -32,20 +32,10 @@ WORDS = {
 }
 
 
-class MarlinSpline:
+class MarlinSpline(Cycle):
     """G5."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of a curve."""
-        return (Form("a Bezier curve", WORDS),)
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
-
-    def end(self) -> None:
-        return
+    form = Form("a Bezier curve", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The lines of the curve. Raises ProgramError."""

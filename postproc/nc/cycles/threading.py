@@ -22,7 +22,7 @@ import math
 from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -75,19 +75,10 @@ class Thread:
         return result + [self.depth] * (self.springs + 1)
 
 
-class LinuxcncThread:
+class LinuxcncThread(Cycle):
     """G76."""
 
-    modal = False
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a threading cycle", WORDS),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
+    form = Form("a threading cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The passes of a thread. Raises ProgramError."""

@@ -34,7 +34,7 @@ from dataclasses import dataclass, field, replace
 
 from postproc.errors import Notice, ProgramError
 from postproc.nc.cycles.block import Block, number_of
-from postproc.nc.cycles.drilling import UNDEFINED, Outcome
+from postproc.nc.cycles.cycle import UNDEFINED, Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.profile import NOSE, Element, Point, Profile, find, shape
 from postproc.nc.cycles.roughing_fanuc import MOST_PASSES, Pen, Roughing, draws_out
@@ -70,7 +70,7 @@ class Way:
 
 
 @dataclass
-class Repetitive:
+class Repetitive(Cycle):
     """G70 to G73 of one lathe. `roles`: ten times the G number to what it is: finish, rough, face,
     repeat."""
 
@@ -78,7 +78,6 @@ class Repetitive:
     haas: bool = False
     held: dict[str, dict[str, float]] = field(default_factory=dict)
     shapes: dict[tuple[int, int], int] = field(default_factory=dict)  # P, Q: the line of P
-    modal = False
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of one role: of the first of two blocks, and of the second one or of one
@@ -112,12 +111,6 @@ class Repetitive:
                 name=second,
             ),
         )
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""

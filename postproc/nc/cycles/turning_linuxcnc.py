@@ -19,7 +19,7 @@ from dataclasses import replace
 from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word, number_of
 from postproc.nc.cycles.corners_linuxcnc import Finish, finished
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.offset import offset
 from postproc.nc.cycles.pockets_linuxcnc import TooMany, roughing, turning_back
@@ -91,22 +91,14 @@ def _no_motion(word: Word) -> bool:
     return number is not None and number not in (0, 10, CLOCKWISE, COUNTER)
 
 
-class LinuxcncTurning:
+class LinuxcncTurning(Cycle):
     """G70, G71, G72."""
-
-    modal = False
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of the cycle (convert_g7x of the interpreter)."""
         if code == 722:
             return (Form(KIND, never=ENDLESS),)
         return (Form(KIND, FINISH) if code == 700 else Form(KIND, ROUGH, refused=MOVES, zero="UW"),)
-
-    def end(self) -> None:
-        return
-
-    def wants(self, scene: Scene, block: Block) -> bool:
-        return False
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of the block. Raises ProgramError."""

@@ -9,7 +9,7 @@ operator's manual 96-8900, G90, G94. Threads (G76, G92) have a run-out that para
 from __future__ import annotations
 
 from postproc.nc.cycles.block import Block
-from postproc.nc.cycles.drilling import Outcome
+from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -19,7 +19,7 @@ OWN = "XZUWPQRDIKA"
 PLACES = {"X": "end", "Z": "end", "U": "end, from the start", "W": "end, from the start"}
 
 
-class Turn:
+class Turn(Cycle):
     """G90 (G77), straight or tapered along Z, and G94 (G79) along X: in, cut, out, back. Its words
     hold.
 
@@ -30,11 +30,8 @@ class Turn:
     def __init__(self, facing: bool, haas: bool = False):
         self.facing = facing
         self.tapers = ("K" if facing else "I") + "R" * (not haas)
+        self.form = Form(KIND, PLACES | dict.fromkeys(self.tapers, "taper"), increments=True)
         self.end()
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        """The words of the cycle."""
-        return (Form(KIND, PLACES | dict.fromkeys(self.tapers, "taper"), increments=True),)
 
     def end(self) -> None:
         self.to: dict[str, float] = {}
@@ -91,17 +88,14 @@ class Turn:
         return Outcome(m.finish())
 
 
-class Stays:
+class Stays(Cycle):
     """A thread: it begins and ends in its start point, and stays as it is written."""
+
+    form = Form("a threading cycle", stays=True)
+    modal = False
 
     def __init__(self, modal: bool):
         self.modal = modal
-
-    def forms(self, code: int) -> tuple[Form, ...]:
-        return (Form("a threading cycle", stays=True),)
-
-    def end(self) -> None:
-        return
 
     def wants(self, scene: Scene, block: Block) -> bool:
         return any(block.get(x) is not None for x in "XZUWR")
