@@ -21,6 +21,7 @@ from typing import NamedTuple
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
 
@@ -209,22 +210,17 @@ class PlacedArcs(Before):
         self, block: Block, plane: tuple[str, ...], middle: complex, counter: bool
     ) -> bytes:
         scene = self.scene
-        out = {
-            i
-            for i, w in enumerate(block.words)
-            if w.letter in WITHIN.values() or w.letter in NAMES.values()
-        }
+        out = own_words(block, (*WITHIN.values(), *NAMES.values()))
         words = [b"G3" if counter else b"G2"]
         words += [
             scene.text(CENTRES[x], v)
             for x, v in zip(plane, (middle.real, middle.imag), strict=True)
         ]
-        at = next((i for i in sorted(out)), 0)
         first = next((i for i, w in enumerate(block.words) if w.letter != "N"), 0)
-        return block.written(out, b" ".join(words), min(at, first) if out else first)
+        return block.written(out, b" ".join(words), min([*out, first]))
 
     def _without_code(self, block: Block) -> bytes:
-        out = {i for i, w in enumerate(block.words) if w.letter in NAMES.values()}
+        out = own_words(block, NAMES.values())
         return block.written(out) if out else block.text
 
     # -- words -------------------------------------------------------------------------------------
@@ -243,10 +239,10 @@ class PlacedArcs(Before):
         start: complex,
     ) -> complex:
         """A point of the plane by its words; a missing one leaves its axis."""
-        at = [start.real, start.imag]
-        for k, (letter, axis) in enumerate(zip(letters, axes, strict=True)):
-            word = block.word(letter)
-            if word is not None:
-                value = self.scene.length(word, axis) / self.scene.double(axis)
-                at[k] = at[k] + value if self._by(block, word) else value
-        return complex(*at)
+        by = self.scene.code_of(block, "distance") == 910
+        return complex(
+            *(
+                self.scene.goes(block.word(letter), axis, here, by)
+                for letter, axis, here in zip(letters, axes, (start.real, start.imag), strict=True)
+            )
+        )

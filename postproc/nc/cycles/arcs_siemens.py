@@ -13,6 +13,7 @@ import re
 
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
 
@@ -94,9 +95,7 @@ class Openings(Before):
     def _with(self, block: Block, end: dict[str, float], middle: complex) -> bytes:
         """The block with its end and with the centre, from the start, in place of AR."""
         scene, names = self.scene, self.plane[:2]
-        out = {
-            i for i, w in enumerate(block.words) if w.letter in ("AR", *(CENTRES[x] for x in names))
-        }
+        out = own_words(block, ("AR", *(CENTRES[x] for x in names)))
         words = []
         for x, value in end.items():
             value *= self.scene.double(x)

@@ -24,7 +24,7 @@ from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.grooving_okuma import without_offset
 from postproc.nc.cycles.lap_okuma import Call, Change, Lap, Shape
 from postproc.nc.cycles.profile import Profile, shape
-from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
+from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
 COMMENT = re.compile(rb"\([^()\n]*\)")
@@ -145,11 +145,13 @@ class LatheBlocks(Before):
         scene.note(block)
         axes = scene.plane[:2]
         start = [scene.at(x) / scene.double(x) for x in axes]
-        end = [_to(scene, block, x, here) for x, here in zip(axes, start, strict=True)]
+        end = [
+            scene.goes(block.word(x), x, here, scene.incremental)
+            for x, here in zip(axes, start, strict=True)
+        ]
         centre = _centre(scene, self.motion, start, end, radius)
         words = b" ".join(
-            scene.text({"X": "I", "Y": "J", "Z": "K"}[x], c - s)
-            for x, c, s in zip(axes, centre, start, strict=True)
+            scene.text(CENTRES[x], c - s) for x, c, s in zip(axes, centre, start, strict=True)
         )
         at = block.words.index(radius)
         return block.written(set(), changed={at: words})
@@ -279,14 +281,6 @@ def _beside(block: Block) -> bytes:
         for w in block.words
         if w.letter in "FS" or _number(w) // 10 in NOSE
     )
-
-
-def _to(scene: Scene, block: Block, axis: str, here: float) -> float:
-    word = block.word(axis)
-    if word is None:
-        return here
-    value = scene.length(word, axis) / scene.double(axis)
-    return here + value if scene.incremental else value
 
 
 def _centre(

@@ -22,6 +22,7 @@ from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.drilling_fanuc import HAAS_PECKS, HaasDrilling
 from postproc.nc.cycles.drilling_fanuc import MILL as DRILLING
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line
 
@@ -55,9 +56,7 @@ class BoltHoles(Before):
             return [block.text]
         self._check(block, code)
         words = self._words(block, code)
-        own = {i for i, w in enumerate(block.words) if w.letter in "IJKLXY"}
-        own |= {i for i, w in enumerate(block.words) if w.letter == "G" and w.value == code // 10}
-        return [block.written(own, words[0]), *words[1:]]
+        return [block.written(own_words(block, "IJKLXY", (code,)), words[0]), *words[1:]]
 
     def _note(self, block: Block) -> None:
         """Keep the places that a block with L0 names, until a block without it names others."""

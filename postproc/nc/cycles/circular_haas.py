@@ -124,4 +124,4 @@ class CircularPocket(Cycle):
                 f"say it in mm: --offset D{number:g}=R5",
                 block.word("D"),
             )
-        return radius / 25.4 if scene.inch else radius
+        return radius / scene.unit

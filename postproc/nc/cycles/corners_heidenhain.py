@@ -141,7 +141,7 @@ class IsoCorners(Before):
         self.held = self.corner = None
         star = line.text.partition(b"*")[1:]
         places = [b" ".join(b"%s%s" % p for p in PLACE.findall(text)) for text, _ in lines]
-        own = own_words(before, "XY", set())
+        own = own_words(before, "XY")
         first = before.written(own, places[0]) + b"".join(star)
         places[1] += b" F" + feed if feed else b""
         return [

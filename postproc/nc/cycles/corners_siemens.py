@@ -23,6 +23,7 @@ from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.drawing_fanuc import on_line
 from postproc.nc.cycles.frames import CORNERS
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, Scene
 from postproc.nc.expand import Line
 from postproc.nc.expand.tracker import number
@@ -134,7 +135,7 @@ class Corners(Before):
         k = names.index(axis)
         at = on_line(scene, start, block.get("ANG") or 0.0, place[0], place[1])[k]
         new = scene.text(axis, (at - start[k] * self._distances(block)) * scene.double(axis))
-        out = {i for i, w in enumerate(block.words) if w.letter == "ANG"}
+        out = own_words(block, ("ANG",))
         return Block.of(block.written(out, new), scene.dialect.grammar)
 
     def _switches(self, block: Block) -> bool:
@@ -155,7 +156,7 @@ class Corners(Before):
             raise scene.fault(
                 f"{found[0].letter} and {found[1].letter} in one block", "keep one", found[1]
             )
-        out = {i for i, w in enumerate(block.words) if w.letter in CORNERS}
+        out = own_words(block, CORNERS)
         rndm = block.get("RNDM")
         plain = Block.of(block.written(out), scene.dialect.grammar) if out else block
         return rndm, self._sized(found[0] if found else None), plain
@@ -246,13 +247,9 @@ class Corners(Before):
     def _end(
         self, block: Block, names: tuple[str, ...], start: tuple[float, float]
     ) -> tuple[float, float]:
-        place = list(start)
-        for i, axis in enumerate(names):
-            word = block.word(axis)
-            if word is not None:
-                value = self.scene.length(word, axis) / self.scene.double(axis)
-                place[i] = value + start[i] if self._relative(block, word) else value
-        return place[0], place[1]
+        by = self._distances(block)
+        x, y = (self.scene.goes(block.word(a), a, s, by) for a, s in zip(names, start, strict=True))
+        return x, y
 
     def _moved(
         self,

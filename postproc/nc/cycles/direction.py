@@ -12,7 +12,6 @@ from collections.abc import Collection
 
 import numpy as np
 
-from postproc.errors import Notice
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.moves import own_words
@@ -84,7 +83,7 @@ class Directions(Before):
                 x, scene.coordinate(x, int(state.position[row]), state)
             ):
                 words.append(scene.text(x, place))
-        own = own_words(block, self.letters, set())
+        own = own_words(block, self.letters)
         return block.written(own, (b" " if block.spaced else b"").join(words), max(own))
 
     def _pose(self, kinematics: Kinematics, normal: np.ndarray, here: np.ndarray) -> np.ndarray:
@@ -111,5 +110,5 @@ class Directions(Before):
                 f"{self.name}: of the poses with one direction that with the shorter way is"
                 " written; a parameter of the control might choose another"
             )
-            self.scene.notices.append(Notice(self.name, what, self.scene.source))
+            self.scene.tell(self.name, what)
         return best

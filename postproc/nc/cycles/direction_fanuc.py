@@ -17,6 +17,7 @@ import numpy as np
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.direction import Directions
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
@@ -63,12 +64,7 @@ class ToolDirections(Directions):
                 wrong,
             )
         self.on = True
-        at = next(
-            i
-            for i, w in enumerate(block.words)
-            if w.letter == "G" and round((w.value or 0) * 10) == ON
-        )
-        return block.written(set(), changed={at: b"G43.4"})
+        return block.written(set(), changed={min(own_words(block, "", (ON,))): b"G43.4"})
 
     def _directed(self, block: Block, vector: np.ndarray) -> bytes:
         """The block with the words of the rotary axes in the place of I J K."""

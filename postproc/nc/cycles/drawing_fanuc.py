@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -68,8 +67,7 @@ def corner_of(scene: Scene, block: Block, found: re.Match[bytes] | None) -> Corn
         return None
     letter = words[0].letter
     if letter in ACROSS:
-        by = {x: u for u, x in scene.dialect.increments.items()}
-        one_way(scene, words[0], [w.letter for w in block.words], lambda x: x + by.get(x, ""))
+        one_way(scene, words[0], [w.letter for w in block.words])
         return Corner(False, size, letter + "-" * words[0].raw.startswith("-"))
     return Corner(letter == "R", size)
 
@@ -82,11 +80,12 @@ def elsewhere(scene: Scene, letter: str) -> ProgramError:
     )
 
 
-def one_way(scene: Scene, word: Word, letters: list[str], own: Callable[[str], str]) -> None:
+def one_way(scene: Scene, word: Word, letters: list[str]) -> None:
     """Raises ProgramError unless the block of I or K moves across the axis that it ends along."""
     along = ACROSS[word.letter]
     other = "XZ".replace(along, "")
-    if any(x in own(along) for x in letters) or not any(x in own(other) for x in letters):
+    own = {x: x + scene.increment(x) for x in (along, other)}
+    if any(x in own[along] for x in letters) or not any(x in own[other] for x in letters):
         raise scene.fault(
             f"{word.letter} as a chamfer stands behind a motion of {other} alone",
             "write the corner out",

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from postproc.errors import Notice
 from postproc.nc.cycles.block import Block, Word, without
 from postproc.nc.cycles.drilling import (
     KIND,
@@ -181,7 +180,7 @@ class FanucDrilling(Drilling):
             self.held["R"] = self.r_level(scene, r, axis)
         elif scene.dialect.hole_from_start and "R" not in self.held:
             self.r_from_start(scene, axis)
-            scene.notices.append(Notice("without R", WITHOUT_R, scene.source))
+            scene.tell("without R", WITHOUT_R)
         if depth:
             value = scene.length(depth, axis)
             self.held.pop("relative", None)
@@ -317,7 +316,7 @@ class LatheDrilling(FanucDrilling):
                 f"M{clamp.raw} in a lathe's drilling cycle clamps the C axis before a hole, and"
                 f" M{int(clamp.value or 0) + 1} frees it behind: both are written out beside it"
             )
-            scene.notices.append(Notice("clamp", said, scene.source))
+            scene.tell("clamp", said)
         return replace(job, clamp=clamp)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:

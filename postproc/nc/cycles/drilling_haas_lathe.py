@@ -13,7 +13,6 @@ on Haas mills.
 
 from __future__ import annotations
 
-from postproc.errors import Notice
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Outcome
 from postproc.nc.cycles.drilling import (
@@ -87,7 +86,7 @@ class HaasLatheDrilling(HaasDrilling):
             f"behind G{code / 10:g} the tool goes back to {back}, where it stood before: the manual"
             f" leaves open whether the control ends there or at R, {level}"
         )
-        scene.notices.append(Notice("way back", what, scene.source))
+        scene.tell("way back", what)
         return outcome._replace(loose=axis)
 
     def _hold(self, scene: Scene, block: Block, axis: str) -> None:

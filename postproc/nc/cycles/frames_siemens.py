@@ -17,6 +17,7 @@ from postproc.nc.codes import code_number
 from postproc.nc.cycles.affine import AXES, Affine, exact_turn, point, rotation, scaling
 from postproc.nc.cycles.block import Block, number_of
 from postproc.nc.cycles.frame_control import FrameControl
+from postproc.nc.cycles.moves import own_words
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 
 TURNS = {"X": ("Y", "Z"), "Y": ("Z", "X"), "Z": ("X", "Y")}  # about an axis: from one to the other
@@ -178,7 +179,7 @@ class SiemensFrames(FrameControl):
             )
             self.pole[axis] = base + given.get(axis, 0.0)
         self.polar = {}
-        out = {i for i, w in enumerate(block.words) if w.letter in names or number_of(w) == code}
+        out = own_words(block, names, (code,))
         rest = block.written(out)
         return [rest] if rest.strip(b" \t\r/") else []
 
@@ -224,7 +225,7 @@ class SiemensFrames(FrameControl):
             texts.append(axis.encode() + b"=AC(" + text[1:] + b")" if scene.incremental else text)
         texts += self._about_pole(block, (first, second))
         scene.extra_decimals = 0
-        out = {i for i, w in enumerate(block.words) if w.letter in ("AP", "RP")}
+        out = own_words(block, ("AP", "RP"))
         if self.frames.map.identity:
             self.frames.loose -= {first, second}
         return Block.of(block.written(out, b" ".join(texts)), scene.dialect.grammar)

@@ -26,8 +26,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from postproc.errors import Notice
-from postproc.nc.cycles.block import Block, Word
+from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
@@ -88,7 +87,7 @@ class Grooving(Cycle):
             return Outcome(m.finish())
         half = {"X": scene.double("X"), "Z": 1.0}
         start = {x: scene.at(x) for x in "XZ"}
-        to = self._end(scene, block, start)
+        to = start | named_end(scene, block, start)
         by = {x: self._step(scene, block, x) * half[x] for x in "XZ"}
         escape = (RETRACT[scene.inch] if self.escape is None else self.escape) * half[self.deep]
         deep, over = self.deep, self.over
@@ -116,7 +115,7 @@ class Grooving(Cycle):
     def _aside(self, scene: Scene, block: Block, code: int, places: list[float]) -> float:
         """How far the tool goes over at the bottom, against the step; X a radius."""
         word = block.word("R") or block.word("D")
-        size = _length(scene, word, self.over)
+        size = abs(scene.length(word, self.over)) if word else 0.0
         if not word or not size:
             return 0.0
         name = f"{word.letter}{word.raw}"
@@ -127,7 +126,7 @@ class Grooving(Cycle):
                 f"write the cycle without {word.letter}, or with steps and {word.letter} above 0",
                 word,
             )
-        scene.notices.append(Notice("aside", ASIDE_LATER.format(name), scene.source))
+        scene.tell("aside", ASIDE_LATER.format(name))
         return size if places[0] > places[1] else -size
 
     def _hold(self, scene: Scene, block: Block, code: int) -> None:
@@ -136,20 +135,6 @@ class Grooving(Cycle):
         if word is None:
             raise scene.fault(f"G{code / 10:g} without X and Z", "name where it ends")
         self.escape = scene.length(word, "X")
-
-    @staticmethod
-    def _end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, float]:
-        """The bottom of the last cut."""
-        to = dict(start)
-        for axis, letter in (("X", "U"), ("Z", "W")):
-            absolute, increment = block.word(axis), block.word(letter)
-            if increment:
-                to[axis] = start[axis] + scene.length(increment, axis)
-            elif absolute:
-                to[axis] = scene.length(absolute, axis) + (
-                    start[axis] if scene.incremental else 0.0
-                )
-        return to
 
     @staticmethod
     def _step(scene: Scene, block: Block, axis: str) -> float:
@@ -161,11 +146,23 @@ class Grooving(Cycle):
                 "write one of them",
                 word,
             )
-        return abs(scene.counted(counted, axis)) if counted else _length(scene, word, axis)
+        if word:
+            return abs(scene.length(word, axis))
+        return abs(scene.counted(counted, axis)) if counted else 0.0
 
 
-def _length(scene: Scene, word: Word | None, axis: str) -> float:
-    return abs(scene.length(word, axis)) if word else 0.0
+def named_end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, float]:
+    """Where X U and Z W of a block lead from a place, as far as they are named; X as its words
+    are."""
+    to = {}
+    for axis, letter in (("X", "U"), ("Z", "W")):
+        absolute, increment = block.word(axis), block.word(letter)
+        if increment:
+            to[axis] = start[axis] + scene.length(increment, axis)
+        elif absolute:
+            value = scene.length(absolute, axis)
+            to[axis] = start[axis] + value if scene.incremental else value
+    return to
 
 
 def steps(scene: Scene, start: float, end: float, by: float) -> list[float]:

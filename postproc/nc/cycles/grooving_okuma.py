@@ -58,8 +58,8 @@ class OkumaGrooving(Cycle):
         m = Moves(scene, own_words(block, "XZIKDLE", {code}))
         deep, over = self.deep, self.over
         start = {x: scene.at(x) for x in "XZ"}
-        to = {x: self._length(scene, block, x, start[x]) for x in "XZ"}
-        step = abs(self._length(scene, block, STEP[over], 0.0, over))
+        to = {x: scene.length_in(block, x, x, start[x]) for x in "XZ"}
+        step = abs(scene.length_in(block, STEP[over], over))
         if to[over] != start[over] and not step:
             raise scene.fault(
                 f"{name} to another {over} and no {STEP[over]}",
@@ -87,8 +87,8 @@ class OkumaGrooving(Cycle):
         self, scene: Scene, block: Block, start: float, end: float
     ) -> list[tuple[float, list[float]]]:
         """Where each peck ends, and the ways back and on behind it."""
-        peck = abs(self._length(scene, block, "D", 0.0, self.deep))
-        out = abs(self._length(scene, block, "L", 0.0, self.deep))
+        peck = abs(scene.length_in(block, "D", self.deep))
+        out = abs(scene.length_in(block, "L", self.deep))
         ends = steps(scene, start, end, peck)[1:]
         relief = RELIEF * scene.double(self.deep) * (1 if end < start else -1)
         found, since = [], start
@@ -98,13 +98,6 @@ class OkumaGrooving(Cycle):
                 back, since = [start, depth + relief], depth
             found.append((depth, [] if depth == ends[-1] else back))
         return found
-
-    @staticmethod
-    def _length(
-        scene: Scene, block: Block, letter: str, here: float, axis: str | None = None
-    ) -> float:
-        word = block.word(letter)
-        return here if word is None else scene.length(word, axis or letter)
 
 
 def without_offset(scene: Scene, block: Block) -> bytes | None:

@@ -62,8 +62,7 @@ class Tool:
                 f"the radius of the tool of cycle {cycle} is not stated",
                 f"say it in mm: --offset {name}=Z0,R5",
             )
-        unit = 25.4 if self.scene.inch else 1.0
-        return place["R"] / unit + self.more
+        return place["R"] / self.scene.unit + self.more
 
 
 def bore(scene: Scene, tool: Tool, data: dict[int, float], feed: bytes) -> list[bytes]:

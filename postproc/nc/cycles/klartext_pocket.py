@@ -157,7 +157,7 @@ class _Cut:
     def _join(self, feed: bytes) -> None:
         """Once along the wall, joined and left on a quarter circle, and back to the middle."""
         a, b = self.way.a, self.way.b
-        r = min(JOIN_MM / self._unit, a / 2, b / 2)
+        r = min(JOIN_MM / self.scene.unit, a / 2, b / 2)
         if r > NEAR:
             middle = a - r, 0.0
             on = Piece(1, (a - r, -r), (a, 0.0), middle)
@@ -173,10 +173,6 @@ class _Cut:
         if self.called != (0.0, 0.0):
             self._to(self.called)
         return self.lines
-
-    @property
-    def _unit(self) -> float:
-        return 25.4 if self.scene.inch else 1.0
 
     def _rings(self, shape: Rounded) -> list[Rounded]:
         factor = self.value(370, 1.0) or 1.0

@@ -91,7 +91,7 @@ def _turns(scene: Scene, tool: Tool, cycle: int, value: Value, way: float) -> li
     more = [max(o - side, 0.0) for o, side in zip(outside, (a, b), strict=True)]
     step = radius * (value(370, 1.0) or 1.0)
     corner = a if cycle == CIRCLE else value(220, 0.0) + left + radius
-    start = outside[0] + BESIDE_MM / _unit(scene)
+    start = outside[0] + BESIDE_MM / scene.unit
     fits = min(a, b) >= corner - NEAR and start > a and step > NEAR
     if not fits or max(more) / step > MOST_TURNS:
         sizes = "Q222 and Q223" if cycle == CIRCLE else "Q218 to Q425"
@@ -165,7 +165,3 @@ def _placed(scene: Scene, cycle: int, value: Value) -> Callable[[Point], Point]:
         return call[0] + x * cos - y * sin, call[1] + x * sin + y * cos
 
     return place
-
-
-def _unit(scene: Scene) -> float:
-    return 25.4 if scene.inch else 1.0

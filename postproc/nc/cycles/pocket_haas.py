@@ -58,7 +58,7 @@ class Pocket(Cycle):
         """The plain lines of a pocket. Raises ProgramError."""
         _modes(scene)
         side = {LEFT: 1, RIGHT: -1}[_side(scene, block)]
-        radius, stock = self._radius(scene, block), _length(scene, block, "K") or 0.0
+        radius, stock = self._radius(scene, block), scene.length_in(block, "K", "X")
         axis, step = self._step(scene, block, radius)
         start = _start(scene, block)
         shape = _shape(scene, block, start)
@@ -112,11 +112,10 @@ class Pocket(Cycle):
     @staticmethod
     def _depths(scene: Scene, block: Block) -> tuple[float, list[float]]:
         """The R plane, and each depth."""
-        plane, bottom, down = (_length(scene, block, x, "Z") for x in "RZQ")
-        for letter, value in (("R", plane), ("Z", bottom), ("Q", down)):
-            if value is None:
+        for letter in "RZQ":
+            if block.word(letter) is None:
                 raise scene.fault(f"G150 without {letter}", f"write {letter}: {WORDS[letter]}")
-        assert plane is not None and bottom is not None and down is not None
+        plane, bottom, down = (scene.length_in(block, x, "Z") for x in "RZQ")
         if down <= 0 or bottom >= plane or (plane - bottom) / down > MOST_DEPTHS:
             raise scene.fault(
                 f"G150 from R{plane:g} to Z{bottom:g} by Q{down:g}",
@@ -134,7 +133,7 @@ class Pocket(Cycle):
                 f"G150 with {'I and J' if named else 'neither I nor J'}",
                 "write I for steps along X, or J for steps along Y",
             )
-        step = _length(scene, block, named[0]) or 0.0
+        step = scene.length_in(block, named[0], "X")
         if not 0 < step <= 2 * radius:
             raise scene.fault(
                 f"{named[0]}{step:g} of G150, and the tool is {2 * radius:g} wide",
@@ -156,7 +155,7 @@ class Pocket(Cycle):
                 f"say it in mm: --offset D{number:g}=R5",
                 block.word("D"),
             )
-        return radius / 25.4 if scene.inch else radius
+        return radius / scene.unit
 
 
 def _modes(scene: Scene) -> None:
@@ -186,11 +185,6 @@ def _start(scene: Scene, block: Block) -> Point:
     return x, y
 
 
-def _length(scene: Scene, block: Block, letter: str, axis: str = "X") -> float | None:
-    word = block.word(letter)
-    return None if word is None else scene.length(word, axis)
-
-
 def _write(scene: Scene, m: Moves, piece: Piece) -> None:
     """One piece as a line."""
     to = dict(zip("XY", piece.end, strict=True))
@@ -207,7 +201,6 @@ def _write(scene: Scene, m: Moves, piece: Piece) -> None:
 # -- the shape -------------------------------------------------------------------------------------
 
 
-# Whole: one pass over the blocks, whose modes and place go on.
 def _shape(scene: Scene, block: Block, start: Point) -> list[Piece]:
     """The closed shape that the subprogram draws, behind its first motion. Raises ProgramError."""
     number = block.get("P")
@@ -226,15 +219,13 @@ def _shape(scene: Scene, block: Block, start: Point) -> list[Piece]:
         Block.of(b, scene.dialect.grammar) for t in texts for b in blocks(t, scene.dialect.grammar)
     ):
         motion, incremental = _codes(scene, part, motion, incremental)
-        named = [part.word(a) for a in "XY"]
         letters = "XYIJR" if motion in (CLOCKWISE, COUNTER) else "XY"
         if not any(part.word(x) for x in letters):
             continue
-        to = tuple(
-            at if w is None else scene.length(w, a) + (at if incremental else 0.0)
-            for a, w, at in zip("XY", named, here, strict=True)
+        x, y = (
+            scene.goes(part.word(a), a, at, incremental) for a, at in zip("XY", here, strict=True)
         )
-        pieces.append(_piece(scene, part, motion, here, (to[0], to[1])))
+        pieces.append(_piece(scene, part, motion, here, (x, y)))
         here = pieces[-1].end
     if incremental:
         raise scene.fault(

@@ -50,8 +50,7 @@ def ends(scene: Scene, arc: Arc) -> list[Point]:
     centre = arc.centre
     arms = [(p[0] - centre[0], p[1] - centre[1]) for p in (arc.at, arc.to)]
     radii = [math.hypot(*arm) for arm in arms]
-    unit = 25.4 if scene.inch else 1.0
-    if min(radii) < NEAR or abs(radii[0] - radii[1]) * unit > MISMATCH_MM:
+    if min(radii) < NEAR or abs(radii[0] - radii[1]) * scene.unit > MISMATCH_MM:
         raise scene.fault(
             f"start and end lie {radii[0]:.4f} and {radii[1]:.4f} from the pole",
             "the control refuses more than 0.016 mm between them: check the pole",

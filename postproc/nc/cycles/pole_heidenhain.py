@@ -83,7 +83,7 @@ class PoleArcs(Before):
         placed = any(block.word(x) for x in "XYZ")
         if self.motion not in self.codes:
             plain = placed and self.motion in (0, 10) and not any(row.refuses for row in rows)
-            out = own_words(block, "IJK" * plain, set())
+            out = own_words(block, "IJK" * plain)
             return [line._replace(text=block.written(out) + end) if out else line]
         if self.motion in POLAR:
             return [line._replace(text=text) for text in self._polar(block, end)]

@@ -158,7 +158,7 @@ class Polynomials(Before):
 
     def _lines(self, line: Line, block: Block, axes: list[str], points: np.ndarray) -> list[Line]:
         """The block with the words of the first line, and a block for each other line."""
-        own = own_words(block, AXES, set())
+        own = own_words(block, AXES)
         texts: list[bytes] = []
         for words in self._words(axes, points):
             if texts:

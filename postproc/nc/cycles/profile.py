@@ -10,9 +10,8 @@ import math
 import re
 from dataclasses import dataclass, field, replace
 
-from postproc.errors import Notice
 from postproc.nc.cycles import drawing_fanuc
-from postproc.nc.cycles.block import Block, Word, blocks
+from postproc.nc.cycles.block import Block, blocks
 from postproc.nc.cycles.drawing_fanuc import WRITE as WRITE_END
 from postproc.nc.cycles.drawing_fanuc import Corner
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
@@ -149,7 +148,7 @@ def _first(scene: Scene, rows: list[Row], begin: int, after: int, kept: int) -> 
                 f"N{begin} stands in line {', '.join(others)} too: the shape is the one behind the"
                 f" cycle, in line {line}"
             )
-            scene.notices.append(Notice(f"shape {begin}", said, scene.source))
+            scene.tell(f"shape {begin}", said)
         return starts[0]
     if kept:
         starts = [i for i in starts if rows[i][0] == kept] or starts
@@ -264,25 +263,13 @@ def _place(
     scene: Scene, block: Block, here: Point, incremental: bool
 ) -> tuple[float | None, float | None]:
     """The end of a block, None: it is not named."""
-    half = 2.0 if scene.is_diameter("X") else 1.0
-    by = {x: u for u, x in scene.dialect.increments.items()}
-    named = [any(block.word(w) for w in (x, by.get(x, x))) for x in "ZX"]
-    z = _coordinate(scene, block, "Z", here[0], 1.0, incremental) if named[0] else None
-    x = _coordinate(scene, block, "X", here[1], half, incremental) if named[1] else None
-    return z, x
-
-
-def _coordinate(
-    scene: Scene, block: Block, axis: str, here: float, half: float, incremental: bool
-) -> float:
-    increment = {x: u for u, x in scene.dialect.increments.items()}.get(axis, "")
-    absolute, by = block.word(axis), block.word(increment) if increment else None
-    if by is not None:
-        return here + scene.length(by, axis) / half
-    if absolute is None:
-        return here
-    value = scene.length(absolute, axis) / half
-    return here + value if incremental else value
+    place: list[float | None] = []
+    for axis, start in zip("ZX", here, strict=True):
+        increment, word = block.word(scene.increment(axis)), block.word(axis)
+        named = increment or word
+        by = increment is not None or incremental
+        place.append(None if named is None else scene.goes(named, axis, start, by))
+    return place[0], place[1]
 
 
 def _arc(scene: Scene, block: Block, element: Element) -> Element:
@@ -297,7 +284,7 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
             raise scene.fault(
                 "an arc of the shape has no I, K or R", "write its centre or its radius"
             )
-        centre = (z0 + _length(scene, k, "Z"), x0 + _length(scene, i, "X"))
+        centre = (z0 + scene.length_in(block, "K", "Z"), x0 + scene.length_in(block, "I", "X"))
         return replace(element, words=words, centre=centre)
     r, chord = scene.length(radius, "X"), math.dist(element.start, element.end)
     if chord / 2 > abs(r) + 1e-3:
@@ -311,7 +298,3 @@ def _arc(scene: Scene, block: Block, element: Element) -> Element:
     normal = (-(x1 - x0) / chord, (z1 - z0) / chord)
     centre = ((z0 + z1) / 2 + normal[0] * height, (x0 + x1) / 2 + normal[1] * height)
     return replace(element, words=words, centre=centre)
-
-
-def _length(scene: Scene, word: Word | None, axis: str) -> float:
-    return scene.length(word, axis) if word is not None else 0.0

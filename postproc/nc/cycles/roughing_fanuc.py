@@ -43,7 +43,7 @@ class Pen:
 
     @property
     def half(self) -> float:
-        return 2.0 if self.scene.is_diameter("X") else 1.0
+        return self.scene.double("X")
 
     def to(self, code: str, place: Point) -> None:
         self.m.move(code, {"X": place[1] * self.half, "Z": place[0]})
@@ -59,6 +59,13 @@ class Pen:
             return
         to = {"X": e.end[1] * self.half, "Z": e.end[0]}
         self.m.move("G2" if e.code == CLOCKWISE else "G3", to, *e.words)
+
+    def centred(self, e: Element, code: str) -> None:
+        """A line by this code, or an arc, its centre as I K."""
+        if e.is_arc:
+            self.arc("G2" if e.code == CLOCKWISE else "G3", e.end, e.centre)
+        else:
+            self.to(code, e.end)
 
     def arc(self, code: str, end: Point, centre: Point) -> None:
         """An arc from where the tool stands."""

@@ -109,6 +109,10 @@ class Scene:
         """First and second axis of the plane, and the axis across it."""
         return PLANES.get(self.code("plane"), PLANES[170])
 
+    def increment(self, axis: str) -> str:
+        """The letter of an axis' distances (U of X), "": none."""
+        return next((u for u, x in self.dialect.increments.items() if x == axis), "")
+
     def is_diameter(self, axis: str) -> bool:
         mode = self.code("diameter") if axis == "X" else -1
         return mode == 70 if mode in (70, 80) else axis in self.tracker.setup.diameter
@@ -124,9 +128,14 @@ class Scene:
         return 2.0 if self.is_diameter(axis) else 1.0
 
     @property
+    def unit(self) -> float:
+        """mm of the program's unit."""
+        return 25.4 if self.inch else 1.0
+
+    @property
     def chord(self) -> float:
         """How far straight lines may leave the curve that they stand for, program's unit."""
-        return self.tolerance / 25.4 if self.inch else self.tolerance
+        return self.tolerance / self.unit
 
     # -- places ------------------------------------------------------------------------------------
 
@@ -243,6 +252,14 @@ class Scene:
         """Something went by that was not looked at: ask the tracker next time."""
         self._codes, self._places, self._decimals = {}, {}, {}
 
+    def goes(self, word: Word | None, axis: str, start: float, by: bool) -> float:
+        """Where a word leads an axis from `start`, both as radii; by: whether it is a distance
+        where it does not say so itself (IC, AC). No word leaves the axis."""
+        if word is None:
+            return start
+        value = self.length(word, axis) / self.double(axis)
+        return start + value if word.mode == "IC" or (by and word.mode != "AC") else value
+
     # -- numbers -----------------------------------------------------------------------------------
 
     def decimals(self, letter: str) -> int:
@@ -265,6 +282,11 @@ class Scene:
             return self.counted(word, axis)
         return word.value or 0.0
 
+    def length_in(self, block: Block, letter: str, axis: str, missing: float = 0.0) -> float:
+        """The length that a block's word of this letter says."""
+        word = block.word(letter)
+        return missing if word is None else self.length(word, axis)
+
     def counted(self, word: Word, axis: str = "Z") -> float:
         """A number that counts least increments where it has no point (P and Q of a lathe's
         cycles)."""
@@ -280,7 +302,11 @@ class Scene:
         whole = self.tracker.counts and "." not in word.raw
         return (word.value or 0.0) * (1e-3 if whole else 1.0)
 
-    # -- errors ------------------------------------------------------------------------------------
+    # -- notices and errors ------------------------------------------------------------------------
+
+    def tell(self, code: str, said: str) -> None:
+        """Leave a notice at the line at hand."""
+        self.notices.append(Notice(code, said, self.source))
 
     def fault(self, message: str, advice: str, word: Word | None = None) -> ProgramError:
         """An error at the block at hand, or at one of its words."""

@@ -83,7 +83,7 @@ class LinuxcncThread(Cycle):
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The passes of a thread. Raises ProgramError."""
         thread = self._read(scene, block)
-        half = 2 if scene.is_diameter("X") else 1
+        half = scene.double("X")
         if half == 2:  # 2.9 halves I, J and K twice here, other releases once
             m = Moves(scene, own_words(block, LETTERS, {code}))
             m.move("G0", {"X": thread.end[0] * half, "Z": thread.end[1]})
@@ -124,7 +124,7 @@ class LinuxcncThread(Cycle):
         """The words of the block. Raises ProgramError where LinuxCNC refuses them."""
         self._check(scene, block)
         pitch, i, j, k, q, r, h, e, flags = (block.get(x) or 0.0 for x in "PIJKQRHEL")
-        half = 2 if scene.is_diameter("X") else 1
+        half = scene.double("X")
         if i == 0 or j <= 0 or k <= j:
             raise scene.fault(
                 f"I{i:g} J{j:g} K{k:g} make no thread",

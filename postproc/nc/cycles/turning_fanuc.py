@@ -32,8 +32,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from postproc.errors import Notice, ProgramError
-from postproc.nc.cycles.block import Block, number_of
+from postproc.errors import ProgramError
+from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import UNDEFINED, Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.profile import NOSE, Element, Point, Profile, find, shape
@@ -132,12 +132,15 @@ class Repetitive(Cycle):
         if role == "finish":
             if block.word("D"):
                 said = "D in G70 is passed over: the cut along the shape has no depth"
-                scene.notices.append(Notice("depth of G70", said, scene.source))
+                scene.tell("depth of G70", said)
             return self._finish(scene, profile, m, before)
         nose = self._nose(scene, code, profile, before)
-        start = (scene.at("Z"), scene.at("X") / _half(scene))
+        start = (scene.at("Z"), scene.at("X") / scene.double("X"))
         elements = shape(scene, self._moving(scene, code, profile), start, scene.code("motion"))
-        allowance = (_word(scene, block, "W", "Z"), _word(scene, block, "U", "X") / _half(scene))
+        allowance = (
+            scene.length_in(block, "W", "Z"),
+            scene.length_in(block, "U", "X") / scene.double("X"),
+        )
         way = Way(Pen(scene, m), elements, start, allowance)
         if before:
             m.line(b"G40")
@@ -155,7 +158,7 @@ class Repetitive(Cycle):
             return profile
         if self.roles[code] != "finish":
             said = f"M{held[0][1].raw} in the shape of G{code / 10:g} is executed in G70 alone"
-            scene.notices.append(Notice(f"M of a shape {code}", said, scene.source))
+            scene.tell(f"M of a shape {code}", said)
         texts = [
             replace(b, words=tuple(w for w in b.words if w.letter != "M")) for b in profile.texts
         ]
@@ -188,7 +191,7 @@ class Repetitive(Cycle):
         """G41 or G42 in the shape of a roughing or before it, if it goes by it; else ""."""
         if before:
             said = f"{before.strip()} before G{code / 10:g} {ALONG}"
-            scene.notices.append(Notice(f"nose {code}", said, scene.source))
+            scene.tell(f"nose {code}", said)
             return before
         side = next((c for b in profile.texts for c in b.codes if c in NOSE and c != 400), None)
         if side is None:
@@ -206,7 +209,7 @@ class Repetitive(Cycle):
                 " there, and want it named before the cycle)"
             )
         )
-        scene.notices.append(Notice(f"nose {code}", f"{name} {said}", scene.source))
+        scene.tell(f"nose {code}", f"{name} {said}")
         return f" G{side // 10}" if self.haas else ""
 
     def _hold(self, scene: Scene, block: Block, role: str) -> None:
@@ -320,17 +323,14 @@ class Repetitive(Cycle):
 
     def _drawn(self, scene: Scene, profile: Profile, moving: Profile) -> list[bytes]:
         """The blocks of a shape with corners or angles, each with the ends of its own elements."""
-        half, here = _half(scene), (scene.at("Z"), scene.at("X") / _half(scene))
+        half = scene.double("X")
+        here = (scene.at("Z"), scene.at("X") / half)
         elements = shape(scene, moving, here, scene.code("motion"))
         texts = []
         for row, block in enumerate(profile.texts):
             own = [e for e in elements if e.row == row]
             letters = "XZUWCRAIK" if own else ""
-            out = {
-                i
-                for i, w in enumerate(block.words)
-                if w.letter in letters or number_of(w) in (0, 10, CLOCKWISE, COUNTER)
-            }
+            out = own_words(block, letters, {0, 10, CLOCKWISE, COUNTER})
             lines = [
                 b" ".join(
                     [
@@ -344,15 +344,6 @@ class Repetitive(Cycle):
             ]
             texts += [block.written(out, lines[0]), *lines[1:]] if own else [block.text]
         return texts
-
-
-def _half(scene: Scene) -> float:
-    return 2.0 if scene.is_diameter("X") else 1.0
-
-
-def _word(scene: Scene, block: Block, letter: str, axis: str) -> float:
-    word = block.word(letter)
-    return scene.length(word, axis) if word else 0.0
 
 
 def _pointless(scene: Scene, profile: Profile) -> str:

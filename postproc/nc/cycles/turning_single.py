@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Cycle, Outcome
+from postproc.nc.cycles.grooving_fanuc import named_end
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -40,7 +41,6 @@ class Turn(Cycle):
     def wants(self, scene: Scene, block: Block) -> bool:
         return any(block.get(x) is not None for x in "XZUW" + self.tapers)
 
-    # Whole: four lines to each of two directions, behind a list of refusals.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
         if scene.code("cutter") in (410, 420):
@@ -51,13 +51,7 @@ class Turn(Cycle):
         if not self.wants(scene, block):
             return Outcome(m.finish())
         start = {x: scene.at(x) for x in "XZ"}
-        for axis in "XZ":
-            absolute, increment = block.word(axis), block.word("U" if axis == "X" else "W")
-            if increment:
-                self.to[axis] = start[axis] + scene.length(increment, axis)
-            elif absolute:
-                value = scene.length(absolute, axis)
-                self.to[axis] = start[axis] + value if scene.incremental else value
+        self.to |= named_end(scene, block, start)
         missing = [x for x in "XZ" if x not in self.to]
         if missing:
             raise scene.fault(
