@@ -22,6 +22,7 @@ from postproc.nc.codes import code_number
 from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.moves import own_words
+from postproc.nc.cycles.pole_arc import centre_of
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, PLANES, Scene
 from postproc.nc.expand import Line
 
@@ -122,13 +123,11 @@ class PlacedArcs(Before):
         """The centre of an arc by I J K or CR=."""
         radius = block.get("CR")
         if radius is not None:
-            chord = end - start
-            height = radius * radius - abs(chord) ** 2 / 4
-            if abs(chord) < NEAR or height < 0:
+            chord = abs(end - start)
+            if chord < NEAR or radius * radius < chord**2 / 4:
                 return None
-            side = 1 if (radius > 0) == counter else -1
-            across: complex = 1j * side * chord / abs(chord) * height**0.5
-            return start + chord / 2 + across
+            points = (start.real, start.imag), (end.real, end.imag)
+            return complex(*centre_of(*points, radius, 1 if counter else -1))
         own = [block.word(CENTRES[x]) for x in plane]
         if not any(own):
             return None

@@ -23,7 +23,8 @@ from postproc.nc.cycles.before import Before
 from postproc.nc.cycles.block import Block, Word
 from postproc.nc.cycles.grooving_okuma import without_offset
 from postproc.nc.cycles.lap_okuma import Call, Change, Lap, Shape
-from postproc.nc.cycles.profile import Profile, shape
+from postproc.nc.cycles.pole_arc import centre_of
+from postproc.nc.cycles.profile import Point, Profile, shape
 from postproc.nc.cycles.scene import CENTRES, CLOCKWISE, COUNTER, Scene
 from postproc.nc.expand import Line
 
@@ -144,12 +145,13 @@ class LatheBlocks(Before):
         scene.forget()
         scene.note(block)
         axes = scene.plane[:2]
-        start = [scene.at(x) / scene.double(x) for x in axes]
-        end = [
+        a, b = (scene.at(x) / scene.double(x) for x in axes)
+        start = a, b
+        a, b = (
             scene.goes(block.word(x), x, here, scene.incremental)
             for x, here in zip(axes, start, strict=True)
-        ]
-        centre = _centre(scene, self.motion, start, end, radius)
+        )
+        centre = _centre(scene, self.motion, start, (a, b), radius)
         words = b" ".join(
             scene.text(CENTRES[x], c - s) for x, c, s in zip(axes, centre, start, strict=True)
         )
@@ -283,20 +285,14 @@ def _beside(block: Block) -> bytes:
     )
 
 
-def _centre(
-    scene: Scene, motion: int, start: list[float], end: list[float], word: Word
-) -> tuple[float, float]:
+def _centre(scene: Scene, motion: int, start: Point, end: Point, word: Word) -> Point:
     """Of the arc below a half circle."""
     radius = abs(word.value or 0.0)
-    a, b = complex(*start), complex(*end)
-    chord = abs(b - a)
+    chord = math.dist(start, end)
     if chord == 0 or chord / 2 > radius + 1e-3:
         raise scene.fault(
             f"L{word.raw} is too short for an arc over {chord:.4f}",
             "check L and the end point",
             word,
         )
-    height = math.sqrt(max(radius * radius - chord * chord / 4, 0.0))
-    side = 1 if motion == COUNTER else -1
-    centre = (a + b) / 2 + side * height * 1j * (b - a) / chord
-    return centre.real, centre.imag
+    return centre_of(start, end, radius, 1 if motion == COUNTER else -1)

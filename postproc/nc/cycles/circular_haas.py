@@ -115,13 +115,4 @@ class CircularPocket(Cycle):
                 f"the tool of {name} has no radius",
                 "name it by D, or D0 for the path of its centre",
             )
-        if number == 0:
-            return 0.0
-        radius = scene.tracker.offset(f"D{number:g}", "R")
-        if radius is None:
-            raise scene.fault(
-                f"the tool's radius D{number:g} of {name} is not stated",
-                f"say it in mm: --offset D{number:g}=R5",
-                block.word("D"),
-            )
-        return radius / scene.unit
+        return scene.tool_radius(name, block) if number else 0.0

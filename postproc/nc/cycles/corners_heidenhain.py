@@ -28,7 +28,6 @@ NAMES = {CHAMFER: "G24", ROUNDING: "G25"}
 ACROSS = "ZABCUVWIJKHRLQ"  # in a line that leaves the plane, or is none
 CORNER = re.compile(rb"(?<![A-Z])G[ \t]*0*2[45](?![0-9.])", re.IGNORECASE)
 LABEL = re.compile(rb"(?<![A-Z;])L[ \t]*[0-9]+[ \t]*,", re.IGNORECASE)
-PLACE = re.compile(rb"([XY])\+?(-?[0-9.]+)")
 WRITE = "write the corner out as G01"
 
 
@@ -137,13 +136,15 @@ class IsoCorners(Before):
         kind = "CHF" if name == NAMES[CHAMFER] else "RND"
         corner = self._end(before, self.start)
         held = Held(b"", self.start, corner, kind, size, b"")
-        _, lines = self.corners.cut(held, self._end(block, corner), name)
+        end, points = self.corners.cut(held, self._end(block, corner), name)
         self.held = self.corner = None
         star = line.text.partition(b"*")[1:]
-        places = [b" ".join(b"%s%s" % p for p in PLACE.findall(text)) for text, _ in lines]
-        own = own_words(before, "XY")
-        first = before.written(own, places[0]) + b"".join(star)
-        places[1] += b" F" + feed if feed else b""
-        return [
-            line._replace(text=text) for text in (first, *(b"G01 " + p + b"*" for p in places[1:]))
-        ]
+        texts = [before.written(own_words(before, "XY"), self._words(end)) + b"".join(star)]
+        for k, point in enumerate(points):
+            own = b" F" + feed if feed and not k else b""
+            texts.append(b"G01 " + self._words(point) + own + b"*")
+        return [line._replace(text=text) for text in texts]
+
+    def _words(self, place: Point) -> bytes:
+        texts = (self.scene.text(x, v) for x, v in zip("XY", place, strict=True))
+        return b" ".join(text.rstrip(b".") for text in texts)

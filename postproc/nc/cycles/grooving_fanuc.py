@@ -77,10 +77,7 @@ class Grooving(Cycle):
     # Whole: the cuts in the order in which the tool makes them.
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        refuse_nose(scene, code)
         m = Moves(scene, own_words(block, AXES + "PQRIKD", {code}))
         if not any(block.word(x) for x in AXES):
             self._hold(scene, block, code)
@@ -149,6 +146,12 @@ class Grooving(Cycle):
         if word:
             return abs(scene.length(word, axis))
         return abs(scene.counted(counted, axis)) if counted else 0.0
+
+
+def refuse_nose(scene: Scene, code: int) -> None:
+    """Raises ProgramError for a cycle of a lathe within G41 or G42."""
+    if scene.code("cutter") in (410, 420):
+        raise scene.fault(f"G{code / 10:g} with nose radius compensation on", "write G40 before it")
 
 
 def named_end(scene: Scene, block: Block, start: dict[str, float]) -> dict[str, float]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Cycle, Outcome
-from postproc.nc.cycles.grooving_fanuc import steps
+from postproc.nc.cycles.grooving_fanuc import refuse_nose, steps
 from postproc.nc.cycles.lap_okuma import RELIEF
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
@@ -51,10 +51,7 @@ class OkumaGrooving(Cycle):
         name = f"G{code / 10:g}"
         if scene.incremental:
             raise scene.fault(f"{name} in G91", "write G90 before it")
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        refuse_nose(scene, code)
         m = Moves(scene, own_words(block, "XZIKDLE", {code}))
         deep, over = self.deep, self.over
         start = {x: scene.at(x) for x in "XZ"}

@@ -22,6 +22,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from postproc.nc.cycles.klartext_lines import signed
 from postproc.nc.cycles.klartext_patterns import NUMBER, PECKING, pecks
 from postproc.nc.cycles.scene import Scene
 
@@ -198,9 +199,3 @@ class Holes:
             return []
         time = self.data[number].lstrip(b"+")
         return [b"CYCL DEF 9.0 DWELL TIME", b"CYCL DEF 9.1 DWELL " + time]
-
-
-def signed(scene: Scene, axis: str, value: float) -> bytes:
-    """X+10.5."""
-    text = scene.text(axis, value).rstrip(b".")
-    return text if text[1:2] == b"-" else text[:1] + b"+" + text[1:]

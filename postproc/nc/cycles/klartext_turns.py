@@ -22,7 +22,8 @@ import re
 
 from postproc.nc.cycles.affine import AXES, Affine, point, rotation, scaling
 from postproc.nc.cycles.before import Before
-from postproc.nc.cycles.klartext_holes import TAPS, signed
+from postproc.nc.cycles.klartext_holes import TAPS
+from postproc.nc.cycles.klartext_lines import signed
 from postproc.nc.cycles.klartext_paths import KlartextPaths
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.expand import Line

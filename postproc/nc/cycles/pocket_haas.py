@@ -26,6 +26,7 @@ from postproc.nc.cycles.block import Block, Word, blocks
 from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.pocket_path import DoesNotFit, Piece, Point
+from postproc.nc.cycles.pole_arc import centre_of
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
 
@@ -145,17 +146,12 @@ class Pocket(Cycle):
     @staticmethod
     def _radius(scene: Scene, block: Block) -> float:
         """The radius that D names, program's unit."""
-        number = block.get("D") or 0
-        radius = scene.tracker.offset(f"D{number:g}", "R") if number else None
-        if not number:
+        if not block.get("D"):
             raise scene.fault("the tool of G150 has no radius", "name it by D")
+        radius = scene.tool_radius("G150", block)
         if not radius:
-            raise scene.fault(
-                f"the tool's radius D{number:g} of G150 is not stated",
-                f"say it in mm: --offset D{number:g}=R5",
-                block.word("D"),
-            )
-        return radius / scene.unit
+            raise scene.not_stated("G150", block)
+        return radius
 
 
 def _modes(scene: Scene) -> None:
@@ -280,12 +276,7 @@ def _by_radius(scene: Scene, part: Block, word: Word, turn: int, start: Point, e
     r, chord = scene.length(word, "X"), math.dist(start, end)
     if not 0 < chord / 2 <= abs(r) + NEAR:
         raise _strange(scene, part)
-    height = math.sqrt(max(r * r - chord * chord / 4, 0.0)) * turn * (1 if r > 0 else -1)
-    (x0, y0), (x1, y1) = start, end
-    return (
-        (x0 + x1) / 2 - (y1 - y0) / chord * height,
-        (y0 + y1) / 2 + (x1 - x0) / chord * height,
-    )
+    return centre_of(start, end, r, turn)
 
 
 def _closed(scene: Scene, pieces: list[Piece]) -> None:

@@ -297,6 +297,22 @@ class Scene:
         least = own or self.tracker.setup.least_increment.get(axis, 1e-3)
         return value * least / (10 if self.inch else 1)  # a control with 0.001 mm has 0.0001 inch
 
+    def tool_radius(self, name: str, block: Block) -> float:
+        """The radius that D of a block names, program's unit. Raises ProgramError."""
+        radius = self.tracker.offset(f"D{block.get('D'):g}", "R")
+        if radius is None:
+            raise self.not_stated(name, block)
+        return radius / self.unit
+
+    def not_stated(self, name: str, block: Block) -> ProgramError:
+        """The radius that D of a block names is not known."""
+        number = block.get("D")
+        return self.fault(
+            f"the tool's radius D{number:g} of {name} is not stated",
+            f"say it in mm: --offset D{number:g}=R5",
+            block.word("D"),
+        )
+
     def degrees(self, word: Word) -> float:
         """An angle; without a point it may count thousandths of a degree."""
         whole = self.tracker.counts and "." not in word.raw

@@ -21,8 +21,8 @@ from postproc.nc.cycles.corners_linuxcnc import Finish, finished
 from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.offset import offset
-from postproc.nc.cycles.pockets_linuxcnc import TooMany, roughing, turning_back
-from postproc.nc.cycles.profile import Element, Profile, shape
+from postproc.nc.cycles.pockets_linuxcnc import roughing, turning_back
+from postproc.nc.cycles.profile import Element, Profile, TooMany, shape
 from postproc.nc.cycles.roughing_fanuc import Pen
 from postproc.nc.cycles.scene import CLOCKWISE, COUNTER, Scene
 from postproc.nc.cycles.words import Form
@@ -303,8 +303,4 @@ class LinuxcncTurning(Cycle):
             raise scene.fault(
                 "this shape is never roughed out", "LinuxCNC does not end with it: write it out"
             ) from None
-        for s in way:
-            if s.code in ("G0", "G1"):
-                pen.to(s.code, s.end)
-            else:
-                pen.arc(s.code, s.end, s.centre)
+        pen.steps(way)

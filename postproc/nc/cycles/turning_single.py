@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Cycle, Outcome
-from postproc.nc.cycles.grooving_fanuc import named_end
+from postproc.nc.cycles.grooving_fanuc import named_end, refuse_nose
 from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
@@ -43,10 +43,7 @@ class Turn(Cycle):
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:
         """The plain lines of a block. Raises ProgramError."""
-        if scene.code("cutter") in (410, 420):
-            raise scene.fault(
-                f"G{code / 10:g} with nose radius compensation on", "write G40 before it"
-            )
+        refuse_nose(scene, code)
         m = Moves(scene, own_words(block, "XZUW" + self.tapers, {code}))
         if not self.wants(scene, block):
             return Outcome(m.finish())
