@@ -16,9 +16,9 @@ import numpy as np
 from postproc.nc.batch import Batch
 from postproc.nc.codes import KEYWORD, Code
 from postproc.nc.columns import spread
+from postproc.nc.holes import ACROSS
 from postproc.nc.queries import names, tell
 
-ACROSS = {170: "Z", 180: "Y", 190: "X"}
 DIAMETER = 70  # ten times G7
 TURNS = 1840  # G184 of Okuma lathes turns C from hole to hole
 

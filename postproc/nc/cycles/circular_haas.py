@@ -36,6 +36,7 @@ NEAR = 1e-9
 class CircularPocket(Cycle):
     """G12 G13."""
 
+    codes = (CLOCKWISE, COUNTER)
     form = Form("a pocket cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from postproc.nc.cycles.block import Block
@@ -31,6 +32,11 @@ class Cycle:
     """A cycle of one block, unless a subclass says more. `form`: its words."""
 
     form: Form
+
+    @property
+    def codes(self) -> Iterable[int]:
+        """Ten times each G number that calls it."""
+        raise NotImplementedError
 
     @property
     def modal(self) -> bool:

@@ -51,6 +51,11 @@ class Directions(Before):
         frame = self.scene.tracker.state.frame
         return (frame.tip if frame else None) or Space()
 
+    def vector(self, block: Block) -> np.ndarray | None:
+        """(3,) the direction that a block names, a missing component as 0; None: it names none."""
+        named = [block.get(x) for x in self.letters]
+        return np.array([v or 0.0 for v in named]) if any(v is not None for v in named) else None
+
     def directed(self, block: Block, vector: np.ndarray) -> bytes:
         """The block with the words of the rotary axes in the place of the vector's. Raises
         ProgramError."""

@@ -13,8 +13,6 @@ do not allow; arcs, G91.
 
 from __future__ import annotations
 
-import numpy as np
-
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.direction import Directions
 from postproc.nc.cycles.moves import own_words
@@ -45,10 +43,14 @@ class ToolDirections(Directions):
             return [self._begin(block)]
         if self.on and any(self.scene.group_of(c) in LENGTHS for c in block.codes):
             self.on = False
-        vector = [block.get(x) for x in "IJK"]
-        if not self.on or all(v is None for v in vector):
+        vector = self.vector(block)
+        if not self.on or vector is None:
             return [block.text]
-        return [self._directed(block, np.array([v or 0.0 for v in vector]))]
+        if self.scene.code_of(block, "motion") in (CLOCKWISE, COUNTER):
+            raise self.scene.fault(
+                "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
+            )
+        return [self.directed(block, vector)]
 
     def _begin(self, block: Block) -> bytes:
         """G43.5 as G43.4."""
@@ -65,12 +67,3 @@ class ToolDirections(Directions):
             )
         self.on = True
         return block.written(set(), changed={min(own_words(block, "", (ON,))): b"G43.4"})
-
-    def _directed(self, block: Block, vector: np.ndarray) -> bytes:
-        """The block with the words of the rotary axes in the place of I J K."""
-        scene = self.scene
-        if scene.code_of(block, "motion") in (CLOCKWISE, COUNTER):
-            raise scene.fault(
-                "an arc under G43.5, whose I J K could be a centre or a direction", BY_CAM
-            )
-        return self.directed(block, vector)

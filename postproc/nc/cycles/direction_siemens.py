@@ -15,8 +15,6 @@ from __future__ import annotations
 
 import re
 
-import numpy as np
-
 from postproc.nc.codes import code_number
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.direction import Directions
@@ -53,11 +51,11 @@ class SiemensDirections(Directions):
                 self.on = code == ON
             elif code in FRAMES:
                 self.machine = code == MACHINE
-        vector = [block.get(x) for x in self.letters]
-        if all(v is None for v in vector):
+        vector = self.vector(block)
+        if vector is None:
             return [block.text]
         self._check(block)
-        return [self.directed(block, np.array([v or 0.0 for v in vector]))]
+        return [self.directed(block, vector)]
 
     def space(self) -> Space:
         """That of the words: a swivelled plane turns the vector too."""

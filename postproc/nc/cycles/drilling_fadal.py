@@ -24,11 +24,11 @@ from postproc.nc.cycles.words import Form, named
 
 TAPPING = (740, 741, 840, 841)
 FINE_BORE = 760
-FADAL = (*(code for code in MILL if code not in (842, 843)), *TAPPING, FINE_BORE)
+PLAIN = {code: action for code, action in MILL.items() if code not in (842, 843)}
 
 
 class FadalDrilling(HaasDrilling):
-    actions = MILL | dict.fromkeys(TAPPING, bore)
+    actions = PLAIN | dict.fromkeys(TAPPING, bore)
     tapping, refused, whole = TAPPING, {FINE_BORE: SHIFT}, (FINE_BORE,)
     dwells = (820, 890)
 

@@ -41,7 +41,6 @@ RADIAL: dict[int, Action] = {code + 1600: action for code, action in AXIAL.items
 TAPS_ALONG_X = (1950, 1960)
 TAPS = (840, 950, 1840, 1860, *TAPS_ALONG_X)
 BY_HAND = dict.fromkeys((870, 880, 2470, 2480), "the operator draws the tool out by hand")
-HAAS_LATHE = (*AXIAL, *RADIAL, *TAPS, *BY_HAND)
 DWELLS = (820, 830, 890, 2420, 2430, 2490)
 UNCERTAIN = "from where it counts the bottom is not certain"
 

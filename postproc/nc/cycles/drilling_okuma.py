@@ -109,6 +109,7 @@ class OkumaDrilling(FanucDrilling):
 class ReturnLevel(Cycle):
     """G71 Z: the level to which M53 goes back."""
 
+    codes = (LEVEL,)
     form = Form(KIND, {"Z": "level to go back to"})
 
     def __init__(self, holes: OkumaDrilling):

@@ -20,7 +20,6 @@ from postproc.nc.cycles.moves import Moves, own_words
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
-DRILL = 1810
 KIND = "a drilling cycle"
 PLACES = {"X": "place, or bottom", "Y": "place", "Z": "bottom, or place", "C": "angle"}
 SHIFTS = {"K": "on in rapid along Z", "I": "on in rapid along X"}
@@ -33,6 +32,7 @@ MOST_HOLES = 1000
 class LiveDrilling(Cycle):
     """Its words hold until G180."""
 
+    codes = (1810,)
     form = Form(KIND, WORDS | AROUND, refused=REFUSED)
     modal = True
 

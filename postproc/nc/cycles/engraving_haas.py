@@ -12,12 +12,11 @@ from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 
-CODE = 470
-
 
 class Engraving(Cycle):
     """G47."""
 
+    codes = (470,)
     form = Form("an engraving", stays=True)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:

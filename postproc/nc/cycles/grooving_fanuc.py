@@ -24,6 +24,7 @@ Assumed: RETRACT in place of parameter 5139, or of setting 22.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
@@ -49,6 +50,7 @@ class Grooving(Cycle):
     """One of the two: it pecks along `deep`, and steps along the other axis. `escape`: back
     behind a peck, a radius, as the first of two blocks said it."""
 
+    codes: Iterable[int]
     deep: str
     haas: bool = False
     escape: float | None = None

@@ -14,6 +14,7 @@ found. Refused: DA=, the other step's word, a target beside the start without a 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from postproc.nc.cycles.block import Block
@@ -34,6 +35,7 @@ STEP = {"X": "I", "Z": "K"}
 class OkumaGrooving(Cycle):
     """One of the two: it pecks along `deep`, and steps along the other axis."""
 
+    codes: Iterable[int]
     deep: str
 
     @property

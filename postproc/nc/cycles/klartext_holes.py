@@ -25,6 +25,7 @@ from dataclasses import dataclass, field
 from postproc.nc.cycles.klartext_lines import signed
 from postproc.nc.cycles.klartext_patterns import NUMBER, PECKING, pecks
 from postproc.nc.cycles.scene import Scene
+from postproc.nc.klartext import STAY
 
 NEAR = 1e-9
 MOST_PECKS = 10_000
@@ -35,7 +36,6 @@ AT_OWN_FEED = (201, 203, 205)  # come out at Q208
 NOT_FOLLOWED = (343, 379, 395)  # a diameter, a deeper start, another reference
 OLD_TAPS = (2, 17)
 TAPS = (*OLD_TAPS, 206, 207, 209)
-STAY = (*TAPS, 202, 204, 241, *range(262, 266), 267)
 HELP = "let the CAM program write its motions out as L"
 
 

@@ -21,12 +21,12 @@ from postproc.nc.cycles.klartext_corners import BETWEEN, Corners
 from postproc.nc.cycles.klartext_holes import Holes
 from postproc.nc.cycles.klartext_join import Joined
 from postproc.nc.cycles.klartext_lines import FAST, places, signed
-from postproc.nc.cycles.klartext_patterns import PATTERNS, points
+from postproc.nc.cycles.klartext_patterns import points
 from postproc.nc.cycles.klartext_tangent import Heading
 from postproc.nc.cycles.pole_arc import Arc, Point, by_radius, ends
 from postproc.nc.cycles.scene import PLANES, Scene
 from postproc.nc.expand import Line
-from postproc.nc.klartext import CYCLE, HEAD, TURNS
+from postproc.nc.klartext import CYCLE, HEAD, PATTERNS, TURNS
 
 STATEMENT = re.compile(
     rb"(APPR|DEP|CC|CR|CP|CT|C|LP|L|RND|CHF|CYCL[ \t]+CALL|CYCL[ \t]+DEF|TOOL|M)(?![A-Z])[ \t]*"

@@ -24,7 +24,6 @@ from collections.abc import Callable
 from postproc.nc.cycles.scene import Scene
 
 POLAR, LINEAR, PECKING = 220, 221, 1
-PATTERNS = (POLAR, LINEAR)
 NUMBER = re.compile(rb"([-+]?[0-9]*\.?[0-9]+)[ \t]*\Z")
 MOST = 10_000
 NEAR = 1e-9

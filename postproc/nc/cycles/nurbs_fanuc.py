@@ -21,7 +21,6 @@ from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.splines import lines_along
 from postproc.nc.cycles.words import Form
 
-NURBS = 62
 AXES = "XYZ"
 RANKS, RANK = (2, 3, 4), 4
 FORM = Form(
@@ -33,6 +32,7 @@ PROGRAM = "let the CAM program write it again, or write lines and arcs"
 class FanucNurbs(Cycle):
     """`knots`, `poles` and `weights` so far; `axes`: those that the control points name."""
 
+    codes = (62,)
     form = FORM
 
     def __init__(self) -> None:

@@ -53,6 +53,7 @@ WRITE = "write it as G1, G2 and G3 with numbers"
 class Pocket(Cycle):
     """G150."""
 
+    codes = (CODE,)
     form = Form("a pocketing cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:

@@ -18,7 +18,6 @@ from postproc.nc.cycles.scene import Scene
 from postproc.nc.cycles.words import Form
 from postproc.nc.expand.tracker import number
 
-SPLINE = 50
 E_DECIMALS = 5  # as slicers write it
 WORDS = {
     "X": "end",
@@ -35,6 +34,7 @@ WORDS = {
 class MarlinSpline(Cycle):
     """G5."""
 
+    codes = (50,)
     form = Form("a Bezier curve", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:

@@ -78,6 +78,7 @@ class Thread:
 class LinuxcncThread(Cycle):
     """G76."""
 
+    codes = (760,)
     form = Form("a threading cycle", WORDS)
 
     def run(self, scene: Scene, block: Block, code: int) -> Outcome:

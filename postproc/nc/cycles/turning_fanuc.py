@@ -30,6 +30,7 @@ pockets_fanuc.py. I K of G71 G72, the allowance of a rough finishing pass, are r
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from postproc.errors import ProgramError
@@ -78,6 +79,10 @@ class Repetitive(Cycle):
     haas: bool = False
     held: dict[str, dict[str, float]] = field(default_factory=dict)
     shapes: dict[tuple[int, int], int] = field(default_factory=dict)  # P, Q: the line of P
+
+    @property
+    def codes(self) -> Iterable[int]:
+        return self.roles
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of one role: of the first of two blocks, and of the second one or of one

@@ -88,6 +88,8 @@ def _no_motion(word: Word) -> bool:
 class LinuxcncTurning(Cycle):
     """G70, G71, G72."""
 
+    codes = (700, 710, 711, 712, 720, 721, 722)
+
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of the cycle (convert_g7x of the interpreter)."""
         if code == 722:

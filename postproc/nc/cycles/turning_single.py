@@ -8,6 +8,8 @@ operator's manual 96-8900, G90, G94. Threads (G76, G92) have a run-out that para
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from postproc.nc.cycles.block import Block
 from postproc.nc.cycles.cycle import Cycle, Outcome
 from postproc.nc.cycles.grooving_fanuc import named_end, refuse_nose
@@ -28,8 +30,10 @@ class Turn(Cycle):
 
     modal = True
 
-    def __init__(self, facing: bool, haas: bool = False):
-        self.facing = facing
+    codes: Iterable[int] = ()
+
+    def __init__(self, codes: Iterable[int], facing: bool, haas: bool = False):
+        self.codes, self.facing = codes, facing
         self.tapers = ("K" if facing else "I") + "R" * (not haas)
         self.form = Form(KIND, PLACES | dict.fromkeys(self.tapers, "taper"), increments=True)
         self.end()
@@ -83,10 +87,11 @@ class Stays(Cycle):
     """A thread: it begins and ends in its start point, and stays as it is written."""
 
     form = Form("a threading cycle", stays=True)
+    codes: Iterable[int] = ()
     modal = False
 
-    def __init__(self, modal: bool):
-        self.modal = modal
+    def __init__(self, codes: Iterable[int], modal: bool):
+        self.codes, self.modal = codes, modal
 
     def wants(self, scene: Scene, block: Block) -> bool:
         return any(block.get(x) is not None for x in "XZUWR")
