@@ -29,14 +29,11 @@ class Outcome(NamedTuple):
 
 
 class Cycle:
-    """A cycle of one block, unless a subclass says more. `form`: its words."""
+    """A cycle of one block, unless a subclass says more. `codes`: ten times each G number that
+    calls it; `form`: its words."""
 
+    codes: Iterable[int]
     form: Form
-
-    @property
-    def codes(self) -> Iterable[int]:
-        """Ten times each G number that calls it."""
-        raise NotImplementedError
 
     @property
     def modal(self) -> bool:

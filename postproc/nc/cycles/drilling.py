@@ -18,7 +18,7 @@ is in drilling_linuxcnc.py and drilling_fanuc.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -182,11 +182,8 @@ class Drilling(Cycle):
 
     def __init__(self, synchronised: bool = False):
         self.synchronised = synchronised
+        self.codes = (*self.actions, *self.refused)
         self.end()
-
-    @property
-    def codes(self) -> Iterable[int]:
-        return *self.actions, *self.refused
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of a cycle."""

@@ -47,8 +47,8 @@ class OkumaDrilling(FanucDrilling):
     back = 0  # M53 or M54, as last named
 
     def __init__(self, synchronised: bool = False):
-        super().__init__(synchronised)
         self.actions = OKUMA | dict.fromkeys(TAPS, bore) | {730: self._chips}
+        super().__init__(synchronised)
         self.level: float | None = None
 
     def hole_form(self, code: int) -> Form:

@@ -11,8 +11,6 @@ the curve are as near to what it does as these. grblHAL's G5 and G5.1 are the sa
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 
 from postproc.nc.cycles.block import Block
@@ -47,8 +45,6 @@ FORMS = {
 
 class Splines(Cycle):
     """`poles`: of the NURBS that was begun, x (radius), y and weight."""
-
-    codes: Iterable[int] = ()
 
     def __init__(self, nurbs: bool = True):
         self.codes = (CUBIC, QUADRATIC, *((NURBS, NURBS_END) if nurbs else ()))

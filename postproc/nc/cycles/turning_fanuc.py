@@ -30,7 +30,6 @@ pockets_fanuc.py. I K of G71 G72, the allowance of a rough finishing pass, are r
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 from postproc.errors import ProgramError
@@ -80,9 +79,8 @@ class Repetitive(Cycle):
     held: dict[str, dict[str, float]] = field(default_factory=dict)
     shapes: dict[tuple[int, int], int] = field(default_factory=dict)  # P, Q: the line of P
 
-    @property
-    def codes(self) -> Iterable[int]:
-        return self.roles
+    def __post_init__(self) -> None:
+        self.codes = self.roles
 
     def forms(self, code: int) -> tuple[Form, ...]:
         """The words of one role: of the first of two blocks, and of the second one or of one

@@ -30,8 +30,6 @@ class Turn(Cycle):
 
     modal = True
 
-    codes: Iterable[int] = ()
-
     def __init__(self, codes: Iterable[int], facing: bool, haas: bool = False):
         self.codes, self.facing = codes, facing
         self.tapers = ("K" if facing else "I") + "R" * (not haas)
@@ -87,7 +85,6 @@ class Stays(Cycle):
     """A thread: it begins and ends in its start point, and stays as it is written."""
 
     form = Form("a threading cycle", stays=True)
-    codes: Iterable[int] = ()
     modal = False
 
     def __init__(self, codes: Iterable[int], modal: bool):
