@@ -15,13 +15,13 @@ NEAR = 1e-9
 
 
 class Bend(NamedTuple):
-    """`short`: the length of the shorter line; `left`: whether the way turns to the left there."""
+    """`length`: of the shorter line; `left`: whether the way turns to the left there."""
 
     at: complex
     a: complex
     b: complex
     angle: float
-    short: float
+    length: float
     left: bool
 
     @property
@@ -54,7 +54,7 @@ def bent(start: Point, corner: Point, end: Point) -> Bend:
     """The corner of a line from `start` and one to `end`."""
     at = complex(*corner)
     before, behind = complex(*start) - at, complex(*end) - at
-    short = min(abs(before), abs(behind))
-    a, b = (x / abs(x) if short > NEAR else 1.0 + 0j for x in (before, behind))
+    length = min(abs(before), abs(behind))
+    a, b = (x / abs(x) if length > NEAR else 1.0 + 0j for x in (before, behind))
     turn = a.conjugate() * b
-    return Bend(at, a, b, math.atan2(abs(turn.imag), turn.real), short, turn.imag < 0)
+    return Bend(at, a, b, math.atan2(abs(turn.imag), turn.real), length, turn.imag < 0)

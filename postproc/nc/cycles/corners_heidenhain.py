@@ -138,6 +138,8 @@ class IsoCorners(Before):
         held = Held(b"", self.start, corner, kind, size, b"")
         end, points = self.corners.cut(held, self._end(block, corner), name)
         self.held = self.corner = None
+        if not points:
+            return [line]
         star = line.text.partition(b"*")[1:]
         texts = [before.written(own_words(before, "XY"), self._words(end)) + b"".join(star)]
         for k, point in enumerate(points):

@@ -292,7 +292,7 @@ class Corners(Before):
         """Where the next line begins then, its block, and the lines up to there."""
         scene = self.scene
         bend = bent(held.start, corner, end)
-        if bend.short < NEAR:
+        if bend.length < NEAR:
             raise scene.fault(f"{held.word} at a line without length", WRITE)
         if bend.straight:
             return corner, block, [held.line, *held.between]
@@ -302,10 +302,10 @@ class Corners(Before):
             ROUND: bend.away(held.size), CHAMFER: held.size,
             LENGTH: held.size / 2 / math.sin(bend.angle / 2),
         }[self.kinds[held.word]]  # fmt: skip
-        if away > bend.short + NEAR:
+        if away > bend.length + NEAR:
             raise scene.fault(
                 f"{held.word}{self.sign}{held.size:g} begins {away:.4g} before the corner, and a"
-                f" line there has {bend.short:.4g}",
+                f" line there has {bend.length:.4g}",
                 "the control makes it smaller then: write the corner out",
             )
         first, second = bend.ends(away)

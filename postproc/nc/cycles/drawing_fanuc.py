@@ -159,10 +159,10 @@ def _away(scene: Scene, corner: Corner, bend: Bend) -> float:
     if bend.back or bend.straight:
         raise scene.fault("a corner of the shape where it goes straight on", "take it out")
     away = bend.away(corner.size) if corner.round else corner.size
-    if away > bend.short + 1e-6:
+    if away > bend.length + 1e-6:
         raise scene.fault(
             f"a corner of {corner.size:g} begins {away:.4g} before its point, and a line of the"
-            f" shape there has {bend.short:.4g}",
+            f" shape there has {bend.length:.4g}",
             "make it smaller, or write the corner out",
         )
     return away

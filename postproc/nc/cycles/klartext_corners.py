@@ -126,10 +126,10 @@ class Corners:
         if bend.back:
             raise scene.fault(f"{name} where the line runs back", WRITE)
         away = bend.away(held.size) if round_ else held.size
-        if away > bend.short + NEAR:
+        if away > bend.length + NEAR:
             raise scene.fault(
                 f"{name} {held.size:g} begins {away:.4g} before the corner, and a line there"
-                f" has {bend.short:.4g}",
+                f" has {bend.length:.4g}",
                 "the control stops at it: make the corner smaller",
             )
         first, second = bend.ends(away)
