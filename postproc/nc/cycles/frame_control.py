@@ -13,8 +13,8 @@ class FrameControl:
     """The frames in force. `codes`: those it looks at; `takers`: those of them whose axis words are
     no motion."""
 
-    codes: tuple[int, ...] = ()
-    takers: tuple[int, ...] = ()
+    codes: tuple[int, ...]
+    takers: tuple[int, ...]
 
     def __init__(self, scene: Scene):
         self.scene, self.frames = scene, Frames(scene)

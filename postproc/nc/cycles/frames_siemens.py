@@ -34,10 +34,9 @@ CANCEL = "end it before: TRANS or ROT without words"
 class SiemensFrames(FrameControl):
     """The programmable frame but for a shift that stays in the text, and the pole."""
 
-    codes = takers = (*FRAMES, *POLES)
-
     def __init__(self, scene: Scene):
         super().__init__(scene)
+        self.codes = self.takers = (*FRAMES, *POLES)
         self.frames.why, self.frames.strict = "the programmed frame", True
         self.pole: dict[str, float] = {}
         self.polar: dict[str, float] = {}
